@@ -1,0 +1,96 @@
+"""What the renderer sees: a `Scene` (set once per show) and a `StageView` (refilled each frame); nothing else.
+
+Metres, seconds, radians, beats; right-handed, Y up, +x to the right as the audience sees it, +z towards the
+audience, the origin at the centre of the stage floor.
+"""
+
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+Float32 = npt.NDArray[np.float32]
+Int32 = npt.NDArray[np.int32]
+Colour = tuple[float, float, float]
+
+ATTRACTOR: Final = 0
+REPULSOR: Final = 1
+SPREADER: Final = 2
+ELEMENT_CAPACITY: Final = 256
+"""Elements drawn at most; all of them act, only these are drawn."""
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """Where the audience sits: eye and target [m], vertical field of view [degrees]."""
+
+    eye: tuple[float, float, float] = (0.0, 3.4, 11.5)
+    target: tuple[float, float, float] = (0.0, 0.9, 0.0)
+    field_of_view_deg: float = 40.0
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """Colours (linear RGB, 0 to 1) and strengths of the light; `haze` is the depth fade [1/m]."""
+
+    background: Colour = (0.010, 0.011, 0.018)
+    floor: Colour = (0.060, 0.058, 0.070)
+    key_light: Colour = (1.0, 0.93, 0.82)
+    key_direction: tuple[float, float, float] = (-0.45, -1.0, -0.55)
+    rim_light: Colour = (0.45, 0.62, 1.0)
+    ambient: float = 0.10
+    haze: float = 0.035
+    group_colours: tuple[Colour, ...] = ((0.90, 0.42, 0.20), (0.16, 0.55, 0.75), (0.86, 0.74, 0.42))
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What stays the same for a whole patch: stage size (width, depth) [m], camera, look, number of dancers."""
+
+    stage_size: tuple[float, float]
+    camera: Camera
+    look: Look
+    dancer_count: int
+    joint_count: int
+
+
+@dataclass(slots=True, eq=False)
+class StageView:
+    """One moment of the stage, interpolated for the frame that will be drawn (A dancers, J joints)."""
+
+    joint_position: Float32
+    """World positions of the joints [m], shape (A, J, 3)."""
+    joint_rotation: Float32
+    """World rotations of the joints from the rest pose, unit quaternions (w, x, y, z), shape (A, J, 4)."""
+    group: Int32
+    """Group of each dancer, shape (A,): the index of its colour."""
+    element_kind: Int32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.int32))
+    element_position: Float32 = field(default_factory=lambda: np.zeros((ELEMENT_CAPACITY, 2), np.float32))
+    """Stage positions (x, z) [m] of the elements in force, shape (256, 2); the first `element_count` count."""
+    element_level: Float32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.float32))
+    """How strongly each element acts now, 0 to 1 (it fades in and out), shape (256,)."""
+    element_count: int = 0
+    time: float = 0.0
+    beat: float = 0.0
+    measure: int = 0
+    """Number of the measure, from 0."""
+    phase: float = 0.0
+    """Beats into the measure."""
+    beats_per_measure: int = 4
+    tempo: float = 120.0
+    brightness: float = 1.0
+    """1 = full light, 0 = blackout."""
+    overlay: tuple[str, ...] = ()
+    """Lines of the operator's overlay; empty = hidden."""
+
+    @staticmethod
+    def allocate(dancer_count: int, joint_count: int) -> "StageView":
+        """A view for `dancer_count` dancers of `joint_count` joints, all at the origin."""
+        rotation = np.zeros((dancer_count, joint_count, 4), np.float32)
+        rotation[..., 0] = 1.0
+        return StageView(
+            joint_position=np.zeros((dancer_count, joint_count, 3), np.float32),
+            joint_rotation=rotation,
+            group=np.zeros(dancer_count, np.int32),
+        )

@@ -1,0 +1,1 @@
+"""Musical time as a value: estimates and taps in, a Timeline out."""

@@ -1,0 +1,53 @@
+"""Ticks: the fixed time step of the simulation (after bevy's fixed timestep).
+
+64 Hz because 60 Hz beats against the monitor (0, 2, 0, 2 ticks a frame), and 1/64 s is exact in binary: tick n is
+at n/64 s without rounding, whatever the frame rate.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import Final
+
+TICK: Final = 1.0 / 64.0
+"""Seconds from one tick to the next."""
+
+STALL: Final = 0.25
+"""After a gap longer than this [s] the missed ticks are skipped and counted, not run."""
+
+
+class Ticks:
+    """Counts ticks up to a target time; the tick with index n is at n/64 s.
+
+    Thread: the show's only.
+    """
+
+    def __init__(self, index: int = 0) -> None:
+        self.index = index
+        """Index of the last tick that was due (the simulation stands there)."""
+        self.skipped = 0
+        """Ticks skipped after stalls, since the start."""
+
+    @property
+    def time(self) -> float:
+        """Seconds at the last due tick."""
+        return self.index * TICK
+
+    def stalled(self, target: float) -> int:
+        """How many ticks to skip because `target` [s] lies more than STALL ahead; 0 as a rule."""
+        behind = target - self.time
+        return math.floor(behind / TICK) - 1 if behind > STALL else 0
+
+    def skip(self, count: int) -> None:
+        """Jump over `count` ticks that will never be run."""
+        self.index += count
+        self.skipped += count
+
+    def due(self, target: float) -> Iterator[float]:
+        """The times [s] of the ticks after the last one, up to and including `target` [s]."""
+        while (self.index + 1) * TICK <= target:
+            self.index += 1
+            yield self.index * TICK
+
+    def alpha(self, target: float) -> float:
+        """How far `target` [s] lies from the last tick towards the next, in [0, 1]."""
+        return min(max((target - self.time) / TICK, 0.0), 1.0)

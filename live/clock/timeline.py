@@ -1,0 +1,73 @@
+"""Timeline: the bijection between seconds and beats, and where the measures lie in it (after Ableton Link).
+
+A Timeline is never changed, only replaced as a whole. *Phase* means beats into the measure, in [0, beats_per_measure).
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+TEMPO_MIN_BPM = 20.0
+TEMPO_MAX_BPM = 400.0
+
+
+@dataclass(frozen=True, slots=True)
+class Timeline:
+    """beat(t) = beat_origin + (t - time_origin) · tempo / 60; a measure begins at measure_origin + k · B."""
+
+    tempo: float = 120.0
+    """Beats per minute."""
+    beat_origin: float = 0.0
+    time_origin: float = 0.0
+    """Seconds of the clock at which the beat is `beat_origin`."""
+    beats_per_measure: int = 4
+    measure_origin: float = 0.0
+    """The beat at which measure 0 begins."""
+
+    def __post_init__(self) -> None:
+        if not TEMPO_MIN_BPM <= self.tempo <= TEMPO_MAX_BPM:
+            raise ValueError(f"tempo {self.tempo} is not within {TEMPO_MIN_BPM:g} to {TEMPO_MAX_BPM:g} bpm")
+        if self.beats_per_measure < 1:
+            raise ValueError(f"a measure of {self.beats_per_measure} beats: at least 1 expected")
+
+    def beat_at(self, time: float) -> float:
+        """Beat at `time` [s]."""
+        return self.beat_origin + (time - self.time_origin) * self.tempo / 60.0
+
+    def time_at(self, beat: float) -> float:
+        """Time [s] at which `beat` falls."""
+        return self.time_origin + (beat - self.beat_origin) * 60.0 / self.tempo
+
+    def measure_at(self, time: float) -> int:
+        """Number of the measure (from 0) that holds `time` [s]."""
+        return math.floor((self.beat_at(time) - self.measure_origin) / self.beats_per_measure)
+
+    def phase_at(self, time: float) -> float:
+        """Beats into the measure at `time` [s]."""
+        return phase(self.beat_at(time) - self.measure_origin, self.beats_per_measure)
+
+    def with_tempo(self, tempo: float, time: float) -> "Timeline":
+        """The same beat at `time` [s], another tempo [bpm] from there."""
+        return replace(self, tempo=tempo, beat_origin=self.beat_at(time), time_origin=time)
+
+    def with_one_at(self, time: float) -> "Timeline":
+        """The beat nearest to `time` [s] becomes a downbeat; the beat position stays, the measure lines move.
+
+        The measure that begins there takes the number of the nearest measure line of the old grid, so that numbers
+        neither jump nor repeat by more than the shift asks for.
+        """
+        downbeat = math.floor(self.beat_at(time) + 0.5)
+        number = math.floor((downbeat - self.measure_origin) / self.beats_per_measure + 0.5)
+        return replace(self, measure_origin=float(downbeat - number * self.beats_per_measure))
+
+
+def phase(beat: float, quantum: float) -> float:
+    """Beats into the quantum, in [0, quantum), for negative beats too."""
+    remainder = math.fmod(beat, quantum)
+    if remainder < 0.0:
+        remainder += quantum
+    return remainder if remainder < quantum else 0.0
+
+
+def next_phase_match(beat: float, target: float, quantum: float) -> float:
+    """The first beat at or after `beat` whose phase equals that of `target`."""
+    return beat + phase(target - beat, quantum)

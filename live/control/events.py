@@ -1,0 +1,142 @@
+"""Events: everything that may change a show, as frozen values stamped with time and source.
+
+The journal of a show is its patch, its seed and these, each with the tick at which it was applied.
+"""
+
+import math
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ControlEvent:
+    """One event: when it arrived (`time`, seconds of the show) and from where (`source`: "osc", "key", "audio" …)."""
+
+    time: float
+    source: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Attract(ControlEvent):
+    """Dancers gather at (x, z) [m] for a number of measures (T105)."""
+
+    x: float
+    z: float
+    strength: float = 1.0
+    measures: float = 4.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Repel(ControlEvent):
+    """Dancers leave the surroundings of (x, z) [m] for a number of measures (T105)."""
+
+    x: float
+    z: float
+    strength: float = 1.0
+    measures: float = 4.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spread(ControlEvent):
+    """Dancers spread over the stage for a number of measures (T109)."""
+
+    measures: float = 4.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Clear(ControlEvent):
+    """All attractors, repulsors and spreaders end, and the patch chooses the steps again."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CallStep(ControlEvent):
+    """All dancers dance this step from the next free measure on, for a number of measures."""
+
+    name: str
+    measures: float = 4.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tap(ControlEvent):
+    """A beat was tapped at `time`."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class One(ControlEvent):
+    """"This is the one": the beat at `time` is the first of a measure."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SetTempo(ControlEvent):
+    """The tempo is set by hand [bpm]; the beat position goes on without a step."""
+
+    tempo: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Blackout(ControlEvent):
+    """The light goes out or comes back."""
+
+    on: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BeatHeard(ControlEvent):
+    """A tracker's estimate: a beat at `beat_time` [s of the show], `period` [s] to the next, confidence 0 to 1."""
+
+    beat_time: float
+    period: float
+    confidence: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SourceChanged(ControlEvent):
+    """A clock source came ("found"), fell silent ("silent") or went away ("lost")."""
+
+    state: str
+    detail: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TicksSkipped(ControlEvent):
+    """The machine stalled: so many ticks were left out."""
+
+    count: int
+
+
+EVENT_TYPES: dict[str, type[ControlEvent]] = {
+    cls.__name__: cls
+    for cls in (
+        Attract, Repel, Spread, Clear, CallStep, Tap, One, SetTempo, Blackout, BeatHeard, SourceChanged, TicksSkipped,
+    )
+}  # fmt: skip
+"""Every kind of event by its name in the journal."""
+
+
+def event_to_json(event: ControlEvent) -> dict[str, Any]:
+    """The event as a JSON object; floats keep every bit (Python writes the shortest form that reads back equal)."""
+    return {"type": type(event).__name__, **asdict(event)}
+
+
+def event_from_json(data: dict[str, Any]) -> ControlEvent:
+    """The event that `event_to_json` wrote; ValueError for an unknown type, field or a value of the wrong kind."""
+    values = dict(data)
+    name = values.pop("type", None)
+    cls = EVENT_TYPES.get(name) if isinstance(name, str) else None
+    if cls is None:
+        raise ValueError(f"unknown event type {name!r}; known are {', '.join(sorted(EVENT_TYPES))}")
+    kinds = {field.name: field.type for field in fields(cls)}
+    for key, value in values.items():
+        kind = kinds.get(key)
+        good = (
+            (kind is float and isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value))
+            or (kind is bool and isinstance(value, bool))
+            or (kind is int and isinstance(value, int) and not isinstance(value, bool))
+            or (kind is str and isinstance(value, str))
+        )
+        if not good:
+            raise ValueError(f"event {name}: field {key!r} cannot be {value!r}")
+    try:
+        return cls(**values)
+    except TypeError as error:
+        raise ValueError(f"event {name}: {error}") from None
