@@ -1,0 +1,112 @@
+"""Quaternions (w, x, y, z) as numpy arrays (..., 4), all broadcasting: for work done once, when clips are made.
+
+The frame loop uses the scalar kernels of `live.base.kernels` instead.
+"""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+Float = npt.NDArray[np.floating]
+
+IDENTITY: Final = (1.0, 0.0, 0.0, 0.0)
+_TINY: Final = 1e-12
+
+
+def unit(vector: Float) -> Float:
+    """Vectors or quaternions (..., n) scaled to length 1; zero vectors stay zero."""
+    length = np.linalg.norm(vector, axis=-1, keepdims=True)
+    return np.asarray(vector / np.maximum(length, _TINY))
+
+
+def mul(a: Float, b: Float) -> Float:
+    """Hamilton product a b, (..., 4): rotate by b first, then by a."""
+    aw, ax, ay, az = np.moveaxis(np.asarray(a), -1, 0)
+    bw, bx, by, bz = np.moveaxis(np.asarray(b), -1, 0)
+    return np.stack(
+        (
+            aw * bw - ax * bx - ay * by - az * bz,
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+        ),
+        axis=-1,
+    )
+
+
+def inverse(q: Float) -> Float:
+    """Conjugate of unit quaternions, (..., 4)."""
+    return np.asarray(q) * np.array((1.0, -1.0, -1.0, -1.0), np.asarray(q).dtype)
+
+
+def rotate(q: Float, vector: Float) -> Float:
+    """Vectors (..., 3) rotated by unit quaternions (..., 4)."""
+    q, vector = np.asarray(q), np.asarray(vector)
+    axis = q[..., 1:]
+    axis, vector = np.broadcast_arrays(axis, vector)
+    twice = 2.0 * np.cross(axis, vector)
+    return np.asarray(vector + q[..., :1] * twice + np.cross(axis, twice))
+
+
+def slerp(a: Float, b: Float, t: Float) -> Float:
+    """SLERP along the shorter arc, (..., 4); `t` (...) is 0 at a and 1 at b (the geodesic on S³, T045)."""
+    a, b, t = np.asarray(a), np.asarray(b), np.asarray(t)
+    dot = np.sum(a * b, axis=-1)
+    sign = np.where(dot < 0.0, -1.0, 1.0)
+    dot = np.minimum(np.abs(dot), 1.0)
+    angle = np.arccos(dot)
+    sine = np.sin(angle)
+    near = sine < 1e-4  # the chord is the arc, and the sine too small to divide by
+    safe = np.where(near, 1.0, sine)
+    weight_a = np.where(near, 1.0 - t, np.sin((1.0 - t) * angle) / safe)
+    weight_b = np.where(near, t, np.sin(t * angle) / safe) * sign
+    return unit(weight_a[..., None] * a + weight_b[..., None] * b)
+
+
+def from_axis_angle(axis: Float, angle: Float) -> Float:
+    """Rotation by `angle` [rad] (...) about `axis` (..., 3), which need not be of length 1."""
+    half = 0.5 * np.asarray(angle)[..., None]
+    axis, half = np.broadcast_arrays(unit(np.asarray(axis)), half)
+    return np.concatenate((np.cos(half[..., :1]), np.sin(half) * axis), axis=-1)
+
+
+def from_rotation_vector(vector: Float) -> Float:
+    """Rotation about a vector (..., 3) by its length [rad]; zero gives the identity."""
+    vector = np.asarray(vector)
+    angle = np.linalg.norm(vector, axis=-1, keepdims=True)
+    return np.concatenate((np.cos(0.5 * angle), 0.5 * vector * np.sinc(0.5 * angle / np.pi)), axis=-1)
+
+
+def from_two_vectors(start: Float, end: Float) -> Float:
+    """Shortest rotation that turns the direction `start` (..., 3) into `end`; for opposite ones about any normal."""
+    a, b = np.broadcast_arrays(unit(np.asarray(start)), unit(np.asarray(end)))
+    dot = np.sum(a * b, axis=-1, keepdims=True)
+    least = np.eye(3)[np.argmin(np.abs(a), axis=-1)]  # an axis that is surely not parallel to a
+    turn = np.where(dot < -1.0 + 1e-9, np.cross(a, least), np.cross(a, b))
+    return unit(np.concatenate((np.where(dot < -1.0 + 1e-9, 0.0, 1.0 + dot), turn), axis=-1))
+
+
+def from_columns(x: Float, y: Float, z: Float) -> Float:
+    """Rotation that takes the axes to the orthonormal, right-handed x, y, z, each (..., 3) (Shepperd's method)."""
+    m = np.stack((x, y, z), axis=-1)
+    m00, m11, m22 = m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]
+    squares = np.stack((1 + m00 + m11 + m22, 1 + m00 - m11 - m22, 1 - m00 + m11 - m22, 1 - m00 - m11 + m22), -1)
+    a, b, c = m[..., 2, 1] - m[..., 1, 2], m[..., 0, 2] - m[..., 2, 0], m[..., 1, 0] - m[..., 0, 1]
+    d, e, f = m[..., 1, 0] + m[..., 0, 1], m[..., 2, 0] + m[..., 0, 2], m[..., 2, 1] + m[..., 1, 2]
+    w, i, j, k = (squares[..., n] for n in range(4))
+    candidates = np.stack(
+        [np.stack(row, -1) for row in ((w, a, b, c), (a, i, d, e), (b, d, j, f), (c, e, f, k))], axis=-2
+    )
+    best = np.argmax(squares, axis=-1)
+    return unit(np.take_along_axis(candidates, best[..., None, None], axis=-2)[..., 0, :])
+
+
+def continuous(q: Float) -> Float:
+    """The same rotations (T, ..., 4) with signs chosen so that each is nearest to the one before along axis 0."""
+    q = np.asarray(q)
+    flips = np.where(np.sum(q[1:] * q[:-1], axis=-1) < 0.0, -1.0, 1.0)
+    signs = (
+        np.concatenate((np.ones_like(flips[:1]), np.cumprod(flips, axis=0))) if len(q) > 1 else np.ones(q.shape[:-1])
+    )
+    return np.asarray(q * signs[..., None])
