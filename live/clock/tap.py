@@ -1,0 +1,41 @@
+"""TapTempo: a row of taps becomes a grid of beats."""
+
+from statistics import fmean, median
+from typing import Final
+
+from live.clock.grid import Grid
+
+FORGET_AFTER: Final = 2.0
+"""Seconds without a tap after which a new row begins."""
+
+BOUNCE: Final = 0.15
+"""Taps closer than this [s] (400 bpm) are one tap of a bouncing key."""
+
+TAPS_WANTED: Final = 3
+TAPS_KEPT: Final = 12
+
+
+class TapTempo:
+    """Collects taps; from the third on each one gives a grid."""
+
+    def __init__(self) -> None:
+        self._taps: list[float] = []
+
+    def tap(self, time: float) -> Grid | None:
+        """Add a tap at `time` [s]; the grid through the row's taps, None for fewer than three.
+
+        The period is the mean of the intervals within a quarter of their median, so that one tap missed or doubled
+        changes nothing; the phase is the median over the taps.
+        """
+        if self._taps and time - self._taps[-1] < BOUNCE:
+            return None
+        if self._taps and time - self._taps[-1] > FORGET_AFTER:
+            self._taps.clear()
+        self._taps = [*self._taps[-(TAPS_KEPT - 1) :], time]
+        if len(self._taps) < TAPS_WANTED:
+            return None
+        intervals = [later - earlier for earlier, later in zip(self._taps, self._taps[1:], strict=False)]
+        middle = median(intervals)
+        grid = Grid(time, fmean(i for i in intervals if abs(i - middle) <= 0.25 * middle))
+        shift = median(grid.residual(tap) for tap in self._taps)
+        return Grid(time + shift * grid.period, grid.period)

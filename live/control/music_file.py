@@ -1,0 +1,143 @@
+"""Music from a file: decoded once into memory, and followed offline sample by sample."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.control.audio_analysis import AudioAnalysis
+from live.control.events import ControlEvent, SourceChanged
+
+LONGEST: Final = 3.0 * 3600.0
+"""Longest music [s]; it is kept in memory, 21 MB a minute in stereo."""
+
+SHORTEST: Final = 0.1
+
+
+class MusicFileError(ValueError):
+    """A file that cannot be played; the message names the file, what is wrong and what to do."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Music:
+    """Decoded sound: `samples` (n, channels) with 1 or 2 channels, full scale = 1, at `sample_rate` [Hz]."""
+
+    samples: npt.NDArray[np.float32]
+    sample_rate: int
+
+    @property
+    def duration(self) -> float:
+        """Seconds."""
+        return float(self.samples.shape[0] / self.sample_rate)
+
+    def block(self, start: int, count: int, loop: bool) -> npt.NDArray[np.float32]:
+        """`count` frames from `start` on, shape (≤ count, channels); the end meets the beginning if it loops."""
+        length = self.samples.shape[0]
+        if not loop:
+            return self.samples[start : start + count]
+        start %= length
+        if start + count <= length:
+            return self.samples[start : start + count]
+        return np.take(self.samples, range(start, start + count), axis=0, mode="wrap")
+
+
+def read_music(path: Path | str) -> Music:
+    """Decode the first sound stream of any file that FFmpeg reads; more than two channels are mixed to stereo.
+
+    Raises MusicFileError for a file that is missing, is no music, holds no sound, or is longer than three hours.
+    """
+    import av  # not at the top: it loads FFmpeg (0.2 s), and a show that listens to a device does not need it
+
+    path = Path(path)
+    if path.is_dir():
+        raise MusicFileError(f"{path} is a folder; name a music file (wav, flac, ogg, mp3, m4a …)")
+    if not path.exists():
+        raise MusicFileError(f"{path}: there is no such file; name a music file (wav, flac, ogg, mp3, m4a …)")
+    try:
+        with av.open(str(path)) as container:
+            if not container.streams.audio:
+                raise MusicFileError(f"{path} holds no sound; name a file with a sound stream")
+            music = _decoded(container, path)
+    except av.FFmpegError as error:
+        reason = error.strerror or type(error).__name__
+        raise MusicFileError(
+            f"{path} cannot be read as music ({reason}); is it complete? wav, flac, ogg, mp3 and m4a are understood"
+        ) from None
+    except OSError as error:
+        raise MusicFileError(f"{path} cannot be opened ({error.strerror or error})") from None
+    if music.duration < SHORTEST:
+        raise MusicFileError(f"{path} holds {music.duration:.2f} s of sound; at least {SHORTEST} s are needed")
+    return music
+
+
+def _decoded(container: Any, path: Path) -> Music:
+    from av.audio.resampler import AudioResampler
+
+    stream = container.streams.audio[0]
+    told = float(container.duration or 0) / 1e6
+    if told > LONGEST:
+        raise _too_long(path)
+    rate, channels = int(stream.rate), min(int(stream.channels), 2)
+    resampler = AudioResampler(format="flt", layout="stereo" if channels == 2 else "mono", rate=rate)
+    blocks: list[npt.NDArray[np.float32]] = []
+    frames = 0
+
+    def keep(decoded: Any) -> None:
+        nonlocal frames
+        for part in resampler.resample(decoded):
+            block = part.to_ndarray().reshape(-1, channels).astype(np.float32, copy=False)
+            blocks.append(block)
+            frames += block.shape[0]
+        if frames > LONGEST * rate:
+            raise _too_long(path)
+
+    for frame in container.decode(stream):
+        keep(frame)
+    keep(None)
+    samples = np.concatenate(blocks) if blocks else np.zeros((0, channels), np.float32)
+    np.nan_to_num(samples, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
+    samples.setflags(write=False)
+    return Music(samples, rate)
+
+
+def _too_long(path: Path) -> MusicFileError:
+    return MusicFileError(f"{path} is longer than {LONGEST / 3600:g} hours; cut it into pieces")
+
+
+class OfflineMusic:
+    """Follows music without playing it: the events that a player would have put by a given time of the show.
+
+    The first sample is heard at `begin` [s]. The events depend only on the music, not on how it is asked for.
+    """
+
+    def __init__(self, music: Music, *, loop: bool = True, begin: float = 0.0) -> None:
+        self._music = music
+        self._loop = loop
+        self._begin = begin
+        self._fed = 0
+        self._ended = False
+        self._analysis = AudioAnalysis(music.sample_rate)
+
+    @property
+    def ended(self) -> bool:
+        """Whether the music is over (never, if it loops)."""
+        return self._ended
+
+    def events_until(self, time: float) -> list[ControlEvent]:
+        """The events from the last call up to `time` [s], in order."""
+        events: list[ControlEvent] = []
+        wanted = int((time - self._begin) * self._music.sample_rate)
+        while self._fed < wanted and not self._ended:
+            block = self._music.block(self._fed, min(wanted - self._fed, 65536), self._loop)
+            self._fed += block.shape[0]
+            events += self._analysis.feed(block, self._time_of)
+            if not self._loop and self._fed >= self._music.samples.shape[0]:
+                self._ended = True
+                end = self._time_of(self._music.duration)
+                events.append(SourceChanged(time=end, source="audio", state="silent", detail="the music is over"))
+        return events
+
+    def _time_of(self, position: float) -> float:
+        return self._begin + position
