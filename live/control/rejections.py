@@ -1,0 +1,95 @@
+"""Rejections: why something that came in was refused, as a value and as a count; nothing here ever raises.
+
+The reasons are a fixed list, so that no sender can make the counts grow; their words are those of the status line.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class Reason(StrEnum):
+    """Why a packet or a control was refused."""
+
+    PACKET_SIZE = "packet empty or too large"
+    ALIGNMENT = "length not a multiple of 4"
+    ADDRESS = "malformed address"
+    WILDCARD = "wildcard in address"
+    UNTERMINATED = "string too long or without end"
+    PADDING = "padding not zero"
+    TEXT = "text not UTF-8"
+    NO_TYPES = "no type tags"
+    UNKNOWN_TYPE = "unknown type tag"
+    MANY_ARGUMENTS = "too many arguments"
+    TRUNCATED = "value cut off"
+    TRAILING = "bytes left over"
+    BLOB = "blob size"
+    NOT_FINITE = "not a finite number"
+    ELEMENT_SIZE = "bundle element size"
+    DEPTH = "bundles nested too deep"
+    MANY_MESSAGES = "too many messages"
+    UNKNOWN_ADDRESS = "unknown address"
+    MISSING = "missing argument"
+    EXTRA = "extra argument"
+    WRONG_TYPE = "wrong type"
+    OUT_OF_RANGE = "out of range"
+    NAME = "unusable name"
+    SENDER = "sender not allowed"
+    SOCKET = "socket error"
+    INTERNAL = "internal error"
+
+
+@dataclass(frozen=True, slots=True)
+class Rejection:
+    """A control that was refused: the reason, its address as received, and what exactly was wrong with which value."""
+
+    reason: Reason
+    address: str
+    expected: str = ""
+    """What is allowed, in words."""
+    received: object = None
+    """The value that was refused."""
+
+    def __str__(self) -> str:
+        text = f"{_shortened(self.address)}: {self.reason}"
+        if self.expected:
+            text += f": expected {self.expected}, received {_shortened(self.received)}"
+        return text
+
+
+def _shortened(value: object) -> str:
+    """A hostile value in one short line: no control characters, at most 60 characters."""
+    text = ascii(value)[:61]
+    return text if len(text) <= 60 else text[:59] + "…"
+
+
+class Tally:
+    """How often each reason came up.
+
+    Thread: `count` from one thread, the reading methods from any (the keys of the table never change).
+    """
+
+    def __init__(self) -> None:
+        self._counts: dict[Reason, int] = dict.fromkeys(Reason, 0)
+
+    def count(self, reason: Reason) -> None:
+        """One more refusal for `reason`."""
+        self._counts[reason] += 1
+
+    @property
+    def total(self) -> int:
+        """All refusals."""
+        return sum(self._counts.values())
+
+    def as_dict(self) -> dict[str, int]:
+        """The reasons that came up, with their counts, in the order of `Reason`."""
+        return {str(reason): count for reason, count in self._counts.items() if count}
+
+
+def merged(tallies: Iterable[Tally]) -> dict[str, int]:
+    """The counts of several doors (OSC, keys, web) in one table."""
+    totals: dict[str, int] = {}
+    for tally in tallies:
+        for reason, count in tally.as_dict().items():
+            totals[reason] = totals.get(reason, 0) + count
+    return totals
