@@ -35,7 +35,7 @@ _PAUSE_S: Final = 0.05
 Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 
 
-class CannotListen(Exception):  # noqa: N818 - shown to the user as it stands
+class CannotListen(Exception):
     """The OSC address cannot be used; the text says why and what to do."""
 
 
@@ -198,18 +198,20 @@ def _bound_socket(host: str, port: int) -> socket.socket:
     """A UDP socket that does not block, with the largest buffer the system grants up to 4 MB."""
     where = f"{host}:{port}"
     remedy = "choose another with --osc HOST:PORT"
+    if not 0 <= port <= 65_535:  # the system would take it modulo 65,536
+        raise CannotListen(f"OSC cannot listen on {where}: a port is 1 to 65535; {remedy}")
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
-    except (OSError, UnicodeError, OverflowError) as error:
+    except (OSError, UnicodeError) as error:
         raise CannotListen(f"OSC cannot listen on {where}: no such address ({error}); {remedy}") from None
     sock = socket.socket(family, kind, protocol)
     try:
         sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER_BYTES)
         sock.setblocking(False)
         sock.bind(address)
-    except (OSError, OverflowError) as error:
+    except OSError as error:
         sock.close()
-        if isinstance(error, OSError) and error.errno == errno.EADDRINUSE:
+        if error.errno == errno.EADDRINUSE:
             raise PortBusy(
                 f"OSC cannot listen on {where}: another program already uses this port; stop it, or {remedy}"
             ) from None

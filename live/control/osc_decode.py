@@ -37,7 +37,7 @@ _CONSTANTS: Final[dict[int, bool | None]] = {ord("T"): True, ord("F"): False, or
 _INFINITY: Final = float("inf")
 
 
-class OscRejected(Exception):  # noqa: N818 - a refusal, not an error of ours
+class OscRejected(Exception):
     """A packet that is refused as a whole, for `reason`."""
 
     def __init__(self, reason: Reason) -> None:

@@ -1,0 +1,309 @@
+import shutil
+import socket
+import struct
+import subprocess
+import threading
+import time
+from pathlib import Path
+
+import pytest
+from pythonosc.osc_bundle_builder import OscBundleBuilder
+from pythonosc.osc_message import OscMessage
+from pythonosc.osc_message_builder import OscMessageBuilder
+from pythonosc.udp_client import SimpleUDPClient
+
+from live.base.inbox import Inbox
+from live.clock.source import ManualClock
+from live.control import events
+from live.control.osc import CannotListen, OscInput, PortBusy
+from live.control.registry import REGISTRY
+from live.control.rejections import Reason
+
+DEADLINE_S = 20.0
+
+
+def wait_until(condition):
+    """Wait for something that another thread does; fails after a deadline, never sleeps longer than needed."""
+    limit = time.monotonic() + DEADLINE_S
+    pause = threading.Event()
+    while not condition():
+        assert time.monotonic() < limit, "nothing happened before the deadline"
+        pause.wait(0.002)
+
+
+def message(address, *values):
+    builder = OscMessageBuilder(address)
+    for value in values:
+        builder.add_arg(value)
+    return builder.build()
+
+
+class Stage:
+    """An OSC input on a free port with a socket to send from."""
+
+    def __init__(self, **options):
+        self.inbox, self.clock = Inbox(options.pop("capacity", 4096)), ManualClock(7.25)
+        self.osc = OscInput("127.0.0.1", 0, self.inbox, self.clock, **options)
+        self.sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.sender.settimeout(DEADLINE_S)
+        self.sent = 0
+
+    def __enter__(self):
+        self.osc.start()
+        return self
+
+    def __exit__(self, *_):
+        self.osc.stop()
+        self.sender.close()
+
+    def send(self, *packets):
+        """Send the packets, and wait until each was dealt with (or given up by the system)."""
+        for packet in packets:
+            self.sender.sendto(packet, ("127.0.0.1", self.osc.port))
+            self.sent += 1
+        wait_until(lambda: self.osc.received + self.osc.lost >= self.sent)
+
+    def events(self):
+        return self.inbox.drain()
+
+
+@pytest.fixture
+def stage():
+    with Stage() as running:
+        yield running
+
+
+STAMP = {"time": 7.25, "source": "osc"}
+TAP = message("/dance/clock/tap").dgram
+PING = message("/dance/ping").dgram
+
+
+def test_controls_arrive_stamped_in_order(stage):
+    stage.send(message("/dance/attract", 1.5, -2.0).dgram, message("/dance/step", "samba", 8).dgram, TAP)
+    assert stage.events() == [
+        events.Attract(x=1.5, z=-2.0, **STAMP),
+        events.CallStep(name="samba", measures=8.0, **STAMP),
+        events.Tap(**STAMP),
+    ]
+    assert (stage.osc.received, stage.osc.accepted, stage.osc.rejected.total) == (3, 3, 0)
+
+
+def test_the_clock_stamps_each_arrival(stage):
+    stage.send(TAP)
+    stage.clock.set(9.5)
+    stage.send(TAP)
+    assert [event.time for event in stage.events()] == [7.25, 9.5]
+
+
+def test_python_osc_as_client(stage):
+    client = SimpleUDPClient("127.0.0.1", stage.osc.port)
+    client.send_message("/dance/blackout", True)
+    client.send_message("/dance/clock/tempo", 96)
+    wait_until(lambda: stage.osc.received == 2)
+    client._sock.close()
+    assert stage.events() == [events.Blackout(on=True, **STAMP), events.SetTempo(tempo=96.0, **STAMP)]
+
+
+def killer_packets():
+    future = OscBundleBuilder(time.time() + 3600.0)
+    future.add_content(message("/dance/clock/one"))
+    negative = b"#bundle\0" + struct.pack(">Q", 1) + struct.pack(">i", -4) + bytes(16)
+    return future.build().dgram, negative
+
+
+def test_the_two_packets_that_stop_other_receivers_do_not_stop_this_one(stage):
+    future, negative = killer_packets()
+    stage.send(future, negative, *[TAP] * 20)
+    assert stage.events() == [events.One(**STAMP)] + [events.Tap(**STAMP)] * 20
+    assert stage.osc.rejected.as_dict() == {"bundle element size": 1}
+    assert stage.osc.future_timetags == 1
+
+
+def test_only_time_tags_ahead_of_now_count_as_future(stage):
+    for tag in (1, int((time.time() - 5.0 + 2_208_988_800) * 2**32)):
+        stage.send(b"#bundle\0" + struct.pack(">Qi", tag, len(TAP)) + TAP)
+    assert stage.osc.future_timetags == 0
+    assert len(stage.events()) == 2
+
+
+HOSTILE = [
+    b"",
+    b"\0",
+    b"\xff" * 36,
+    bytes(range(256)),
+    b"x" * 9000,
+    b"/" + b"\0" * 60_000,
+    b"/dance/attract\0\0,ff\0" + struct.pack(">ff", float("nan"), 0.0),
+    b"/dance/attract\0\0,ff\0" + struct.pack(">ff", 0.0, float("inf")),
+    message("/dance/attract", 1e30, 0.0).dgram,
+    b"/dance/attract\0\0,ff\0" + struct.pack(">f", 1.0) + b"\0\0",
+    b"/dance/attract\0\0,ff\0" + struct.pack(">f", 1.0),
+    b"/dance/attract\0\0," + b"T" * 60_000 + b"\0\0\0",
+    message("/dance/*", 1.0).dgram,
+    message("/nowhere").dgram,
+    message("/dance/step", "x" * 65).dgram,
+    message("/dance/clear", 1.0).dgram,
+    message("/dance/blackout", 7).dgram,
+]
+
+
+def test_hostile_datagrams_are_counted_one_by_one_and_the_show_goes_on(stage):
+    stage.send(*HOSTILE)
+    assert stage.events() == []
+    assert stage.osc.received == len(HOSTILE) == stage.osc.rejected.total
+    assert stage.osc.rejected.as_dict() == {
+        "packet empty or too large": 4,
+        "length not a multiple of 4": 2,
+        "wildcard in address": 1,
+        "string too long or without end": 1,
+        "padding not zero": 1,
+        "value cut off": 1,
+        "not a finite number": 2,
+        "unknown address": 1,
+        "extra argument": 1,
+        "out of range": 2,
+        "unusable name": 1,
+    }
+    assert stage.osc.last_rejection.reason == Reason.OUT_OF_RANGE
+    stage.send(TAP)
+    assert stage.events() == [events.Tap(**STAMP)]
+
+
+def test_a_bad_value_in_a_bundle_spoils_that_message_only(stage):
+    bundle = OscBundleBuilder(0)
+    for content in (message("/dance/spread"), message("/dance/attract", 1e30, 0.0), message("/dance/clear")):
+        bundle.add_content(content)
+    stage.send(bundle.build().dgram)
+    assert stage.events() == [events.Spread(**STAMP), events.Clear(**STAMP)]
+    assert (stage.osc.accepted, stage.osc.rejected.as_dict()) == (2, {"out of range": 1})
+
+
+def test_a_flood_is_counted_to_the_last_datagram(stage):
+    good, bad = message("/dance/attract", 1.0, 2.0).dgram, b"\xff" * 40
+    for index in range(20_000):
+        stage.sender.sendto(bad if index % 4 == 3 else good, ("127.0.0.1", stage.osc.port))
+    wait_until(lambda: stage.osc.received + stage.osc.lost >= 20_000)
+    osc = stage.osc
+    assert osc.received + osc.lost == 20_000
+    assert osc.accepted + osc.rejected.total == osc.received
+    assert len(stage.events()) + stage.inbox.dropped == osc.accepted
+    assert osc.rejected.total <= 5_000
+    assert osc.accepted <= 15_000
+    stage.sent = 20_000
+    stage.send(TAP)
+    assert stage.events() == [events.Tap(**STAMP)]
+
+
+def test_events_beyond_the_inbox_push_out_the_oldest_and_are_counted():
+    with Stage(capacity=10) as stage:
+        stage.send(*[message("/dance/attract", float(x), 0.0).dgram for x in range(25)])
+        assert [event.x for event in stage.events()] == list(range(15, 25))
+        assert stage.inbox.dropped == 15
+        assert stage.osc.accepted == 25
+
+
+def test_ping_is_answered_to_its_sender_with_no_more_bytes_than_it_sent(stage):
+    stage.send(PING)
+    answer, sender = stage.sender.recvfrom(2048)
+    assert OscMessage(answer).address == "/dance/pong"
+    assert len(answer) <= len(PING)
+    assert sender[1] == stage.osc.port
+    assert stage.events() == []
+
+
+def test_many_pings_in_one_datagram_get_one_answer(stage):
+    bundle = OscBundleBuilder(0)
+    for _ in range(60):
+        bundle.add_content(message("/dance/ping"))
+    stage.send(bundle.build().dgram)
+    stage.sender.recvfrom(2048)
+    stage.sender.setblocking(False)
+    with pytest.raises(BlockingIOError):  # the answer to the whole datagram was sent before it was counted
+        stage.sender.recvfrom(2048)
+    assert stage.osc.accepted == 60
+
+
+def test_only_listed_senders_are_heard():
+    with Stage(allow=["192.0.2.0/24", "2001:db8::1"]) as closed, Stage(allow=["127.0.0.0/8"]) as open_stage:
+        closed.send(TAP, PING)
+        open_stage.send(TAP)
+        assert closed.events() == []
+        assert closed.osc.rejected.as_dict() == {"sender not allowed": 2}
+        assert len(open_stage.events()) == 1
+
+
+def test_an_error_of_our_own_is_counted_and_the_next_datagram_heard():
+    class Broken:
+        def call(self, address, values, time, source):
+            if address == "/break":
+                raise ZeroDivisionError
+            return REGISTRY.call(address, values, time, source)
+
+    with Stage(registry=Broken()) as stage:
+        stage.send(message("/break").dgram, TAP)
+        assert stage.events() == [events.Tap(**STAMP)]
+        assert stage.osc.rejected.as_dict() == {"internal error": 1}
+
+
+def test_a_busy_port_says_so_and_names_the_remedy(stage):
+    second = OscInput("127.0.0.1", stage.osc.port, Inbox(), ManualClock())
+    with pytest.raises(PortBusy) as caught:
+        second.start()
+    assert f"127.0.0.1:{stage.osc.port}" in str(caught.value)
+    assert "--osc HOST:PORT" in str(caught.value)
+    second.stop()
+
+
+@pytest.mark.parametrize(("host", "port"), [("192.0.2.1", 0), ("127.0.0.1", 70_000), ("not a host", 9010)])
+def test_an_address_that_is_not_ours_is_a_clear_error(host, port):
+    with pytest.raises(CannotListen, match="--osc HOST:PORT"):
+        OscInput(host, port, Inbox(), ManualClock()).start()
+
+
+def test_start_and_stop_leave_no_thread_and_no_open_file():
+    def open_files():
+        return len(list(Path("/proc/self/fd").iterdir()))
+
+    if not Path("/proc/self/fd").is_dir():
+        pytest.skip("counts open files through /proc, which this system does not have")
+    stage = Stage()
+    with stage:
+        stage.send(TAP)
+    threads, files = threading.active_count(), open_files()
+    for _ in range(20):
+        with stage.osc:
+            assert stage.osc.port > 0
+            assert stage.osc.buffer_bytes > 0
+    stage.osc.stop()
+    assert (threading.active_count(), open_files()) == (threads, files)
+    assert stage.osc.accepted == 1
+
+
+OSCSEND = shutil.which("oscsend")
+
+
+@pytest.mark.liblo
+@pytest.mark.skipif(OSCSEND is None, reason="liblo's oscsend is not installed (Debian: liblo-tools)")
+def test_liblos_oscsend_sends_every_control(stage):
+    sent = {
+        "/dance/attract": (["ff", "1.5", "-2"], events.Attract(x=1.5, z=-2.0, **STAMP)),
+        "/dance/repel": (
+            ["fidh", "1", "2", "0.5", "8"],
+            events.Repel(x=1.0, z=2.0, strength=0.5, measures=8.0, **STAMP),
+        ),
+        "/dance/spread": (["f", "2"], events.Spread(measures=2.0, **STAMP)),
+        "/dance/clear": ([], events.Clear(**STAMP)),
+        "/dance/step": (["s", "side step"], events.CallStep(name="side step", **STAMP)),
+        "/dance/clock/tap": ([], events.Tap(**STAMP)),
+        "/dance/clock/one": (["I"], events.One(**STAMP)),
+        "/dance/clock/tempo": (["d", "132.5"], events.SetTempo(tempo=132.5, **STAMP)),
+        "/dance/blackout": (["T"], events.Blackout(on=True, **STAMP)),
+        "/dance/ping": ([], None),
+    }
+    assert set(sent) == {control.address for control in REGISTRY}
+    for count, (address, (arguments, event)) in enumerate(sent.items(), start=1):
+        command = [OSCSEND, "127.0.0.1", str(stage.osc.port), address, *arguments]
+        subprocess.run(command, check=True, timeout=DEADLINE_S)
+        wait_until(lambda count=count: stage.osc.received == count)
+        assert stage.events() == ([] if event is None else [event]), stage.osc.last_rejection
+    assert stage.osc.rejected.total == 0

@@ -1,0 +1,165 @@
+import importlib.util
+import math
+import typing
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from live.control import events
+from live.control.events import ControlEvent
+from live.control.registry import NAME_LENGTH, REGISTRY, Argument, Control, Registry, Reply
+from live.control.rejections import Reason, Rejection, Tally, merged
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def call(address, *values):
+    return REGISTRY.call(address, values, 12.5, "test")
+
+
+def reason(address, *values):
+    result = call(address, *values)
+    assert isinstance(result, Rejection), result
+    assert result.address == address
+    return result.reason
+
+
+STAMP = {"time": 12.5, "source": "test"}
+
+
+@pytest.mark.parametrize(
+    ("address", "values", "event"),
+    [
+        ("/dance/attract", (1.5, -2.0), events.Attract(x=1.5, z=-2.0, **STAMP)),
+        ("/dance/attract", (1, -2, 3, 8), events.Attract(x=1.0, z=-2.0, strength=3.0, measures=8.0, **STAMP)),
+        ("/dance/attract", (0.0, 0.0, None, 2.0), events.Attract(x=0.0, z=0.0, measures=2.0, **STAMP)),
+        ("/dance/repel", (-100, 100.0, 0), events.Repel(x=-100.0, z=100.0, strength=0.0, **STAMP)),
+        ("/dance/spread", (), events.Spread(**STAMP)),
+        ("/dance/spread", (0.25,), events.Spread(measures=0.25, **STAMP)),
+        ("/dance/clear", (), events.Clear(**STAMP)),
+        ("/dance/step", ("samba",), events.CallStep(name="samba", **STAMP)),
+        ("/dance/step", ("Čača ♥", 16), events.CallStep(name="Čača ♥", measures=16.0, **STAMP)),
+        ("/dance/clock/tap", (), events.Tap(**STAMP)),
+        ("/dance/clock/tap", (None,), events.Tap(**STAMP)),
+        ("/dance/clock/one", (), events.One(**STAMP)),
+        ("/dance/clock/tempo", (128,), events.SetTempo(tempo=128.0, **STAMP)),
+        ("/dance/blackout", (1,), events.Blackout(on=True, **STAMP)),
+        ("/dance/blackout", (0.0,), events.Blackout(on=False, **STAMP)),
+        ("/dance/blackout", (True,), events.Blackout(on=True, **STAMP)),
+        ("/dance/blackout", (False,), events.Blackout(on=False, **STAMP)),
+        ("/dance/ping", (), Reply("/dance/pong")),
+    ],
+)
+def test_every_control_makes_its_event(address, values, event):
+    result = call(address, *values)
+    assert result == event
+    for field in fields(result):  # an int is a float here, not an int that the journal would write another way
+        value = getattr(result, field.name)
+        assert type(value) is typing.get_type_hints(type(result))[field.name]
+
+
+@pytest.mark.parametrize(
+    ("address", "values", "expected"),
+    [
+        ("/dance/attract", (), Reason.MISSING),
+        ("/dance/attract", (1.0,), Reason.MISSING),
+        ("/dance/attract", (None, 1.0), Reason.MISSING),
+        ("/dance/attract", (1.0, 2.0, 1.0, 4.0, 5.0), Reason.EXTRA),
+        ("/dance/attract", (math.nan, 0.0), Reason.NOT_FINITE),
+        ("/dance/attract", (0.0, -math.inf), Reason.NOT_FINITE),
+        ("/dance/attract", (1e30, 0.0), Reason.OUT_OF_RANGE),
+        ("/dance/attract", (100.001, 0.0), Reason.OUT_OF_RANGE),
+        ("/dance/attract", (10**400, 0.0), Reason.OUT_OF_RANGE),
+        ("/dance/attract", (0.0, 0.0, -0.1), Reason.OUT_OF_RANGE),
+        ("/dance/attract", (0.0, 0.0, 10.1), Reason.OUT_OF_RANGE),
+        ("/dance/attract", (0.0, 0.0, 1.0, 0.2), Reason.OUT_OF_RANGE),
+        ("/dance/attract", (0.0, 0.0, 1.0, 1025), Reason.OUT_OF_RANGE),
+        ("/dance/attract", ("1", "2"), Reason.WRONG_TYPE),
+        ("/dance/attract", (True, 0.0), Reason.WRONG_TYPE),
+        ("/dance/attract", (b"1234", (1, 2, 3, 4)), Reason.WRONG_TYPE),
+        ("/dance/clear", (1.0,), Reason.EXTRA),
+        ("/dance/step", (), Reason.MISSING),
+        ("/dance/step", (3,), Reason.WRONG_TYPE),
+        ("/dance/step", ("",), Reason.NAME),
+        ("/dance/step", ("   ",), Reason.NAME),
+        ("/dance/step", ("a\nb",), Reason.NAME),
+        ("/dance/step", ("a\u202eb",), Reason.NAME),
+        ("/dance/step", ("x" * (NAME_LENGTH + 1),), Reason.NAME),
+        ("/dance/clock/tempo", (19.9,), Reason.OUT_OF_RANGE),
+        ("/dance/clock/tempo", (400.1,), Reason.OUT_OF_RANGE),
+        ("/dance/blackout", (2,), Reason.OUT_OF_RANGE),
+        ("/dance/blackout", (0.5,), Reason.OUT_OF_RANGE),
+        ("/dance/blackout", (math.nan,), Reason.NOT_FINITE),
+        ("/dance/blackout", ("on",), Reason.WRONG_TYPE),
+        ("/dance/attrac", (1.0, 2.0), Reason.UNKNOWN_ADDRESS),
+        ("/dance/attract/", (1.0, 2.0), Reason.UNKNOWN_ADDRESS),
+        ("/DANCE/attract", (1.0, 2.0), Reason.UNKNOWN_ADDRESS),
+        ("/dance/*", (), Reason.UNKNOWN_ADDRESS),
+    ],
+)
+def test_what_is_not_declared_is_refused_with_its_reason(address, values, expected):
+    assert reason(address, *values) == expected
+
+
+anything = st.one_of(
+    st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=80), st.binary(max_size=8), st.just((1, 2))
+)
+
+
+@given(st.sampled_from([control.address for control in REGISTRY]), st.lists(anything, max_size=6))
+def test_whatever_is_sent_an_event_within_its_ranges_or_a_rejection_comes_out(address, values):
+    result = call(address, *values)
+    if isinstance(result, Rejection):
+        assert str(result).isprintable()
+        assert len(str(result)) < 300
+    elif isinstance(result, ControlEvent):
+        for argument in REGISTRY[address].arguments:
+            value = getattr(result, argument.name)
+            if argument.type == "float":
+                assert argument.minimum <= value <= argument.maximum
+            elif argument.type == "name":
+                assert 1 <= len(value) <= NAME_LENGTH
+        assert events.event_from_json(events.event_to_json(result)) == result
+
+
+def test_a_rejection_says_what_was_allowed_and_what_came():
+    text = str(call("/dance/attract", 1e30, 0.0))
+    assert "-100 to 100 m" in text
+    assert "1e+30" in text
+
+
+def test_two_controls_cannot_share_an_address_and_optional_arguments_come_last():
+    with pytest.raises(ValueError, match="one address"):
+        Registry([REGISTRY["/dance/clear"], REGISTRY["/dance/clear"]])
+    first, second = Argument("a", "float", "", default=1.0), Argument("b", "float", "")
+    with pytest.raises(ValueError, match="after an optional one"):
+        Control("/x", events.Clear, (first, second), "", "operator")
+
+
+def test_defaults_are_within_their_ranges():
+    for control in REGISTRY:
+        for argument in control.arguments:
+            if argument.default is not None:
+                assert argument.checked(argument.default) == argument.default
+
+
+def test_tallies_count_by_reason_and_add_up():
+    first, second = Tally(), Tally()
+    for kind in (Reason.EXTRA, Reason.EXTRA, Reason.NAME):
+        first.count(kind)
+    second.count(Reason.NAME)
+    assert first.as_dict() == {"extra argument": 2, "unusable name": 1}
+    assert first.total == 3
+    assert merged([first, second]) == {"extra argument": 2, "unusable name": 2}
+
+
+def test_the_reference_is_up_to_date():
+    spec = importlib.util.spec_from_file_location("write_osc_reference", ROOT / "tools" / "write_osc_reference.py")
+    tool = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(tool)
+    assert tool.PATH.read_text(encoding="utf-8") == tool.reference(), "run python tools/write_osc_reference.py"
+    for control in REGISTRY:
+        assert f"`{control.address}" in tool.reference()
