@@ -18,9 +18,7 @@ class Advance:
         cells = cell_count(width, NEIGHBOUR_RANGE) * cell_count(depth, NEIGHBOUR_RANGE)
         self._cell_start = np.zeros(cells + 1, np.int32)
         self._order = np.zeros(model.agent_count, np.int32)
-        self._population = np.zeros(
-            cell_count(width, steering.cell) * cell_count(depth, steering.cell), np.int32
-        )
+        self._population = np.zeros(cell_count(width, steering.cell) * cell_count(depth, steering.cell), np.int32)
 
     def __call__(
         self,

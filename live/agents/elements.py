@@ -1,4 +1,4 @@
-"""Procedural elements: attractors, repulsors and spreaders, each in force for a number of measures (T105, T109, T132)."""
+"""Procedural elements: attractors, repulsors, spreaders, each in force for some measures (T105, T109, T132)."""
 
 from dataclasses import dataclass
 

@@ -38,15 +38,15 @@ def hash_unit(seed: int, agent: int, turn: int) -> float:
 @kernel("i8(f8,f8,f8,f8,f8,i8,i8)")
 def _cell_of(x: float, z: float, half_width: float, half_depth: float, size: float, columns: int, rows: int) -> int:
     """Index of the cell that holds (x, z); places off the stage belong to the nearest cell."""
-    column = min(max(int(math.floor((x + half_width) / size)), 0), columns - 1)
-    row = min(max(int(math.floor((z + half_depth) / size)), 0), rows - 1)
+    column = min(max(math.floor((x + half_width) / size), 0), columns - 1)
+    row = min(max(math.floor((z + half_depth) / size), 0), rows - 1)
     return row * columns + column
 
 
 @kernel("i8(f8,f8)")
 def cell_count(extent: float, size: float) -> int:
     """How many cells of about `size` [m] cover `extent` [m]: at least one."""
-    return max(1, int(math.ceil(extent / size - 1e-9)))
+    return max(1, math.ceil(extent / size - 1e-9))
 
 
 @kernel("void(f4[:,::1], f8, f8, f8, i4[::1], i4[::1])")
@@ -86,8 +86,8 @@ def steer_sources(
 ) -> tuple[float, float]:
     """Wish, as a share of the top speed, towards the nearest attractor and away from the nearest repulsor.
 
-    T105: repulsion f(d) = exp(-d / decay), attraction 1 - f(d). T106: only the nearest source of each kind acts, since a
-    mix would pull everybody to the centre of mass.
+    T105: repulsion f(d) = exp(-d / decay), attraction 1 - f(d). T106: only the nearest source of each kind acts,
+    since a mix would pull everybody to the centre of mass.
     """
     wish_x, wish_z = 0.0, 0.0
     for wanted in range(2):
@@ -123,7 +123,10 @@ def steer_spread(
     `population` (cells,) counts the agents of each cell. The agents that leave first are drawn by seeded chance, so
     that a crowd does not empty its cell all at once.
     """
-    columns, rows = cell_count(2.0 * params[_HALF_WIDTH], params[_CELL]), cell_count(2.0 * params[_HALF_DEPTH], params[_CELL])
+    columns, rows = (
+        cell_count(2.0 * params[_HALF_WIDTH], params[_CELL]),
+        cell_count(2.0 * params[_HALF_DEPTH], params[_CELL]),
+    )
     size_x, size_z = 2.0 * params[_HALF_WIDTH] / columns, 2.0 * params[_HALF_DEPTH] / rows
     mean = agents / (columns * rows)
     own = -1
@@ -215,6 +218,20 @@ def steer_neighbours(
     return push_x, push_z, dodge_x, dodge_z, nearest
 
 
+@kernel("void(f4[:,::1],f8[::1],i4[::1])")
+def count_population(position: Float32, params: Float64, population: Int32) -> None:
+    """How many agents stand in each of the spreaders' cells (T109), into population (cells,)."""
+    columns = cell_count(2.0 * params[_HALF_WIDTH], params[_CELL])
+    rows = cell_count(2.0 * params[_HALF_DEPTH], params[_CELL])
+    size_x, size_z = 2.0 * params[_HALF_WIDTH] / columns, 2.0 * params[_HALF_DEPTH] / rows
+    for c in range(columns * rows):
+        population[c] = 0
+    for i in range(position.shape[0]):
+        column = min(max(math.floor((position[i, 0] + params[_HALF_WIDTH]) / size_x), 0), columns - 1)
+        row = min(max(math.floor((position[i, 1] + params[_HALF_DEPTH]) / size_z), 0), rows - 1)
+        population[row * columns + column] += 1
+
+
 @kernel(
     "void(f4[:,::1],f4[:,::1],f4[:,::1],f4[:,::1],f4[::1],f4[::1],f4[:,::1],"
     "i4[::1],f4[:,::1],f4[::1],i8,f8[::1],i8,f8,f8,i4[::1],i4[::1],i4[::1])"
@@ -252,15 +269,7 @@ def advance_agents(
         if kind[e] == 2:
             spread = max(spread, strength[e])
     if spread > 0.0:
-        columns = cell_count(2.0 * params[_HALF_WIDTH], params[_CELL])
-        rows = cell_count(2.0 * params[_HALF_DEPTH], params[_CELL])
-        size_x, size_z = 2.0 * params[_HALF_WIDTH] / columns, 2.0 * params[_HALF_DEPTH] / rows
-        for c in range(columns * rows):
-            population[c] = 0
-        for i in range(position.shape[0]):
-            column = min(max(int((position[i, 0] + params[_HALF_WIDTH]) / size_x), 0), columns - 1)
-            row = min(max(int((position[i, 1] + params[_HALF_DEPTH]) / size_z), 0), rows - 1)
-            population[row * columns + column] += 1
+        count_population(position, params, population)
     turn = int(time)
     for i in range(position.shape[0]):
         x, z = position[i, 0], position[i, 1]

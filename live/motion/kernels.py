@@ -35,7 +35,7 @@ def _place_sample(
 ) -> None:
     """Pose of one dancer at a fractional sample, root in the world, other rotations local, into row `row`."""
     last = clip_root.shape[0] - 1
-    i = min(max(int(math.floor(sample)), 0), last)
+    i = min(max(math.floor(sample), 0), last)
     k = min(i + 1, last)
     t = min(max(sample - i, 0.0), 1.0)
     rx = (1.0 - t) * clip_root[i, 0] + t * clip_root[k, 0]
@@ -76,7 +76,8 @@ def pose_sample(
 
     out_root (A, 3) world [m]; out_rotation (A, J, 4), the root's in the world, the others local; clip_root (S, 3) and
     clip_rotation (S, J, 4) are all clips one after another; sample_a, sample_b (A,) fractional samples into them;
-    weight (A,) in [0, 1]; placements (A, 4): x, z [m], yaw of the path, yaw of the body [rad]; scratch (1, 3), (1, J, 4).
+    weight (A,) in [0, 1]; placements (A, 4): x, z [m], yaw of the path, yaw of the body [rad]; scratch (1, 3) and
+    (1, J, 4).
     """
     for n in range(out_root.shape[0]):
         p = placement_a[n]

@@ -1,0 +1,71 @@
+"""Graph kernels: the choice of the next measure for every dancer, all edges weighed in one call (T068, T070)."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel
+from live.base.kernels import angle_wrap
+
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+
+@kernel("UniTuple(f8,2)(f8,f8,f8)")
+def stage_rotate(x: float, z: float, yaw: float) -> tuple[float, float]:
+    """Rotate the stage vector (x, z) by `yaw` about +Y: (0, 1) becomes (sin yaw, cos yaw)."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    return (x * c + z * s, z * c - x * s)
+
+
+@kernel(
+    "void(i4[::1],f8[:,::1],f8[:,::1],f8[::1],i4[::1],i4[:,::1],i4[::1],i4[::1],f8[::1],f8[:,::1],"
+    "f8[:,::1],f8[::1],i4[::1],f8[::1],i4[::1],f8[:,::1])"
+)
+def choose_edges(
+    node: Int32,
+    placement: Float64,
+    target: Float64,
+    heading: Float64,
+    wanted: Int32,
+    hops: Int32,
+    edge_start: Int32,
+    edge_target: Int32,
+    edge_cost: Float64,
+    edge_transform: Float64,
+    node_end: Float64,
+    node_facing: Float64,
+    node_step: Int32,
+    weights: Float64,
+    out_edge: Int32,
+    out_placement: Float64,
+) -> None:
+    """For every dancer the edge whose measure ends best: nearest to the wanted step, then to place and heading.
+
+    node (A,) where each dancer is; placement (A, 3) x, z, yaw of her clip's axes when that node ends; target (A, 2)
+    where she should stand one measure later [m]; heading (A,) [rad]; wanted (A,) step or -1 for any; hops (C, N)
+    measures from a node to a step; edges as CSR with the rigid transform (E, 3) x, z, yaw that places the next clip in
+    the axes of the last (K001); node_end (N, 2) hips at the node's end in its clip's axes; node_facing (N,) heading
+    there; weights: metre² of place, rad² of heading, unit of edge cost, hop. Results: out_edge (A,) or -1 at a dead
+    end, out_placement (A, 3).
+    """
+    for n in range(node.shape[0]):
+        best, lowest = -1, 1e300
+        for e in range(edge_start[node[n]], edge_start[node[n] + 1]):
+            v = edge_target[e]
+            cost = weights[2] * edge_cost[e]
+            if wanted[n] >= 0 and node_step[v] != wanted[n]:
+                cost += weights[3] * (1.0 + hops[wanted[n], v])
+            dx, dz = stage_rotate(edge_transform[e, 0], edge_transform[e, 1], placement[n, 2])
+            x, z = placement[n, 0] + dx, placement[n, 1] + dz
+            yaw = placement[n, 2] + edge_transform[e, 2]
+            ex, ez = stage_rotate(node_end[v, 0], node_end[v, 1], yaw)
+            cost += weights[0] * ((x + ex - target[n, 0]) ** 2 + (z + ez - target[n, 1]) ** 2)
+            cost += weights[1] * angle_wrap(yaw + node_facing[v] - heading[n]) ** 2
+            if cost < lowest:
+                best, lowest = e, cost
+                out_placement[n, 0] = x
+                out_placement[n, 1] = z
+                out_placement[n, 2] = yaw
+        out_edge[n] = best

@@ -1,0 +1,162 @@
+"""MotionGraph: nodes only at measure ends, edges between compatible measures, dead ends pruned (T031-T042)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.library import StepLibrary
+from live.graph.transition import Transitions, all_pairs, transition_windows
+from live.motion.skeleton import SKELETON
+
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Bool = npt.NDArray[np.bool_]
+
+NEVER = 1 << 20
+"""Hops to a step that cannot be reached."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MotionGraph:
+    """N nodes (measures of the library) and E edges as compressed rows (C steps)."""
+
+    library: StepLibrary
+    edge_start: Int32
+    """Edges of node u are edge_start[u] to edge_start[u + 1], shape (N + 1,)."""
+    edge_target: Int32
+    edge_cost: Float64
+    """Distance of the aligned clouds [m], shape (E,); 0 within a step."""
+    edge_transform: Float64
+    """x, z [m], yaw [rad] that place the next clip in the axes of the last (K001), shape (E, 3)."""
+    hops: Int32
+    """Measures from a node to the first measure of a step, 0 = it is in it, NEVER if it cannot, shape (C, N)."""
+    node_end: Float64
+    """Hips at the end of each measure, in its clip's axes (x, z) [m], shape (N, 2)."""
+    node_facing: Float64
+    """Heading of the body at the end of each measure, in its clip's axes [rad], shape (N,)."""
+    node_facing_start: Float64
+    """The same at its beginning, shape (N,)."""
+    alive: Bool
+    """Whether a node is in the largest strongly connected component, shape (N,)."""
+    window: float
+    """Length of a transition as a share of the measure."""
+    missing: tuple[str, ...]
+    """Steps that no dancer can enter and leave again, in words."""
+
+    @property
+    def edge_count(self) -> int:
+        """Number of edges E."""
+        return len(self.edge_target)
+
+    def entries(self, step: int) -> Int32:
+        """Nodes that begin the step and are alive."""
+        library = self.library
+        chosen = (library.node_step == step) & (library.node_measure == 0) & self.alive
+        return np.flatnonzero(chosen).astype(np.int32)
+
+
+def build_graph(library: StepLibrary, *, window: float = 0.1875, threshold: float = 0.16) -> MotionGraph:
+    """Connect the measures of a library.
+
+    `window`: length of a transition as a share of the measure (T036); `threshold` [m]: largest distance (T034) of an
+    edge. Within a step of several measures each one leads to the next alone, without cost (T039). ValueError if no two
+    measures connect.
+    """
+    transitions = all_pairs(*transition_windows(library, window))
+    allowed = _allowed(library, transitions, threshold)
+    alive = largest_component(allowed)
+    if not allowed[np.ix_(alive, alive)].any():
+        raise ValueError(
+            f"no step of {', '.join(library.steps)} leads to another within {threshold} m: "
+            "raise the threshold or make their beginnings and ends more alike"
+        )
+    allowed &= alive[:, None] & alive[None]
+    source, target = np.nonzero(allowed)
+    inner = library.node_measure[target] > 0
+    shift, yaw = transitions.shift[source, target], transitions.yaw[source, target]
+    transform = np.column_stack([shift, yaw])
+    transform[inner] = 0.0
+    cost = np.where(inner, 0.0, transitions.distance[source, target])
+    facing_start, facing_end = _facing(library, window)
+    dead = [
+        f"{name}: nothing leads to it and away again within {threshold:g} m"
+        for step, name in enumerate(library.steps)
+        if not alive[library.node_step == step].any()
+    ]
+    return MotionGraph(
+        library=library,
+        edge_start=np.searchsorted(source, np.arange(library.node_count + 1)).astype(np.int32),
+        edge_target=target.astype(np.int32),
+        edge_cost=np.ascontiguousarray(cost, np.float64),
+        edge_transform=np.ascontiguousarray(transform, np.float64),
+        hops=_hops(library, allowed, alive),
+        node_end=_root_at(library, library.node_last),
+        node_facing=facing_end,
+        node_facing_start=facing_start,
+        alive=alive,
+        window=window,
+        missing=tuple(dead),
+    )
+
+
+def _allowed(library: StepLibrary, transitions: Transitions, threshold: float) -> Bool:
+    """Which ordered pairs of nodes may follow each other, shape (N, N)."""
+    leaves = library.node_measure == library.node_measures - 1
+    enters = library.node_measure == 0
+    allowed = (transitions.distance <= threshold) & leaves[:, None] & enters[None]
+    inside = np.flatnonzero(~leaves)
+    allowed[inside, inside + 1] = True  # the measures of one clip are neighbours in the library
+    return np.asarray(allowed, np.bool_)
+
+
+def largest_component(allowed: Bool) -> Bool:
+    """Nodes of the largest strongly connected component, shape (N,): dead ends are pruned (T037)."""
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
+    _, label = connected_components(csr_array(allowed), directed=True, connection="strong")
+    biggest = np.argmax(np.bincount(label))
+    return np.asarray(label == biggest, np.bool_)
+
+
+def _hops(library: StepLibrary, allowed: Bool, alive: Bool) -> Int32:
+    """Breadth-first from each step's first measures against the arrows, shape (C, N)."""
+    hops = np.full((len(library.steps), library.node_count), NEVER, np.int32)
+    for step in range(len(library.steps)):
+        front = alive & (library.node_step == step) & (library.node_measure == 0)
+        distance = 0
+        while front.any():
+            hops[step, front] = distance
+            distance += 1
+            front = allowed[:, front].any(axis=1) & (hops[step] == NEVER)
+    return hops
+
+
+def _root_at(library: StepLibrary, sample: Float64) -> Float64:
+    low = np.clip(np.floor(sample).astype(np.int64), 0, len(library.clip_root) - 1)
+    high = np.minimum(low + 1, len(library.clip_root) - 1)
+    t = (sample - low)[:, None]
+    root = (1.0 - t) * library.clip_root[low] + t * library.clip_root[high]
+    return np.ascontiguousarray(root[:, (0, 2)], np.float64)
+
+
+def _facing(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
+    """Heading of the body around the beginning and the end of each measure, averaged over the window [rad].
+
+    The line from the right to the left upper leg and that between the shoulders are averaged: hips alone sway with
+    every step. Means of angles are taken as means of unit vectors.
+    """
+    end, start = transition_windows(library, window)
+    pairs = (("leftUpperLeg", "rightUpperLeg"), ("leftUpperArm", "rightUpperArm"))
+
+    def mean(cloud: Float64) -> Float64:
+        total = np.zeros(len(cloud), np.complex128)
+        for left, right in pairs:
+            across = cloud[:, :, SKELETON.index(left)] - cloud[:, :, SKELETON.index(right)]
+            direction = across[..., 0] + 1j * across[..., 2]
+            total += (direction / np.maximum(np.abs(direction), 1e-9)).mean(axis=1)
+        # facing +z the left side is at +x: heading 0 is direction 1 + 0i, and yaw turns it by exp(-i yaw)
+        return np.ascontiguousarray(-np.angle(total), np.float64)
+
+    return mean(start), mean(end)

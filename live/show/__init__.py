@@ -1,0 +1,1 @@
+"""The show: what happens in which measure, the frame loop, the journal and its replay."""

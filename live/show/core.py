@@ -1,0 +1,230 @@
+"""Show: the deterministic core. Events and ticks in, states and views out; it reads no clock, device or disk.
+
+The same patch, library, seed and (tick, event) list give bit-identical states, live or replayed.
+"""
+
+import hashlib
+
+import numpy as np
+
+from live.agents.advance import Advance, LookAhead
+from live.agents.elements import ATTRACTOR, REPULSOR, SPREADER, Element, ElementField
+from live.agents.formation import FORMATIONS
+from live.agents.model import AgentModel, AgentState, Steering
+from live.base.kernels import damper
+from live.base.stage_view import StageView
+from live.clock.follow import TimelineFollower
+from live.clock.moment import Moment
+from live.clock.ticks import TICK
+from live.control import events
+from live.control.events import ControlEvent
+from live.graph.motion_graph import MotionGraph
+from live.motion.skeleton import JOINT_COUNT
+from live.show.dancers import Dancers
+from live.show.measure import MeasureSpan
+from live.show.patch import Patch
+from live.show.programme import GroupProgramme, UnknownStep, find_step
+from live.show.scheduler import Scheduler
+from live.show.score import Score, placed
+
+AGENT_RADIUS = 0.25
+FADE_HALFLIFE = 0.06
+"""Half-life of a blackout's fade [s]: dark within a fifth of a second, without a flash."""
+SHORTEST_RETIME = 0.5
+"""A measure is never re-timed to end within fewer beats than this."""
+LINES_PER_TICK = 4
+"""Measure lines crossed in one tick at most, should the tempo ever run away."""
+
+
+class Show:
+    """One show. Call `apply` for events, then `tick` for each due tick, and `fill` for each frame."""
+
+    def __init__(
+        self, patch: Patch, graph: MotionGraph, *, seed: int | None = None, tempo: float | None = None
+    ) -> None:
+        """`seed` and `tempo` [bpm] override the patch's. Raises UnknownStep for a step the library lacks."""
+        self.patch = patch
+        self.graph = graph
+        self.seed = patch.seed if seed is None else seed
+        music = patch.music
+        self.follower = TimelineFollower(
+            tempo=tempo or patch.clock.bpm,
+            beats_per_measure=patch.clock.beats_per_measure,
+            one_at=music.one_at_s if tempo is None else None,
+            known_tempo=music.bpm if tempo is None else None,
+        )
+        self.timeline = self.follower.timeline
+        self.group = np.repeat(np.arange(len(patch.group)), [g.dancers for g in patch.group]).astype(np.int32)
+        count = patch.dancer_count
+        steering = Steering(half_width=patch.stage.width / 2, half_depth=patch.stage.depth / 2)
+        self.model = AgentModel(np.full(count, AGENT_RADIUS, np.float32), steering, self.seed)
+        self.state = self._starting_state()
+        self._spare = AgentState.at(self.state.position.copy())
+        self._advance = Advance(self.model)
+        self.elements = ElementField()
+        self.dancers = Dancers(graph, count)
+        programmes = [
+            GroupProgramme(graph, section, seed=self.seed, index=index) for index, section in enumerate(patch.group)
+        ]
+        self.scheduler = Scheduler(patch, self.dancers, LookAhead(self.model, self._advance), programmes, self.group)
+        self._score = Score(patch)
+        self.span = MeasureSpan.at(self.timeline, self.timeline.beat_at(0.0))
+        self._start_dancers()
+        self.blackout = False
+        self.brightness = 1.0
+        self.time = 0.0
+        self.refused = 0
+        """Events that asked for something the show does not have (a step that is not there)."""
+        self._begin_measure(self.timeline.beat_at(0.0))
+
+    def _starting_state(self) -> AgentState:
+        places = [
+            FORMATIONS[section.formation](section.dancers, centre=section.centre, size=section.size)
+            for section in self.patch.group
+        ]
+        position = np.concatenate(places)
+        steering = self.model.steering
+        edge = np.array([steering.half_width - 0.3, steering.half_depth - 0.3])
+        return AgentState.at(np.clip(position, -edge, edge))
+
+    def _start_dancers(self) -> None:
+        """Everybody begins with her group's first step, on the spot if the step has such a variation."""
+        graph, library = self.graph, self.graph.library
+        node = np.zeros(len(self.group), np.int32)
+        for index, programme in enumerate(self.scheduler.programmes):
+            entries = graph.entries(programme.wanted(self.span.number, node[self.group == index]))
+            still = np.argmin(np.hypot(*library.node_travel[entries].T))
+            node[self.group == index] = entries[still]
+        self.dancers.start(node, self.state.position.astype(np.float64), np.zeros(len(node)))
+
+    # -- events ------------------------------------------------------------------------------------------------
+
+    def apply(self, event: ControlEvent) -> None:
+        """Let an event act; it takes effect at the next tick. Unknown steps are counted, nothing stops."""
+        match event:
+            case events.BeatHeard():
+                self.follower.heard(event.beat_time, event.period, event.confidence, event.time)
+            case events.SourceChanged():
+                self._source_changed(event)
+            case events.Tap():
+                self.follower.tap(event.time)
+            case events.One():
+                self.follower.one(event.time)
+            case events.SetTempo():
+                self.follower.set_tempo(event.tempo, event.time)
+            case events.Attract() | events.Repel() | events.Spread():
+                self._add_element(event)
+            case events.Clear():
+                self.elements.clear(self.timeline.beat_at(self.time))
+                for programme in self.scheduler.programmes:
+                    programme.release()
+            case events.CallStep():
+                self._call_step(event)
+            case events.Blackout():
+                self.blackout = event.on
+            case events.TicksSkipped():
+                self.time += event.count * TICK
+
+    def _source_changed(self, event: events.SourceChanged) -> None:
+        if event.state == "lost":
+            self.follower.lost(event.time)
+        elif event.state == "silent":
+            self.follower.silent(event.time)
+        elif event.state == "found":
+            self.follower.found(event.time)
+
+    def _add_element(self, event: events.Attract | events.Repel | events.Spread) -> None:
+        beat = self.timeline.beat_at(self.time)
+        kind, x, z, strength = SPREADER, 0.0, 0.0, 1.0
+        if not isinstance(event, events.Spread):
+            kind = ATTRACTOR if isinstance(event, events.Attract) else REPULSOR
+            x, z, strength = event.x, event.z, event.strength
+        end = beat + event.measures * self.timeline.beats_per_measure
+        self.elements.add(Element(kind, x, z, strength, beat, end))
+
+    def _call_step(self, event: events.CallStep) -> None:
+        try:
+            step = find_step(self.graph, event.name)
+        except UnknownStep:
+            self.refused += 1
+            return
+        for programme in self.scheduler.programmes:
+            programme.call(step, measure=self.span.number + 1, measures=event.measures)
+
+    # -- time --------------------------------------------------------------------------------------------------
+
+    def tick(self, time: float) -> bool:
+        """Advance to the tick at `time` [s]; True if a measure line was crossed."""
+        self.time = time
+        self.timeline = self.follower.advance(time)
+        beat = self.timeline.beat_at(time)
+        self.span.follow(self.timeline, beat, shortest=SHORTEST_RETIME)
+        self.elements.refresh(beat)
+        crossed = False
+        for _ in range(LINES_PER_TICK):
+            if beat < self.span.end:
+                break
+            self._cross_measure_line(time)
+            crossed = True
+        self.scheduler.work(self.span, self.timeline, time, self.state, self.elements)
+        self._advance(
+            self.state,
+            self._spare,
+            speed=self.scheduler.speed,
+            dancer=self.dancers.hips(self.span.fraction(beat)),
+            field=self.elements,
+            time=time,
+            dt=TICK,
+        )
+        self.state, self._spare = self._spare, self.state
+        self.brightness = damper(self.brightness, 0.0 if self.blackout else 1.0, FADE_HALFLIFE, TICK)
+        return crossed
+
+    def _cross_measure_line(self, time: float) -> None:
+        if not self.dancers.decided:
+            self.scheduler.decide(self.span, self.timeline, time, self.state, self.elements)
+        line = self.span.end
+        self.dancers.cross_measure_line()
+        self.span = self.span.next(self.timeline)
+        self._begin_measure(line)
+
+    def _begin_measure(self, beat: float) -> None:
+        self.scheduler.set_speed(self.span.number, self.timeline)
+        for section in self._score.beginning(self.span.number):
+            self.elements.add(placed(section, measure_beat=beat, beats_per_measure=self.timeline.beats_per_measure))
+
+    def moment(self, time: float) -> Moment:
+        """Musical time at `time` [s]."""
+        return Moment.of(self.timeline, time, self.follower.confidence)
+
+    # -- what is seen ------------------------------------------------------------------------------------------
+
+    def view(self) -> StageView:
+        """An empty drawing snapshot of the right size, to be filled each frame."""
+        view = StageView.allocate(len(self.group), JOINT_COUNT)
+        view.group[:] = self.group
+        return view
+
+    def fill(self, view: StageView, time: float) -> None:
+        """Fill the snapshot for `time` [s]: poses at the exact beat, at most a tick after the last one."""
+        beat = self.timeline.beat_at(time)
+        fraction = self.span.fraction(beat)
+        self.dancers.pose(fraction, out=(view.joint_position, view.joint_rotation))
+        self.elements.show(view)
+        view.time, view.beat, view.tempo = time, beat, self.follower.tempo
+        view.measure, view.beats_per_measure = self.span.number, self.timeline.beats_per_measure
+        view.phase = fraction * self.timeline.beats_per_measure
+        view.brightness = self.brightness
+
+    def state_hash(self) -> str:
+        """A short hash over every bit of the agents' and dancers' states and the poses of this tick."""
+        digest = hashlib.blake2b(digest_size=8)
+        dancers = self.dancers
+        beat = self.timeline.beat_at(self.time)
+        position, rotation = dancers.pose(self.span.fraction(beat))
+        for array in (
+            self.state.position, self.state.velocity, dancers.node, dancers.placement, dancers.correction,
+            position, rotation, np.array([beat, self.timeline.tempo, self.brightness]),
+        ):  # fmt: skip
+            digest.update(np.ascontiguousarray(array).tobytes())
+        return digest.hexdigest()

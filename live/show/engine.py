@@ -1,0 +1,96 @@
+"""Engine: the frame loop's body. Live and offline differ only in the clock and in who calls `frame`."""
+
+from collections.abc import Callable
+from typing import Protocol
+
+from live.base.inbox import Inbox
+from live.base.stage_view import StageView
+from live.clock.source import Clock
+from live.clock.ticks import TICK, Ticks
+from live.control.events import ControlEvent, TicksSkipped
+from live.show.core import Show
+from live.show.journal import JournalWriter
+from live.show.status import Status
+
+EVENTS_PER_FRAME = 512
+"""Events taken from the inbox in one frame; a flood waits, it does not stall a frame."""
+
+
+class Picture(Protocol):
+    """Whatever draws a snapshot: the renderer on its target, or nothing at all."""
+
+    def __call__(self, view: StageView) -> None:
+        """Draw."""
+        ...
+
+
+class Engine:
+    """Takes events, runs the ticks that are due, and has the frame drawn.
+
+    Thread: the main thread only; other threads put events into the inbox.
+    """
+
+    def __init__(
+        self,
+        show: Show,
+        *,
+        clock: Clock,
+        inbox: Inbox[ControlEvent],
+        status: Status,
+        journal: JournalWriter | None = None,
+        lead: float = TICK,
+    ) -> None:
+        """`lead` [s]: how far ahead of the clock the picture is, so that dancers land on the beat when it is seen."""
+        self.show = show
+        self._clock = clock
+        self._inbox = inbox
+        self._status = status
+        self._journal = journal
+        self._lead = lead
+        self.ticks = Ticks()
+        self.view = show.view()
+        self.overlay = False
+        """Whether the operator's overlay is shown."""
+        self.on_error: Callable[[Exception], None] | None = None
+        """Told once when drawing fails; the show goes on. None (in tests and offline): the error is raised."""
+
+    def frame(self, picture: Picture) -> float:
+        """One frame; returns the show time [s] at its start."""
+        now = self._clock.now()
+        for event in self._inbox.drain(EVENTS_PER_FRAME):
+            self.apply(event)
+        self._status.dropped_events = self._inbox.dropped
+        target = now + self._lead
+        self._run_ticks(now, target)
+        self.show.fill(self.view, max(target, self.ticks.time))
+        self.view.overlay = self._status.overlay(now) if self.overlay else ()
+        self._status.frames += 1
+        try:
+            picture(self.view)
+        except Exception as error:
+            if self.on_error is None:
+                raise
+            if not self._status.faults:
+                self.on_error(error)
+            self._status.faults += 1
+        return now
+
+    def apply(self, event: ControlEvent) -> None:
+        """Write an event to the journal and let it act from the next tick on."""
+        if self._journal is not None:
+            self._journal.event(self.ticks.index, event)
+        self.show.apply(event)
+        self._status.events_accepted += 1
+
+    def _run_ticks(self, now: float, target: float) -> None:
+        lost = self.ticks.stalled(target)
+        if lost:
+            self.apply(TicksSkipped(time=now, source="engine", count=lost))
+            self._status.events_accepted -= 1  # the engine's own note, nobody's event
+            self.ticks.skip(lost)
+            self._status.skipped_ticks = self.ticks.skipped
+        for time in self.ticks.due(target):
+            crossed = self.show.tick(time)
+            self._status.ticks += 1
+            if crossed and self._journal is not None:
+                self._journal.measure(self.ticks.index, self.show.span.number + 1, self.show.state_hash())

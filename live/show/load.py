@@ -1,0 +1,135 @@
+"""Loading a show: patch, steps and graph, ready to run; the same for live, offline and replay."""
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from live.base.errors import PersonError
+from live.base.stage_view import Camera, Look, Scene
+from live.graph.library import StepLibrary, build_library
+from live.graph.motion_graph import MotionGraph, build_graph
+from live.motion.skeleton import JOINT_COUNT
+from live.motion.step_clip import StepClip
+from live.show.core import Show
+from live.show.patch import Patch
+from live.show.patch_file import find_beside, read_patch
+from live.show.programme import UnknownStep
+from live.show.steps_folder import load_steps
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LoadedShow:
+    """A patch with its motion graph; `recordings` is the folder that replaced the patch's steps, if one did."""
+
+    path: Path
+    patch: Patch
+    graph: MotionGraph
+    recordings: Path | None = None
+
+    def start(self, *, seed: int | None = None, tempo: float | None = None) -> Show:
+        """A fresh show at its first moment; PersonError for a step that is not there."""
+        try:
+            return Show(self.patch, self.graph, seed=seed, tempo=tempo)
+        except UnknownStep as error:
+            raise PersonError(f"{self.path}: {error}") from None
+
+    @property
+    def music_path(self) -> Path | None:
+        """The patch's own music, if it names one; PersonError if that is not there."""
+        name = self.patch.music.file
+        if name is None:
+            return None
+        found = find_beside(name, self.path)
+        if found is None:
+            raise PersonError(f"{self.path}: the music {name!r} is not there", "correct music.file in the patch")
+        return found
+
+    def header(self, show: Show, *, tempo: float | None) -> dict[str, Any]:
+        """What a journal must hold so that the show can be run again."""
+        return {
+            "patch_path": str(self.path),
+            "patch": self.patch.model_dump(mode="json"),
+            "recordings": None if self.recordings is None else str(self.recordings),
+            "seed": show.seed,
+            "tempo": tempo,
+            "steps_hash": library_hash(self.graph.library),
+        }
+
+
+def load_show(path: Path, *, recordings: Path | None = None) -> LoadedShow:
+    """Read the patch at `path` and its steps, or the recordings of a folder in their place."""
+    return show_of(read_patch(path), path, recordings=recordings)
+
+
+def show_of(patch: Patch, path: Path, *, recordings: Path | None = None) -> LoadedShow:
+    """The show of a patch that was read already; `path` is where its names are looked up."""
+    if recordings is None:
+        folder = find_beside(patch.steps, path)
+        if folder is None or not folder.is_dir():
+            raise PersonError(f"{path}: there is no folder {patch.steps!r} of steps", "correct 'steps' in the patch")
+        clips = load_steps(folder)
+    else:
+        clips = _recorded(recordings)
+        patch = with_steps_of(patch, clips)
+    clips = [clip for clip in clips if clip.beats_per_measure == patch.clock.beats_per_measure]
+    if not clips:
+        raise PersonError(
+            f"{path}: no step has {patch.clock.beats_per_measure} beats a measure",
+            "change clock.beats_per_measure or add such steps",
+        )
+    limits = patch.locomotion
+    window = min(1.0, limits.transition_beats / patch.clock.beats_per_measure)
+    try:
+        graph = build_graph(build_library(clips), window=window, threshold=limits.threshold_m)
+    except ValueError as error:
+        raise PersonError(f"{path}: {error}") from None
+    return LoadedShow(path, patch, graph, recordings)
+
+
+def _recorded(folder: Path) -> list[StepClip]:
+    from live.show.recordings import RecordingError, load_recordings
+
+    try:
+        return load_recordings(folder)
+    except RecordingError as error:
+        raise PersonError(str(error)) from None
+
+
+def with_steps_of(patch: Patch, clips: list[StepClip]) -> Patch:
+    """The patch with every group drawing from all steps of `clips`, as `--steps` asks for; metre as recorded."""
+    names = tuple(dict.fromkeys(clip.step for clip in clips))
+    groups = tuple(
+        group.model_copy(update={"steps": names, "choose": "random", "travel_step": None}) for group in patch.group
+    )
+    clock = patch.clock.model_copy(update={"beats_per_measure": clips[0].beats_per_measure})
+    # recorded measures seldom end as they began: poses may be farther apart than in sketches, and dancers turn
+    limits = patch.locomotion.model_copy(update={"threshold_m": max(patch.locomotion.threshold_m, 0.35)})
+    return patch.model_copy(update={"group": groups, "clock": clock, "locomotion": limits})
+
+
+def library_hash(library: StepLibrary) -> str:
+    """A short hash over every bit of the library's motion: a replay needs the same."""
+    digest = hashlib.blake2b(digest_size=8)
+    for array in (library.clip_root, library.clip_rotation, library.node_first, library.node_last):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
+
+
+def scene_of(patch: Patch) -> Scene:
+    """What the renderer must know of a patch."""
+    look = {key: value for key, value in patch.look.model_dump().items() if value is not None}
+    defaults = Look()
+    colours = tuple(
+        group.colour if group.colour is not None else defaults.group_colours[i % len(defaults.group_colours)]
+        for i, group in enumerate(patch.group)
+    )
+    return Scene(
+        stage_size=(patch.stage.width, patch.stage.depth),
+        camera=Camera(patch.camera.eye, patch.camera.target, patch.camera.field_of_view_deg),
+        look=Look(**look, group_colours=colours),
+        dancer_count=patch.dancer_count,
+        joint_count=JOINT_COUNT,
+    )

@@ -1,0 +1,59 @@
+"""MeasureSpan: the measure that is being danced, and how far it is, whatever the measure lines do meanwhile."""
+
+import math
+
+from live.clock.timeline import Timeline, next_phase_match
+
+
+class MeasureSpan:
+    """One danced measure from the beat it began to the beat it will end.
+
+    Its fraction (0 to 1) is the time base of every clip. When "this is the one" moves the measure lines, the dancers
+    do not jump: what is left of the measure is danced a little faster or slower into the nearest new line (T140's
+    idea: re-time to the measure).
+    """
+
+    def __init__(self, number: int, begin: float, end: float) -> None:
+        self.number = number
+        """Number of the measure, from 0."""
+        self.end = end
+        """The beat at which it ends."""
+        self._anchor_beat = begin
+        self._anchor_fraction = 0.0
+
+    @staticmethod
+    def at(timeline: Timeline, beat: float) -> "MeasureSpan":
+        """The measure of `timeline` that holds `beat`."""
+        size = timeline.beats_per_measure
+        number = math.floor((beat - timeline.measure_origin) / size)
+        begin = timeline.measure_origin + number * size
+        return MeasureSpan(number, begin, begin + size)
+
+    def fraction(self, beat: float) -> float:
+        """How far the measure is at `beat`, clamped to [0, 1]."""
+        left = self.end - self._anchor_beat
+        share = (beat - self._anchor_beat) / left if left > 0.0 else 1.0
+        return min(max(self._anchor_fraction + (1.0 - self._anchor_fraction) * share, 0.0), 1.0)
+
+    def follow(self, timeline: Timeline, beat: float, *, shortest: float) -> bool:
+        """Re-time to the measure lines of `timeline` if they have moved; True if they had.
+
+        Of the next lines the one is taken that changes the speed least, but none nearer than `shortest` beats.
+        """
+        size = timeline.beats_per_measure
+        offset = math.fmod(abs(self.end - timeline.measure_origin), size)
+        if min(offset, size - offset) < 1e-6:
+            return False
+        fraction = self.fraction(beat)
+        left = max(1.0 - fraction, 1e-3) * size
+        first = next_phase_match(beat + shortest, timeline.measure_origin, size)
+        self.end = min((first, first + size), key=lambda end: abs(math.log((end - beat) / left)))
+        self._anchor_beat, self._anchor_fraction = beat, fraction
+        return True
+
+    def next(self, timeline: Timeline) -> "MeasureSpan":
+        """The measure after this one."""
+        end = next_phase_match(self.end + 1e-6, timeline.measure_origin, timeline.beats_per_measure)
+        if end - self.end < 0.5:  # lines moved by a hair: that is the line just reached
+            end += timeline.beats_per_measure
+        return MeasureSpan(self.number + 1, self.end, end)

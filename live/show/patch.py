@@ -1,0 +1,171 @@
+"""Patch: what a choreographer writes for a show, as one frozen value; the TOML keys are the field names.
+
+Metres, seconds, beats, bpm, degrees; measures count from 1. `patch_file` reads it and explains what is wrong.
+"""
+
+import re
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Place = tuple[
+    Annotated[float, Field(ge=-100, le=100, allow_inf_nan=False)],
+    Annotated[float, Field(ge=-100, le=100, allow_inf_nan=False)],
+]
+Share = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
+Colour = tuple[Share, Share, Share]
+Name = Annotated[str, Field(min_length=1, max_length=64)]
+Size = tuple[
+    Annotated[float, Field(ge=1, le=100, allow_inf_nan=False)],
+    Annotated[float, Field(ge=1, le=100, allow_inf_nan=False)],
+]
+
+_REPEATED = re.compile(r"^(?P<step>.*?)(?:\s+x\s*(?P<times>[0-9]{1,3}))?$")
+
+
+class Section(BaseModel):
+    """A table of a patch: frozen, unknown keys refused."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class MusicSection(Section):
+    """`[music]`: what is played when no `--audio` is given."""
+
+    file: str | None = None
+    """An audio file, looked up in the patch's folder, then in the project's patches."""
+    bpm: Annotated[float, Field(ge=20, le=400)] | None = None
+    """Its tempo if it is known: the clock starts with it."""
+    one_at_s: Annotated[float, Field(ge=0, le=3600, allow_inf_nan=False)] | None = None
+    """Where its first downbeat is, if that is known."""
+
+
+class ClockSection(Section):
+    """`[clock]`: musical time while nothing is heard."""
+
+    bpm: Annotated[float, Field(ge=20, le=400)] = 112.0
+    beats_per_measure: Annotated[int, Field(ge=1, le=16)] = 4
+
+
+class StageSection(Section):
+    """`[stage]`: size of the floor."""
+
+    width: Annotated[float, Field(ge=2, le=200)] = 12.0
+    depth: Annotated[float, Field(ge=2, le=200)] = 8.0
+
+
+class CameraSection(Section):
+    """`[camera]`: where the picture is seen from [m], vertical field of view [degrees]."""
+
+    eye: tuple[Finite, Finite, Finite] = (0.0, 3.4, 11.5)
+    target: tuple[Finite, Finite, Finite] = (0.0, 0.9, 0.0)
+    field_of_view_deg: Annotated[float, Field(ge=5, le=120)] = 40.0
+
+    @model_validator(mode="after")
+    def _look_somewhere(self) -> "CameraSection":
+        if sum((a - b) ** 2 for a, b in zip(self.eye, self.target, strict=True)) < 1e-6:
+            raise ValueError("eye and target are the same point: the camera looks nowhere")
+        return self
+
+
+class LookSection(Section):
+    """`[look]`: light and colour (linear RGB from 0 to 1); what is left out keeps its default."""
+
+    background: Colour | None = None
+    floor: Colour | None = None
+    key_light: Colour | None = None
+    rim_light: Colour | None = None
+    ambient: Share | None = None
+    haze: Annotated[float, Field(ge=0, le=1)] | None = None
+
+
+class LocomotionSection(Section):
+    """`[locomotion]`: how steps are joined and how dancers are kept where the group wants them."""
+
+    transition_beats: Annotated[float, Field(gt=0.05, le=1)] = 0.75
+    """Length of the blend into the next step, before the measure line (T036)."""
+    threshold_m: Annotated[float, Field(gt=0.01, le=2)] = 0.16
+    """How far apart two poses may be (root of the mean squared distance) to be joined."""
+    correction_m: Annotated[float, Field(ge=0, le=2)] = 0.35
+    """How far a dancer may be carried beyond the step's own way within one measure."""
+    turn_deg: Annotated[float, Field(ge=0, le=180)] = 50.0
+    """How far she may be turned beyond it within one measure."""
+
+
+class GroupSection(Section):
+    """`[[group]]`: some dancers who dance alike."""
+
+    name: Name
+    dancers: Annotated[int, Field(ge=1, le=4000)]
+    colour: Colour | None = None
+    steps: Annotated[tuple[str, ...], Field(min_length=1, max_length=10000)]
+    """Steps in order, one after the other and again from the start; "groove x4" repeats one. With
+    `choose = "random"` the set from which steps are drawn."""
+    choose: Literal["sequence", "random"] = "sequence"
+    travel_step: str | None = None
+    """The step danced instead when the way is farther than the step in turn can go."""
+    facing: Literal["public", "path", "centre"] = "public"
+    formation: Literal["grid", "line", "circle"] = "grid"
+    centre: Place = (0.0, 0.0)
+    size: Size = (8.0, 5.0)
+    """Width and depth of the formation [m]."""
+
+    @field_validator("steps")
+    @classmethod
+    def _known_form(cls, steps: tuple[str, ...]) -> tuple[str, ...]:
+        for entry in steps:
+            if not parse_entry(entry)[0]:
+                raise ValueError(f"{entry!r} names no step: write a step's name, or 'groove x4' to repeat it")
+        return steps
+
+
+class ElementSection(Section):
+    """`[[element]]`: an attractor, repulsor or spreader of the score, in measures from 1 (T132)."""
+
+    kind: Literal["attract", "repel", "spread"]
+    measure: Annotated[float, Field(ge=1, le=100000)]
+    """The measure at which it begins."""
+    measures: Annotated[float, Field(gt=0, le=10000)] = 4.0
+    at: Place = (0.0, 0.0)
+    strength: Annotated[float, Field(ge=0, le=10)] = 1.0
+
+
+class Patch(Section):
+    """A whole show."""
+
+    name: Name
+    seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 1
+    steps: str = "steps"
+    """Folder of sketched steps, looked up in the patch's folder, then in the project's patches."""
+    loop_measures: Annotated[int, Field(ge=1, le=100000)] | None = None
+    """The score's elements come again after so many measures; never if left out."""
+    music: MusicSection = MusicSection()
+    clock: ClockSection = ClockSection()
+    stage: StageSection = StageSection()
+    camera: CameraSection = CameraSection()
+    look: LookSection = LookSection()
+    locomotion: LocomotionSection = LocomotionSection()
+    group: Annotated[tuple[GroupSection, ...], Field(min_length=1, max_length=16)]
+    element: Annotated[tuple[ElementSection, ...], Field(max_length=20000)] = ()
+
+    @property
+    def dancer_count(self) -> int:
+        """Dancers of all groups together."""
+        return sum(group.dancers for group in self.group)
+
+    @model_validator(mode="after")
+    def _names_differ(self) -> "Patch":
+        names = [group.name for group in self.group]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise ValueError(f"two groups are called {twice[0]!r}: give each its own name")
+        return self
+
+
+def parse_entry(entry: str) -> tuple[str, int]:
+    """Step name and number of repeats of an entry like "groove x4"; repeats are 1 if none are given."""
+    match = _REPEATED.match(entry.strip())
+    if match is None:
+        return entry.strip(), 1
+    return match["step"].strip(), max(1, int(match["times"] or 1))

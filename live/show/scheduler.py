@@ -1,0 +1,172 @@
+"""Scheduler: measure lines, look-ahead and the choice of every dancer's next step, a beat ahead of the line (T038).
+
+Within a measure: 1.5 beats before its end the agents are run ahead on a copy, a few coarse steps per tick; one beat
+before its end the motion graph is asked for each dancer's next measure; at the line everybody crosses, and nothing is
+searched. The way a dancer is still off after her step is spread over that measure (position targets, T068).
+"""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.advance import LookAhead
+from live.agents.elements import ElementField
+from live.agents.model import AgentState
+from live.clock.ticks import TICK
+from live.clock.timeline import Timeline
+from live.graph.kernels import choose_edges
+from live.show.dancers import Dancers, turn_vectors
+from live.show.measure import MeasureSpan
+from live.show.patch import Patch
+from live.show.programme import GroupProgramme
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+LOOK_BEATS = 1.5
+"""Beats before the measure line at which the look-ahead begins."""
+DECIDE_BEATS = 1.0
+"""Beats before it at which the next steps are chosen: never later than the blend begins."""
+
+# a metre off the place, a radian off the heading, a metre between poses, a measure away from the wanted step
+WEIGHTS = np.array([1.0, 0.6, 0.8, 40.0])
+
+
+class Scheduler:
+    """Decides for A dancers in their groups; deterministic."""
+
+    def __init__(
+        self,
+        patch: Patch,
+        dancers: Dancers,
+        look_ahead: LookAhead,
+        programmes: list[GroupProgramme],
+        group: Int32,
+    ) -> None:
+        self._patch = patch
+        self._dancers = dancers
+        self._look = look_ahead
+        self.programmes = programmes
+        self._group = group
+        self._looking = False
+        count = len(group)
+        self.speed: Float32 = np.zeros(count, np.float32)
+        """Top speed of each agent [m/s]: what its dancer's steps can follow, shape (A,)."""
+        self._edge = np.zeros(count, np.int32)
+        self._wanted = np.zeros(count, np.int32)
+        library = dancers.graph.library
+        self._reach = np.array([library.reach(step) for step in range(len(library.steps))])
+        self.detours = 0
+        """How often a dancer could not dance the wanted step at once, since the start."""
+        self.dead_ends = 0
+        """How often a dancer found no next measure and repeated hers, since the start."""
+
+    def set_speed(self, measure: int, timeline: Timeline) -> None:
+        """Let the agents of each group go as fast as its steps and the correction can follow."""
+        seconds = timeline.beats_per_measure * 60.0 / timeline.tempo
+        for index, programme in enumerate(self.programmes):
+            members = self._group == index
+            step = programme.wanted(measure, self._dancers.node[members])
+            steps = [step] if programme.travel_step is None else [step, programme.travel_step]
+            reach = max(float(self._reach[s]) for s in steps)
+            self.speed[members] = (reach + 0.6 * self._patch.locomotion.correction_m) / seconds
+
+    def work(self, span: MeasureSpan, timeline: Timeline, time: float, state: AgentState, field: ElementField) -> None:
+        """Do this tick's share of the planning for the measure after `span`."""
+        if self._dancers.decided:
+            return
+        beat = timeline.beat_at(time)
+        left = span.end - beat
+        if not self._looking and left <= max(LOOK_BEATS, DECIDE_BEATS + 2.0 * TICK):
+            seconds = max(0.0, (left + timeline.beats_per_measure) * 60.0 / timeline.tempo)
+            self._look.begin(state, time=time, seconds=seconds)
+            self._looking = True
+            ticks = max(1.0, (left - DECIDE_BEATS) * 60.0 / timeline.tempo / TICK)
+            self._share = math.ceil(seconds / LookAhead.STEP / ticks)
+        if self._looking and left > DECIDE_BEATS:
+            self._look.work(self._share, speed=self.speed, field=field)
+        elif left <= DECIDE_BEATS:
+            self.decide(span, timeline, time, state, field)
+
+    def decide(
+        self, span: MeasureSpan, timeline: Timeline, time: float, state: AgentState, field: ElementField
+    ) -> None:
+        """Choose the next measure of every dancer now, finishing the look-ahead first."""
+        if not self._looking:
+            left = max(0.0, span.end - timeline.beat_at(time))
+            self._look.begin(state, time=time, seconds=(left + timeline.beats_per_measure) * 60.0 / timeline.tempo)
+        self._look.work(1 << 20, speed=self.speed, field=field)
+        self._looking = False
+        dancers, graph = self._dancers, self._dancers.graph
+        placement = dancers.end_placement()
+        target = self._look.position.astype(np.float64)
+        heading = self._headings(dancers.end_position(), target)
+        self._choose_steps(span.number + 1, target)
+        choose_edges(
+            dancers.node,
+            placement,
+            target,
+            heading,
+            self._wanted,
+            graph.hops,
+            graph.edge_start,
+            graph.edge_target,
+            graph.edge_cost,
+            graph.edge_transform,
+            graph.node_end,
+            graph.node_facing,
+            graph.library.node_step,
+            WEIGHTS,
+            self._edge,
+            dancers.next_placement,
+        )
+        self._take(placement, target, heading)
+
+    def _choose_steps(self, measure: int, target: Float64) -> None:
+        """The step each dancer should dance: her group's, or its travel step if the way is too far for that."""
+        limits = self._patch.locomotion
+        way = np.hypot(*(target - self._dancers.end_position()).T)
+        for index, programme in enumerate(self.programmes):
+            members = self._group == index
+            step = programme.wanted(measure, self._dancers.node[members])
+            self._wanted[members] = step
+            if programme.travel_step is not None and self._reach[programme.travel_step] > self._reach[step]:
+                far = members & (way > self._reach[step] + limits.correction_m)
+                self._wanted[far] = programme.travel_step
+
+    def _headings(self, start: Float64, target: Float64) -> Float64:
+        """Where each dancer should face at the end of the next measure [rad]."""
+        heading = np.zeros(len(start))
+        for index, section in enumerate(self._patch.group):
+            members = self._group == index
+            if section.facing == "path":
+                way = target[members] - start[members]
+                moving = np.hypot(*way.T) > 0.25
+                heading[members] = np.where(moving, np.arctan2(way[:, 0], way[:, 1]), 0.0)
+            elif section.facing == "centre":
+                way = np.array(section.centre) - target[members]
+                heading[members] = np.arctan2(way[:, 0], way[:, 1])
+        return heading
+
+    def _take(self, placement: Float64, target: Float64, heading: Float64) -> None:
+        """Write the chosen measures and what must be added to them to end in place."""
+        dancers, graph, limits = self._dancers, self._dancers.graph, self._patch.locomotion
+        stuck = self._edge < 0
+        if stuck.any():  # cannot happen in a pruned graph; a dancer who is stuck repeats her measure
+            self.dead_ends += int(stuck.sum())
+            dancers.next_placement[stuck] = placement[stuck]
+        dancers.next_node[:] = np.where(stuck, dancers.node, graph.edge_target[np.maximum(self._edge, 0)])
+        node = dancers.next_node
+        self.detours += int(np.count_nonzero(graph.library.node_step[node] != self._wanted))
+        yaw = dancers.next_placement[:, 2]
+        end = dancers.next_placement[:, :2] + turn_vectors(graph.node_end[node], yaw)
+        error = target - end
+        size = np.maximum(np.hypot(*error.T), 1e-9)
+        error *= np.minimum(1.0, limits.correction_m / size)[:, None]
+        off = heading - yaw - graph.node_facing[node]
+        off = np.arctan2(np.sin(off), np.cos(off))
+        most = math.radians(limits.turn_deg)
+        dancers.next_correction[:, :2] = error
+        dancers.next_correction[:, 2] = np.clip(off, -most, most)

@@ -1,0 +1,127 @@
+"""Status: the figures of a running show, one JSON object a second in the form of the contracts."""
+
+import json
+from collections import Counter
+from collections.abc import Callable
+from typing import Any, TextIO
+
+import numpy as np
+
+from live.show.core import Show
+
+KEPT = 4096
+"""Frame times kept for the percentiles: about the last minute."""
+
+
+class FrameTimes:
+    """The last frame times in milliseconds, in a preallocated ring."""
+
+    def __init__(self) -> None:
+        self._ring = np.zeros(KEPT)
+        self._count = 0
+
+    def add(self, seconds: float) -> None:
+        """Note one frame that took `seconds`."""
+        self._ring[self._count % KEPT] = seconds * 1e3
+        self._count += 1
+
+    def percentiles(self, *shares: float) -> list[float]:
+        """Percentiles [ms] of the frames kept; zeros before the first."""
+        if not self._count:
+            return [0.0] * len(shares)
+        return [round(float(v), 3) for v in np.percentile(self._ring[: min(self._count, KEPT)], shares)]
+
+
+class Status:
+    """Counts what happens and says it once a second."""
+
+    def __init__(self, show: Show, *, rejected: Callable[[], Counter[str]], memory: Callable[[], float]) -> None:
+        """`rejected`: counts by reason from the inputs; `memory`: resident memory [MB]."""
+        self._show = show
+        self._rejected = rejected
+        self._memory = memory
+        self.frame_times = FrameTimes()
+        """From one frame to the next."""
+        self.work_times = FrameTimes()
+        """Time spent in a frame on everything but waiting."""
+        self.frames = 0
+        self.late_frames = 0
+        self.ticks = 0
+        self.skipped_ticks = 0
+        self.events_accepted = 0
+        self.dropped_events = 0
+        self.faults = 0
+        """Frames in which drawing failed and the show went on."""
+
+    def snapshot(self, time: float) -> dict[str, Any]:
+        """All figures at `time` [s]; counters are totals since the start. Measures and beats count from 1."""
+        show = self._show
+        moment = show.moment(time)
+        p50, p99, p999 = self.frame_times.percentiles(50, 99, 99.9)
+        cpu50, cpu99 = self.work_times.percentiles(50, 99)
+        rejected = Counter(self._rejected())
+        if self.dropped_events:
+            rejected["inbox full"] += self.dropped_events
+        if show.refused:
+            rejected["unknown step"] += show.refused
+        if show.follower.rejected:
+            rejected["impossible beat"] += show.follower.rejected
+        return {
+            "time": round(time, 3),
+            "measure": show.span.number + 1,
+            "beat": int(moment.phase) + 1,
+            "bpm": round(show.follower.tempo, 2),
+            "source": show.follower.source,
+            "clock_state": show.follower.state,
+            "confidence": round(show.follower.confidence, 3),
+            "frames": self.frames,
+            "late_frames": self.late_frames,
+            "ticks": self.ticks,
+            "skipped_ticks": self.skipped_ticks,
+            "frame_ms": {"p50": p50, "p99": p99, "p999": p999},
+            "cpu_ms": {"p50": cpu50, "p99": cpu99},
+            "dancers": len(show.group),
+            "events_accepted": self.events_accepted,
+            "events_rejected": dict(rejected),
+            "phones": 0,
+            "rss_mb": round(self._memory(), 1),
+            "faults": self.faults,
+        }
+
+    def overlay(self, time: float) -> tuple[str, ...]:
+        """The operator's lines on the picture."""
+        s = self.snapshot(time)
+        beats = self._show.timeline.beats_per_measure
+        counts = "".join("●" if beat < s["beat"] else "○" for beat in range(beats))
+        frame = s["frame_ms"]
+        return (
+            f"{s['bpm']:.1f} bpm   measure {s['measure']}   {counts}",
+            f"clock {s['source']}: {s['clock_state']} {s['confidence']:.0%}",
+            f"frame {frame['p50']:.1f} ms, p99 {frame['p99']:.1f}, late {s['late_frames']}, cpu {s['cpu_ms']['p50']:.1f}",
+            f"dancers {s['dancers']}   events {s['events_accepted']}   refused {sum(s['events_rejected'].values())}",
+        )
+
+
+class StatusFile:
+    """Writes a status line once a second; a full disk is counted and forgotten."""
+
+    def __init__(self, file: TextIO, status: Status) -> None:
+        self._file = file
+        self._status = status
+        self._next = 1.0
+        self.failed = 0
+
+    def frame(self, time: float) -> None:
+        """To be called each frame: writes when a second has passed."""
+        if time < self._next:
+            return
+        self._next = float(int(time) + 1)
+        self.write(time)
+
+    def write(self, time: float) -> None:
+        """Write one line now."""
+        try:
+            self._file.write(json.dumps(self._status.snapshot(time)) + "\n")
+            self._file.flush()
+        except OSError:
+            self.failed += 1
