@@ -63,7 +63,8 @@ def event_for_key(name: str, *, time: float, blackout_now: bool) -> ControlEvent
 
 def event_for_pointer(x: float, z: float, shift: bool, time: float) -> ControlEvent | None:
     """An attractor, with shift a repulsor, at (x, z) [m]; None where the floor is too far away or not hit (NaN)."""
-    result = REGISTRY.call("/dance/repel" if shift else "/dance/attract", (x, z), time, POINTER_SOURCE)
+    place = (float(x), float(z))  # the window computes with numpy's floats, the registry knows only plain ones
+    result = REGISTRY.call("/dance/repel" if shift else "/dance/attract", place, time, POINTER_SOURCE)
     return result if isinstance(result, ControlEvent) else None
 
 

@@ -1,5 +1,6 @@
 import math
 
+import numpy as np
 import pytest
 
 from live.control import events
@@ -39,6 +40,12 @@ def test_every_key_of_the_show_uses_a_control_and_makes_an_event():
 def test_the_pointer_attracts_and_with_shift_repels():
     assert event_for_pointer(1.5, -2.0, False, 4.0) == events.Attract(time=4.0, source="pointer", x=1.5, z=-2.0)
     assert event_for_pointer(1.5, -2.0, True, 4.0) == events.Repel(time=4.0, source="pointer", x=1.5, z=-2.0)
+
+
+def test_numpys_floats_serve_as_well():
+    event = event_for_pointer(np.float32(1.5), np.float64(-2.0), False, 4.0)
+    assert event == events.Attract(time=4.0, source="pointer", x=1.5, z=-2.0)
+    assert type(event.x) is type(event.z) is float
 
 
 @pytest.mark.parametrize(("x", "z"), [(math.nan, 0.0), (0.0, math.inf), (1e9, 0.0), (0.0, -100.5)])
