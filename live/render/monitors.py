@@ -1,0 +1,168 @@
+"""Monitors: what projectors and screens there are, and which one a person means by a number or a name.
+
+GLFW is loaded and started here, once, on the first question: a headless machine never pays for it. On Linux X11 is
+preferred wherever an X server (or XWayland) answers, because under Wayland a program can neither place a window on
+a monitor of its choice nor find out where it is (GLFW issue 2903).
+"""
+
+import os
+import sys
+from collections import deque
+from dataclasses import dataclass
+from typing import Any
+
+_messages: deque[str] = deque(maxlen=64)
+_changes = 0
+_problem = ""
+_started = False
+
+
+class UnknownMonitor(ValueError):
+    """No monitor has this number or name; the text lists those that there are."""
+
+
+@dataclass(frozen=True, slots=True)
+class Monitor:
+    """One connected monitor: number from 1, name, position and size in screen coordinates, refresh rate [Hz]."""
+
+    index: int
+    name: str
+    position: tuple[int, int]
+    """Upper left corner on the desktop, x to the right, y down."""
+    size: tuple[int, int]
+    refresh_hz: float
+    """0 where the display does not tell."""
+
+    def __str__(self) -> str:
+        (x, y), (width, height) = self.position, self.size
+        rate = f" {self.refresh_hz:g} Hz" if self.refresh_hz else ""
+        return f"{self.index} {self.name} ({width}x{height} at {x},{y}{rate})"
+
+
+def _on_error(code: int, description: bytes | str) -> None:
+    text = description.decode("utf-8", "replace") if isinstance(description, bytes) else description
+    message = f"{text} (GLFW 0x{code:x})"
+    if not _messages or _messages[-1] != message:  # the same complaint sixty times a second is one complaint
+        _messages.append(message)
+
+
+def _on_monitor(_monitor: Any, _event: int) -> None:
+    global _changes
+    _changes += 1
+
+
+def start_glfw() -> bool:
+    """Load and start GLFW if it is not running; False where there is no screen (`screen_problem` says why).
+
+    Thread: main thread only, like everything of GLFW.
+    """
+    global _problem, _started
+    if _started:
+        return True
+    if sys.platform == "linux" and os.environ.get("DISPLAY"):
+        # the wheel holds one library for X11 and another for Wayland and chooses by the kind of the session
+        os.environ.setdefault("PYGLFW_LIBRARY_VARIANT", "x11")
+    try:
+        import glfw
+    except ImportError as error:
+        _problem = f"GLFW cannot be loaded ({error}); install it with: pip install glfw"
+        return False
+    glfw.set_error_callback(_on_error)
+    if sys.platform == "linux" and os.environ.get("DISPLAY") and glfw.platform_supported(glfw.PLATFORM_X11):
+        glfw.init_hint(glfw.PLATFORM, glfw.PLATFORM_X11)
+    _messages.clear()
+    if not glfw.init():
+        _problem = _messages.popleft() if _messages else "GLFW cannot be started"
+        if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+            _problem = "no screen: neither DISPLAY nor WAYLAND_DISPLAY is set"
+        return False
+    _started, _problem = True, ""
+    glfw.set_monitor_callback(_on_monitor)
+    return True
+
+
+def stop_glfw() -> None:
+    """Close all windows and leave the display; a later question starts anew. Does nothing when not running."""
+    global _started
+    if _started:
+        import glfw
+
+        _started = False
+        glfw.terminate()
+
+
+def screen_problem() -> str:
+    """Why there is no screen; empty when there is one."""
+    return "" if start_glfw() else _problem
+
+
+def monitor_changes() -> int:
+    """How often a monitor was plugged in or out since the start; grows only while events are polled."""
+    return _changes
+
+
+def take_messages() -> list[str]:
+    """What GLFW complained about since the last call, repetitions left out; nothing is ever printed."""
+    taken = list(_messages)
+    _messages.clear()
+    return taken
+
+
+def monitor_handles() -> list[tuple[Monitor, Any]]:
+    """Every connected monitor with GLFW's handle of it; empty where there is no screen.
+
+    A handle is good only until events are polled again: unplugging frees it.
+    """
+    if not start_glfw():
+        return []
+    import glfw
+
+    found: list[tuple[Monitor, Any]] = []
+    for handle in glfw.get_monitors() or []:
+        try:
+            mode = glfw.get_video_mode(handle)
+        except ValueError:  # it was unplugged while we asked: the binding meets a null pointer
+            continue
+        name: Any = glfw.get_monitor_name(handle)  # bytes, whatever the binding's stub says
+        text = name.decode("utf-8", "replace") if isinstance(name, bytes) else name or "unnamed"
+        x, y = glfw.get_monitor_pos(handle)
+        size = (int(mode.size.width), int(mode.size.height))
+        found.append((Monitor(len(found) + 1, text, (int(x), int(y)), size, float(mode.refresh_rate)), handle))
+    return found
+
+
+def list_monitors() -> list[Monitor]:
+    """The connected monitors, the primary one first; empty where there is no screen (see `screen_problem`)."""
+    return [monitor for monitor, _ in monitor_handles()]
+
+
+def find_monitor(text: str, monitors: list[Monitor] | None = None) -> Monitor:
+    """The monitor that a person means: its number (from 1), its name, or the beginning of one name only.
+
+    Upper and lower case are alike. `monitors` is what to choose from (default: those connected now).
+    Raises `UnknownMonitor`, with the list of what there is.
+    """
+    there = list_monitors() if monitors is None else monitors
+    wanted = text.strip().casefold()
+    if wanted.isdecimal() and 1 <= int(wanted) <= len(there):
+        return there[int(wanted) - 1]
+    exact = [monitor for monitor in there if monitor.name.casefold() == wanted]
+    begins = [monitor for monitor in there if wanted and monitor.name.casefold().startswith(wanted)]
+    for matches in (exact, begins):
+        if len(matches) == 1:
+            return matches[0]
+    what = "means several monitors" if exact or begins else "is not a monitor"
+    if not there:
+        problem = screen_problem() if monitors is None else ""
+        raise UnknownMonitor(f"{text!r} {what}: there is none" + (f" ({problem})" if problem else ""))
+    listing = "".join(f"\n  {monitor}" for monitor in there)
+    raise UnknownMonitor(f"{text!r} {what}; choose by number or name:{listing}")
+
+
+def same_monitor(wanted: Monitor, there: list[Monitor]) -> Monitor | None:
+    """The monitor of `there` that is `wanted` plugged in again: same name, and of several the nearest by position."""
+    named = [monitor for monitor in there if monitor.name == wanted.name]
+    if not named:
+        return None
+    x, y = wanted.position
+    return min(named, key=lambda monitor: abs(monitor.position[0] - x) + abs(monitor.position[1] - y))

@@ -1,0 +1,165 @@
+"""What people do at a window, as frozen values, and the queue that turns GLFW's callbacks into them.
+
+Pixels are those of the framebuffer, from the upper left corner, x to the right and y down.
+"""
+
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+
+@dataclass(frozen=True, slots=True)
+class KeyPressed:
+    """A key went down (its repetitions are not reported); `name` as in "space", "escape", "f", "1", "left", "f5"."""
+
+    name: str
+    shift: bool = False
+    control: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class PointerMoved:
+    """The pointer is now at (x, y) [pixels]."""
+
+    x: float
+    y: float
+    shift: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class PointerPressed:
+    """The main button went down at (x, y) [pixels]."""
+
+    x: float
+    y: float
+    shift: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class PointerReleased:
+    """The main button came up at (x, y) [pixels]."""
+
+    x: float
+    y: float
+    shift: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Resized:
+    """The framebuffer has a new size (width, height) [pixels]."""
+
+    size: tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class CloseRequested:
+    """Somebody asked the desktop to close the window; it stays open until the program closes it."""
+
+
+@dataclass(frozen=True, slots=True)
+class MonitorsChanged:
+    """A monitor was plugged in or out; the window has already found its place again."""
+
+
+WindowInput: TypeAlias = (
+    KeyPressed | PointerMoved | PointerPressed | PointerReleased | Resized | CloseRequested | MonitorsChanged
+)
+
+QUEUE_LIMIT = 1024
+"""Inputs kept between two polls; more than that in one frame is no human hand, and the rest is left out."""
+
+_NAMED_KEYS = (
+    *("space", "escape", "tab", "backspace", "insert", "delete", "pause"),
+    *("right", "left", "down", "up", "home", "end", "page_up", "page_down"),
+)
+
+
+def _physical_names(glfw: Any) -> dict[int, str]:
+    """Names of keys that mean the same on every keyboard layout, by GLFW's key number."""
+    names = {getattr(glfw, f"KEY_F{number}"): f"f{number}" for number in range(1, 26)}
+    for digit in range(10):  # the digit row by its place: on some layouts it needs shift to write a digit
+        names[getattr(glfw, f"KEY_{digit}")] = names[getattr(glfw, f"KEY_KP_{digit}")] = str(digit)
+    for word in _NAMED_KEYS:
+        names[getattr(glfw, f"KEY_{word.upper()}")] = word
+    names[glfw.KEY_ENTER] = names[glfw.KEY_KP_ENTER] = "enter"
+    return names
+
+
+class InputQueue:
+    """Collects what GLFW reports about one window while events are polled.
+
+    Thread: main thread only, like everything of GLFW.
+    """
+
+    def __init__(self, glfw: Any, window: Any) -> None:
+        self._glfw = glfw
+        self._window = window
+        self._physical = _physical_names(glfw)
+        self._inputs: list[WindowInput] = []
+        self._shift = False
+        self.framebuffer_size: tuple[int, int] = glfw.get_framebuffer_size(window)
+        self._window_size: tuple[int, int] = glfw.get_window_size(window)
+        glfw.set_key_callback(window, self._on_key)
+        glfw.set_mouse_button_callback(window, self._on_button)
+        glfw.set_cursor_pos_callback(window, self._on_move)
+        glfw.set_framebuffer_size_callback(window, self._on_framebuffer_size)
+        glfw.set_window_size_callback(window, self._on_window_size)
+        glfw.set_window_close_callback(window, self._on_close)
+
+    def take(self) -> list[WindowInput]:
+        """What came since the last call, in order; of pointer moves without anything between them only the last."""
+        taken, self._inputs = self._inputs, []
+        return taken
+
+    def put(self, value: WindowInput) -> None:
+        """Append one input; a pointer move replaces the one right before it."""
+        if isinstance(value, PointerMoved) and self._inputs and isinstance(self._inputs[-1], PointerMoved):
+            self._inputs[-1] = value
+        elif len(self._inputs) < QUEUE_LIMIT:
+            self._inputs.append(value)
+
+    def key_name(self, key: int, scancode: int) -> str:
+        """The key's name: letters as the keyboard layout writes them, or by place where that is not ASCII."""
+        if key in self._physical:
+            return self._physical[key]
+        written = self._glfw.get_key_name(key, scancode)
+        text = written.decode("utf-8", "replace") if isinstance(written, bytes) else written or ""
+        if len(text) == 1 and text.isascii() and text.isprintable():
+            return text.lower()
+        return chr(key).lower() if 32 < key < 127 else ""
+
+    def _on_key(self, _window: Any, key: int, scancode: int, action: int, modifiers: int) -> None:
+        if key in (self._glfw.KEY_LEFT_SHIFT, self._glfw.KEY_RIGHT_SHIFT):
+            self._shift = action != self._glfw.RELEASE
+        elif action == self._glfw.PRESS:
+            self._shift = bool(modifiers & self._glfw.MOD_SHIFT)
+            name = self.key_name(key, scancode)
+            if name:
+                self.put(KeyPressed(name, self._shift, bool(modifiers & self._glfw.MOD_CONTROL)))
+
+    def _pixels(self, x: float, y: float) -> tuple[float, float]:
+        """From GLFW's screen coordinates to framebuffer pixels (they differ on dense displays)."""
+        (width, height), (columns, rows) = self.framebuffer_size, self._window_size
+        return x * width / max(columns, 1), y * height / max(rows, 1)
+
+    def _on_button(self, window: Any, button: int, action: int, modifiers: int) -> None:
+        if button != self._glfw.MOUSE_BUTTON_LEFT:
+            return
+        self._shift = bool(modifiers & self._glfw.MOD_SHIFT)
+        x, y = self._pixels(*self._glfw.get_cursor_pos(window))
+        kind = PointerPressed if action == self._glfw.PRESS else PointerReleased
+        self.put(kind(x, y, self._shift))
+
+    def _on_move(self, _window: Any, x: float, y: float) -> None:
+        self.put(PointerMoved(*self._pixels(x, y), self._shift))
+
+    def _on_framebuffer_size(self, _window: Any, width: int, height: int) -> None:
+        if width > 0 and height > 0 and (width, height) != self.framebuffer_size:  # a minimised window has size 0
+            self.framebuffer_size = (width, height)
+            self.put(Resized((width, height)))
+
+    def _on_window_size(self, _window: Any, width: int, height: int) -> None:
+        self._window_size = (width, height)
+
+    def _on_close(self, window: Any) -> None:
+        self._glfw.set_window_should_close(window, False)
+        self.put(CloseRequested())
