@@ -2,6 +2,7 @@ import shutil
 import socket
 import struct
 import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
@@ -126,6 +127,13 @@ def test_only_time_tags_ahead_of_now_count_as_future(stage):
     assert len(stage.events()) == 2
 
 
+def test_a_time_tag_of_the_next_ntp_era_lies_ahead(stage):
+    after_2036 = 5 << 32  # the seconds begin again at 0 on 7 February 2036
+    stage.send(b"#bundle\0" + struct.pack(">Qi", after_2036, len(TAP)) + TAP)
+    assert stage.osc.future_timetags == 1
+    assert stage.events() == [events.Tap(**STAMP)]
+
+
 HOSTILE = [
     b"",
     b"\0",
@@ -194,6 +202,25 @@ def test_a_flood_is_counted_to_the_last_datagram(stage):
     assert stage.events() == [events.Tap(**STAMP)]
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux counts the datagrams that a socket dropped")
+def test_what_the_system_dropped_is_still_known_after_the_end():
+    class Slow(ManualClock):
+        def now(self):
+            gate.wait(DEADLINE_S)
+            return super().now()
+
+    gate = threading.Event()
+    with Stage() as stage:
+        stage.osc._clock = Slow()
+        stage.osc._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        for _ in range(200):  # the thread stands at the gate, so that the small buffer must overflow
+            stage.sender.sendto(TAP, ("127.0.0.1", stage.osc.port))
+        gate.set()
+        wait_until(lambda: stage.osc.received + stage.osc.lost >= 200)
+        lost = stage.osc.lost
+    assert stage.osc.lost == lost == 200 - stage.osc.received > 0
+
+
 def test_events_beyond_the_inbox_push_out_the_oldest_and_are_counted():
     with Stage(capacity=10) as stage:
         stage.send(*[message("/dance/attract", float(x), 0.0).dgram for x in range(25)])
@@ -224,7 +251,7 @@ def test_many_pings_in_one_datagram_get_one_answer(stage):
 
 
 def test_only_listed_senders_are_heard():
-    with Stage(allow=["192.0.2.0/24", "2001:db8::1"]) as closed, Stage(allow=["127.0.0.0/8"]) as open_stage:
+    with Stage(allow=["192.0.2.0/24", "2001:db8::1"]) as closed, Stage(allow=["127.0.0.1/8"]) as open_stage:
         closed.send(TAP, PING)
         open_stage.send(TAP)
         assert closed.events() == []

@@ -185,11 +185,18 @@ def test_bad_packets_are_refused_with_their_reason(packet, expected):
     assert reason(packet) == expected
 
 
-def test_a_value_never_reaches_into_the_next_element():
-    short = b"/a\0\0,f\0\0"
-    assert reason(raw_bundle(element(short), element(TAP))) == Reason.TRUNCATED
-    unterminated = b"/a\0\0,s\0\0abcd"
-    assert reason(raw_bundle(element(unterminated), element(TAP))) == Reason.UNTERMINATED
+@pytest.mark.parametrize(
+    ("cut_off", "expected"),
+    [
+        (b"/a\0\0,f\0\0", Reason.TRUNCATED),
+        (b"/a\0\0,m\0\0", Reason.TRUNCATED),
+        (b"/a\0\0,b\0\0", Reason.TRUNCATED),
+        (b"/a\0\0,b\0\0" + struct.pack(">i", 8) + b"abcd", Reason.TRUNCATED),
+        (b"/a\0\0,s\0\0abcd", Reason.UNTERMINATED),
+    ],
+)
+def test_a_value_never_reaches_into_the_next_element(cut_off, expected):
+    assert reason(raw_bundle(element(cut_off), element(TAP))) == expected
 
 
 def test_limits_themselves_are_accepted():

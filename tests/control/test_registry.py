@@ -42,6 +42,7 @@ STAMP = {"time": 12.5, "source": "test"}
         ("/dance/clear", (), events.Clear(**STAMP)),
         ("/dance/step", ("samba",), events.CallStep(name="samba", **STAMP)),
         ("/dance/step", ("Čača ♥", 16), events.CallStep(name="Čača ♥", measures=16.0, **STAMP)),
+        ("/dance/step", ("x" * NAME_LENGTH,), events.CallStep(name="x" * NAME_LENGTH, **STAMP)),
         ("/dance/clock/tap", (), events.Tap(**STAMP)),
         ("/dance/clock/tap", (None,), events.Tap(**STAMP)),
         ("/dance/clock/one", (), events.One(**STAMP)),
