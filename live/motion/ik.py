@@ -1,0 +1,64 @@
+"""Two-bone inverse kinematics for arms and legs, over all samples at once."""
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+
+Float = npt.NDArray[np.floating]
+
+SOFTNESS = 0.012
+"""The last share of a limb's length that is only approached: a limb that reaches for too much never snaps straight."""
+
+
+def two_bone(
+    root: Float,
+    target: Float,
+    pole: Float,
+    *,
+    upper: float,
+    lower: float,
+    softness: float = SOFTNESS,
+) -> tuple[Float, Float]:
+    """Positions (..., 3) of the middle joint and of the end of a limb that starts at `root` and reaches for `target`.
+
+    `pole` (..., 3) is the direction in which the middle joint points. `upper` and `lower` [m] are the lengths of the
+    bones. The end is exactly on the target while its distance lies between `|upper - lower|` and `1 - softness` of
+    the whole length; beyond that it falls short softly. A target on the root bends the limb away from the pole.
+    """
+    whole = upper + lower
+    soft = softness * whole
+    reach = target - root
+    distance = np.linalg.norm(reach, axis=-1, keepdims=True)
+    pole = quaternion.unit(pole)
+    fallback = quaternion.unit(_any_normal(pole))
+    direction = np.where(distance > 1e-6, reach / np.maximum(distance, 1e-6), fallback)
+    start = whole - soft
+    length = np.where(distance > start, whole - soft * np.exp(-np.maximum(distance - start, 0.0) / soft), distance)
+    length = np.maximum(length, abs(upper - lower) + 1e-4)
+    along = (upper * upper - lower * lower + length * length) / (2.0 * length)
+    aside = np.sqrt(np.maximum(upper * upper - along * along, 0.0))
+    across = pole - direction * np.sum(pole * direction, axis=-1, keepdims=True)
+    size = np.linalg.norm(across, axis=-1, keepdims=True)
+    across = np.where(size > 1e-6, across / np.maximum(size, 1e-6), quaternion.unit(_any_normal(direction)))
+    return root + along * direction + aside * across, root + length * direction
+
+
+def bone_rotation(direction: Float, pole: Float, rest_direction: Float, rest_pole: Float) -> Float:
+    """World rotations (..., 4) that lay a bone from `rest_direction` along `direction`, its `rest_pole` towards `pole`.
+
+    The poles need not be normal to the directions; `rest_direction` and `rest_pole` (3,) must be.
+    """
+    along = quaternion.unit(direction)
+    across = pole - along * np.sum(pole * along, axis=-1, keepdims=True)
+    size = np.linalg.norm(across, axis=-1, keepdims=True)
+    across = np.where(size > 1e-6, across / np.maximum(size, 1e-6), quaternion.unit(_any_normal(along)))
+    posed = quaternion.from_columns(along, across, np.cross(along, across))
+    rest = quaternion.from_columns(rest_direction, rest_pole, np.cross(rest_direction, rest_pole))
+    return quaternion.mul(posed, quaternion.inverse(rest))
+
+
+def _any_normal(vector: Float) -> Float:
+    """Some vector (..., 3) that is not parallel to `vector`, made normal to it."""
+    least = np.eye(3)[np.argmin(np.abs(vector), axis=-1)]
+    return np.cross(vector, least)

@@ -1,0 +1,85 @@
+"""From a sketch to step clips: every direction of T131, and the other side of the body (T042)."""
+
+from typing import Final
+
+import numpy as np
+
+from live.motion.clip import Clip
+from live.motion.mirror import mirror_step
+from live.motion.sketch import Sketch
+from live.motion.sketch_body import Ground, pose_body
+from live.motion.sketch_channels import SAMPLES_PER_BEAT, facing
+from live.motion.sketch_feet import Path, balance, flights, keep_apart, placed, stances, supported, track
+from live.motion.step_clip import DIRECTIONS, StepClip
+
+TAIL_SAMPLES: Final = 8
+"""Samples after the last measure, so that reading at its very end needs no special case."""
+_MARGIN_BEATS: Final = 2.0
+"""Beats computed and thrown away at both ends, in which the filters settle."""
+_UNIT: Final = {"forward": (0.0, 1.0), "back": (0.0, -1.0), "left": (1.0, 0.0), "right": (-1.0, 0.0)}
+
+
+def step_clips(sketch: Sketch) -> list[StepClip]:
+    """All variations of a step: nine directions if it travels, else one; each also mirrored unless `mirror` is false.
+
+    Each begins with a whole measure of lead-in. Directions come in the order of DIRECTIONS, the mirrored ones after
+    all others in the same order. Raises SketchError if legs cannot reach what is asked.
+    """
+    directions = DIRECTIONS if sketch.travels else DIRECTIONS[:1]
+    own = [step_clip(sketch, direction) for direction in directions]
+    if not sketch.mirror:
+        return own
+    mirrored = {step.direction: step for step in map(mirror_step, own)}
+    return own + [mirrored[direction] for direction in directions]
+
+
+def displacement(sketch: Sketch, direction: str) -> tuple[float, float]:
+    """How far the whole step goes [m] in x and z; the dancer faces +z, her right is -x."""
+    if direction == "in place":
+        return 0.0, 0.0
+    length, _, way = direction.partition(" ")
+    distance = (sketch.long if length == "long" else sketch.short) * sketch.beats / sketch.beats_per_measure
+    return distance * _UNIT[way][0], distance * _UNIT[way][1]
+
+
+def step_clip(sketch: Sketch, direction: str = "in place") -> StepClip:
+    """One variation, as sketched (not mirrored), with `SAMPLES_PER_BEAT` samples a beat."""
+    lead = sketch.beats_per_measure
+    first = lead * SAMPLES_PER_BEAT
+    count = first + sketch.beats * SAMPLES_PER_BEAT + 1 + TAIL_SAMPLES
+    margin = int(_MARGIN_BEATS * SAMPLES_PER_BEAT)
+    beats = (np.arange(-margin, count + margin) - first) / SAMPLES_PER_BEAT
+    x, z = displacement(sketch, direction)
+    path = Path(lambda at: facing(sketch, at), (x / sketch.beats, z / sketch.beats))
+    own = {side: stances(sketch, f"{side}_foot", beats[0], beats[-1]) for side in ("left", "right")}
+    own["left"] = supported(own["left"], own["right"])
+    own["right"] = supported(own["right"], own["left"])
+    world = {side: placed(path, own[side], sign) for side, sign in (("left", 1.0), ("right", -1.0))}
+    if x != 0.0:
+        keep_apart(own["left"], world["left"], own["right"], world["right"])
+    leaps = flights(own["left"], own["right"])
+    tracks = [
+        track(path, own[side], world[side], sign, beats, leaps) for side, sign in (("left", 1.0), ("right", -1.0))
+    ]
+    ground = Ground(beats, facing(sketch, beats), balance(own["left"], own["right"], beats), *tracks, leaps)
+    root, rotation = pose_body(sketch, ground)
+    root, rotation = root[margin:-margin], rotation[margin:-margin]
+    root = root - root[first] * (1.0, 0.0, 1.0)
+    contact = np.stack([foot.contact[margin:-margin] for foot in tracks], axis=1)
+    clip = Clip(
+        name=f"{sketch.name}, {direction}",
+        root_position=root.astype(np.float32),
+        rotation=np.ascontiguousarray(rotation, np.float32),
+        sample_rate=SAMPLES_PER_BEAT * sketch.bpm / 60.0,
+        contact=contact,
+    )
+    return StepClip(
+        step=sketch.name,
+        clip=clip,
+        first=float(first),
+        samples_per_measure=float(sketch.beats_per_measure * SAMPLES_PER_BEAT),
+        measures=sketch.beats // sketch.beats_per_measure,
+        beats_per_measure=sketch.beats_per_measure,
+        bpm=sketch.bpm,
+        direction=direction,
+    )

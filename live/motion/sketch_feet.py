@@ -1,0 +1,363 @@
+"""Where the feet of a sketch stand and how they get there: stances, swings, roll, weight (beats and metres)."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion.curve import hermite, monotone_slopes, through
+from live.motion.skeleton import SKELETON
+from live.motion.sketch import Key, Sketch
+
+Float = npt.NDArray[np.float64]
+Bool = npt.NDArray[np.bool_]
+
+HOME_OUT: Final = 0.11
+"""Ankle of a foot in the neutral stance, from the middle [m]."""
+HOME_FORWARD: Final = -0.03
+HOME_TURN: Final = math.radians(10.0)
+"""How far the toes point outwards in the neutral stance."""
+BALL_FORWARD: Final = float(SKELETON.offsets[SKELETON.index("leftToes"), 2])
+HEEL_TO_BALL: Final = BALL_FORWARD + 0.05
+"""From the heel to the ball of the foot, the two points on which it rolls [m]."""
+ALWAYS: Final = 1000.0
+_RISE: Final = 0.5
+_PIVOT: Final = math.radians(25.0)
+_GAP: Final = 0.15
+
+
+@dataclass(frozen=True, slots=True)
+class Stance:
+    """One foot on one place, from the beat of its arrival to the beat on which it leaves."""
+
+    arrive: float
+    leave: float
+    place: tuple[float, float, float]
+    """Out and forward from its home [m], turned out [rad]; as seen from the body."""
+    contacts: tuple[Key, ...]
+    """The keys that hold it there."""
+    air: tuple[Key, ...]
+    """The keys in the air on the way from here to the next place."""
+    lift: float | None
+    """Height of the way to the next place [m], if it is said."""
+    number: int
+    """The same for the same stance of every repetition."""
+
+    @property
+    def middle(self) -> float:
+        """The beat on which the foot is under the body."""
+        return 0.5 * (self.arrive + self.leave)
+
+    @property
+    def touches(self) -> bool:
+        """Whether the foot only touches, without weight."""
+        return all("touch" in key.amounts for key in self.contacts)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FootTrack:
+    """One foot over T samples."""
+
+    ball: Float
+    """World position of the ball, projected on the floor [m], shape (T, 2) (x, z)."""
+    height: Float
+    """Of the sole under the ball over the floor [m], (T,)."""
+    yaw: Float
+    """Heading of the toes [rad], (T,)."""
+    heel: Float
+    """Heel lifted about the ball [rad], (T,)."""
+    toe: Float
+    """Toes lifted about the heel [rad], (T,)."""
+    ground: Float
+    """The place where it stands or that it moves to, at the ankle [m], (T, 2)."""
+    contact: Bool
+    firm: Float
+    """1 while it stands, 0 in the air, smooth between, (T,)."""
+    free: Float
+    """1 where a key leads it through the air and the pelvis need not follow, else 0, smooth between, (T,)."""
+
+
+def stances(sketch: Sketch, part: str, first: float, last: float) -> list[Stance]:
+    """The stances of a foot that cover the beats from `first` to `last`, with at least one more at each end."""
+    keys = [(key.beat, key, number) for number, key in enumerate(sketch.parts.get(part, ()))]
+    home = Key(0.0, {"home": 1.0})
+    if not any(_on_floor(key) for _, key, _ in keys):
+        keys.insert(0, (0.0 if not keys or keys[0][0] > 0.0 else -0.5, home, -1))
+    if sketch.cyclic:
+        cycles = range(math.floor(first / sketch.beats) - 2, math.ceil(last / sketch.beats) + 3)
+        events = [(beat + cycle * sketch.beats, key, number) for cycle in cycles for beat, key, number in keys]
+    else:
+        events = [(-ALWAYS, home, -1), *keys, (float(sketch.beats), home, -2)]
+    while not _on_floor(events[0][1]):
+        events.pop(0)
+    result = _stances(events, sketch.swing)
+    if len(result) == 1:
+        return [replace(result[0], arrive=-ALWAYS)]
+    return result[1:-1] if sketch.cyclic else result  # the outermost ones are cut off by the window
+
+
+def _on_floor(key: Key) -> bool:
+    return key.amounts.get("up", 0.0) <= 0.0
+
+
+def _place(key: Key) -> tuple[float, float, float]:
+    amounts = key.amounts
+    return amounts.get("out", 0.0), amounts.get("forward", 0.0), amounts.get("turn", 0.0)
+
+
+def _stances(events: list[tuple[float, Key, int]], swing: float) -> list[Stance]:
+    result: list[Stance] = []
+    arrive, contacts, air, number = events[0][0], [events[0][1]], list[Key](), events[0][2]
+    last_contact = arrive
+    for beat, key, key_number in events[1:]:
+        if not _on_floor(key):
+            air.append(replace(key, beat=beat))
+            continue
+        if not air and _place(key) == _place(contacts[-1]) and "lift" not in key.amounts:
+            contacts.append(replace(key, beat=beat))
+            last_contact = beat
+            continue
+        goal = air[0].beat if air else beat
+        gap = goal - last_contact
+        leave = max(goal - min(_RISE if air else swing, 0.75 * gap), arrive + 0.05)
+        result.append(
+            Stance(arrive, leave, _place(contacts[0]), tuple(contacts), tuple(air), key.amounts.get("lift"), number)
+        )
+        arrive, contacts, air, number, last_contact = beat, [replace(key, beat=beat)], [], key_number, beat
+    result.append(Stance(arrive, ALWAYS, _place(contacts[0]), tuple(contacts), (), None, number))
+    return result
+
+
+def supported(own: list[Stance], other: list[Stance]) -> list[Stance]:
+    """The stances, left later where the other foot would still be in the air: a step is no leap unless it says so."""
+    result = []
+    for stance in own:
+        landing = [b.arrive for a, b in pairwise(other) if a.leave < stance.leave < b.arrive]
+        if landing and not stance.air:
+            following = next((s.arrive for s in own if s.arrive > stance.leave), ALWAYS)
+            stance = replace(stance, leave=max(stance.leave, min(landing[0], following - 0.2)))
+        result.append(stance)
+    return result
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Path:
+    """How the body as a whole goes: its facing [rad] at given beats, and its displacement per beat [m] (x, z)."""
+
+    facing: Callable[[Float], Float]
+    per_beat: tuple[float, float]
+
+    def world(self, beats: Float, places: Float, side: float) -> Float:
+        """Ankle x, z and heading (K, 3) of a foot with `places` (K, 3) at `beats` (K,); side +1 = left."""
+        facing = self.facing(beats)
+        x, z = side * (HOME_OUT + places[:, 0]), HOME_FORWARD + places[:, 1]
+        sine, cosine = np.sin(facing), np.cos(facing)
+        return np.stack(
+            (
+                x * cosine + z * sine + beats * self.per_beat[0],
+                z * cosine - x * sine + beats * self.per_beat[1],
+                facing + side * (HOME_TURN + places[:, 2]),
+            ),
+            axis=1,
+        )
+
+
+def placed(path: Path, own: list[Stance], side: float) -> Float:
+    """World ankle x, z and heading (K, 3) of each stance: right under the body in the middle of its time."""
+    middles = np.array([stance.middle if abs(stance.middle) < ALWAYS / 4 else 0.0 for stance in own])
+    return path.world(middles, np.array([stance.place for stance in own]), side)
+
+
+def keep_apart(left: list[Stance], left_world: Float, right: list[Stance], right_world: Float) -> None:
+    """Shift stances along x, in place, so that a step that travels sideways does not run through the other leg.
+
+    Feet that stand at the same time keep 15 cm, or what the sketch itself asks for; both give way alike.
+    """
+    pairs = []
+    for i, a in enumerate(left):
+        for j, b in enumerate(right):
+            if a.arrive < b.leave and b.arrive < a.leave:
+                own = 2.0 * HOME_OUT + a.place[0] + b.place[0]
+                pairs.append((i, j, a.number, b.number, min(_GAP, own)))
+    shift_left = {stance.number: 0.0 for stance in left}
+    shift_right = {stance.number: 0.0 for stance in right}
+    for _ in range(200):
+        worst = 0.0
+        for i, j, a_number, b_number, gap in pairs:
+            lack = gap - (left_world[i, 0] + shift_left[a_number] - right_world[j, 0] - shift_right[b_number])
+            if lack > 1e-6:
+                shift_left[a_number] += 0.5 * lack
+                shift_right[b_number] -= 0.5 * lack
+                worst = max(worst, lack)
+        if worst < 1e-4:
+            break
+    left_world[:, 0] += [shift_left[stance.number] for stance in left]
+    right_world[:, 0] += [shift_right[stance.number] for stance in right]
+
+
+def track(
+    path: Path, own: list[Stance], world: Float, side: float, beats: Float, leaps: list[tuple[float, float]]
+) -> FootTrack:
+    """The foot's way at `beats` (T,) through its stances, which stand at `world` (K, 3); `leaps` as `flights` says."""
+    ball = world.copy()
+    ball[:, 0] += BALL_FORWARD * np.sin(world[:, 2])
+    ball[:, 1] += BALL_FORWARD * np.cos(world[:, 2])
+    times, ground_times, places, ground, heights = [], [], [], [], []
+    for index, stance in enumerate(own):
+        for at in (stance.arrive, min(stance.leave, ALWAYS)):
+            times.append(at)
+            ground_times.append(at)
+            places.append(ball[index])
+            ground.append(world[index])
+            heights.append((at, 0.0))
+        if index + 1 == len(own):
+            break
+        if stance.air:
+            moments = np.array([key.beat for key in stance.air])
+            above = path.world(moments, np.array([_place(key) for key in stance.air]), side)
+            above[:, 0] += BALL_FORWARD * np.sin(above[:, 2])
+            above[:, 1] += BALL_FORWARD * np.cos(above[:, 2])
+            times.extend(moments)
+            places.extend(above)
+            heights.extend((key.beat, key.amounts["up"]) for key in stance.air)
+        else:
+            arrive = own[index + 1].arrive
+            heights.append((0.5 * (stance.leave + arrive), _lift(stance, world[index], world[index + 1])))
+    way = through(np.array(times), np.array(places), beats)
+    stand = through(np.array(ground_times), np.array(ground), beats)
+    up = np.array(heights)
+    contact = np.zeros(len(beats), np.bool_)
+    for stance in own:
+        contact |= (beats >= stance.arrive - 1e-6) & (beats <= stance.leave + 1e-6)
+    return FootTrack(
+        ball=way[:, :2],
+        height=through(up[:, 0], up[:, 1], beats),
+        yaw=way[:, 2] + _pivot(path, own, beats),
+        heel=_heel(own, world, beats, leaps),
+        toe=_toe(own, beats),
+        ground=stand[:, :2],
+        contact=contact,
+        firm=_firm(own, beats, plain=0.0),
+        free=1.0 - _firm(own, beats, plain=1.0),
+    )
+
+
+def _lift(stance: Stance, start: Float, end: Float) -> float:
+    if stance.lift is not None:
+        return stance.lift
+    return min(0.025 + 0.08 * math.hypot(end[0] - start[0], end[1] - start[1]), 0.09)
+
+
+def _pivot(path: Path, own: list[Stance], beats: Float) -> Float:
+    """Turn of the foot on its ball where the body turns on by more than the hips allow."""
+    times = np.array([at for stance in own for at in (stance.arrive, min(stance.leave, ALWAYS))])
+    middles = np.array([stance.middle if abs(stance.middle) < ALWAYS / 4 else 0.0 for stance in own])
+    twist = path.facing(beats) - through(times, np.repeat(path.facing(middles), 2), beats)
+    return np.asarray(twist - _PIVOT * np.tanh(twist / _PIVOT))
+
+
+def _angle(centimetres_up: float) -> float:
+    return math.asin(min(max(centimetres_up, 0.0) / HEEL_TO_BALL, 0.95))
+
+
+def _heel(own: list[Stance], world: Float, beats: Float, leaps: list[tuple[float, float]]) -> Float:
+    keys: list[tuple[float, float]] = []
+    for index, stance in enumerate(own):
+        leaping = any(abs(stance.leave - start) < 0.3 for start, _ in leaps)
+        landing = any(abs(stance.arrive - end) < 0.3 for _, end in leaps)
+        said = [(key.beat, _said_heel(key)) for key in stance.contacts]
+        keys.append((stance.arrive, math.radians(25.0) if landing else said[0][1]))
+        if landing:
+            keys.append((stance.arrive + 0.2, said[0][1]))
+        keys.extend(said[1:])
+        if index + 1 == len(own):
+            break
+        away = math.hypot(*(world[index + 1] - world[index])[:2])
+        roll = math.radians(35.0) if leaping else math.radians(min(10.0 + 55.0 * away, 32.0))
+        keys.append((stance.leave - min(0.35, 0.7 * (stance.leave - keys[-1][0])), keys[-1][1]))
+        keys.append((stance.leave, max(roll, keys[-1][1])))
+        for key in stance.air:
+            point = math.radians(40.0 if leaping else 15.0)
+            keys.append((key.beat, _angle(key.amounts["heel"]) if "heel" in key.amounts else point))
+    return _angles(keys, beats)
+
+
+def _said_heel(key: Key) -> float:
+    if "heel" in key.amounts:
+        return _angle(key.amounts["heel"])
+    return math.radians(14.0) if "touch" in key.amounts and "toe" not in key.amounts else 0.0
+
+
+def _toe(own: list[Stance], beats: Float) -> Float:
+    keys: list[tuple[float, float]] = []
+    for stance in own:
+        keys.extend((key.beat, _angle(key.amounts.get("toe", 0.0))) for key in stance.contacts)
+        keys.append((min(stance.leave, ALWAYS), keys[-1][1]))
+        keys.extend((key.beat, _angle(key.amounts.get("toe", 0.0))) for key in stance.air)
+    return _angles(keys, beats)
+
+
+def _angles(keys: list[tuple[float, float]], beats: Float) -> Float:
+    increasing = [keys[0]]
+    for at, value in keys[1:]:
+        if at > increasing[-1][0] + 0.01:
+            increasing.append((at, value))
+    table = np.array(increasing)
+    return np.maximum(through(table[:, 0], table[:, 1], beats), 0.0)
+
+
+def _firm(own: list[Stance], beats: Float, *, plain: float) -> Float:
+    """1 in stances, 0 in the middle of swings through keys in the air, `plain` in the middle of all others, (T,)."""
+    keys: list[tuple[float, float]] = []
+    for index, stance in enumerate(own):
+        if index:
+            before = own[index - 1]
+            level = 0.0 if before.air else plain
+            keys.append((before.leave + 0.35 * (stance.arrive - before.leave), level))
+            keys.append((before.leave + 0.55 * (stance.arrive - before.leave), level))
+        keys.append((stance.arrive, 1.0))
+        keys.append((min(stance.leave, ALWAYS), 1.0))
+    table = np.array(keys)
+    return through(table[:, 0], table[:, 1], beats)
+
+
+def flights(left: list[Stance], right: list[Stance]) -> list[tuple[float, float]]:
+    """Beats (from, to) during which both feet are in the air."""
+    gaps = [[(a.leave, b.arrive) for a, b in pairwise(own) if a.air] for own in (left, right)]
+    both = [(max(a, c), min(b, d)) for a, b in gaps[0] for c, d in gaps[1]]
+    return [(start, end) for start, end in both if end - start > 0.08]
+
+
+def balance(left: list[Stance], right: list[Stance], beats: Float) -> Float:
+    """Where the weight is at `beats` (T,): +1 on the left foot, -1 on the right, 0 on both (or in the air)."""
+    keys: list[tuple[float, float]] = []
+    for own, value in ((left, -1.0), (right, 1.0)):
+        free: list[tuple[float, float]] = []
+        for before, after in pairwise(own):
+            start = before.arrive if before.touches else before.leave
+            end = after.leave if after.touches else after.arrive
+            if free and start <= free[-1][1]:
+                free[-1] = (free[-1][0], end)
+            else:
+                free.append((start, end))
+        for start, end in free:
+            edge = min(0.3, 0.5 * (end - start))
+            keys += [(start + edge, value), (end - edge, value)] if edge > 0.29 else [(start + edge, value)]
+    keys.sort()
+    merged: list[tuple[float, float]] = []
+    for at, value in keys:
+        if merged and at - merged[-1][0] < 0.02:
+            merged[-1] = (merged[-1][0], 0.5 * (merged[-1][1] + value))
+            continue
+        if merged and at - merged[-1][0] > 2.0:  # long on both feet: the weight comes back to the middle
+            merged += [(merged[-1][0] + 0.8, 0.0), (at - 0.8, 0.0)]
+        merged.append((at, value))
+    if not merged:
+        return np.zeros(len(beats))
+    merged = [(merged[0][0] - 0.8, 0.0), *merged, (merged[-1][0] + 0.8, 0.0)]
+    table = np.array(merged)
+    return hermite(table[:, 0], table[:, 1], monotone_slopes(table[:, 0], table[:, 1]), beats)
