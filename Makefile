@@ -1,0 +1,38 @@
+# The house's front door. `make help` lists what there is; ARGS goes to the command behind a target:
+#   make play ARGS="--audio song.wav --monitor 1 --fullscreen"
+.DEFAULT_GOAL := help
+.PHONY: help play test check format soak clean
+BIN := .venv/bin
+ARGS ?=
+
+help: ## list these targets
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
+
+play: ## install what is missing and start the default show (ARGS="--help": its options)
+	@tools/setup.sh play
+	@$(BIN)/live play $(ARGS)
+
+test: ## install what the tests need too and run them all (ARGS="tests/clock -x": some)
+	@tools/setup.sh test
+	@$(BIN)/python -m pytest $(ARGS)
+
+check: ## format, lint, types, layers, tests: what a change has to pass
+	@tools/setup.sh test
+	$(BIN)/ruff format --check
+	$(BIN)/ruff check
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/python -m pytest $(ARGS)
+
+format: ## put every file into the project's form
+	@tools/setup.sh test
+	$(BIN)/ruff format
+	$(BIN)/ruff check --fix
+
+soak: ## the tests that run for minutes or hours
+	@tools/setup.sh test
+	@$(BIN)/python -m pytest -m soak $(ARGS) || { [ $$? -eq 5 ] && echo "no soak tests here"; }
+
+clean: ## remove .venv, caches and films made by `make play`
+	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache out first-show.mp4
+	find live tests bench tools -name __pycache__ -type d -prune -exec rm -rf {} +

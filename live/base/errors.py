@@ -1,0 +1,16 @@
+"""Errors that a person can put right: one line that says what is wrong, and what to do about it."""
+
+
+class PersonError(Exception):
+    """What the command line shows in place of a traceback (exit code 2).
+
+    `message` is one line: what was read and what is allowed. `remedy`, if there is one, is what to type or change.
+    """
+
+    def __init__(self, message: str, remedy: str | None = None) -> None:
+        super().__init__(message)
+        self.message = message
+        self.remedy = remedy
+
+    def __str__(self) -> str:
+        return self.message if self.remedy is None else f"{self.message} ({self.remedy})"

@@ -1,0 +1,154 @@
+"""`live bench`: measured figures, one file per bench in the repository's folder bench/, all in one form.
+
+A bench file has a docstring (its first line is the bench's title) and `run(full, shared) -> list[Row]`.
+"""
+
+import importlib.util
+import json
+import os
+import platform
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import typer
+
+from live.base.errors import PersonError
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+BENCH_FOLDER = Path(__file__).resolve().parent.parent.parent / "bench"
+Run = Callable[[bool, Path | None], "list[Row]"]
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One figure: `value` in `unit` (None = not measured here, e.g. its data is absent), held against a `bar`.
+
+    `sense` says on which side of the bar the value has to be. `peers`: what else was measured in this same run, by
+    name; a ratio to a peer holds on any machine, an absolute time is for orientation.
+    """
+
+    name: str
+    value: float | None
+    unit: str
+    bar: float | None = None
+    sense: Literal["at least", "at most"] = "at most"
+    peers: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def ok(self) -> bool | None:
+        """Whether the bar is held; None where there is no bar or no value."""
+        if self.value is None or self.bar is None:
+            return None
+        return self.value >= self.bar if self.sense == "at least" else self.value <= self.bar
+
+    def as_json(self) -> dict[str, Any]:
+        """The row in the form that `--json` prints."""
+        return {
+            "name": self.name,
+            "value": self.value,
+            "unit": self.unit,
+            "bar": self.bar,
+            "sense": self.sense,
+            "ok": self.ok,
+            "peers": dict(self.peers),
+        }
+
+
+def bench_names(folder: Path = BENCH_FOLDER) -> list[str]:
+    """The names of the benches in `folder`, sorted; a file whose name starts with _ is a helper."""
+    return sorted(path.stem for path in folder.glob("*.py") if not path.stem.startswith("_"))
+
+
+def bench_title(name: str, folder: Path = BENCH_FOLDER) -> str:
+    """The first line of the bench's docstring, read without running it."""
+    import ast
+
+    docstring = ast.get_docstring(ast.parse((folder / f"{name}.py").read_text(encoding="utf-8")))
+    return (docstring or "").partition("\n")[0]
+
+
+def load_bench(name: str, folder: Path = BENCH_FOLDER) -> Run:
+    """The `run` of one bench file; PersonError, naming those there are, where there is no such file."""
+    names = bench_names(folder)
+    if not names:
+        raise PersonError(f"there are no benches in {folder}", "benches come with the source: run this in a checkout")
+    if name not in names:
+        raise PersonError(f"no bench is called {name!r}; there are: {', '.join(names)}")
+    specification = importlib.util.spec_from_file_location(f"bench.{name}", folder / f"{name}.py")
+    assert specification is not None  # a .py file always has both
+    assert specification.loader is not None
+    module = importlib.util.module_from_spec(specification)
+    sys.modules[specification.name] = module  # dataclasses in a bench look themselves up here
+    specification.loader.exec_module(module)
+    run: Run = module.run
+    return run
+
+
+def machine() -> dict[str, Any]:
+    """The machine that measures: {cpu, cores, python, gl}; gl is null where there is no OpenGL."""
+    from live.cli.opengl import probe_opengl
+
+    return {
+        "cpu": _cpu_name(),
+        "cores": len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
+        "python": platform.python_version(),
+        "gl": probe_opengl().renderer,
+    }
+
+
+def _cpu_name() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        lines = []
+    models = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return next(models, platform.processor() or platform.machine())
+
+
+def _table(title: str, rows: list[Row]) -> "Table":
+    from rich.table import Table
+
+    table = Table(title=title, title_justify="left", title_style="bold")
+    for heading in ("figure", "value", "unit", "bar", "", "peers"):
+        table.add_column(heading, justify="right" if heading in ("value", "bar") else "left")
+    marks = {True: "[green]ok[/]", False: "[red]missed[/]", None: ""}
+    for row in rows:
+        value = "no data" if row.value is None else f"{row.value:,.4g}"
+        bar = "" if row.bar is None else f"{row.sense} {row.bar:,.4g}"
+        peers = ", ".join(f"{name} {peer:,.4g}" for name, peer in row.peers.items())
+        table.add_row(row.name, value, row.unit, bar, marks[row.ok], peers)
+    return table
+
+
+def bench(
+    name: Annotated[str | None, typer.Argument(help="Which bench; without it, all of them.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead: one object for each bench.")] = False,
+    full: Annotated[bool, typer.Option("--full", help="Measure everything; otherwise within a minute.")] = False,
+    shared: Annotated[Path | None, typer.Option(help="Folder with test data.", exists=True, file_okay=False)] = None,
+    list_: Annotated[bool, typer.Option("--list", help="List the benches and measure nothing.")] = False,
+) -> None:
+    """Measure how fast and how well this machine does the work of a show."""
+    from rich.console import Console
+
+    console = Console()
+    if list_:
+        for each in bench_names():
+            console.print(f"[bold]{each}[/]  {bench_title(each)}", highlight=False, soft_wrap=True)
+        return
+    runs = {each: load_bench(each) for each in ([name] if name is not None else bench_names())}
+    this_machine = machine()
+    if not as_json:
+        console.print(" · ".join(f"{key} {value}" for key, value in this_machine.items()), highlight=False)
+    reports = []
+    for each, run in runs.items():
+        rows = run(full, shared)
+        reports.append({"bench": each, "machine": this_machine, "rows": [row.as_json() for row in rows]})
+        if not as_json:
+            console.print(_table(f"{each}: {bench_title(each)}", rows))
+    if as_json:
+        print(json.dumps(reports[0] if name is not None else reports))

@@ -1,0 +1,111 @@
+"""What is plugged into this machine: audio, MIDI, monitors, each as a list or the reason why there is none.
+
+Never raises: a missing library, a missing server or a missing screen becomes the section's `why`.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+from live.cli.quiet import quiet_stderr
+
+Item = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """One kind of device; `why` says in one sentence why `items` is empty (or None where it is not)."""
+
+    title: str
+    items: tuple[Item, ...]
+    why: str | None = None
+
+
+def one_line(error: BaseException) -> str:
+    """The error's text on one line, or its type's name where it has none."""
+    return " ".join(str(error).split()) or type(error).__name__
+
+
+def audio() -> tuple[Section, Section]:
+    """Audio inputs and outputs: index, name, host (ALSA, JACK, …), channels, sample_rate [Hz], default."""
+    titles = ("audio_inputs", "audio_outputs")
+    try:
+        with quiet_stderr():
+            import sounddevice
+
+            hosts = [host["name"] for host in sounddevice.query_hostapis()]
+            devices = list(sounddevice.query_devices())
+            default = tuple(sounddevice.default.device)
+    except Exception as error:  # PortAudio reports its troubles by many types
+        input_section, output_section = (Section(title, (), f"PortAudio: {one_line(error)}") for title in titles)
+        return input_section, output_section
+
+    def section(title: str, key: str, default_index: int) -> Section:
+        items = tuple(
+            {
+                "index": index,
+                "name": device["name"],
+                "host": hosts[device["hostapi"]],
+                "channels": device[key],
+                "sample_rate": device["default_samplerate"],
+                "default": index == default_index,
+            }
+            for index, device in enumerate(devices)
+            if device[key] > 0
+        )
+        word = title.removeprefix("audio_").removesuffix("s")
+        why = f"PortAudio finds no {word}: no sound card, and no PulseAudio, PipeWire or JACK server that it can reach"
+        return Section(title, items, None if items else why)
+
+    return section(titles[0], "max_input_channels", default[0]), section(titles[1], "max_output_channels", default[1])
+
+
+def midi() -> tuple[Section, Section]:
+    """MIDI inputs and outputs by name, as mido and rtmidi see them."""
+    titles = ("midi_inputs", "midi_outputs")
+    try:
+        with quiet_stderr():
+            import mido
+
+            names = (mido.get_input_names(), mido.get_output_names())
+    except ModuleNotFoundError as error:
+        why = f"{one_line(error)}: python-rtmidi has no ready package for this Python (3.11 and 3.12 have)"
+    except Exception as error:  # rtmidi raises SystemError where the kernel has no ALSA sequencer
+        why = f"rtmidi: {one_line(error)}"
+    else:
+        nothing = "the system's MIDI is there, but nothing is plugged in"
+        first, second = (
+            Section(title, tuple({"name": name} for name in found), None if found else nothing)
+            for title, found in zip(titles, names, strict=True)
+        )
+        return first, second
+    first, second = (Section(title, (), why) for title in titles)
+    return first, second
+
+
+def monitors() -> Section:
+    """Monitors by number (from 1): name, width and height [pixels], refresh_rate [Hz], position [pixels], primary."""
+    from live.render.monitors import list_monitors, screen_problem, stop_glfw
+
+    with quiet_stderr():
+        found = list_monitors()
+        problem = screen_problem()
+        stop_glfw()
+    items = tuple(
+        {
+            "number": monitor.index,
+            "name": monitor.name,
+            "width": monitor.size[0],
+            "height": monitor.size[1],
+            "refresh_rate": monitor.refresh_hz,
+            "position": list(monitor.position),
+            "primary": monitor.index == 1,
+        }
+        for monitor in found
+    )
+    nothing = problem or "the screen is reachable, but no monitor is switched on"
+    return Section("monitors", items, None if items else nothing)
+
+
+def inventory() -> list[Section]:
+    """All sections in the order in which people read them."""
+    return [*audio(), *midi(), monitors()]

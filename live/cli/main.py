@@ -1,0 +1,68 @@
+"""The command `live`: registers the commands and turns errors into one line and an exit code.
+
+Every command is a function in a module of its own. Those modules hold the options and no heavy import at the top,
+so that `live --help` needs neither numba nor OpenGL; what a command works with is imported when it runs.
+"""
+
+import sys
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.text import Text
+
+from live import __version__
+from live.base.errors import PersonError
+from live.cli import bench, devices, doctor, warm
+
+EXIT_PERSON_ERROR = 2
+EXIT_INTERRUPTED = 130
+
+app = typer.Typer(
+    name="live",
+    help="Virtual dancers that dance live to music, on a projector.",
+    epilog="The first show: [bold]live play[/]. What is missing on this machine: [bold]live doctor[/].",
+    no_args_is_help=True,
+    rich_markup_mode="rich",
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+app.command("devices")(devices.devices)
+app.command("doctor")(doctor.doctor)
+app.command("bench")(bench.bench)
+app.command("warm")(warm.warm)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"live {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _live(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+) -> None:
+    """Options before the command."""
+
+
+def show_person_error(error: PersonError) -> None:
+    """Print the error on stderr: one line, and one more for the remedy; nothing in it is read as markup."""
+    console = Console(stderr=True, soft_wrap=True, highlight=False)
+    console.print(Text.assemble(("error: ", "bold red"), " ".join(error.message.split())))
+    if error.remedy is not None:
+        console.print(Text.assemble(("  try: ", "bold"), error.remedy))
+
+
+def main() -> None:
+    """Run the command line and exit: 0 done, 1 a check failed, 2 an error of use, 130 Ctrl-C."""
+    try:
+        app()
+    except PersonError as error:
+        show_person_error(error)
+        sys.exit(EXIT_PERSON_ERROR)
+    except KeyboardInterrupt:
+        sys.exit(EXIT_INTERRUPTED)

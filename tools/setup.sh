@@ -1,0 +1,274 @@
+#!/bin/sh
+# Make this checkout ready to run: system packages, .venv, locked Python packages, compiled kernels.
+#
+#   tools/setup.sh play     what a show needs
+#   tools/setup.sh test     that, and what the tests need (a virtual screen and sound card, linters, pytest)
+#
+# Environment:
+#   PYTHON=python3.12       use this interpreter instead of the newest of 3.11 to 3.14
+#   SETUP_SKIP_SYSTEM=1     leave the system packages alone
+#   SETUP_DRY_RUN=1         print what would be installed and stop
+# pip's and uv's own settings (PIP_*, UV_*, pip.conf, uv.toml) are respected.
+#
+# Once all is done a stamp file .venv/.ready-* says so, and the next run costs a few milliseconds.
+set -eu
+cd "$(dirname "$0")/.."
+
+mode=${1:-play}
+case $mode in
+  play | test) ;;
+  *)
+    echo "usage: tools/setup.sh play|test" >&2
+    exit 2
+    ;;
+esac
+dry_run=${SETUP_DRY_RUN:-}
+
+say() { printf '%s\n' "$*" >&2; }
+die() {
+  say "setup: $*"
+  exit 1
+}
+
+# --- system packages -----------------------------------------------------------------------------------------------
+# "a|b" = b where a is not known (names differ between releases). Windows: GLFW loads the libX* by name at run time.
+apt_play="libegl1 libgl1 libasound2t64|libasound2 libportaudio2 libx11-6 libxcursor1 libxi6 libxinerama1 libxrandr2"
+apt_test="xserver-xorg-core xserver-xorg-video-dummy x11-xserver-utils x11-utils xdotool imagemagick
+  pulseaudio pulseaudio-utils libasound2-plugins jackd2 liblo-tools ffmpeg"
+dnf_play="libglvnd-egl libglvnd-glx mesa-libEGL mesa-libGL mesa-dri-drivers alsa-lib portaudio
+  libX11 libXcursor libXi libXinerama libXrandr"
+dnf_test="xorg-x11-server-Xorg xorg-x11-drv-dummy xrandr xdotool ImageMagick pulseaudio pulseaudio-utils
+  alsa-plugins-pulseaudio liblo ffmpeg-free"
+brew_play="portaudio"
+brew_test="liblo ffmpeg imagemagick"
+
+find_package_system() {
+  if command -v apt-get >/dev/null 2>&1; then
+    echo apt
+  elif command -v dnf >/dev/null 2>&1; then
+    echo dnf
+  elif command -v brew >/dev/null 2>&1; then
+    echo brew
+  else
+    echo none
+  fi
+}
+
+is_installed() {
+  case $packages in
+    apt) dpkg-query -W -f='${db:Status-Status}\n' "$1" 2>/dev/null | grep -qx installed ;;
+    dnf) rpm -q --quiet "$1" 2>/dev/null ;;
+    brew) brew list --versions "$1" >/dev/null 2>&1 ;;
+  esac
+}
+
+# Those of "$@" that are not installed; of "a|b" neither is, and then both are printed again.
+list_missing() {
+  for package in "$@"; do
+    if ! is_installed "${package%%|*}" && ! is_installed "${package##*|}"; then
+      printf ' %s' "$package"
+    fi
+  done
+}
+
+# "a|b" becomes a where apt knows it (a real package, not only a name that others provide), else b.
+choose_names() {
+  for package in "$@"; do
+    case $package in
+      *"|"*)
+        if apt-cache show --no-all-versions "${package%%|*}" 2>/dev/null | grep -q '^Filename:'; then
+          printf ' %s' "${package%%|*}"
+        else
+          printf ' %s' "${package##*|}"
+        fi
+        ;;
+      *) printf ' %s' "$package" ;;
+    esac
+  done
+}
+
+become_root() { # sets $sudo to a prefix that makes root, or fails
+  sudo=
+  [ "$(id -u)" = 0 ] && return 0
+  command -v sudo >/dev/null 2>&1 || return 1
+  if sudo -n true 2>/dev/null; then
+    sudo="sudo -n"
+  elif [ -t 0 ] && [ -t 2 ]; then
+    say "setup: installing system packages needs your password (Ctrl-C: install them yourself):$missing"
+    sudo -v || return 1
+    sudo="sudo"
+  else
+    return 1
+  fi
+}
+
+# --no-remove: an installation that would take something away (PipeWire's bridges, say) is refused by apt itself.
+apt_install() {
+  $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends --no-remove "$@" >&2
+}
+
+apt_knows() {
+  for package in "$@"; do
+    apt-cache show --no-all-versions "$package" >/dev/null 2>&1 || return 1
+  done
+}
+
+# shellcheck disable=SC2046,SC2086 # lists of package names are meant to be split
+install_with_apt() {
+  if ! apt_knows $(choose_names $missing); then
+    say "setup: apt-get update"
+    $sudo apt-get update -qq >&2 || say "setup: apt-get update failed; trying with the lists that are there"
+  fi
+  chosen=$(choose_names $missing)
+  say "setup: apt-get install$chosen"
+  apt_install $chosen && return 0
+  # An old list names versions that the mirror has dropped: fresh lists, once more.
+  $sudo apt-get update -qq >&2 || true
+  chosen=$(choose_names $missing)
+  apt_install $chosen && return 0
+  [ "$mode" = test ] || return 1
+  for package in $chosen; do # the tests take what they can get
+    apt_install "$package" || say "setup: could not install $package"
+  done
+  [ -z "$(list_missing $missing)" ]
+}
+
+# shellcheck disable=SC2086
+print_line() {
+  case $packages in
+    apt) say "  sudo apt-get install --no-install-recommends$(choose_names $missing)" ;;
+    dnf) say "  sudo dnf install$missing" ;;
+    brew) say "  brew install$missing" ;;
+  esac
+}
+
+# shellcheck disable=SC2046,SC2086
+system_packages() { # $1 = play or test; fails when something is missing still
+  case $packages-$1 in
+    apt-play) missing=$(list_missing $apt_play $(venv_package)) ;;
+    apt-test) missing=$(list_missing $apt_test) ;;
+    dnf-play) missing=$(list_missing $dnf_play) ;;
+    dnf-test) missing=$(list_missing $dnf_test) ;;
+    brew-play) missing=$(list_missing $brew_play) ;;
+    brew-test) missing=$(list_missing $brew_test) ;;
+    none-*)
+      say "setup: no apt, dnf or brew here; a show needs the libraries EGL, GL (Mesa), ALSA, PortAudio and X11"
+      say "       with Xcursor, Xi, Xinerama and Xrandr. Going on; \`.venv/bin/live doctor\` tells what is missing."
+      return 0
+      ;;
+  esac
+  if [ -n "$dry_run" ]; then
+    if [ -n "$missing" ]; then print_line; else say "  ($1: no system package is missing)"; fi
+    return 0
+  fi
+  [ -n "$missing" ] || return 0
+  if [ "$packages" = apt ] && become_root; then
+    install_with_apt && return 0
+    missing=$(list_missing $missing)
+    say "setup: apt-get could not install these; its messages above say why. By hand:"
+  else
+    say "setup: these system packages are missing. Please type, then run the same command again:"
+  fi
+  print_line
+  return 1
+}
+
+# --- Python --------------------------------------------------------------------------------------------------------
+python_version() { "$1" -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null; }
+
+can_make_venv() { "$1" -c 'import ensurepip, venv' 2>/dev/null; }
+
+# The newest usable interpreter; one that can make a .venv at once before one that needs a package for it first.
+find_python() {
+  [ -z "${PYTHON:-}" ] || {
+    echo "$PYTHON"
+    return
+  }
+  fallback=
+  for name in python3.14 python3.13 python3.12 python3.11 python3; do
+    case $(python_version "$name") in 3.1[1-4]) ;; *) continue ;; esac
+    if can_make_venv "$name"; then
+      echo "$name"
+      return
+    fi
+    [ -n "$fallback" ] || fallback=$name
+  done
+  echo "$fallback"
+}
+
+# Debian keeps ensurepip in a package of its own, named after the interpreter's version.
+venv_package() {
+  venv_works || can_make_venv "$python" || printf ' python%s-venv' "$(python_version "$python")"
+}
+
+venv_works() {
+  [ -x .venv/bin/python ] || return 1
+  case $(python_version .venv/bin/python) in 3.1[1-4]) ;; *) return 1 ;; esac
+}
+
+make_venv() {
+  venv_works && return 0
+  if [ -e .venv ]; then
+    say "setup: .venv does not work any more; making it anew"
+    rm -rf .venv
+  fi
+  say "setup: .venv with $(command -v "$python") ($(python_version "$python"))"
+  "$python" -m venv .venv || die "could not make .venv; the message above says why"
+}
+
+install_python_packages() {
+  if [ ! -x .venv/bin/uv ]; then
+    .venv/bin/python -m pip --version >/dev/null 2>&1 || .venv/bin/python -m ensurepip >&2
+    PIP_DISABLE_PIP_VERSION_CHECK=1 .venv/bin/python -m pip install -q 'uv>=0.8' >&2 ||
+      die "could not install uv from PyPI; is there a network, and a proxy to be set (HTTPS_PROXY, PIP_INDEX_URL)?"
+  fi
+  groups=--no-dev
+  [ "$mode" = play ] || groups="--group=dev"
+  # --inexact: what else you installed in .venv stays, so `make play` does not undo `make test`.
+  env -u VIRTUAL_ENV UV_PYTHON_DOWNLOADS=never UV_PROJECT_ENVIRONMENT="$PWD/.venv" \
+    .venv/bin/uv sync --frozen --inexact --python "$PWD/.venv/bin/python" "$groups" >&2 ||
+    die "could not install the locked packages; the message above says why"
+}
+
+# --- all of it -----------------------------------------------------------------------------------------------------
+stamp=".venv/.ready-$mode-$(cat uv.lock pyproject.toml tools/setup.sh | cksum | tr ' ' '-')"
+
+if [ -n "$dry_run" ] || [ ! -e "$stamp" ] || ! venv_works; then
+  packages=$(find_package_system)
+  python=$(find_python)
+  version=$(python_version "$python") || version=
+  case $version in
+    3.1[1-4]) ;;
+    *)
+      found=$(python_version python3) || found=none
+      die "Python 3.11, 3.12, 3.13 or 3.14 is needed; found: ${PYTHON:+PYTHON=$PYTHON, }python3 $found.
+       Debian 12, Ubuntu 24.04, Fedora 37 and all later ones bring it (package python3); macOS: brew install python@3.12"
+      ;;
+  esac
+  system_ready=yes
+  if [ -z "${SETUP_SKIP_SYSTEM:-}" ]; then
+    system_packages play || exit 1
+    if [ "$mode" = test ] && ! system_packages test; then
+      say "setup: going on; tests that need them are skipped and say so"
+      system_ready=
+    fi
+  fi
+  if [ -n "$dry_run" ]; then
+    say "  .venv with $python ($version), uv from PyPI, uv sync --frozen ($mode)"
+    exit 0
+  fi
+  make_venv
+  install_python_packages
+  rm -f .venv/.ready-"$mode"-*
+  [ -z "$system_ready" ] || : >"$stamp"
+fi
+
+# The compiled kernels lie in the user's cache, under a name that follows their sources; the stamp holds that name.
+kernels=".venv/.warm-$({
+  cat live/*/kernels.py
+  echo "${LIVE_CACHE_DIR:-} ${XDG_CACHE_HOME:-} ${HOME:-}"
+} | cksum | tr ' ' '-')"
+if ! { [ -s "$kernels" ] && [ -d "$(cat "$kernels")" ] && [ -z "$(find live -name kernels.py -newer "$kernels")" ]; }; then
+  rm -f .venv/.warm-*
+  .venv/bin/live warm --stamp "$kernels"
+fi
