@@ -1,6 +1,6 @@
 """Procedural elements: attractors, repulsors, spreaders, each in force for some measures (T105, T109, T132)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -47,6 +47,14 @@ class ElementField:
         if len(self._elements) >= self._capacity:
             self._elements.pop(0)
         self._elements.append(element)
+
+    def replace_last(self, element: Element) -> None:
+        """Move the newest element: a dragged attractor stays one, and does not fade in anew."""
+        if not self._elements:
+            self.add(element)
+            return
+        start = min(element.start_beat, self._elements[-1].start_beat)
+        self._elements[-1] = replace(element, start_beat=start)
 
     def clear(self, beat: float) -> None:
         """Let every element fade out from `beat` on."""

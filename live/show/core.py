@@ -4,6 +4,7 @@ The same patch, library, seed and (tick, event) list give bit-identical states, 
 """
 
 import hashlib
+import math
 
 import numpy as np
 
@@ -32,6 +33,8 @@ FADE_HALFLIFE = 0.06
 """Half-life of a blackout's fade [s]: dark within a fifth of a second, without a flash."""
 SHORTEST_RETIME = 0.5
 """A measure is never re-timed to end within fewer beats than this."""
+DRAG_GAP = 0.5
+"""Pointer events of one kind that follow within this time [s] move one element instead of adding another."""
 LINES_PER_TICK = 4
 """Measure lines crossed in one tick at most, should the tempo ever run away."""
 
@@ -75,6 +78,7 @@ class Show:
         self.time = 0.0
         self.refused = 0
         """Events that asked for something the show does not have (a step that is not there)."""
+        self._dragged = (-1, -math.inf)
         self._begin_measure(self.timeline.beat_at(0.0))
 
     def _starting_state(self) -> AgentState:
@@ -140,7 +144,13 @@ class Show:
             kind = ATTRACTOR if isinstance(event, events.Attract) else REPULSOR
             x, z, strength = event.x, event.z, event.strength
         end = beat + event.measures * self.timeline.beats_per_measure
-        self.elements.add(Element(kind, x, z, strength, beat, end))
+        element = Element(kind, x, z, strength, beat, end)
+        dragged = event.source == "pointer" and kind == self._dragged[0] and event.time - self._dragged[1] < DRAG_GAP
+        if dragged:
+            self.elements.replace_last(element)
+        else:
+            self.elements.add(element)
+        self._dragged = (kind, event.time) if event.source == "pointer" else (-1, -math.inf)
 
     def _call_step(self, event: events.CallStep) -> None:
         try:

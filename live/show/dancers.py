@@ -84,6 +84,17 @@ class Dancers:
         place = self.placement[:, :2] + turn_vectors(root, self.placement[:, 2])
         return np.ascontiguousarray(place + ease(fraction) * self.correction[:, :2], np.float32)
 
+    def contact(self, fraction: float) -> npt.NDArray[np.bool_]:
+        """Whether the left and right foot are annotated as on the floor in the clip that weighs more, shape (A, 2)."""
+        library = self.graph.library
+        self._fill_samples(library, fraction)
+        sample = np.where(self._weight > 0.5, self._sample_b, self._sample_a)
+        contact = library.clip_contact[np.round(sample).astype(np.int64)]
+        # while two clips are blended a foot counts only if both have it on the floor
+        other = library.clip_contact[np.round(np.where(self._weight > 0.5, self._sample_a, self._sample_b)).astype(int)]
+        blended = (self._weight > 0.0) & (self._weight < 1.0)
+        return np.asarray(np.where(blended[:, None], contact & other, contact), np.bool_)
+
     def cross_measure_line(self) -> None:
         """The next measure becomes the present one."""
         self.node[:] = self.next_node

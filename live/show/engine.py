@@ -1,7 +1,6 @@
 """Engine: the frame loop's body. Live and offline differ only in the clock and in who calls `frame`."""
 
 from collections.abc import Callable
-from typing import Protocol
 
 from live.base.inbox import Inbox
 from live.base.stage_view import StageView
@@ -16,12 +15,8 @@ EVENTS_PER_FRAME = 512
 """Events taken from the inbox in one frame; a flood waits, it does not stall a frame."""
 
 
-class Picture(Protocol):
-    """Whatever draws a snapshot: the renderer on its target, or nothing at all."""
-
-    def __call__(self, view: StageView) -> None:
-        """Draw."""
-        ...
+Picture = Callable[[StageView], None]
+"""Whatever draws a snapshot: the renderer on its target, or nothing at all."""
 
 
 class Engine:

@@ -26,7 +26,7 @@ SHOWN_PROBLEMS: Final = 8
 
 
 class PatchError(PersonError):
-    """A patch that cannot be used: a line for each problem, with file, line, field, what was read and what is allowed."""
+    """A patch that cannot be used: for each problem file, line, field, what was read and what is allowed."""
 
 
 def find_patch(name: str | None) -> Path:
@@ -95,9 +95,9 @@ def _words(problem: Any) -> str:
     if kind == "missing":
         return "missing; it must be given"
     if kind == "value_error":
-        return message.removeprefix("Value error, ")
+        return str(message).removeprefix("Value error, ")
     shown = repr(read) if isinstance(read, str | int | float | bool) else f"a {type(read).__name__}"
-    return f"{message[0].lower() + message[1:]}, found {shown[:60]}"
+    return f"{message[:1].lower()}{message[1:]}, found {shown[:60]}"
 
 
 def _known_keys(where: tuple[str | int, ...]) -> str:

@@ -2,11 +2,41 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
+from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.control.events import TicksSkipped
 from live.show.core import Show
 from live.show.journal import Journal
+from live.show.load import library_hash, show_of
+from live.show.patch import Patch
+
+
+class ReplayError(Exception):
+    """A journal that cannot be run here; the message says what is missing or different."""
+
+
+def reload(journal: Journal) -> Show:
+    """A fresh show of the journal's patch, steps and seed; ReplayError if the steps are not the same any more."""
+    header = journal.header
+    try:
+        patch = Patch.model_validate(header["patch"])
+        path = Path(header["patch_path"])
+        recordings = None if header["recordings"] is None else Path(header["recordings"])
+        seed, tempo, wanted = header["seed"], header["tempo"], header["steps_hash"]
+    except (KeyError, TypeError, ValueError) as error:
+        raise ReplayError(f"the journal's first line does not hold a whole show: {error}") from None
+    try:
+        loaded = show_of(patch, path, recordings=recordings)
+        found = library_hash(loaded.graph.library)
+        if found != wanted:
+            raise ReplayError(
+                f"the steps have changed since (then {wanted}, now {found}): replay needs the same step files"
+            )
+        return loaded.start(seed=seed, tempo=tempo)
+    except PersonError as error:
+        raise ReplayError(str(error)) from None
 
 
 @dataclass(frozen=True, slots=True)

@@ -58,6 +58,10 @@ class Scheduler:
         self._wanted = np.zeros(count, np.int32)
         library = dancers.graph.library
         self._reach = np.array([library.reach(step) for step in range(len(library.steps))])
+        self.last_target: Float64 | None = None
+        """Where the dancers were last sent [m], shape (A, 2); None before the first decision."""
+        self.last_heading = np.zeros(count)
+        """What they were to face there [rad], shape (A,)."""
         self.detours = 0
         """How often a dancer could not dance the wanted step at once, since the start."""
         self.dead_ends = 0
@@ -123,6 +127,7 @@ class Scheduler:
             dancers.next_placement,
         )
         self._take(placement, target, heading)
+        self.last_target, self.last_heading = target, heading
 
     def _choose_steps(self, measure: int, target: Float64) -> None:
         """The step each dancer should dance: her group's, or its travel step if the way is too far for that."""

@@ -40,6 +40,8 @@ class Status:
         self._show = show
         self._rejected = rejected
         self._memory = memory
+        self._overlay: tuple[str, ...] = ()
+        self._overlay_until = 0.0
         self.frame_times = FrameTimes()
         """From one frame to the next."""
         self.work_times = FrameTimes()
@@ -89,15 +91,21 @@ class Status:
         }
 
     def overlay(self, time: float) -> tuple[str, ...]:
-        """The operator's lines on the picture."""
+        """The operator's lines on the picture, made anew four times a second."""
+        if time >= self._overlay_until:
+            self._overlay_until = time + 0.25
+            self._overlay = self._overlay_lines(time)
+        return self._overlay
+
+    def _overlay_lines(self, time: float) -> tuple[str, ...]:
         s = self.snapshot(time)
         beats = self._show.timeline.beats_per_measure
         counts = "".join("●" if beat < s["beat"] else "○" for beat in range(beats))
-        frame = s["frame_ms"]
+        frame, cpu = s["frame_ms"], s["cpu_ms"]["p50"]
         return (
             f"{s['bpm']:.1f} bpm   measure {s['measure']}   {counts}",
             f"clock {s['source']}: {s['clock_state']} {s['confidence']:.0%}",
-            f"frame {frame['p50']:.1f} ms, p99 {frame['p99']:.1f}, late {s['late_frames']}, cpu {s['cpu_ms']['p50']:.1f}",
+            f"frame {frame['p50']:.1f} ms   p99 {frame['p99']:.1f}   cpu {cpu:.1f}   late {s['late_frames']}",
             f"dancers {s['dancers']}   events {s['events_accepted']}   refused {sum(s['events_rejected'].values())}",
         )
 

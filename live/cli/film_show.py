@@ -1,0 +1,125 @@
+"""A show as a film, offline: the same engine on a clock that is set frame by frame, faster or slower than life."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from live.base.errors import PersonError
+from live.base.inbox import Inbox
+from live.base.stage_view import StageView
+from live.cli.recording import film_writer
+from live.cli.session import Sound, Wish, start_tempo
+from live.clock.source import ManualClock
+from live.control.events import ControlEvent
+from live.control.music_file import OfflineMusic
+from live.render.film import FilmError
+from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context
+from live.render.renderer import Renderer
+from live.show.engine import Engine
+from live.show.journal import JournalError, JournalWriter
+from live.show.load import LoadedShow, scene_of
+from live.show.report import FrameReport
+from live.show.status import Status
+
+
+def film_show(
+    wish: Wish,
+    loaded: LoadedShow,
+    sound: Sound,
+    *,
+    path: Path,
+    seconds: float,
+    console: Console,
+    report: Path | None = None,
+) -> None:
+    """Render `seconds` of the show to `path`; with `report`, the figures of what was danced as JSON."""
+    tempo = start_tempo(wish, loaded, sound)
+    show = loaded.start(seed=wish.seed, tempo=tempo)
+    clock = ManualClock()
+    inbox: Inbox[ControlEvent] = Inbox()
+    status = Status(show, rejected=_nothing_rejected, memory=lambda: 0.0)
+    journal = _journal(wish, loaded, show, tempo)
+    engine = Engine(show, clock=clock, inbox=inbox, status=status, journal=journal)
+    music = None if sound.music is None else OfflineMusic(sound.music, loop=True)
+    try:
+        ctx = create_headless_context()
+    except NoOpenGL as error:
+        raise PersonError(str(error)) from None
+    target = OffscreenTarget(ctx, wish.size)
+    renderer = Renderer(ctx, scene_of(loaded.patch), size=wish.size)
+    frames = max(1, math.ceil(seconds * wish.fps))
+    figures = FrameReport(show) if report is not None else None
+
+    def draw(view: StageView) -> None:
+        renderer.draw(view, target.framebuffer)
+
+    try:
+        writer = film_writer(path, size=wish.size, fps=wish.fps, music=sound.music, live=False)
+        with _progress(console) as progress:
+            task = progress.add_task("", total=frames)
+            for frame in range(frames):
+                now = frame / wish.fps
+                clock.set(now)
+                for event in [] if music is None else music.events_until(now):
+                    inbox.put(event)
+                engine.frame(draw)
+                if figures is not None:
+                    figures.frame(engine.view)
+                picture = target.push()
+                if picture is not None:
+                    writer.write(picture)
+                progress.advance(task)
+            last = target.flush()
+            if last is not None:
+                writer.write(last)
+            writer.close()
+    except FilmError as error:
+        raise PersonError(str(error)) from None
+    finally:
+        if journal is not None:
+            journal.close(engine.ticks.index)
+        renderer.release()
+        target.release()
+        ctx.release()
+    if report is not None and figures is not None:
+        _write_report(report, figures.result() | {"status": status.snapshot(frames / wish.fps)})
+
+
+def _nothing_rejected() -> Any:
+    from collections import Counter
+
+    return Counter()
+
+
+def _journal(wish: Wish, loaded: LoadedShow, show: Any, tempo: float | None) -> JournalWriter | None:
+    if wish.journal is None:
+        return None
+    try:
+        return JournalWriter(wish.journal, loaded.header(show, tempo=tempo))
+    except JournalError as error:
+        raise PersonError(str(error)) from None
+
+
+def _progress(console: Console) -> Progress:
+    return Progress(
+        TextColumn("rendering"), BarColumn(), MofNCompleteColumn(), TextColumn("frames"), TimeRemainingColumn(),
+        console=console,
+    )  # fmt: skip
+
+
+def _write_report(path: Path, figures: dict[str, Any]) -> None:
+    try:
+        path.write_text(json.dumps(figures, indent=1, default=_plain) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise PersonError(f"cannot write the report {path}: {error.strerror}") from None
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"{type(value).__name__} in a report")

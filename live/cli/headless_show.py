@@ -1,0 +1,58 @@
+"""The show without a window, in real time: for rehearsal, tests and long runs; with a film if asked for."""
+
+import time
+from collections.abc import Callable
+
+from rich.console import Console
+
+from live.base.errors import PersonError
+from live.base.stage_view import Scene, StageView
+from live.cli.recording import LiveRecording
+from live.cli.session import Session
+from live.render.pacing import Pacer
+
+
+def play_headless(session: Session, scene: Scene, console: Console) -> None:
+    """Run until the seconds are over or Ctrl-C; draws only if the film is recorded."""
+    if session.wish.record is None:
+        with session.running():
+            _loop(session, lambda view: None)
+        return
+    from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context
+    from live.render.renderer import Renderer
+
+    wish = session.wish
+    assert wish.record is not None
+    try:
+        ctx = create_headless_context()
+    except NoOpenGL as error:
+        raise PersonError(str(error)) from None
+    target = OffscreenTarget(ctx, wish.size)
+    renderer = Renderer(ctx, scene, size=wish.size)
+    recording = LiveRecording(wish.record, ctx, wish.size, wish.fps, session.sound.music)
+
+    def draw(view: StageView) -> None:
+        renderer.draw(view, target.framebuffer)
+        recording.frame(target.framebuffer, session.clock.now())
+
+    try:
+        with session.running():
+            _loop(session, draw)
+    finally:
+        recording.close(console)
+        renderer.release()
+        target.release()
+        ctx.release()
+
+
+def _loop(session: Session, draw: Callable[[StageView], None]) -> None:
+    pacer = Pacer(session.wish.fps, session.clock.now, time.sleep)
+    previous = session.clock.now()
+    while True:
+        started = pacer.wait()
+        session.engine.frame(draw)
+        session.status.late_frames = pacer.late
+        session.after_frame(started, previous)
+        previous = started
+        if session.finished(started):
+            return

@@ -1,0 +1,42 @@
+"""Options that several commands share: how they are written, and what is said when they are written wrongly."""
+
+import re
+from pathlib import Path
+
+from live.base.errors import PersonError
+
+LARGEST_PICTURE = 8192
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """A picture size like 1280x720; PersonError otherwise."""
+    match = re.fullmatch(r"\s*(\d{2,5})\s*[xX×]\s*(\d{2,5})\s*", text)
+    if match is None or not all(16 <= int(n) <= LARGEST_PICTURE for n in match.groups()):
+        raise PersonError(
+            f"--size {text!r}: width and height in pixels expected, 16 to {LARGEST_PICTURE}", "--size 1280x720"
+        )
+    return int(match[1]), int(match[2])
+
+
+def parse_endpoint(text: str) -> tuple[str, int]:
+    """HOST:PORT, PORT or [IPV6]:PORT; PersonError otherwise."""
+    match = re.fullmatch(r"(?:(\[[0-9A-Fa-f:.]+\]|[^:\s]+):)?(\d{1,5})", text.strip())
+    if match is None or int(match[2]) > 65535:
+        raise PersonError(f"--osc {text!r}: HOST:PORT expected, port 0 to 65535", "--osc 127.0.0.1:9010")
+    return (match[1] or "127.0.0.1").strip("[]"), int(match[2])
+
+
+def parse_number(value: float | None, name: str, low: float, high: float) -> None:
+    """PersonError unless `value` is None or a number within [low, high]."""
+    if value is not None and not low <= value <= high:  # NaN fails the comparison too
+        raise PersonError(f"{name} {value:g}: {low:g} to {high:g} expected")
+
+
+def writable_file(path: Path | None, name: str) -> None:
+    """PersonError unless `path` is None or could be written: its folder is there and it is not a folder itself."""
+    if path is None:
+        return
+    if path.is_dir():
+        raise PersonError(f"{name} {path}: that is a folder; give the name of a file")
+    if not path.parent.is_dir():
+        raise PersonError(f"{name} {path}: there is no folder {path.parent}", f"mkdir -p {path.parent}")

@@ -1,0 +1,101 @@
+"""`live play`: the show, live; on a machine without a screen its film."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+PANEL_TIME = "Music and time"
+PANEL_PICTURE = "Picture"
+PANEL_RECORD = "Recording"
+
+
+def play(
+    patch: Annotated[
+        str | None, typer.Argument(help="A patch (TOML file or folder with show.toml). Default: the first show.")
+    ] = None,
+    audio: Annotated[
+        str | None,
+        typer.Option(
+            help="An input device to listen to (see `live devices`), or a music file.",
+            metavar="DEVICE|FILE",
+            rich_help_panel=PANEL_TIME,
+        ),
+    ] = None,
+    bpm: Annotated[
+        float | None, typer.Option(help="No audio: the internal clock at this tempo.", rich_help_panel=PANEL_TIME)
+    ] = None,
+    seconds: Annotated[
+        float | None, typer.Option(help="End after so many seconds.", rich_help_panel=PANEL_TIME)
+    ] = None,
+    steps: Annotated[
+        Path | None,
+        typer.Option(
+            help="Dance the recordings of this folder (BVH files and TOML) instead of the patch's steps.",
+            file_okay=False,
+        ),
+    ] = None,
+    seed: Annotated[int | None, typer.Option(min=0, max=2**31 - 1, help="Seed of all chance in the show.")] = None,
+    osc: Annotated[str, typer.Option(help="Where OSC is received.", metavar="HOST:PORT")] = "127.0.0.1:9010",
+    monitor: Annotated[
+        str | None, typer.Option(help="Monitor by number or name.", metavar="N|NAME", rich_help_panel=PANEL_PICTURE)
+    ] = None,
+    fullscreen: Annotated[
+        bool, typer.Option("--fullscreen", help="Full screen.", rich_help_panel=PANEL_PICTURE)
+    ] = False,
+    headless: Annotated[
+        bool,
+        typer.Option(
+            "--headless",
+            help="No window: run in real time without a picture, or --record it.",
+            rich_help_panel=PANEL_PICTURE,
+        ),
+    ] = False,
+    size: Annotated[
+        str, typer.Option(help="Size of the window or film.", metavar="WxH", rich_help_panel=PANEL_PICTURE)
+    ] = "1280x720",
+    fps: Annotated[float, typer.Option(help="Frames per second.", rich_help_panel=PANEL_PICTURE)] = 60.0,
+    record: Annotated[
+        Path | None,
+        typer.Option(help="Record the picture as an mp4.", metavar="FILE.mp4", rich_help_panel=PANEL_RECORD),
+    ] = None,
+    journal: Annotated[
+        Path | None, typer.Option(help="Write the journal here, for `live replay`.", rich_help_panel=PANEL_RECORD)
+    ] = None,
+    status_json: Annotated[
+        Path | None, typer.Option(help="Write one JSON line of figures a second.", rich_help_panel=PANEL_RECORD)
+    ] = None,
+) -> None:
+    """Play a show: music in, dancers on the projector.
+
+    Keys: Space tap, 1 this is the one, B blackout, F full screen, O overlay, S spread; click or drag = attractor,
+    with shift = repulsor. Without a screen, 20 s of the show become a film, first-show.mp4.
+    """
+    from live.cli.options import parse_endpoint, parse_number, parse_size, writable_file
+    from live.cli.session import Wish
+    from live.cli.stage import play_show
+
+    parse_number(bpm, "--bpm", 20, 400)
+    parse_number(seconds, "--seconds", 0.1, 7 * 86400)
+    parse_number(fps, "--fps", 1, 480)
+    for path, name in ((record, "--record"), (journal, "--journal"), (status_json, "--status-json")):
+        writable_file(path, name)
+    play_show(
+        Wish(
+            patch=patch,
+            audio=audio,
+            bpm=bpm,
+            steps=steps,
+            seed=seed,
+            osc=parse_endpoint(osc),
+            journal=journal,
+            status_json=status_json,
+            seconds=seconds,
+            record=record,
+            size=parse_size(size),
+            fps=fps,
+        ),
+        monitor=monitor,
+        fullscreen=fullscreen,
+        headless=headless,
+    )

@@ -1,0 +1,68 @@
+"""Recording: the running show's picture, and its music, into a film that keeps time whatever the frame rate does."""
+
+from pathlib import Path
+
+import moderngl
+from rich.console import Console
+
+from live.base.errors import PersonError
+from live.control.music_file import Music
+from live.render.film import FilmError, FilmWriter
+from live.render.film_sound import sound_of
+from live.render.readback import FrameReader
+
+CATCH_UP = 600
+"""Pictures repeated at once at most, should the show have stood still."""
+
+
+def film_writer(path: Path, *, size: tuple[int, int], fps: float, music: Music | None, live: bool) -> FilmWriter:
+    """A film with the music that is played (from its beginning, again and again); PersonError if it cannot be made."""
+    sound = None if music is None else sound_of(music.samples, music.sample_rate, loop=True)
+    try:
+        return FilmWriter(path, size=size, fps=fps, sound=sound, live=live)
+    except FilmError as error:
+        raise PersonError(str(error)) from None
+
+
+class LiveRecording:
+    """Films a framebuffer while the show runs: drops pictures rather than hold it up, and keeps time.
+
+    Thread: the main thread, which owns the OpenGL context.
+    """
+
+    def __init__(
+        self, path: Path, ctx: moderngl.Context, size: tuple[int, int], fps: float, music: Music | None
+    ) -> None:
+        self._writer = film_writer(path, size=size, fps=fps, music=music, live=True)
+        self._reader = FrameReader(ctx, size)
+        self._fps = fps
+        self._written = 0
+        self._failed: FilmError | None = None
+
+    def frame(self, framebuffer: moderngl.Framebuffer, time: float) -> None:
+        """Take the picture just drawn at `time` [s of the show]: once, more often, or not at all, as the rate asks."""
+        picture = self._reader.push(framebuffer)
+        due = int(time * self._fps)
+        if picture is None or self._failed is not None:
+            return
+        try:
+            for _ in range(min(due - self._written, CATCH_UP)):
+                self._writer.write(picture)
+            self._written = max(self._written, due)
+        except FilmError as error:  # a full disk ends the film, not the show
+            self._failed = error
+
+    def close(self, console: Console) -> None:
+        """Complete the film, and say what became of it."""
+        try:
+            self._writer.close()
+        except FilmError as error:
+            self._failed = error
+        self._reader.release()
+        if self._failed is not None:
+            console.print(f"the film is not complete: {self._failed}", style="red")
+            return
+        for note in self._writer.notes:
+            console.print(f"note: {note}", style="yellow")
+        dropped = f", {self._writer.dropped} pictures left out" if self._writer.dropped else ""
+        console.print(f"the film is here: [bold]{self._writer.path.resolve()}[/]{dropped}", soft_wrap=True)

@@ -1,0 +1,49 @@
+"""`live render`: the same show, offline and deterministic, as a film."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def render(
+    out: Annotated[Path, typer.Option(help="The film to write.", metavar="FILE.mp4")],
+    patch: Annotated[str | None, typer.Argument(help="A patch. Default: the first show.")] = None,
+    audio: Annotated[str | None, typer.Option(help="A music file. Default: the patch's music.", metavar="FILE")] = None,
+    bpm: Annotated[float | None, typer.Option(help="No music: the internal clock at this tempo.")] = None,
+    size: Annotated[str, typer.Option(help="Width and height in pixels.", metavar="WxH")] = "1280x720",
+    fps: Annotated[float, typer.Option(help="Frames per second.")] = 60.0,
+    seconds: Annotated[float | None, typer.Option(help="Length. Default: the music's, or 60 s without music.")] = None,
+    seed: Annotated[int | None, typer.Option(min=0, max=2**31 - 1, help="Seed of all chance in the show.")] = None,
+    steps: Annotated[
+        Path | None, typer.Option(help="Dance the recordings of this folder instead.", file_okay=False)
+    ] = None,
+    journal: Annotated[Path | None, typer.Option(help="Write the journal here as well.")] = None,
+    report: Annotated[Path | None, typer.Option(help="Write figures of what was danced as JSON.")] = None,
+) -> None:
+    """Render a show to a film: picture and sound, bit by bit the same each time."""
+    from rich.console import Console
+
+    from live.base.errors import PersonError
+    from live.cli.film_show import film_show
+    from live.cli.options import parse_number, parse_size, writable_file
+    from live.cli.session import Wish, choose_sound
+    from live.cli.warm import warm_kernels
+
+    parse_number(bpm, "--bpm", 20, 400)
+    parse_number(seconds, "--seconds", 0.02, 7 * 86400)
+    parse_number(fps, "--fps", 1, 480)
+    for path, name in ((out, "--out"), (journal, "--journal"), (report, "--report")):
+        writable_file(path, name)
+    console = Console(stderr=True, highlight=False)
+    warm_kernels(console)
+    wish = Wish(
+        patch=patch, audio=audio, bpm=bpm, steps=steps, seed=seed, journal=journal, size=parse_size(size), fps=fps
+    )
+    loaded = wish.load()
+    sound = choose_sound(wish, loaded)
+    if sound.device is not None:
+        raise PersonError(f"--audio {audio!r} is an input device: `live render` needs a music file")
+    length = seconds or (60.0 if sound.music is None else sound.music.duration)
+    film_show(wish, loaded, sound, path=out, seconds=length, console=console, report=report)
+    console.print(f"the film is here: [bold]{out.resolve()}[/]", soft_wrap=True)

@@ -1,0 +1,203 @@
+"""Session: a show with everything it listens to and writes; made here, driven by the window or a bare loop."""
+
+import contextlib
+import gc
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol, TextIO
+
+import psutil
+
+from live.base.errors import PersonError
+from live.base.inbox import Inbox
+from live.clock.source import SystemClock
+from live.control.events import ControlEvent
+from live.control.music_file import Music, MusicFileError, read_music
+from live.control.osc import CannotListen, OscInput
+from live.show.core import Show
+from live.show.engine import Engine
+from live.show.journal import JournalError, JournalWriter
+from live.show.load import LoadedShow, load_show
+from live.show.patch_file import find_patch
+from live.show.status import Status, StatusFile
+
+
+class Startable(Protocol):
+    """An audio source that has been made and waits to be started."""
+
+    def start(self) -> None:
+        """Begin to listen or to play."""
+        ...
+
+    def stop(self) -> None:
+        """End, and free the device."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """What was asked for on the command line."""
+
+    patch: str | None = None
+    audio: str | None = None
+    bpm: float | None = None
+    steps: Path | None = None
+    seed: int | None = None
+    osc: tuple[str, int] = ("127.0.0.1", 9010)
+    journal: Path | None = None
+    status_json: Path | None = None
+    seconds: float | None = None
+    record: Path | None = None
+    size: tuple[int, int] = (1280, 720)
+    fps: float = 60.0
+
+    def load(self) -> LoadedShow:
+        """The patch and its steps."""
+        return load_show(find_patch(self.patch), recordings=self.steps)
+
+
+@dataclass(frozen=True, slots=True)
+class Sound:
+    """What the clock follows: a music file, an input device by name, or nothing (the internal clock)."""
+
+    music: Music | None = None
+    device: str | None = None
+    known: bool = False
+    """True if the patch tells the music's tempo and first downbeat: it is the patch's own music."""
+
+
+def choose_sound(wish: Wish, loaded: LoadedShow) -> Sound:
+    """What `--audio` and `--bpm` ask for, else the patch's music; PersonError that lists what there is."""
+    if wish.audio is None:
+        path = loaded.music_path
+        if wish.bpm is not None or path is None:
+            return Sound()
+        return Sound(music=_music(path), known=True)
+    path = Path(wish.audio)
+    if path.is_file():
+        return Sound(music=_music(path))
+    from live.control.audio_device import UnknownDevice, find_device, list_input_devices
+
+    try:
+        return Sound(device=find_device(wish.audio).name)
+    except UnknownDevice as error:
+        if path.suffix or "/" in wish.audio:
+            there = ", ".join(device.name for device in list_input_devices()) or "none"
+            raise PersonError(f"--audio {wish.audio!r}: no such file; the input devices are: {there}") from None
+        raise PersonError(f"--audio: {error}") from None
+
+
+def _music(path: Path) -> Music:
+    try:
+        return read_music(path)
+    except MusicFileError as error:
+        raise PersonError(str(error)) from None
+
+
+def start_tempo(wish: Wish, loaded: LoadedShow, sound: Sound) -> float | None:
+    """The tempo [bpm] to begin with; None if the patch's music is played and its own tempo and downbeat hold."""
+    if wish.bpm is not None:
+        return wish.bpm
+    return None if sound.known else loaded.patch.clock.bpm
+
+
+class Session:
+    """A running show: engine, inputs, journal, status."""
+
+    def __init__(self, wish: Wish, loaded: LoadedShow, sound: Sound, *, silent: bool = False) -> None:
+        """Everything is made, nothing is started. `silent`: music files are followed but not played aloud."""
+        tempo = start_tempo(wish, loaded, sound)
+        show = loaded.start(seed=wish.seed, tempo=tempo)
+        self.wish = wish
+        self.loaded = loaded
+        self.sound = sound
+        self.show: Show = show
+        self.clock = SystemClock()
+        self.inbox: Inbox[ControlEvent] = Inbox()
+        self.osc = OscInput(*wish.osc, self.inbox, self.clock)
+        process = psutil.Process()
+        self.status = Status(show, rejected=self._rejected, memory=lambda: process.memory_info().rss / 1e6)
+        self._journal = self._open_journal(tempo)
+        self.engine = Engine(show, clock=self.clock, inbox=self.inbox, status=self.status, journal=self._journal)
+        self._silent = silent
+        self._audio: Startable | None = None
+        self._status_stream: TextIO | None = None
+        self._status_file: StatusFile | None = None
+
+    def _rejected(self) -> Counter[str]:
+        return Counter({str(reason): count for reason, count in self.osc.rejected.as_dict().items()})
+
+    def _open_journal(self, tempo: float | None) -> JournalWriter | None:
+        if self.wish.journal is None:
+            return None
+        try:
+            return JournalWriter(self.wish.journal, self.loaded.header(self.show, tempo=tempo))
+        except JournalError as error:
+            raise PersonError(str(error)) from None
+
+    @contextlib.contextmanager
+    def running(self) -> Iterator["Session"]:
+        """Start everything; stop it again whatever happens. Automatic garbage collection rests meanwhile."""
+        try:
+            try:
+                self.osc.start()
+            except CannotListen as error:
+                raise PersonError(str(error)) from None
+            self._open_status()
+            gc.collect()
+            gc.freeze()
+            gc.disable()
+            self.clock.origin = SystemClock().origin  # the show's time begins now
+            self._start_audio()
+            yield self
+        finally:
+            gc.enable()
+            gc.unfreeze()
+            self._stop()
+
+    def _open_status(self) -> None:
+        if self.wish.status_json is None:
+            return
+        try:
+            self._status_stream = self.wish.status_json.open("w", encoding="utf-8")
+        except OSError as error:
+            raise PersonError(f"cannot write --status-json {self.wish.status_json}: {error.strerror}") from None
+        self._status_file = StatusFile(self._status_stream, self.status)
+
+    def _start_audio(self) -> None:
+        from live.control.audio_device import AudioInput
+        from live.control.music_player import MusicPlayer
+
+        if self.sound.music is not None:
+            self._audio = MusicPlayer(self.sound.music, self.inbox, self.clock, loop=True, output=not self._silent)
+        elif self.sound.device is not None:
+            self._audio = AudioInput(self.sound.device, self.inbox, self.clock)
+        if self._audio is not None:
+            self._audio.start()
+
+    def _stop(self) -> None:
+        if self._audio is not None:
+            self._audio.stop()
+        self.osc.stop()
+        if self._journal is not None:
+            self._journal.close(self.engine.ticks.index)
+        if self._status_file is not None and self._status_stream is not None:
+            self._status_file.write(self.clock.now())
+            self._status_stream.close()
+
+    def after_frame(self, started: float, previous: float) -> None:
+        """Housekeeping after a frame: figures, the status line, and garbage of the youngest generation."""
+        self.status.work_times.add(self.clock.now() - started)
+        self.status.frame_times.add(started - previous)
+        if self._status_file is not None:
+            self._status_file.frame(started)
+        gc.collect(0)
+
+    def finished(self, time: float) -> bool:
+        """Whether `--seconds` are over."""
+        return self.wish.seconds is not None and time >= self.wish.seconds
+
+
+__all__ = ["Session", "Sound", "Wish", "choose_sound", "start_tempo"]

@@ -1,0 +1,74 @@
+"""What `live play` does with a wish: a window where there is a screen, else a film, or a bare run in real time."""
+
+from rich.console import Console
+
+from live.base.errors import PersonError
+from live.cli.session import Session, Sound, Wish, choose_sound
+from live.cli.warm import warm_kernels
+from live.render.monitors import Monitor, UnknownMonitor, find_monitor, list_monitors, screen_problem
+from live.show.load import LoadedShow, scene_of
+
+FILM_SECONDS = 20.0
+FILM_NAME = "first-show.mp4"
+
+
+def play_show(wish: Wish, *, monitor: str | None, fullscreen: bool, headless: bool) -> None:
+    """Play what `wish` asks for; PersonError if that cannot be."""
+    console = Console(stderr=True, highlight=False)
+    warm_kernels(console)
+    loaded = wish.load()
+    for note in loaded.graph.missing:
+        console.print(f"note: {note}", style="yellow")
+    sound = choose_sound(wish, loaded)
+    chosen = _monitor(monitor)
+    if headless:
+        _headless(wish, loaded, sound, console)
+    elif list_monitors():
+        from live.cli.window_show import play_in_window
+
+        session = Session(wish, loaded, sound)
+        console.print(_welcome(session), style="dim")
+        play_in_window(session, scene_of(loaded.patch), monitor=chosen, fullscreen=fullscreen, console=console)
+    elif fullscreen:
+        raise PersonError(f"--fullscreen: there is no screen ({screen_problem()})", "leave it out to make a film")
+    elif sound.device is not None:
+        console.print(f"no screen ({screen_problem()}): listening and running without a picture", style="dim")
+        _headless(wish, loaded, sound, console)
+    else:
+        _film(wish, loaded, sound, console)
+
+
+def _monitor(name: str | None) -> Monitor | None:
+    if name is None:
+        return None
+    try:
+        return find_monitor(name)
+    except UnknownMonitor as error:
+        raise PersonError(f"--monitor: {error}") from None
+
+
+def _headless(wish: Wish, loaded: LoadedShow, sound: Sound, console: Console) -> None:
+    from live.cli.headless_show import play_headless
+
+    play_headless(Session(wish, loaded, sound), scene_of(loaded.patch), console)
+
+
+def _film(wish: Wish, loaded: LoadedShow, sound: Sound, console: Console) -> None:
+    from pathlib import Path
+
+    from live.cli.film_show import film_show
+
+    seconds = wish.seconds or FILM_SECONDS
+    path = wish.record or Path(FILM_NAME)
+    console.print(f"no screen ({screen_problem()}): {seconds:g} s of the show become a film", style="dim")
+    film_show(wish, loaded, sound, path=path, seconds=seconds, console=console)
+    console.print(f"the film is here: [bold]{path.resolve()}[/]", soft_wrap=True)
+
+
+def _welcome(session: Session) -> str:
+    host, port = session.wish.osc
+    heard = "music file" if session.sound.music else session.sound.device or "internal clock"
+    return (
+        f"{session.loaded.patch.name}: {session.loaded.patch.dancer_count} dancers, {heard}, "
+        f"OSC at {host}:{port}; keys: Space tap, 1 the one, S spread, B blackout, F full screen, O overlay"
+    )
