@@ -98,6 +98,7 @@ class InputQueue:
         self._shift = False
         self.framebuffer_size: tuple[int, int] = glfw.get_framebuffer_size(window)
         self._window_size: tuple[int, int] = glfw.get_window_size(window)
+        self._pointer: tuple[float, float] = glfw.get_cursor_pos(window)
         glfw.set_key_callback(window, self._on_key)
         glfw.set_mouse_button_callback(window, self._on_button)
         glfw.set_cursor_pos_callback(window, self._on_move)
@@ -136,29 +137,31 @@ class InputQueue:
             if name:
                 self.put(KeyPressed(name, self._shift, bool(modifiers & self._glfw.MOD_CONTROL)))
 
-    def _pixels(self, x: float, y: float) -> tuple[float, float]:
-        """From GLFW's screen coordinates to framebuffer pixels (they differ on dense displays)."""
-        (width, height), (columns, rows) = self.framebuffer_size, self._window_size
+    def _pixels(self) -> tuple[float, float]:
+        """The pointer, from GLFW's screen coordinates to framebuffer pixels (they differ on dense displays)."""
+        (x, y), (width, height), (columns, rows) = self._pointer, self.framebuffer_size, self._window_size
         return x * width / max(columns, 1), y * height / max(rows, 1)
 
-    def _on_button(self, window: Any, button: int, action: int, modifiers: int) -> None:
+    def _on_button(self, _window: Any, button: int, action: int, modifiers: int) -> None:
         if button != self._glfw.MOUSE_BUTTON_LEFT:
             return
         self._shift = bool(modifiers & self._glfw.MOD_SHIFT)
-        x, y = self._pixels(*self._glfw.get_cursor_pos(window))
+        # where the last move went: GLFW would tell where the pointer is by now, which is elsewhere in a fast drag
         kind = PointerPressed if action == self._glfw.PRESS else PointerReleased
-        self.put(kind(x, y, self._shift))
+        self.put(kind(*self._pixels(), self._shift))
 
     def _on_move(self, _window: Any, x: float, y: float) -> None:
-        self.put(PointerMoved(*self._pixels(x, y), self._shift))
+        self._pointer = (x, y)
+        self.put(PointerMoved(*self._pixels(), self._shift))
 
     def _on_framebuffer_size(self, _window: Any, width: int, height: int) -> None:
         if width > 0 and height > 0 and (width, height) != self.framebuffer_size:  # a minimised window has size 0
             self.framebuffer_size = (width, height)
             self.put(Resized((width, height)))
 
-    def _on_window_size(self, _window: Any, width: int, height: int) -> None:
+    def _on_window_size(self, window: Any, width: int, height: int) -> None:
         self._window_size = (width, height)
+        self._pointer = self._glfw.get_cursor_pos(window)  # the window moved, not the pointer: no move is reported
 
     def _on_close(self, window: Any) -> None:
         self._glfw.set_window_should_close(window, False)

@@ -1,0 +1,221 @@
+"""Films: pictures and sound into an mp4 (H.264, AAC) without holding up the frame loop."""
+
+import os
+import sys
+import threading
+from fractions import Fraction
+from pathlib import Path
+from queue import SimpleQueue
+from types import TracebackType
+from typing import Any, NamedTuple
+
+import av
+import numpy as np
+import numpy.typing as npt
+from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc, VideoReformatter
+
+from live.render.film_sound import FilmSound, SoundTrack
+
+Picture = npt.NDArray[np.uint8]
+
+_FAILED = -1
+"""Handed out in place of a free slot when the encoder has ended, so that nobody waits for one."""
+
+
+class FilmError(RuntimeError):
+    """The film cannot be written; the text names the file and the reason."""
+
+
+class _Job(NamedTuple):
+    slot: int | None
+    """The picture to encode; None at the end of the film."""
+    repeats: int
+    """How often the picture before it stands in for pictures that were left out."""
+
+
+class FilmWriter:
+    """Writes one film of a constant frame rate; encodes in a thread of its own behind a few preallocated pictures.
+
+    `size`: width and height of the pictures that come in [pixels]; an odd one loses its last column or row, which
+    `notes` tells. `sound`: see `FilmSound`; it becomes exactly as long as the picture.
+    `live`: when the encoder is behind, a picture is left out, counted in `dropped`, and the one before it stands
+    longer, so that the film keeps time and the show is never held up; otherwise `write` waits. A live film is
+    written in fragments: even when the machine loses its power, what was written until then can be played.
+
+    Raises `FilmError` at once when the file cannot be begun (missing folder, no right to write, no codec); later
+    failures (a full disk) surface once, at the next `write` or at `close`, after which further pictures are ignored.
+    Thread: `write` and `close` from one thread.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        *,
+        size: tuple[int, int],
+        fps: float | Fraction,
+        sound: FilmSound | None = None,
+        live: bool = False,
+        preset: str | None = None,
+        crf: int = 20,
+        depth: int = 8,
+    ) -> None:
+        width, height = size
+        if width < 2 or height < 2:
+            raise ValueError(f"a film of {width}x{height} pixels: at least 2 each way are needed")
+        self.path = Path(path)
+        self.size = (width - width % 2, height - height % 2)
+        self.fps = Fraction(fps).limit_denominator(1001)
+        if not 1 <= self.fps <= 1000:
+            raise ValueError(f"a film of {float(fps):g} frames/s: 1 to 1000 are possible")
+        self.notes: tuple[str, ...] = ()
+        if self.size != size:
+            self.notes = (f"{self.path}: {width}x{height} is odd; the film is {self.size[0]}x{self.size[1]}",)
+        self.frames = 0
+        self.dropped = 0
+        self._input_shape = (height, width, 3)
+        self._live = live
+        self._sound = sound
+        self._options = {"preset": preset or ("ultrafast" if live else "veryfast"), "crf": str(crf)}
+        self._sources = [av.VideoFrame(*self.size, "rgb24") for _ in range(depth)]
+        self._pixels = [_pixels_of(source) for source in self._sources]
+        self._free: SimpleQueue[int] = SimpleQueue()
+        self._jobs: SimpleQueue[_Job] = SimpleQueue()
+        self._repeats = 0
+        self._failure: BaseException | None = None
+        self._reported = False
+        self._closed = False
+        for slot in range(depth):
+            self._free.put(slot)
+        ready = threading.Event()
+        self._thread = threading.Thread(target=self._run, args=(ready,), name="film", daemon=True)
+        self._thread.start()
+        ready.wait()
+        self._check()
+
+    def write(self, picture: Picture) -> None:
+        """Add one picture, uint8 RGB of shape (height, width, 3), top row first; it is copied."""
+        if picture.shape != self._input_shape or picture.dtype != np.uint8:
+            raise ValueError(
+                f"a picture of shape {picture.shape}, {picture.dtype}: {self._input_shape}, uint8 is needed"
+            )
+        self._check()
+        if self._closed or self._failure is not None:
+            return
+        self.frames += 1
+        if self._live and self._free.empty():
+            self.dropped += 1
+            self._repeats += 1
+            return
+        slot = self._free.get()
+        if slot == _FAILED:
+            self._check()
+            return
+        width, height = self.size
+        np.copyto(self._pixels[slot], picture[:height, :width])
+        self._jobs.put(_Job(slot, self._repeats))
+        self._repeats = 0
+
+    def close(self) -> None:
+        """Finish the film: wait for the encoder and complete the file; a second call does nothing."""
+        if not self._closed:
+            self._closed = True
+            self._jobs.put(_Job(None, self._repeats))
+            self._thread.join()
+            self._check()
+
+    def __enter__(self) -> "FilmWriter":
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
+        try:
+            self.close()
+        except FilmError:
+            if error is None:  # the first error is the one to tell
+                raise
+
+    def _check(self) -> None:
+        if self._failure is not None and not self._reported:
+            self._reported = True
+            error = self._failure
+            reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
+            raise FilmError(f"{self.path}: the film cannot be written: {reason}") from error
+
+    def _run(self, ready: threading.Event) -> None:
+        """The encoder's thread, from the first byte of the file to the last."""
+        if self._live and sys.platform == "linux":
+            # the show goes first; x264's own threads inherit this
+            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 5)
+        try:
+            flags = "hybrid_fragmented" if self._live else "faststart"
+            with av.open(str(self.path), "w", format="mp4", options={"movflags": flags}) as container:
+                encoder = _Encoder(container, self.size, self.fps, self._options, self._sound)
+                container.start_encoding()
+                ready.set()
+                self._encode_all(encoder)
+        except BaseException as error:  # whatever it was, it surfaces in the thread that writes
+            self._failure = error
+        finally:
+            self._free.put(_FAILED)
+            ready.set()
+
+    def _encode_all(self, encoder: "_Encoder") -> None:
+        while True:
+            job = self._jobs.get()
+            for _ in range(job.repeats):
+                encoder.repeat()
+            if job.slot is None:
+                encoder.finish()
+                return
+            encoder.picture(self._sources[job.slot])
+            self._free.put(job.slot)
+
+
+class _Encoder:
+    """The streams of an open film (encoder's thread only)."""
+
+    def __init__(
+        self, container: Any, size: tuple[int, int], fps: Fraction, options: dict[str, str], sound: FilmSound | None
+    ) -> None:
+        self._container = container
+        self._fps = fps
+        self._stream = container.add_stream("libx264", rate=fps)
+        self._stream.width, self._stream.height = size
+        self._stream.pix_fmt = "yuv420p"
+        self._stream.time_base = 1 / fps
+        self._stream.options = options
+        codec = self._stream.codec_context
+        codec.gop_size = max(1, round(2 * fps))  # two seconds are lost at most with an unfinished live film
+        codec.colorspace, codec.color_primaries = Colorspace.ITU709, ColorPrimaries.BT709
+        codec.color_trc, codec.color_range = ColorTrc.BT709, ColorRange.MPEG
+        self._reformatter = VideoReformatter()
+        self._track = SoundTrack(container, sound) if sound else None
+        self._last: Any = None
+        self._count = 0
+
+    def picture(self, source: Any) -> None:
+        """Encode a new picture."""
+        self._last = self._reformatter.reformat(
+            source, format="yuv420p", dst_colorspace=Colorspace.ITU709, dst_color_range=ColorRange.MPEG
+        )
+        self.repeat()
+
+    def repeat(self) -> None:
+        """Encode the last picture (once more), and the sound beside it."""
+        self._last.pts, self._last.time_base = self._count, 1 / self._fps
+        self._container.mux(self._stream.encode(self._last))
+        self._count += 1
+        if self._track:
+            self._track.follow(self._count / self._fps)
+
+    def finish(self) -> None:
+        """Bring out what the encoders still hold."""
+        self._container.mux(self._stream.encode(None))
+        if self._track:
+            self._track.follow(self._count / self._fps, last=True)
+
+
+def _pixels_of(source: Any) -> Picture:
+    """The pixels of an RGB frame as an array (height, width, 3) on its own memory."""
+    plane = source.planes[0]
+    rows = np.frombuffer(plane, np.uint8)[: source.height * plane.line_size].reshape(source.height, plane.line_size)
+    return rows[:, : source.width * 3].reshape(source.height, source.width, 3)

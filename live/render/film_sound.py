@@ -1,0 +1,99 @@
+"""The sound of a film: samples on demand, encoded as AAC beside the picture."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import av
+import numpy as np
+import numpy.typing as npt
+
+Samples = npt.NDArray[np.float32]
+
+AAC_RATES = (8000, 11025, 12000, 16000, 22050, 24000, 32000, 44100, 48000, 64000, 88200, 96000)
+"""Sample rates of AAC [Hz]; sound of any other rate is resampled to 48,000."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FilmSound:
+    """Sound of one or two channels at `rate` [Hz], read piece by piece in order as the film grows.
+
+    `read(first, count)` gives the samples from number `first` of the film on, float32 of shape (count, channels),
+    -1 to 1. Fewer than `count` when the rest is not there yet (a live input lags behind the picture): they are
+    asked for again with the next frame, and what is missing at the end is silence.
+    Thread: `read` is called by the encoder's thread.
+    """
+
+    rate: int
+    channels: int
+    read: Callable[[int, int], Samples]
+
+
+def sound_of(samples: Samples, rate: int, *, start: float = 0.0, loop: bool = False) -> FilmSound:
+    """Sound from an array, shape (n,) or (n, channels); of more than two channels the first two are heard.
+
+    The film begins at `start` [s] of the array (before 0: silence first). After the array's end there is silence,
+    or with `loop` its beginning again. Raises ValueError for an array of another shape.
+    """
+    if samples.ndim not in (1, 2) or (samples.ndim == 2 and samples.shape[1] == 0):
+        raise ValueError(f"sound of shape {samples.shape}: (n,) or (n, channels) is needed")
+    heard = samples.reshape(len(samples), -1)[:, :2]
+    length, offset = len(heard), round(start * rate)
+
+    def read(first: int, count: int) -> Samples:
+        index = np.arange(offset + first, offset + first + count)
+        inside = (index >= 0) & (length > 0)
+        if loop and length:
+            index %= length
+        else:
+            inside &= index < length
+        piece = np.zeros((count, heard.shape[1]), np.float32)
+        piece[inside] = heard[index[inside]]
+        return piece
+
+    return FilmSound(rate, heard.shape[1], read)
+
+
+class SoundTrack:
+    """The AAC stream of an open film; keeps as long as the picture."""
+
+    def __init__(self, container: Any, sound: FilmSound) -> None:
+        if sound.channels not in (1, 2) or sound.rate < 1:
+            raise ValueError(f"sound of {sound.channels} channels at {sound.rate} Hz: one or two are possible")
+        self._container = container
+        self._sound = sound
+        self._layout = "mono" if sound.channels == 1 else "stereo"
+        rate = sound.rate if sound.rate in AAC_RATES else 48000
+        self._stream = container.add_stream("aac", rate=rate)
+        self._stream.layout = self._layout
+        self._stream.bit_rate = 96_000 * sound.channels
+        self._resampler = av.AudioResampler(format="fltp", layout=self._layout, rate=rate, frame_size=1024)
+        self._count = 0
+
+    def follow(self, seconds: Fraction, *, last: bool = False) -> None:
+        """Encode the sound up to the picture's length [s]; with `last` fill up with silence and finish."""
+        missing = round(seconds * self._sound.rate) - self._count
+        if missing > 0:
+            self._encode(self._sound.read(self._count, missing)[:missing])
+        if last:
+            missing = round(seconds * self._sound.rate) - self._count
+            if missing > 0:
+                self._encode(np.zeros((missing, self._sound.channels), np.float32))
+            self._mux(None)
+            self._container.mux(self._stream.encode(None))
+
+    def _encode(self, piece: Samples) -> None:
+        if len(piece) == 0:
+            return
+        # a NaN or an overdriven input must not end the film: the encoder refuses such samples
+        planes = np.ascontiguousarray(np.clip(np.nan_to_num(piece.T), -1.0, 1.0), np.float32)
+        frame = av.AudioFrame.from_ndarray(planes, format="fltp", layout=self._layout)
+        frame.sample_rate = self._sound.rate
+        frame.pts, frame.time_base = self._count, Fraction(1, self._sound.rate)
+        self._count += len(piece)
+        self._mux(frame)
+
+    def _mux(self, frame: Any) -> None:
+        for whole in self._resampler.resample(frame):
+            self._container.mux(self._stream.encode(whole))

@@ -1,0 +1,60 @@
+"""Real screens and drawing contexts for the tests of this package."""
+
+from collections.abc import Iterator
+
+import moderngl
+import pytest
+
+from live.render.headless import NoOpenGL, create_headless_context
+from live.render.monitors import stop_glfw
+from tests import two_monitor_x as x_server
+from tests.two_monitor_x import TwoMonitorX
+
+
+@pytest.fixture(scope="session")
+def two_monitor_x(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TwoMonitorX]:
+    """One X server with two monitors for all tests of the session; skips, saying why, where there can be none."""
+    try:
+        there, server = x_server.start(tmp_path_factory.mktemp("xorg"))
+    except x_server.NoX as reason:
+        pytest.skip(str(reason))
+    yield there
+    stop_glfw()  # Xlib ends the whole process when its server goes away under it
+    x_server.stop(server)
+
+
+@pytest.fixture
+def stage_x(two_monitor_x: TwoMonitorX, monkeypatch: pytest.MonkeyPatch) -> Iterator[TwoMonitorX]:
+    """The X server as this process' display, both monitors plugged in, GLFW started anew."""
+    two_monitor_x.plug_both()
+    monkeypatch.setenv("DISPLAY", two_monitor_x.display)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    stop_glfw()
+    yield two_monitor_x
+    stop_glfw()
+
+
+@pytest.fixture
+def no_screen(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """A machine without a screen."""
+    stop_glfw()
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    yield
+    stop_glfw()
+
+
+@pytest.fixture(scope="session")
+def headless_context() -> moderngl.Context:
+    """One headless OpenGL context for the session; skips, saying why, where there is none."""
+    try:
+        return create_headless_context()
+    except NoOpenGL as reason:
+        pytest.skip(str(reason))
+
+
+@pytest.fixture
+def gl_context(headless_context: moderngl.Context) -> Iterator[moderngl.Context]:
+    """The headless context, current for this test (the window of another one may have been in between)."""
+    with headless_context:
+        yield headless_context

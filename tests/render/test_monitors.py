@@ -1,0 +1,76 @@
+"""Monitors by number and by name."""
+
+import pytest
+
+from live.render.monitors import Monitor, UnknownMonitor, find_monitor, list_monitors, same_monitor, screen_problem
+from tests.two_monitor_x import FIRST, SECOND, TwoMonitorX
+
+DESK = Monitor(1, "eDP-1", (0, 0), (1920, 1200), 60.0)
+LEFT = Monitor(2, "HDMI-1", (1920, 0), (1920, 1080), 50.0)
+RIGHT = Monitor(3, "HDMI-2", (3840, 0), (1024, 768), 0.0)
+THREE = [DESK, LEFT, RIGHT]
+
+
+@pytest.mark.parametrize(
+    ("text", "monitor"),
+    [("1", DESK), ("3", RIGHT), ("HDMI-1", LEFT), ("hdmi-2", RIGHT), ("edp", DESK), (" 2 ", LEFT)],
+)
+def test_found_by_number_name_or_beginning(text: str, monitor: Monitor) -> None:
+    assert find_monitor(text, THREE) is monitor
+
+
+@pytest.mark.parametrize("text", ["0", "4", "-1", "VGA", "", "1.5", "²", "hdmi-1x"])
+def test_unknown_tells_what_there_is(text: str) -> None:
+    with pytest.raises(UnknownMonitor, match="is not a monitor") as caught:
+        find_monitor(text, THREE)
+    for word in ("1 eDP-1", "2 HDMI-1", "3 HDMI-2", "1920x1080 at 1920,0 50 Hz", "1024x768 at 3840,0)"):
+        assert word in str(caught.value)
+
+
+def test_a_beginning_of_two_names_is_refused() -> None:
+    with pytest.raises(UnknownMonitor, match="means several monitors"):
+        find_monitor("hdmi", THREE)
+
+
+def test_a_full_name_wins_over_a_longer_one_that_begins_with_it() -> None:
+    longer = Monitor(2, "HDMI-10", (0, 0), (640, 480), 60.0)
+    assert find_monitor("HDMI-1", [longer, LEFT]) is LEFT
+
+
+def test_equal_names_are_told_apart_by_number_only() -> None:
+    twins = [Monitor(1, "EPSON", (0, 0), (800, 600), 60.0), Monitor(2, "EPSON", (800, 0), (800, 600), 60.0)]
+    assert find_monitor("2", twins) is twins[1]
+    with pytest.raises(UnknownMonitor, match="means several monitors"):
+        find_monitor("EPSON", twins)
+    assert same_monitor(Monitor(5, "EPSON", (790, 10), (1280, 720), 50.0), twins) is twins[1]
+    assert same_monitor(DESK, twins) is None
+
+
+@pytest.mark.x11
+def test_two_real_monitors(stage_x: TwoMonitorX) -> None:
+    monitors = list_monitors()
+    assert [(each.index, each.name, each.position, each.size) for each in monitors] == [
+        (1, "DUMMY0", (0, 0), FIRST),
+        (2, "DUMMY1", (640, 0), SECOND),
+    ]
+    assert [each.refresh_hz for each in monitors] == [60.0, 60.0]
+    assert screen_problem() == ""
+    assert find_monitor("dummy1") == monitors[1]
+    with pytest.raises(UnknownMonitor, match="several"):
+        find_monitor("dummy")
+
+
+@pytest.mark.usefixtures("no_screen")
+def test_no_screen_no_monitors_but_a_reason() -> None:
+    assert list_monitors() == []
+    assert "DISPLAY" in screen_problem()
+    with pytest.raises(UnknownMonitor, match=r"there is none \(no screen"):
+        find_monitor("1")
+
+
+@pytest.mark.usefixtures("no_screen")
+def test_a_display_that_does_not_answer(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setenv("DISPLAY", ":12345")
+    assert list_monitors() == []
+    assert ":12345" in screen_problem()
+    assert capfd.readouterr() == ("", "")
