@@ -71,7 +71,7 @@ class TimelineFollower:
         self._silent_since: float | None = None
         self._share = 0.0
         self.state = "internal"
-        """internal | following (heard, not yet sure) | locked | freewheel (tempo kept, nothing heard) | held (by hand)."""
+        """internal | following (heard, not yet sure) | locked | freewheel (nothing heard) | held (by hand)."""
         self.source = "internal"
         """What the beats come from: internal | audio | tap."""
         self.rejected = 0
