@@ -4,6 +4,7 @@
 keys, tables, strings and brackets; it judges nothing.
 """
 
+import contextlib
 import re
 from typing import Final
 
@@ -22,10 +23,8 @@ def toml_lines(text: str) -> dict[KeyPath, int]:
     Elements of an array of tables stand on their own header's line. An invalid text gives what was understood.
     """
     scanner = _Scanner(text)
-    try:
+    with contextlib.suppress(IndexError, ValueError):  # not TOML after all: tomllib says so better than this could
         scanner.document()
-    except (IndexError, ValueError):  # not TOML after all: tomllib says so better than this scanner could
-        pass
     return scanner.lines
 
 

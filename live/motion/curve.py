@@ -7,7 +7,7 @@ passes beyond its keys, rests flat where a key is an extreme, and holds where tw
 import numpy as np
 import numpy.typing as npt
 
-Float = npt.NDArray[np.float64]
+Float = npt.NDArray[np.floating]
 
 
 def monotone_slopes(times: Float, values: Float) -> Float:

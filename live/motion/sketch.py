@@ -91,8 +91,10 @@ def parse_sketch(text: str, file: str) -> Sketch:
     try:
         table = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        problem = str(error).split("(at ")[0].strip() or "too deeply nested"
-        raise SketchError(file, error_line(str(error), text), "TOML", problem, "a line is word = value") from None
+        problem, remedy = str(error).split("(at ")[0].strip(), "a line is word = value"
+        if "overwrite" in problem or "twice" in problem:
+            problem, remedy = "a word, count or table is written twice", "put it all on one line, or leave one out"
+        raise SketchError(file, error_line(str(error), text), "TOML", problem, remedy) from None
     return _Reader(table, toml_lines(text), file).sketch()
 
 

@@ -15,7 +15,7 @@ from live.motion.sketch import Sketch
 from live.motion.sketch_channels import SAMPLES_PER_BEAT, Channels, closed
 from live.motion.sketch_feet import HOME_FORWARD, FootTrack
 
-Float = npt.NDArray[np.float64]
+Float = npt.NDArray[np.floating]
 
 STANDING: Final = float(SKELETON.offsets[0, 1]) - 0.03
 """Height of the hips in the neutral stance, knees soft [m]."""
@@ -33,7 +33,7 @@ def _joint(name: str) -> int:
 
 
 def _offset(name: str) -> Float:
-    return SKELETON.offsets[_joint(name)].astype(np.float64)
+    return np.asarray(SKELETON.offsets[_joint(name)], np.float64)
 
 
 def _about(axis: Float, angle: Float) -> Float:
@@ -78,8 +78,11 @@ class Ground:
     flights: list[tuple[float, float]]
 
 
-def pose_body(sketch: Sketch, ground: Ground) -> tuple[Float, Float]:
-    """Root positions (T, 3) and local rotations (T, J, 4) of the whole dancer, at all samples of `ground`."""
+def pose_body(sketch: Sketch, ground: Ground) -> tuple[Float, Float, Float]:
+    """Root positions (T, 3) and local rotations (T, J, 4) of the whole dancer, at all samples of `ground`.
+
+    The third is how far each ankle stays short of its place [m], (T, 2), left and right.
+    """
     count = len(ground.beats)
     pose = Pose(np.zeros((count, JOINT_COUNT, 3)), np.zeros((count, JOINT_COUNT, 4)))
     pelvis = Channels(sketch, "pelvis", ground.beats)
@@ -87,12 +90,11 @@ def pose_body(sketch: Sketch, ground: Ground) -> tuple[Float, Float]:
     _pose_trunk(sketch, ground, pelvis, pose)
     for side, name in _LEFT_RIGHT:
         _pose_arm(sketch, ground, pose, side, name)
-    for track, name in ((ground.left, "left"), (ground.right, "right")):
-        _pose_leg(ground, track, pose, name)
+    short = [_pose_leg(track, pose, name) for track, name in ((ground.left, "left"), (ground.right, "right"))]
     parents = SKELETON.parents[1:]
     local = pose.rotation.copy()
     local[:, 1:] = quaternion.mul(quaternion.inverse(pose.rotation[:, parents]), pose.rotation[:, 1:])
-    return pose.position[:, 0].copy(), quaternion.continuous(quaternion.unit(local))
+    return pose.position[:, 0].copy(), quaternion.continuous(quaternion.unit(local)), np.stack(short, axis=1)
 
 
 # --- pelvis ------------------------------------------------------------------------------------------------------
@@ -113,14 +115,13 @@ def _pose_pelvis(sketch: Sketch, ground: Ground, pelvis: Channels, pose: Pose) -
     position = np.empty((len(ground.beats), 3))
     middle = 0.5 * (ground.left.ground + ground.right.ground)
     apart = 0.5 * (ground.left.ground - ground.right.ground)
-    sideways = 0.0 if "left" in pelvis.named else weight
-    # the weight goes over the standing foot; forwards and backwards only the middle of both feet is followed
-    side = np.stack((np.cos(ground.facing), -np.sin(ground.facing)), axis=1)
-    across = np.sum(apart * side, axis=1)
-    middle = (
-        smoothed(middle, 0.22 * SAMPLES_PER_BEAT)
-        + side * smoothed(_SHIFT * sideways * across, 0.05 * SAMPLES_PER_BEAT)[:, None]
-    )
+    sideways = np.zeros(1) if "left" in pelvis.named else weight
+    if np.ptp(ground.facing) < 1.0:
+        # the weight goes over the standing foot sideways; forwards only the middle of both feet is followed
+        side = np.stack((np.cos(ground.facing), -np.sin(ground.facing)), axis=1)
+        apart = side * np.sum(apart * side, axis=1, keepdims=True)
+    over = smoothed(_SHIFT * apart * np.reshape(sideways, (-1, 1)), 0.05 * SAMPLES_PER_BEAT)
+    middle = smoothed(middle, 0.22 * SAMPLES_PER_BEAT) + over
     shift = np.stack((pelvis["left"], np.zeros(len(ground.beats)), pelvis["forward"] - HOME_FORWARD), axis=1)
     shift = quaternion.rotate(_about(_Y, ground.facing), shift)
     position[:, 0] = middle[:, 0] + shift[:, 0]
@@ -196,7 +197,7 @@ def _reach(track: FootTrack, name: str, pelvis: Float, rotation: Float) -> Float
     return np.asarray(ankle[:, 1] + np.sqrt(room) - hip[:, 1] + 0.4 * track.free)
 
 
-def _pose_leg(ground: Ground, track: FootTrack, pose: Pose, name: str) -> None:
+def _pose_leg(track: FootTrack, pose: Pose, name: str) -> Float:
     ankle, foot = _ankle(track)
     _, pelvis = pose.of("hips")
     ahead = quaternion.unit(quaternion.rotate(foot, _Z) * (1.0, 0.0, 1.0))
@@ -210,6 +211,7 @@ def _pose_leg(ground: Ground, track: FootTrack, pose: Pose, name: str) -> None:
     pose.attach(f"{name}Foot", foot)
     bend = track.heel * (0.3 + 0.7 * track.firm)
     pose.attach(f"{name}Toes", quaternion.mul(foot, _about(_X, -bend)))
+    return np.asarray(np.linalg.norm(end - ankle, axis=1))
 
 
 # --- spine and head ----------------------------------------------------------------------------------------------
@@ -311,7 +313,7 @@ def _pose_arm(sketch: Sketch, ground: Ground, pose: Pose, side: float, name: str
     hung = 0.5 * (followed(root, 0.4 * SAMPLES_PER_BEAT, 0.6) - root)
     target = root + hung + quaternion.rotate(frame, place)
     raised = np.clip((place[:, 1:2] + 0.15) / 0.5, 0.0, 1.0) ** 2
-    pole = (1.0 - raised) * (0.35, -0.6, -0.65) + raised * (0.9, -0.35, -0.25) + hand.elbow / 0.3
+    pole = (1.0 - raised) * (0.6, -0.6, -0.5) + raised * (0.9, -0.35, -0.25) + hand.elbow / 0.3
     pole = quaternion.rotate(frame, pole * (side, 1.0, 1.0))
     upper, lower = float(abs(_offset("leftLowerArm")[0])), float(abs(_offset("leftHand")[0]))
     elbow, wrist = two_bone(root, target, pole, upper=upper, lower=lower)

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from live.motion.curve import hermite, monotone_slopes, repeated, smoothed, through
 from live.motion.sketch import Key, Sketch
 
-Float = npt.NDArray[np.float64]
+Float = npt.NDArray[np.floating]
 
 SAMPLES_PER_BEAT: Final = 32
 _SOFT: Final = 0.05 * SAMPLES_PER_BEAT
@@ -53,7 +53,7 @@ def facing_keys(sketch: Sketch) -> tuple[Float, float]:
     keys = [(key.beat, key.amounts["turn"]) for key in sketch.parts.get("body", ()) if "turn" in key.amounts]
     if not keys or keys[0][0] > 0.0:
         keys.insert(0, (0.0, 0.0))
-    return np.array(keys), keys[-1][1]
+    return np.array(keys), keys[-1][1] - keys[0][1]
 
 
 def facing(sketch: Sketch, at: Float) -> Float:

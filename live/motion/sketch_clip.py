@@ -3,6 +3,7 @@
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
 
 from live.motion.clip import Clip
 from live.motion.mirror import mirror_step
@@ -12,10 +13,13 @@ from live.motion.sketch_channels import SAMPLES_PER_BEAT, facing
 from live.motion.sketch_feet import Path, balance, flights, keep_apart, placed, stances, supported, track
 from live.motion.step_clip import DIRECTIONS, StepClip
 
+Float = npt.NDArray[np.floating]
+
 TAIL_SAMPLES: Final = 8
 """Samples after the last measure, so that reading at its very end needs no special case."""
 _MARGIN_BEATS: Final = 2.0
 """Beats computed and thrown away at both ends, in which the filters settle."""
+_TOLERANCE: Final = 0.003
 _UNIT: Final = {"forward": (0.0, 1.0), "back": (0.0, -1.0), "left": (1.0, 0.0), "right": (-1.0, 0.0)}
 
 
@@ -61,11 +65,13 @@ def step_clip(sketch: Sketch, direction: str = "in place") -> StepClip:
     tracks = [
         track(path, own[side], world[side], sign, beats, leaps) for side, sign in (("left", 1.0), ("right", -1.0))
     ]
-    ground = Ground(beats, facing(sketch, beats), balance(own["left"], own["right"], beats), *tracks, leaps)
-    root, rotation = pose_body(sketch, ground)
+    weight = balance(own["left"], own["right"], beats)
+    ground = Ground(beats, facing(sketch, beats), weight, tracks[0], tracks[1], leaps)
+    root, rotation, short = pose_body(sketch, ground)
     root, rotation = root[margin:-margin], rotation[margin:-margin]
     root = root - root[first] * (1.0, 0.0, 1.0)
     contact = np.stack([foot.contact[margin:-margin] for foot in tracks], axis=1)
+    _check_reach(sketch, direction, beats[margin:-margin], short[margin:-margin] * contact)
     clip = Clip(
         name=f"{sketch.name}, {direction}",
         root_position=root.astype(np.float32),
@@ -83,3 +89,17 @@ def step_clip(sketch: Sketch, direction: str = "in place") -> StepClip:
         bpm=sketch.bpm,
         direction=direction,
     )
+
+
+def _check_reach(sketch: Sketch, direction: str, beats: Float, short: Float) -> None:
+    """Raise SketchError if an ankle stays `short` (T, 2) of the place on which its foot should stand [m]."""
+    sample, foot = np.unravel_index(int(np.argmax(short)), short.shape)
+    if short[sample, foot] < _TOLERANCE:
+        return
+    count = beats[sample] % sketch.beats + 1.0
+    part = f"{('left', 'right')[int(foot)]}_foot"
+    problem = f"on count {count:.2f} ({direction}) it stands {short[sample, foot] * 100:.0f} cm beyond the leg's reach"
+    remedy = "let the feet stand closer together"
+    if direction != DIRECTIONS[0]:
+        remedy += ", or make short and long smaller"
+    raise sketch.error(part, problem, remedy)

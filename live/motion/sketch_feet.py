@@ -9,11 +9,11 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.curve import hermite, monotone_slopes, through
+from live.motion.curve import through
 from live.motion.skeleton import SKELETON
 from live.motion.sketch import Key, Sketch
 
-Float = npt.NDArray[np.float64]
+Float = npt.NDArray[np.floating]
 Bool = npt.NDArray[np.bool_]
 
 HOME_OUT: Final = 0.11
@@ -27,6 +27,7 @@ HEEL_TO_BALL: Final = BALL_FORWARD + 0.05
 ALWAYS: Final = 1000.0
 _RISE: Final = 0.5
 _PIVOT: Final = math.radians(25.0)
+_AHEAD: Final = math.radians(30.0)
 _GAP: Final = 0.15
 
 
@@ -91,7 +92,8 @@ def stances(sketch: Sketch, part: str, first: float, last: float) -> list[Stance
         cycles = range(math.floor(first / sketch.beats) - 2, math.ceil(last / sketch.beats) + 3)
         events = [(beat + cycle * sketch.beats, key, number) for cycle in cycles for beat, key, number in keys]
     else:
-        events = [(-ALWAYS, home, -1), *keys, (float(sketch.beats), home, -2)]
+        last = max(sketch.beats - 0.5, 0.5 * (keys[-1][0] + sketch.beats))
+        events = [(-ALWAYS, home, -1), *keys, (last, home, -2)]
     while not _on_floor(events[0][1]):
         events.pop(0)
     result = _stances(events, sketch.swing)
@@ -112,7 +114,7 @@ def _place(key: Key) -> tuple[float, float, float]:
 def _stances(events: list[tuple[float, Key, int]], swing: float) -> list[Stance]:
     result: list[Stance] = []
     arrive, contacts, air, number = events[0][0], [events[0][1]], list[Key](), events[0][2]
-    last_contact = arrive
+    last_contact = max(arrive, 0.0) if arrive <= -ALWAYS else arrive
     for beat, key, key_number in events[1:]:
         if not _on_floor(key):
             air.append(replace(key, beat=beat))
@@ -136,7 +138,7 @@ def supported(own: list[Stance], other: list[Stance]) -> list[Stance]:
     """The stances, left later where the other foot would still be in the air: a step is no leap unless it says so."""
     result = []
     for stance in own:
-        landing = [b.arrive for a, b in pairwise(other) if a.leave < stance.leave < b.arrive]
+        landing = [b.arrive for a, b in pairwise(other) if a.leave - 1e-6 < stance.leave < b.arrive]
         if landing and not stance.air:
             following = next((s.arrive for s in own if s.arrive > stance.leave), ALWAYS)
             stance = replace(stance, leave=max(stance.leave, min(landing[0], following - 0.2)))
@@ -151,9 +153,8 @@ class Path:
     facing: Callable[[Float], Float]
     per_beat: tuple[float, float]
 
-    def world(self, beats: Float, places: Float, side: float) -> Float:
-        """Ankle x, z and heading (K, 3) of a foot with `places` (K, 3) at `beats` (K,); side +1 = left."""
-        facing = self.facing(beats)
+    def world(self, beats: Float, facing: Float, places: Float, side: float) -> Float:
+        """Ankle x, z and heading (K, 3) of a foot with `places` (K, 3) from a body with `facing` (K,) at `beats`."""
         x, z = side * (HOME_OUT + places[:, 0]), HOME_FORWARD + places[:, 1]
         sine, cosine = np.sin(facing), np.cos(facing)
         return np.stack(
@@ -165,11 +166,21 @@ class Path:
             axis=1,
         )
 
+    def standing(self, own: list[Stance]) -> tuple[Float, Float]:
+        """Beat on which the body is over each stance (K,), and the facing that its foot is set down for (K,).
+
+        A foot is set down for the facing in the middle of its time, but turns ahead of the body by 30° at most.
+        """
+        middles = np.array([stance.middle if abs(stance.middle) < ALWAYS / 4 else 0.0 for stance in own])
+        arrivals = np.array([max(stance.arrive, -ALWAYS / 4) for stance in own])
+        arriving = self.facing(arrivals)
+        return middles, arriving + np.clip(self.facing(middles) - arriving, -_AHEAD, _AHEAD)
+
 
 def placed(path: Path, own: list[Stance], side: float) -> Float:
     """World ankle x, z and heading (K, 3) of each stance: right under the body in the middle of its time."""
-    middles = np.array([stance.middle if abs(stance.middle) < ALWAYS / 4 else 0.0 for stance in own])
-    return path.world(middles, np.array([stance.place for stance in own]), side)
+    middles, facing = path.standing(own)
+    return path.world(middles, facing, np.array([stance.place for stance in own]), side)
 
 
 def keep_apart(left: list[Stance], left_world: Float, right: list[Stance], right_world: Float) -> None:
@@ -217,12 +228,9 @@ def track(
         if index + 1 == len(own):
             break
         if stance.air:
-            moments = np.array([key.beat for key in stance.air])
-            above = path.world(moments, np.array([_place(key) for key in stance.air]), side)
-            above[:, 0] += BALL_FORWARD * np.sin(above[:, 2])
-            above[:, 1] += BALL_FORWARD * np.cos(above[:, 2])
-            times.extend(moments)
-            places.extend(above)
+            above = _in_the_air(path, stance, own[index + 1], side)
+            times.extend(above[:, 0])
+            places.extend(above[:, 1:])
             heights.extend((key.beat, key.amounts["up"]) for key in stance.air)
         else:
             arrive = own[index + 1].arrive
@@ -246,6 +254,22 @@ def track(
     )
 
 
+def _in_the_air(path: Path, stance: Stance, following: Stance, side: float) -> Float:
+    """Beat, ball x, z and heading (K, 4) on the way through keys in the air, led around with a body that turns."""
+    keys = [(stance.leave, *stance.place), *[(key.beat, *_place(key)) for key in stance.air]]
+    table = np.array([*keys, (following.arrive, *following.place)])
+    turned = float(np.ptp(path.facing(table[:, 0])))
+    moments = table[1:-1, 0]
+    if turned > 0.5:
+        inner = np.linspace(stance.leave, following.arrive, 2 + int(turned / 0.4))[1:-1]
+        moments = np.unique(np.concatenate((moments, inner[np.abs(inner[:, None] - moments).min(axis=1) > 0.05])))
+    places = np.stack([np.interp(moments, table[:, 0], column) for column in table.T[1:]], axis=1)
+    world = path.world(moments, path.facing(moments), places, side)
+    world[:, 0] += BALL_FORWARD * np.sin(world[:, 2])
+    world[:, 1] += BALL_FORWARD * np.cos(world[:, 2])
+    return np.concatenate((moments[:, None], world), axis=1)
+
+
 def _lift(stance: Stance, start: Float, end: Float) -> float:
     if stance.lift is not None:
         return stance.lift
@@ -255,8 +279,7 @@ def _lift(stance: Stance, start: Float, end: Float) -> float:
 def _pivot(path: Path, own: list[Stance], beats: Float) -> Float:
     """Turn of the foot on its ball where the body turns on by more than the hips allow."""
     times = np.array([at for stance in own for at in (stance.arrive, min(stance.leave, ALWAYS))])
-    middles = np.array([stance.middle if abs(stance.middle) < ALWAYS / 4 else 0.0 for stance in own])
-    twist = path.facing(beats) - through(times, np.repeat(path.facing(middles), 2), beats)
+    twist = path.facing(beats) - through(times, np.repeat(path.standing(own)[1], 2), beats)
     return np.asarray(twist - _PIVOT * np.tanh(twist / _PIVOT))
 
 
@@ -333,9 +356,12 @@ def flights(left: list[Stance], right: list[Stance]) -> list[tuple[float, float]
 
 
 def balance(left: list[Stance], right: list[Stance], beats: Float) -> Float:
-    """Where the weight is at `beats` (T,): +1 on the left foot, -1 on the right, 0 on both (or in the air)."""
+    """Where the weight is at `beats` (T,): +1 on the left foot, -1 on the right, 0 on both (or in the air).
+
+    More than 1 where one foot carries for long and must be right under the body.
+    """
     keys: list[tuple[float, float]] = []
-    for own, value in ((left, -1.0), (right, 1.0)):
+    for own, sign in ((left, -1.0), (right, 1.0)):
         free: list[tuple[float, float]] = []
         for before, after in pairwise(own):
             start = before.arrive if before.touches else before.leave
@@ -346,6 +372,7 @@ def balance(left: list[Stance], right: list[Stance], beats: Float) -> Float:
                 free.append((start, end))
         for start, end in free:
             edge = min(0.3, 0.5 * (end - start))
+            value = sign * (1.0 + 0.6 * min(max(end - start - 0.7, 0.0), 1.0))
             keys += [(start + edge, value), (end - edge, value)] if edge > 0.29 else [(start + edge, value)]
     keys.sort()
     merged: list[tuple[float, float]] = []
@@ -353,11 +380,13 @@ def balance(left: list[Stance], right: list[Stance], beats: Float) -> Float:
         if merged and at - merged[-1][0] < 0.02:
             merged[-1] = (merged[-1][0], 0.5 * (merged[-1][1] + value))
             continue
-        if merged and at - merged[-1][0] > 2.0:  # long on both feet: the weight comes back to the middle
+        if merged and at - merged[-1][0] > 2.01:  # long on both feet: the weight comes back to the middle
             merged += [(merged[-1][0] + 0.8, 0.0), (at - 0.8, 0.0)]
         merged.append((at, value))
     if not merged:
         return np.zeros(len(beats))
-    merged = [(merged[0][0] - 0.8, 0.0), *merged, (merged[-1][0] + 0.8, 0.0)]
-    table = np.array(merged)
-    return hermite(table[:, 0], table[:, 1], monotone_slopes(table[:, 0], table[:, 1]), beats)
+    begin = merged[0][0] - 0.5
+    if left[0].arrive <= -ALWAYS and right[0].arrive <= -ALWAYS:  # it begins in the neutral stance
+        begin = min(max(begin, 0.0), merged[0][0] - 0.05)
+    table = np.array([(begin, 0.0), *merged, (merged[-1][0] + 0.5, 0.0)])
+    return through(table[:, 0], table[:, 1], beats)
