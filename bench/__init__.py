@@ -1,0 +1,1 @@
+"""Benches: one file for each group of figures; `live bench NAME` runs them."""

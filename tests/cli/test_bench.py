@@ -1,0 +1,134 @@
+"""`live bench`: the form of its rows and reports, and benches that are not there."""
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from live.base.errors import PersonError
+from live.cli import bench as bench_module
+from live.cli.bench import Row, bench_names, bench_title, load_bench
+from live.cli.main import app
+from tests.cli.command import run_live
+
+SOURCE = '''"""Claps: hands per second.
+
+More about it.
+"""
+
+from dataclasses import dataclass
+from live.cli.bench import Row
+
+@dataclass
+class Clap:
+    hands: float
+
+def run(full, shared):
+    return [
+        Row("claps", Clap(2.0).hands, "hands/s", bar=1.5, sense="at least", peers={"a seal": 1.0}),
+        Row("snaps", None, "1/s", bar=3.0),
+        Row("full" if full else "quick", 4.0, "ms", bar=3.0),
+        Row(str(shared), 1e6, "rows"),
+    ]
+'''
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "claps.py").write_text(SOURCE)
+    (tmp_path / "_helper.py").write_text("raise SystemExit")
+    (tmp_path / "__init__.py").write_text("")
+    for function in (bench_names, bench_title, load_bench):  # the commands use the default folder
+        monkeypatch.setattr(function, "__defaults__", (tmp_path,))
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("value", "bar", "sense", "ok"),
+    [
+        (2.0, 2.0, "at most", True),
+        (2.1, 2.0, "at most", False),
+        (2.0, 2.0, "at least", True),
+        (1.9, 2.0, "at least", False),
+        (None, 2.0, "at most", None),
+        (2.0, None, "at most", None),
+        (float("nan"), 2.0, "at most", False),
+    ],
+)
+def test_a_row_is_ok_on_the_right_side_of_its_bar(
+    value: float | None, bar: float | None, sense: str, ok: bool | None
+) -> None:
+    assert Row("x", value, "ms", bar, sense).ok is ok  # type: ignore[arg-type]
+
+
+def test_report_in_the_agreed_form(folder: Path, tmp_path: Path) -> None:
+    done = CliRunner().invoke(app, ["bench", "claps", "--json", "--full", "--shared", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    report = json.loads(done.stdout)
+    assert list(report) == ["bench", "machine", "rows"]
+    assert report["bench"] == "claps"
+    assert list(report["machine"]) == ["cpu", "cores", "python", "gl"]
+    assert 1 <= report["machine"]["cores"] <= (os.cpu_count() or 1)
+    claps, snaps, full, shared = report["rows"]
+    assert claps == {
+        "name": "claps",
+        "value": 2.0,
+        "unit": "hands/s",
+        "bar": 1.5,
+        "sense": "at least",
+        "ok": True,
+        "peers": {"a seal": 1.0},
+    }
+    assert (snaps["value"], snaps["ok"]) == (None, None)
+    assert (full["name"], full["ok"]) == ("full", False)
+    assert shared["name"] == str(tmp_path)
+
+
+def test_without_a_name_all_are_run(folder: Path) -> None:
+    (folder / "bows.py").write_text(SOURCE.replace("Claps", "Bows"))
+    done = CliRunner().invoke(app, ["bench", "--json"])
+    reports = json.loads(done.stdout)
+    assert [report["bench"] for report in reports] == ["bows", "claps"]
+    assert reports[0]["rows"][2]["name"] == "quick"
+
+
+def test_table_shows_bars_and_peers(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "120")
+    done = CliRunner().invoke(app, ["bench", "claps"])
+    assert "claps: Claps: hands per second." in done.stdout
+    row = next(line for line in done.stdout.splitlines() if "hands/s" in line)
+    assert "at least 1.5" in row
+    assert "ok" in row
+    assert "a seal 1" in row
+    assert "no data" in done.stdout
+    assert "missed" in done.stdout
+
+
+def test_list_runs_nothing(folder: Path) -> None:
+    (folder / "breaks.py").write_text('"""Breaks when run."""\nraise RuntimeError\n')
+    done = CliRunner().invoke(app, ["bench", "--list"])
+    assert done.stdout.splitlines() == ["breaks  Breaks when run.", "claps  Claps: hands per second."]
+
+
+def test_an_unknown_bench_names_those_there_are(folder: Path) -> None:
+    with pytest.raises(PersonError, match="no bench is called 'clasp'; there are: claps"):
+        load_bench("clasp")
+
+
+def test_a_name_is_not_a_path(folder: Path) -> None:
+    with pytest.raises(PersonError):
+        load_bench("../cli/claps")
+    with pytest.raises(PersonError):
+        load_bench("_helper")
+
+
+def test_the_projects_own_benches_are_documented() -> None:
+    assert bench_module.BENCH_FOLDER.is_dir()
+    done = run_live("bench", "--list")
+    assert done.returncode == 0, done.stderr
+    for line in done.stdout.splitlines():
+        name, _, title = line.partition("  ")
+        assert name in bench_names()
+        assert title, f"bench/{name}.py has no docstring"

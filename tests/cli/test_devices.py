@@ -1,0 +1,104 @@
+"""`live devices`: every section is a list or says why it is none, with whatever is plugged in here."""
+
+import json
+import os
+import sys
+
+import pytest
+
+from live.cli import inventory
+from tests.cli.command import run_live
+
+SECTIONS = ["audio_inputs", "audio_outputs", "midi_inputs", "midi_outputs", "monitors"]
+
+
+def test_json_has_five_sections_each_a_list_or_a_reason() -> None:
+    done = run_live("devices", "--json")
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""  # the C libraries' own complaints are kept off the screen
+    report = json.loads(done.stdout)
+    assert list(report) == SECTIONS
+    for section in report.values():
+        assert bool(section["items"]) == (section["why"] is None)
+
+
+def test_table_names_every_section() -> None:
+    done = run_live("devices")
+    assert done.returncode == 0, done.stderr
+    headings = [line for line in done.stdout.splitlines() if not line.startswith(" ")]
+    assert headings == ["Audio in", "Audio out", "MIDI in", "MIDI out", "Monitors"]
+
+
+def test_without_a_screen_the_reason_names_the_variables() -> None:
+    section = json.loads(run_live("devices", "--json", DISPLAY="", WAYLAND_DISPLAY="").stdout)["monitors"]
+    assert section["items"] == []
+    assert "DISPLAY" in section["why"]
+
+
+def test_a_screen_that_does_not_answer_is_a_reason_too() -> None:
+    section = json.loads(run_live("devices", "--json", DISPLAY=":4711", WAYLAND_DISPLAY="").stdout)["monitors"]
+    assert section["items"] == []
+    assert ":4711" in section["why"]
+
+
+class _BrokenPort:
+    def get_input_names(self) -> list[str]:
+        raise SystemError("MidiInAlsa::initialize: error creating\nALSA sequencer client object.")
+
+
+def test_midi_without_a_sequencer_is_a_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "mido", _BrokenPort())
+    first, second = inventory.midi()
+    assert first.items == second.items == ()
+    assert first.why == "rtmidi: MidiInAlsa::initialize: error creating ALSA sequencer client object."
+
+
+class _Ports:
+    def get_input_names(self) -> list[str]:
+        return ["keys:0", "pads:1"]
+
+    def get_output_names(self) -> list[str]:
+        return []
+
+
+def test_midi_ports_are_listed_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "mido", _Ports())
+    inputs, outputs = inventory.midi()
+    assert [item["name"] for item in inputs.items] == ["keys:0", "pads:1"]
+    assert inputs.why is None
+    assert outputs.why == "the system's MIDI is there, but nothing is plugged in"
+
+
+class _PortAudio:
+    class default:  # noqa: N801 - the library spells it so
+        device = (1, 0)
+
+    def query_hostapis(self) -> list[dict[str, object]]:
+        return [{"name": "ALSA"}, {"name": "JACK"}]
+
+    def query_devices(self) -> list[dict[str, object]]:
+        def device(name: str, host: int, inputs: int, outputs: int) -> dict[str, object]:
+            counts = {"max_input_channels": inputs, "max_output_channels": outputs}
+            return {"name": name, "hostapi": host, "default_samplerate": 48000.0, **counts}
+
+        return [device("speakers", 0, 0, 2), device("microphone", 0, 1, 0), device("both", 1, 2, 4)]
+
+
+def test_audio_devices_keep_their_numbers_and_are_sorted_by_direction(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "sounddevice", _PortAudio())
+    inputs, outputs = inventory.audio()
+    assert [(item["index"], item["host"], item["channels"], item["default"]) for item in inputs.items] == [
+        (1, "ALSA", 1, True),
+        (2, "JACK", 2, False),
+    ]
+    assert [(item["index"], item["name"], item["default"]) for item in outputs.items] == [
+        (0, "speakers", True),
+        (2, "both", False),
+    ]
+
+
+def test_stderr_is_given_back_after_the_silence(capfd: pytest.CaptureFixture[str]) -> None:
+    with inventory.quiet_stderr():
+        os.write(2, b"from a C library\n")
+    os.write(2, b"ours\n")
+    assert capfd.readouterr().err == "ours\n"

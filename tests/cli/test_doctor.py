@@ -1,0 +1,151 @@
+"""`live doctor`: honest about this machine, and about broken ones."""
+
+import errno
+import json
+import socket
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from live.cli import checks, opengl, packages
+from live.cli.checks import Check
+from live.cli.inventory import Section
+from tests.cli.command import run_live
+
+
+def test_json_on_this_machine() -> None:
+    done = run_live("doctor", "--json")
+    report = json.loads(done.stdout)
+    assert done.returncode == (0 if report["can_run"] else 1)
+    by_name = {check["name"]: check for check in report["checks"]}
+    assert {"Python", "numba", "moderngl", "OpenGL", "monitors", "kernel cache", "OSC port"} <= by_name.keys()
+    assert by_name["Python"]["state"] == by_name["numba"]["state"] == "ok"
+    assert all(check["remedy"] for check in report["checks"] if check["state"] != "ok")
+
+
+def test_table_says_at_the_end_whether_a_show_can_run() -> None:
+    done = run_live("doctor")
+    verdict = done.stdout.splitlines()[-1]
+    assert verdict.startswith("A show can run here" if done.returncode == 0 else "No show can run here")
+
+
+def test_exit_1_where_a_needed_part_is_missing() -> None:
+    done = run_live("doctor", "--json", __EGL_VENDOR_LIBRARY_FILENAMES="/nowhere.json", DISPLAY="")
+    report = json.loads(done.stdout)
+    found = next(check for check in report["checks"] if check["name"] == "OpenGL")
+    assert (found["state"], found["needed"]) == ("missing", True)
+    assert done.returncode == 1
+    assert report["can_run"] is False
+
+
+def test_no_traceback_for_a_cache_that_cannot_be_written(tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    file.write_text("not a folder")
+    report = json.loads(run_live("doctor", "--json", LIVE_CACHE_DIR=str(file)).stdout)
+    found = next(check for check in report["checks"] if check["name"] == "kernel cache")
+    assert found["state"] == "limited"
+    assert "LIVE_CACHE_DIR" in found["remedy"]
+
+
+def test_a_cold_cache_is_told_with_the_command_that_warms_it(tmp_path: Path) -> None:
+    report = json.loads(run_live("doctor", "--json", LIVE_CACHE_DIR=str(tmp_path)).stdout)
+    found = next(check for check in report["checks"] if check["name"] == "kernel cache")
+    assert (found["state"], found["remedy"]) == ("limited", "live warm")
+
+
+def test_a_busy_osc_port(monkeypatch: pytest.MonkeyPatch) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.bind(("127.0.0.1", 0))
+        monkeypatch.setattr(checks, "OSC_ADDRESS", other.getsockname())
+        busy = checks.check_osc_port()
+        assert busy.state == "limited"
+        assert str(other.getsockname()[1]) in busy.detail
+        assert "--osc" in busy.remedy
+    assert checks.check_osc_port().state == "ok"
+
+
+def test_every_requirement_of_the_package_is_checked() -> None:
+    from importlib.metadata import requires
+
+    assert len(list(checks.check_packages())) == len(requires("choreographics-live") or [])
+
+
+def test_a_missing_package_stops_a_show(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("importlib.metadata.requires", lambda name: ["surely-not-there>=1", "numpy>=2"])
+    absent, present = checks.check_packages()
+    assert absent == Check("surely-not-there", "missing", "not installed", "make play", needed=True)
+    assert (present.name, present.state) == ("numpy", "ok")
+
+
+def test_a_package_that_this_python_does_not_take_is_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    requirement = 'surely-not-there>=1; python_version < "3.13"'
+    monkeypatch.setattr("importlib.metadata.requires", lambda name: [requirement])
+    (found,) = checks.check_packages()
+    assert (found.state, found.needed) == ("limited", False)
+    assert 'python_version < "3.13"' in found.detail
+
+
+def test_portaudio_that_is_not_installed_names_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
+    missing = Section("audio_inputs", (), "PortAudio: PortAudio library not found")
+    monkeypatch.setattr(checks, "audio", lambda: (missing, missing))
+    monkeypatch.setattr(packages.shutil, "which", lambda name: name if name == "dnf" else None)
+    (found,) = checks.check_audio()
+    assert found.remedy == "sudo dnf install portaudio"
+
+
+@pytest.mark.parametrize(
+    ("manager", "library", "line"),
+    [
+        ("apt-get", "opengl", "sudo apt-get install --no-install-recommends libegl1 libgl1"),
+        ("dnf", "alsa", "sudo dnf install alsa-lib"),
+        ("brew", "portaudio", "brew install portaudio"),
+        ("brew", "opengl", "opengl comes with this system"),
+        ("none", "x11", "install x11 with this system's package manager"),
+    ],
+)
+def test_install_lines(monkeypatch: pytest.MonkeyPatch, manager: str, library: str, line: str) -> None:
+    monkeypatch.setattr(packages.shutil, "which", lambda name: name if name == manager else None)
+    assert packages.install_line(library) == line
+
+
+def _answer(stdout: str, stderr: str = "", code: int = 0) -> "subprocess.CompletedProcess[str]":
+    return subprocess.CompletedProcess([], code, stdout, stderr)
+
+
+@pytest.mark.parametrize(
+    ("answer", "why"),
+    [
+        (_answer("", "Traceback…\nException: libEGL.so not loaded\n", 1), "Exception: libEGL.so not loaded"),
+        (_answer("", "", -11), "the driver crashed (exit -11)"),
+    ],
+)
+def test_opengl_that_fails_or_crashes_is_told(
+    monkeypatch: pytest.MonkeyPatch, answer: "subprocess.CompletedProcess[str]", why: str
+) -> None:
+    monkeypatch.setattr(opengl.subprocess, "run", lambda *_, **__: answer)
+    assert opengl.probe_opengl() == opengl.OpenGL(None, why=why)
+
+
+def test_opengl_that_hangs_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    def hang(*_: object, timeout: float, **__: object) -> None:
+        raise subprocess.TimeoutExpired("probe", timeout)
+
+    monkeypatch.setattr(opengl.subprocess, "run", hang)
+    assert opengl.probe_opengl(timeout=3).why == "the driver did not answer within 3 s"
+
+
+def test_an_old_opengl_is_not_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(checks, "probe_opengl", lambda: opengl.OpenGL("old card", "3.3 driver", 330))
+    found = checks.check_opengl()
+    assert (found.state, found.needed) == ("missing", True)
+    assert "4.1 is needed" in found.detail
+
+
+def test_a_full_disk_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(**_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(checks.tempfile, "TemporaryFile", full)
+    found = checks.check_kernels()
+    assert (found.state, found.remedy) == ("limited", "free some space")

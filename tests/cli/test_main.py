@@ -1,0 +1,92 @@
+"""The frame of the command line: help, version, errors and exit codes."""
+
+import signal
+import subprocess
+import sys
+from importlib.metadata import version
+
+import pytest
+
+from live.base.errors import PersonError
+from live.cli import main as main_module
+from tests.cli.command import run_live
+
+
+def test_help_lists_every_command() -> None:
+    done = run_live("--help")
+    assert done.returncode == 0, done.stderr
+    for command in ("devices", "doctor", "bench", "warm"):
+        assert f" {command} " in done.stdout
+
+
+@pytest.mark.parametrize("command", ["devices", "doctor", "bench", "warm"])
+def test_every_command_has_help(command: str) -> None:
+    done = run_live(command, "--help")
+    assert done.returncode == 0, done.stderr
+    assert f"live {command}" in done.stdout
+
+
+def test_version_is_the_installed_one() -> None:
+    assert run_live("--version").stdout == f"live {version('choreographics-live')}\n"
+
+
+def test_help_needs_nothing_heavy() -> None:
+    heavy = ["numpy", "numba", "scipy", "moderngl", "glfw", "sounddevice", "mido", "av", "aubio", "pydantic"]
+    code = f"import sys, live.cli.main; print(*[name for name in {heavy} if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
+    assert done.stdout.split() == []
+
+
+def test_unknown_command_is_an_error_of_use() -> None:
+    done = run_live("dnace")
+    assert done.returncode == 2
+    assert "No such command 'dnace'" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def _main_with(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> int:
+    def fail() -> None:
+        raise error
+
+    monkeypatch.setattr(main_module, "app", fail)
+    with pytest.raises(SystemExit) as stopped:
+        main_module.main()
+    assert isinstance(stopped.value.code, int)
+    return stopped.value.code
+
+
+def test_a_persons_error_is_one_line_with_its_remedy(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    error = PersonError("no monitor [red]9[/]:\nthere are 1 and 2" + " x" * 100, "--monitor 1")
+    assert _main_with(monkeypatch, error) == 2
+    first, second, rest = capsys.readouterr().err.split("\n", 2)
+    assert first == "error: no monitor [red]9[/]: there are 1 and 2" + " x" * 100
+    assert second.strip() == "try: --monitor 1"
+    assert rest == ""
+
+
+def test_other_errors_are_not_hidden(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail() -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(main_module, "app", fail)
+    with pytest.raises(ZeroDivisionError):
+        main_module.main()
+
+
+def test_ctrl_c_ends_quietly_with_130(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    assert _main_with(monkeypatch, KeyboardInterrupt()) == 128 + signal.SIGINT
+    assert capsys.readouterr().err == ""
+
+
+def test_ctrl_c_within_a_command_too() -> None:
+    code = """
+import os, signal, sys
+from live.cli import main
+main.app.command("wait")(lambda: (os.kill(os.getpid(), signal.SIGINT), signal.pause()))
+sys.argv = ["live", "wait"]
+main.main()
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (130, "")

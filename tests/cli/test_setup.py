@@ -1,0 +1,317 @@
+"""tools/setup.sh on machines made of small scripts: which packages it asks for, in which order, and only once."""
+
+import shutil
+import stat
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+SETUP = Path(__file__).resolve().parent.parent.parent / "tools" / "setup.sh"
+REAL_TOOLS = (
+    "sh",
+    "cat",
+    "cksum",
+    "tr",
+    "dirname",
+    "grep",
+    "find",
+    "env",
+    "rm",
+    "cp",
+    "mkdir",
+    "chmod",
+    "touch",
+    "true",
+)
+
+# A Python that knows its version, makes a .venv of copies of itself, and "installs" uv, which "installs" live.
+PYTHON = """#!/bin/sh
+echo "python $*" >>"$LOG"
+case "$*" in
+  *sys.version_info*) echo "$FAKE_PYTHON" ;;
+  *ensurepip,*) [ -e "$INSTALLED/python$FAKE_PYTHON-venv" ] ;;
+  "-m venv .venv") mkdir -p .venv/bin && cp "$0" .venv/bin/python ;;
+  "-m pip install"*) cp "$MACHINE/fake-uv" .venv/bin/uv ;;
+esac
+"""
+UV = """#!/bin/sh
+echo "uv $*" >>"$LOG"
+cp "$MACHINE/fake-live" .venv/bin/live
+"""
+LIVE = """#!/bin/sh
+echo "live $*" >>"$LOG"
+mkdir -p "$MACHINE/kernels"
+echo "$MACHINE/kernels" >"$3"
+"""
+APT_GET = """#!/bin/sh
+echo "apt-get $*" >>"$LOG"
+case "$*" in *update*) touch "$MACHINE/updated"; exit 0 ;; esac
+for word in "$@"; do
+  case $word in install | -*) continue ;; esac
+  case " $FAKE_UNINSTALLABLE " in *" $word "*) exit 100 ;; esac
+done
+for word in "$@"; do
+  case $word in install | -*) ;; *) touch "$INSTALLED/$word" ;; esac
+done
+"""
+# Without lists (before `apt-get update`) apt knows nothing; FAKE_UNKNOWN are names that this release does not have.
+APT_CACHE = """#!/bin/sh
+[ -e "$MACHINE/updated" ] || exit 100
+for word in "$@"; do :; done
+case " $FAKE_UNKNOWN " in *" $word "*) exit 100 ;; esac
+echo "Package: $word"
+echo "Filename: pool/$word.deb"
+"""
+DPKG_QUERY = """#!/bin/sh
+for word in "$@"; do :; done
+[ -e "$INSTALLED/$word" ] || exit 1
+echo installed
+"""
+ASK_INSTALLED = """#!/bin/sh
+for word in "$@"; do :; done
+[ -e "$INSTALLED/$word" ]
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Machine:
+    """A checkout in `home`/show and a PATH of fakes; `run` returns what setup.sh says on stderr."""
+
+    home: Path
+    environment: dict[str, str]
+
+    def add(self, name: str, text: str) -> None:
+        path = self.home / "bin" / name
+        path.write_text(text)
+        path.chmod(path.stat().st_mode | stat.S_IXUSR)
+
+    def run(self, mode: str, code: int = 0, **environment: str) -> str:
+        done = subprocess.run(
+            [str(self.home / "show" / "tools" / "setup.sh"), mode],
+            env=self.environment | environment,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+        assert done.returncode == code, done.stderr
+        return done.stderr
+
+    def log(self) -> list[str]:
+        """The commands that did something, since the last call."""
+        path = self.home / "log"
+        lines = path.read_text().splitlines() if path.exists() else []
+        path.unlink(missing_ok=True)
+        return [line for line in lines if not line.startswith("python -c")]
+
+
+@pytest.fixture
+def machine(tmp_path: Path) -> Machine:
+    show = tmp_path / "show"
+    for folder in ("bin", "installed", "show/tools", "show/live/base"):
+        (tmp_path / folder).mkdir(parents=True)
+    shutil.copy(SETUP, show / "tools" / "setup.sh")
+    for name in ("uv.lock", "pyproject.toml", "live/base/kernels.py"):
+        (show / name).write_text(name)
+    for tool in REAL_TOOLS:
+        where = shutil.which(tool)
+        assert where is not None
+        (tmp_path / "bin" / tool).symlink_to(where)
+    environment = {
+        "PATH": str(tmp_path / "bin"),
+        "HOME": str(tmp_path),
+        "MACHINE": str(tmp_path),
+        "INSTALLED": str(tmp_path / "installed"),
+        "LOG": str(tmp_path / "log"),
+        "FAKE_PYTHON": "3.11",
+        "FAKE_UNKNOWN": "libasound2t64",
+        "FAKE_UNINSTALLABLE": "",
+    }
+    made = Machine(tmp_path, environment)
+    made.add("python3", PYTHON)
+    made.add("id", "#!/bin/sh\necho 1000\n")
+    for name, text in (("fake-uv", UV), ("fake-live", LIVE)):
+        (tmp_path / name).write_text(text)
+        (tmp_path / name).chmod(0o755)
+    return made
+
+
+@pytest.fixture
+def debian(machine: Machine) -> Machine:
+    for name, text in (("apt-get", APT_GET), ("apt-cache", APT_CACHE), ("dpkg-query", DPKG_QUERY)):
+        machine.add(name, text)
+    return machine
+
+
+def _make_root(machine: Machine) -> None:
+    machine.add("id", "#!/bin/sh\necho 0\n")
+
+
+APT_LINE = (
+    "  sudo apt-get install --no-install-recommends libegl1 libgl1 libasound2 libportaudio2 libx11-6 libxcursor1 libxi6"
+    " libxinerama1 libxrandr2 python3.11-venv"
+)
+
+
+def test_dry_run_prints_and_touches_nothing(debian: Machine) -> None:
+    said = debian.run("play", SETUP_DRY_RUN="1")
+    assert said.splitlines()[0] == APT_LINE
+    assert "uv sync --frozen" in said
+    assert debian.log() == []
+    assert not (debian.home / "show" / ".venv").exists()
+
+
+def test_dry_run_of_the_tests_lists_their_packages_too(debian: Machine) -> None:
+    second = debian.run("test", SETUP_DRY_RUN="1").splitlines()[1]
+    for package in ("xserver-xorg-video-dummy", "pulseaudio", "jackd2", "liblo-tools", "ffmpeg"):
+        assert f" {package}" in second
+
+
+def test_without_root_the_exact_line_is_printed_and_nothing_done(debian: Machine) -> None:
+    said = debian.run("play", code=1)
+    assert said.splitlines()[-1] == APT_LINE
+    assert debian.log() == []
+
+
+def test_names_of_a_newer_release(debian: Machine) -> None:
+    (debian.home / "updated").touch()
+    assert " libasound2t64 " in debian.run("play", code=1, FAKE_UNKNOWN="")
+
+
+def test_what_is_installed_is_not_asked_for(debian: Machine) -> None:
+    for package in ("libegl1", "libasound2t64", "python3.11-venv"):
+        (debian.home / "installed" / package).touch()
+    assert debian.run("play", code=1).splitlines()[-1] == (
+        "  sudo apt-get install --no-install-recommends libgl1 libportaudio2 libx11-6 libxcursor1 libxi6 libxinerama1"
+        " libxrandr2"
+    )
+
+
+@pytest.mark.parametrize(
+    ("manager", "asker", "line"),
+    [
+        ("dnf", "rpm", "  sudo dnf install libglvnd-egl libglvnd-glx mesa-libEGL mesa-libGL mesa-dri-drivers alsa-lib"),
+        ("brew", "brew", "  brew install portaudio"),
+    ],
+)
+def test_other_package_managers_get_their_line(machine: Machine, manager: str, asker: str, line: str) -> None:
+    machine.add(manager, "#!/bin/sh\nexit 1\n")
+    machine.add(asker, ASK_INSTALLED)
+    (machine.home / "installed" / "python3.11-venv").touch()  # a Python that is whole, as there
+    assert machine.run("play", code=1).splitlines()[-1].startswith(line)
+
+
+def test_without_any_package_manager_it_goes_on(machine: Machine) -> None:
+    assert "no apt, dnf or brew" in machine.run("play")
+    assert any(line.startswith("uv sync") for line in machine.log())
+
+
+def test_as_root_all_is_installed_once(debian: Machine) -> None:
+    _make_root(debian)
+    debian.run("play")
+    update, install, *python = debian.log()
+    assert update.startswith("apt-get update")
+    assert "--no-install-recommends" in install
+    assert "--no-remove" in install
+    assert install.endswith(APT_LINE.partition("recommends")[2])
+    assert python[:2] == ["python -m venv .venv", "python -m pip --version"]
+    assert python[2].startswith("python -m pip install")
+    assert python[3].startswith("uv sync --frozen --inexact")
+    assert python[3].endswith("--no-dev")
+    assert python[4].startswith("live warm --stamp")
+
+    debian.run("play")
+    assert debian.log() == []
+
+
+def test_with_sudo_that_asks_nothing(debian: Machine) -> None:
+    debian.add("sudo", '#!/bin/sh\necho "sudo $*" >>"$LOG"\n[ "$1" = -n ] && shift\nexec "$@"\n')
+    debian.run("play")
+    assert any(line.startswith("sudo -n env DEBIAN_FRONTEND=noninteractive apt-get install") for line in debian.log())
+
+
+def test_with_sudo_that_would_ask_a_password_without_a_terminal(debian: Machine) -> None:
+    debian.add("sudo", "#!/bin/sh\nexit 1\n")
+    assert debian.run("play", code=1).splitlines()[-1] == APT_LINE
+
+
+def test_tests_go_on_without_their_packages_and_ask_again(debian: Machine) -> None:
+    _make_root(debian)
+    assert "skipped" in debian.run("test", FAKE_UNINSTALLABLE="pulseaudio")
+    log = debian.log()
+    assert any("uv sync" in line and line.endswith("--group=dev") for line in log)
+    installed = {path.name for path in (debian.home / "installed").iterdir()}
+    assert "jackd2" in installed  # what could be had was taken
+    assert "pulseaudio" not in installed
+
+    debian.run("test")  # now it can be had
+    assert (debian.home / "installed" / "pulseaudio").exists()
+
+
+def test_a_needed_package_that_cannot_be_installed_stops(debian: Machine) -> None:
+    _make_root(debian)
+    said = debian.run("play", code=1, FAKE_UNINSTALLABLE="libportaudio2")
+    assert "apt-get could not install" in said
+    assert not (debian.home / "show" / ".venv").exists()
+
+
+@pytest.mark.parametrize("name", ["uv.lock", "pyproject.toml"])
+def test_a_changed_lock_is_synced_again(debian: Machine, name: str) -> None:
+    _make_root(debian)
+    debian.run("play")
+    debian.log()
+    (debian.home / "show" / name).write_text("changed")
+    debian.run("play")
+    assert [line.split()[0] for line in debian.log()] == ["uv"]
+
+
+def test_changed_or_lost_kernels_are_warmed_again(debian: Machine) -> None:
+    _make_root(debian)
+    debian.run("play")
+    debian.log()
+    (debian.home / "show" / "live" / "base" / "kernels.py").write_text("changed")
+    debian.run("play")
+    assert [line.split()[0] for line in debian.log()] == ["live"]
+    shutil.rmtree(debian.home / "kernels")
+    debian.run("play")
+    assert [line.split()[0] for line in debian.log()] == ["live"]
+
+
+def test_a_venv_of_a_python_that_is_gone_is_made_anew(debian: Machine) -> None:
+    _make_root(debian)
+    debian.run("play")
+    debian.log()
+    python = debian.home / "show" / ".venv" / "bin" / "python"
+    python.unlink()
+    python.symlink_to("/nowhere/python3.11")
+    assert "making it anew" in debian.run("play")
+    assert "python -m venv .venv" in debian.log()
+
+
+@pytest.mark.parametrize("version", ["3.9", "3.10", "3.15", "2.7"])
+def test_a_python_that_does_not_fit_is_told(debian: Machine, version: str) -> None:
+    said = debian.run("play", code=1, FAKE_PYTHON=version)
+    assert "Python 3.11, 3.12, 3.13 or 3.14 is needed" in said
+    assert f"python3 {version}" in said
+    assert debian.log() == []
+
+
+def test_no_python_at_all(debian: Machine) -> None:
+    (debian.home / "bin" / "python3").unlink()
+    assert "python3 none" in debian.run("play", code=1)
+
+
+def test_the_newest_python_that_is_whole(debian: Machine) -> None:
+    (debian.home / "installed" / "python3.12-venv").touch()
+    for minor in (10, 12, 13):  # 3.13 is the newest but cannot make a .venv, 3.10 is too old
+        debian.add(f"python3.{minor}", PYTHON.replace("$FAKE_PYTHON", f"3.{minor}"))
+    assert "with python3.12 (3.12)" in debian.run("play", SETUP_DRY_RUN="1")
+    (debian.home / "installed" / "python3.13-venv").touch()
+    assert "with python3.13 (3.13)" in debian.run("play", SETUP_DRY_RUN="1")
+
+
+def test_another_word_than_play_or_test(debian: Machine) -> None:
+    assert "usage" in debian.run("show", code=2)

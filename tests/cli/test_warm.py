@@ -1,0 +1,36 @@
+"""`live warm`: compiles once, names every kernel, is quick and quiet afterwards."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from live.base import jit
+from tests.cli.command import run_live
+
+
+@pytest.mark.skipif(jit.JIT_DISABLED, reason="NUMBA_DISABLE_JIT=1: nothing is compiled")
+def test_warm_compiles_once_and_leaves_its_folder_in_the_stamp(tmp_path: Path) -> None:
+    stamp = tmp_path / "stamp"
+    first = run_live("warm", "--stamp", str(stamp), LIVE_CACHE_DIR=str(tmp_path / "cache"))
+    assert first.returncode == 0, first.stderr
+    count = jit.kernel_count()
+    assert f"{count}/{count}" in first.stderr  # the bar reached its end
+    assert re.search(rf"^{count} kernels ready in", first.stderr, re.MULTILINE)
+
+    folder = Path(stamp.read_text().strip())
+    assert folder.parent == tmp_path / "cache"
+    compiled = {path: path.stat().st_mtime_ns for path in folder.rglob("*.nbc")}
+    assert len(compiled) == count
+
+    second = run_live("warm", LIVE_CACHE_DIR=str(tmp_path / "cache"))
+    assert "Compiling" not in second.stderr
+    assert {path: path.stat().st_mtime_ns for path in folder.rglob("*.nbc")} == compiled
+
+
+def test_a_cache_folder_that_cannot_be_made_does_not_stop_it(tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    file.write_text("not a folder")
+    done = run_live("warm", LIVE_CACHE_DIR=str(file), TMPDIR=str(tmp_path))
+    assert done.returncode == 0, done.stderr
+    assert list(tmp_path.glob("kernels-*"))

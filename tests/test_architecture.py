@@ -1,0 +1,94 @@
+"""The rules of ARCHITECTURE.md that a machine can check: layers, names, docstrings, one door to numba."""
+
+import ast
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+MODULES = sorted((ROOT / "live").rglob("*.py"))
+
+
+def _identify(path: Path) -> str:
+    return path.relative_to(ROOT).as_posix()
+
+
+def _imports(path: Path) -> set[str]:
+    """Top names of all that a file imports, at its top and inside its functions."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found.update(alias.name.partition(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module is not None and node.level == 0:
+            found.add(node.module.partition(".")[0])
+    return found
+
+
+def test_layers_are_kept() -> None:
+    lint = shutil.which("lint-imports", path=str(Path(sys.executable).parent))
+    if lint is None:
+        pytest.skip("import-linter is not installed (it comes with `make test`)")
+    done = subprocess.run([lint, "--no-cache"], cwd=ROOT, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "0 broken" in done.stdout
+
+
+def test_every_package_has_its_place() -> None:
+    packages = {path.name for path in (ROOT / "live").iterdir() if path.is_dir() and any(path.rglob("*.py"))}
+    assert packages == {"agents", "base", "cli", "clock", "control", "graph", "motion", "render", "show"}
+    without = [path for path in packages if not (ROOT / "live" / path / "__init__.py").exists()]
+    assert without == []
+
+
+@pytest.mark.parametrize("path", MODULES, ids=_identify)
+def test_module_says_what_it_is(path: Path) -> None:
+    docstring = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
+    assert docstring, f"{_identify(path)} has no docstring"
+
+
+def test_no_drawer_for_odds_and_ends() -> None:
+    forbidden = {"util", "utils", "helpers", "misc", "common", "manager"}
+    assert [
+        _identify(path) for path in MODULES if {part.lower() for part in (path.stem, path.parent.name)} & forbidden
+    ] == []
+
+
+def test_one_door_to_numba() -> None:
+    users = [_identify(path) for path in MODULES if _imports(path) & {"numba", "llvmlite"}]
+    assert users == ["live/base/jit.py"]
+
+
+def test_kernels_stand_in_kernels_files_only() -> None:
+    outside = [
+        _identify(path)
+        for path in MODULES
+        if path.name not in ("kernels.py", "jit.py")
+        and "live.base.jit" in path.read_text(encoding="utf-8")
+        and "import kernel" in path.read_text(encoding="utf-8")
+    ]
+    assert outside == []
+
+
+def test_kernels_import_only_numpy_math_and_lower_kernels() -> None:
+    for path in (ROOT / "live").rglob("kernels.py"):
+        assert _imports(path) <= {"math", "numpy", "live"}, _identify(path)
+
+
+def test_the_core_reads_neither_disk_nor_wall_clock() -> None:
+    core = [path for path in MODULES if path.relative_to(ROOT).parts[1] in ("agents", "graph", "motion")]
+    assert core
+    for path in core:
+        assert not _imports(path) & {"time", "datetime", "random", "subprocess", "tempfile"}, _identify(path)
+
+
+def test_nothing_uses_the_generator_without_a_seed() -> None:
+    seedless = {"seed", "rand", "randn", "random", "normal", "uniform", "choice", "shuffle"}
+    for path in MODULES:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Attribute) and node.attr in seedless:
+                assert ast.unparse(node.value) not in ("np.random", "numpy.random"), f"{_identify(path)}:{node.lineno}"
+            if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("random.default_rng"):
+                assert node.args or node.keywords, f"{_identify(path)}:{node.lineno}: default_rng() without a seed"
