@@ -155,7 +155,7 @@ def steer_spread(
     return wish_x + 0.5 * dx / d, wish_z + 0.5 * dz / d
 
 
-@kernel("UniTuple(f8,5)(i8,f4[:,::1],f4[:,::1],f4[::1],i4[::1],i4[::1],f8[::1],f8,i8)")
+@kernel("UniTuple(f8,7)(i8,f4[:,::1],f4[:,::1],f4[::1],i4[::1],i4[::1],f8[::1],i8)")
 def steer_neighbours(
     i: int,
     position: Float32,
@@ -164,18 +164,18 @@ def steer_neighbours(
     cell_start: Int32,
     order: Int32,
     params: Float64,
-    speed: float,
     seed: int,
-) -> tuple[float, float, float, float, float]:
-    """Separation wish, avoidance wish (both as shares of the top speed) and the distance of the nearest neighbour.
+) -> tuple[float, float, float, float, float, float, float]:
+    """Separation wish, avoidance wish (both as shares of the top speed), distance of the nearest neighbour, way to it.
 
-    Separation and unaligned collision avoidance (predict the nearest approach, leave it) after Reynolds (T082).
+    The way is a unit vector (0, 0 if there is no neighbour). Separation and unaligned collision avoidance (predict the nearest approach, leave it) after Reynolds (T082).
     """
     half_width, half_depth = params[_HALF_WIDTH], params[_HALF_DEPTH]
     columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
     home = _cell_of(position[i, 0], position[i, 1], half_width, half_depth, NEIGHBOUR_RANGE, columns, rows)
     x, z, vx, vz = position[i, 0], position[i, 1], velocity[i, 0], velocity[i, 1]
-    push_x, push_z, dodge_x, dodge_z, nearest = 0.0, 0.0, 0.0, 0.0, 1e30
+    push_x, push_z, dodge_x, dodge_z = 0.0, 0.0, 0.0, 0.0
+    nearest, to_x, to_z = 1e30, 0.0, 0.0
     for row in range(max(home // columns - 1, 0), min(home // columns + 2, rows)):
         for column in range(max(home % columns - 1, 0), min(home % columns + 2, columns)):
             c = row * columns + column
@@ -187,13 +187,14 @@ def steer_neighbours(
                 d = math.sqrt(dx * dx + dz * dz)
                 if d > NEIGHBOUR_RANGE:
                     continue
-                nearest = min(nearest, d)
                 if d < 1e-5:  # two agents in one place part in opposite directions, drawn for the pair
                     angle = 2.0 * math.pi * hash_unit(seed, min(i, j), max(i, j))
                     sign = 1.0 if i < j else -1.0
                     dx, dz, d = sign * 1e-5 * math.sin(angle), sign * 1e-5 * math.cos(angle), 1e-5
+                if d < nearest:
+                    nearest, to_x, to_z = d, -dx / d, -dz / d
                 if d < params[_SEPARATION]:
-                    force = (1.0 - d / params[_SEPARATION]) ** 2 * 1.6
+                    force = (1.0 - d / params[_SEPARATION]) ** 2 * 2.5
                     push_x += force * dx / d
                     push_z += force * dz / d
                 rvx, rvz = vx - velocity[j, 0], vz - velocity[j, 1]
@@ -215,7 +216,7 @@ def steer_neighbours(
                     gap = math.sqrt(nx * nx + nz * nz)
                 dodge_x += urgency * nx / gap
                 dodge_z += urgency * nz / gap
-    return push_x, push_z, dodge_x, dodge_z, nearest
+    return push_x, push_z, dodge_x, dodge_z, nearest, to_x, to_z
 
 
 @kernel("void(f4[:,::1],f8[::1],i4[::1])")
@@ -260,8 +261,9 @@ def advance_agents(
 
     position, velocity, out_* (A, 2); radius, speed (A,) [m, m/s]; dancer (A, 2): where each agent's dancer stands;
     kind, source, strength: the first `count` elements in force; params: Steering.vector(); cell_start, order,
-    population: scratch for the neighbour cells and the spreaders' cells. The thesis' rule T108 is read as: closer than
-    `near` only the neighbour counts and the speed is limited, from `near` to `far` the other wishes come back.
+    population: scratch for the neighbour cells and the spreaders' cells. The thesis' rule T108 (closer than d_s ignore
+    all other behaviours) stops whole crowds, which then cannot even part; here, between `far` and `near`, only that
+    share of the wishes is ignored which leads into the nearest neighbour, and under `near` the speed is limited.
     """
     sort_into_cells(position, params[_HALF_WIDTH], params[_HALF_DEPTH], NEIGHBOUR_RANGE, cell_start, order)
     spread = 0.0
@@ -281,14 +283,16 @@ def advance_agents(
         size = math.sqrt(wish_x * wish_x + wish_z * wish_z)
         if size > 1.0:
             wish_x, wish_z = wish_x / size, wish_z / size
-        push_x, push_z, dodge_x, dodge_z, nearest = steer_neighbours(
-            i, position, velocity, radius, cell_start, order, params, speed[i], seed
+        push_x, push_z, dodge_x, dodge_z, nearest, to_x, to_z = steer_neighbours(
+            i, position, velocity, radius, cell_start, order, params, seed
         )
-        free = ease((nearest - params[_NEAR]) / (params[_FAR] - params[_NEAR]))
+        wish_x, wish_z = wish_x + dodge_x, wish_z + dodge_z
+        close = 1.0 - ease((nearest - params[_NEAR]) / (params[_FAR] - params[_NEAR]))
+        into = close * max(wish_x * to_x + wish_z * to_z, 0.0)
         over_x = max(0.0, abs(x) - (params[_HALF_WIDTH] - params[_EDGE])) / params[_EDGE]
         over_z = max(0.0, abs(z) - (params[_HALF_DEPTH] - params[_EDGE])) / params[_EDGE]
-        desired_x = free * (wish_x + dodge_x) + push_x - math.copysign(over_x, x)
-        desired_z = free * (wish_z + dodge_z) + push_z - math.copysign(over_z, z)
+        desired_x = wish_x - into * to_x + push_x - math.copysign(over_x, x)
+        desired_z = wish_z - into * to_z + push_z - math.copysign(over_z, z)
         lag = math.sqrt((x - dancer[i, 0]) ** 2 + (z - dancer[i, 1]) ** 2)
         limit = speed[i] * min(max(2.0 - lag / params[_LEASH], 0.1), 1.0)
         if nearest < params[_NEAR]:

@@ -1,0 +1,51 @@
+"""LookAhead: the same motion as the advance it copies, however it is cut into pieces."""
+
+import numpy as np
+
+from live.agents.advance import Advance, LookAhead
+from live.agents.elements import ATTRACTOR, Element, ElementField
+from live.agents.model import AgentModel, AgentState, Steering
+
+
+def _scene():
+    chance = np.random.default_rng(2)
+    model = AgentModel(np.full(15, 0.25, np.float32), Steering(), 1)
+    field = ElementField()
+    field.add(Element(ATTRACTOR, 2.0, 1.0, 1.0, 0.0, 1e9))
+    field.refresh(10.0)
+    return model, AgentState.at(chance.uniform(-3, 3, (15, 2))), field, np.full(15, 0.8, np.float32)
+
+
+def test_pieces_of_any_size_give_the_same_prediction():
+    model, state, field, speed = _scene()
+    results = []
+    for piece in (1, 3, 1000):
+        look = LookAhead(model, Advance(model))
+        look.begin(state, time=0.0, seconds=2.6)
+        while not look.done:
+            look.work(piece, speed=speed, field=field)
+        results.append(look.position.copy())
+    assert (results[0] == results[1]).all()
+    assert (results[0] == results[2]).all()
+
+
+def test_the_prediction_is_near_what_happens_and_leaves_the_agents_alone():
+    model, state, field, speed = _scene()
+    before = state.position.copy()
+    look = LookAhead(model, Advance(model))
+    look.begin(state, time=0.0, seconds=2.5)
+    look.work(10**6, speed=speed, field=field)
+    assert (state.position == before).all()
+    spare, advance = AgentState.at(np.zeros((15, 2))), Advance(model)
+    for tick in range(160):
+        advance(state, spare, speed=speed, dancer=state.position, field=field, time=tick / 64, dt=1 / 64)
+        state, spare = spare, state
+    assert np.hypot(*(look.position - state.position).T).mean() < 0.12
+
+
+def test_nobody_is_no_problem():
+    model = AgentModel(np.zeros(0, np.float32), Steering(), 1)
+    look = LookAhead(model, Advance(model))
+    look.begin(AgentState.at(np.zeros((0, 2))), time=0.0, seconds=1.0)
+    look.work(100, speed=np.zeros(0, np.float32), field=ElementField())
+    assert look.done

@@ -1,0 +1,137 @@
+"""The motion graph: edges, pruning, hops, and the choice of the next measure."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from live.graph.kernels import choose_edges
+from live.graph.library import build_library
+from live.graph.motion_graph import NEVER, build_graph, largest_component
+from tests.made_steps import made_clip, made_steps
+
+
+@pytest.fixture(scope="module")
+def graph():
+    return build_graph(build_library(made_steps()), threshold=0.2)
+
+
+def test_a_step_of_two_measures_is_danced_whole(graph):
+    library = graph.library
+    phrase = library.steps.index("phrase")
+    first, second = np.flatnonzero(library.node_step == phrase)
+    targets = graph.edge_target[graph.edge_start[first] : graph.edge_start[first + 1]]
+    assert targets.tolist() == [second]
+    assert graph.edge_transform[graph.edge_start[first]].tolist() == [0, 0, 0]
+    assert not np.isin(second, np.delete(graph.edge_target, graph.edge_start[first]))
+
+
+def test_steps_that_lead_nowhere_are_pruned_and_named():
+    arms_up = made_clip("arms up", arm=-1.2)
+    graph = build_graph(build_library([*made_steps(), arms_up]), threshold=0.1)
+    index = graph.library.steps.index("arms up")
+    assert not graph.alive[graph.library.node_step == index].any()
+    assert len(graph.missing) == 1
+    assert "arms up" in graph.missing[0]
+    assert not np.isin(np.flatnonzero(graph.library.node_step == index), graph.edge_target).any()
+
+
+def test_no_connection_at_all_is_an_error():
+    once = made_clip("once", measures=2)
+    with pytest.raises(ValueError, match="once"):
+        build_graph(build_library([once]), threshold=1e-9)
+
+
+def test_mixed_metres_and_an_empty_library_are_errors():
+    with pytest.raises(ValueError, match="no steps"):
+        build_library([])
+    with pytest.raises(ValueError, match="'waltz' has 3"):
+        build_library([made_clip("sway"), made_clip("waltz", beats=3)])
+
+
+@given(st.integers(1, 12), st.integers(0, 2**32 - 1), st.floats(0.05, 0.5))
+def test_the_largest_component_is_strongly_connected(count, seed, density):
+    """Against reachability by repeated squaring of the adjacency matrix."""
+    allowed = np.random.default_rng(seed).random((count, count)) < density
+    reach = np.eye(count, dtype=bool) | allowed
+    for _ in range(count):
+        reach = (reach.astype(int) @ reach.astype(int)) > 0
+    together = reach & reach.T
+    alive = largest_component(allowed)
+    assert alive.sum() == together.sum(axis=1).max()
+    assert together[np.ix_(alive, alive)].all()
+
+
+def test_hops_count_measures_to_a_step(graph):
+    """Against a walk along the edges, node by node."""
+    library = graph.library
+    for step in range(len(library.steps)):
+        for node in range(library.node_count):
+            seen, front, distance = {node}, {node}, 0
+            while front and not any(library.node_step[n] == step and library.node_measure[n] == 0 for n in front):
+                front = {
+                    int(t) for n in front for t in graph.edge_target[graph.edge_start[n] : graph.edge_start[n + 1]]
+                } - seen
+                seen |= front
+                distance += 1
+            assert graph.hops[step, node] == (distance if front else NEVER)
+
+
+def _choose(graph, node, placement, target, heading, wanted, weights):
+    edge, out = np.zeros(len(node), np.int32), np.zeros((len(node), 3))
+    choose_edges(
+        node, placement, target, heading, wanted, graph.hops, graph.edge_start, graph.edge_target, graph.edge_cost,
+        graph.edge_transform, graph.node_end, graph.node_facing, graph.library.node_step, weights, edge, out,
+    )  # fmt: skip
+    return edge, out
+
+
+@settings(max_examples=40, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_the_choice_is_the_cheapest_edge(graph, seed):
+    """Against a plain loop over all edges with complex numbers for the stage."""
+    chance = np.random.default_rng(seed)
+    library = graph.library
+    node = chance.choice(np.flatnonzero(graph.alive), 4).astype(np.int32)
+    placement, target = chance.uniform(-3, 3, (4, 3)), chance.uniform(-3, 3, (4, 2))
+    heading = chance.uniform(-3, 3, 4)
+    wanted = chance.integers(-1, len(library.steps), 4).astype(np.int32)
+    weights = np.array([1.0, 0.6, 0.8, 40.0])
+    edge, out = _choose(graph, node, placement, target, heading, wanted, weights)
+    for n in range(4):
+        costs = {}
+        for e in range(graph.edge_start[node[n]], graph.edge_start[node[n] + 1]):
+            v = graph.edge_target[e]
+            yaw = placement[n, 2] + graph.edge_transform[e, 2]
+            origin = complex(*placement[n, :2]) + complex(*graph.edge_transform[e, :2]) * np.exp(-1j * placement[n, 2])
+            end = origin + complex(*graph.node_end[v]) * np.exp(-1j * yaw)
+            off = np.angle(np.exp(1j * (yaw + graph.node_facing[v] - heading[n])))
+            cost = abs(end - complex(*target[n])) ** 2 + 0.6 * off**2 + 0.8 * graph.edge_cost[e]
+            if wanted[n] >= 0 and library.node_step[v] != wanted[n]:
+                cost += 40.0 * (1 + graph.hops[wanted[n], v])
+            costs[e] = (cost, origin.real, origin.imag, yaw)
+        assert costs[edge[n]][0] == pytest.approx(min(c[0] for c in costs.values()), rel=1e-9)
+        assert out[n] == pytest.approx(costs[edge[n]][1:], abs=1e-9)
+
+
+def test_the_variation_that_goes_the_right_way_is_taken(graph):
+    library = graph.library
+    sway = np.flatnonzero(library.node_step == library.steps.index("sway"))[:1].astype(np.int32)
+    glide = np.array([library.steps.index("glide")], np.int32)
+    for way in ((0.8, 0.0), (-0.8, 0.0), (0.0, 0.8), (0.0, -0.8), (0.0, 0.0)):
+        edge, _ = _choose(
+            graph, sway, np.zeros((1, 3)), np.array([way]), np.zeros(1), glide, np.array([1.0, 0.6, 0.8, 40.0])
+        )
+        assert library.node_travel[graph.edge_target[edge[0]]] == pytest.approx(way, abs=1e-6)
+
+
+def test_facing_is_that_of_the_body(graph):
+    library = graph.library
+    spin = np.flatnonzero(library.node_step == library.steps.index("spin"))[0]
+    still = np.flatnonzero(library.node_step != library.steps.index("spin"))
+    assert np.abs(graph.node_facing[still]).max() < 1e-3
+    # the heading is averaged over the window before the line: half a window's turn behind it
+    behind = -2 * math.pi * graph.window / 2
+    assert graph.node_facing_start[spin] == pytest.approx(behind, abs=0.02)
