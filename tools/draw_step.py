@@ -6,6 +6,7 @@ orange, the right side blue; a foot on the floor is marked green.
 
 import argparse
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
@@ -14,6 +15,7 @@ import numpy.typing as npt
 from PIL import Image, ImageDraw
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from live.motion import quaternion
 from live.motion.forward import forward_kinematics
 from live.motion.mirror import mirror_step
 from live.motion.skeleton import SKELETON
@@ -22,6 +24,8 @@ from live.motion.sketch_clip import step_clip
 from live.motion.step_clip import DIRECTIONS, StepClip
 
 Float = npt.NDArray[np.floating]
+Bool = npt.NDArray[np.bool_]
+View = Callable[[Float], tuple[float, float]]
 Canvas = ImageDraw.ImageDraw
 
 CELL: Final = 150
@@ -64,16 +68,18 @@ def draw_step(step: StepClip, per_beat: int) -> Image.Image:
     height = 2 * FIGURE + PLAN + 16
     image = Image.new("RGB", (columns * CELL, rows * height), (24, 24, 28))
     canvas = ImageDraw.Draw(image)
+    last = round(step.first + step.beats * samples_per_beat)
+    middle = float(0.5 * (clip.root_position[round(step.first), 2] + clip.root_position[last, 2]))
     for number in range(count):
         sample = round(step.first + number * samples_per_beat / per_beat)
         corner = number % columns * CELL, number // columns * height
         beat = number / per_beat
         canvas.text((corner[0] + 6, corner[1] + 2), f"{beat + 1:g}", fill=MIDDLE)
-        _figure(canvas, corner, positions[sample], rotations[sample], clip.contact[sample])
+        _figure(canvas, corner, positions[sample] - (0.0, 0.0, middle), rotations[sample], clip.contact[sample])
     return image
 
 
-def _figure(canvas: Canvas, corner: tuple[int, int], position: Float, rotation: Float, contact: Float) -> None:
+def _figure(canvas: Canvas, corner: tuple[int, int], position: Float, rotation: Float, contact: Bool) -> None:
     middle = corner[0] + CELL / 2
     hips = position[0]
     floors = corner[1] + 16 + FIGURE - 14, corner[1] + 16 + 2 * FIGURE - 14
@@ -110,12 +116,10 @@ def _foot(position: Float, rotation: Float, name: str) -> list[Float]:
 
 
 def _rotated(rotation: Float, vector: tuple[float, float, float]) -> Float:
-    from live.motion import quaternion
-
     return quaternion.rotate(rotation, np.array(vector))
 
 
-def _body(canvas: Canvas, view, position: Float, rotation: Float, contact: Float) -> None:  # type: ignore[no-untyped-def]
+def _body(canvas: Canvas, view: View, position: Float, rotation: Float, contact: Bool) -> None:
     for joint, name in enumerate(SKELETON.names):
         parent = SKELETON.parents[joint]
         if parent < 0 or name.endswith("Toes"):

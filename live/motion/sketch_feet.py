@@ -74,7 +74,7 @@ class FootTrack:
     toe: Float
     """Toes lifted about the heel [rad], (T,)."""
     ground: Float
-    """The place where it stands or that it moves to, at the ankle [m], (T, 2)."""
+    """Where it carries or is about to carry the body, under the ankle or, with the heel up, the ball [m], (T, 2)."""
     contact: Bool
     firm: Float
     """1 while it stands, 0 in the air, smooth between, (T,)."""
@@ -188,26 +188,27 @@ def keep_apart(left: list[Stance], left_world: Float, right: list[Stance], right
 
     Feet that stand at the same time keep 15 cm, or what the sketch itself asks for; both give way alike.
     """
-    pairs = []
-    for i, a in enumerate(left):
-        for j, b in enumerate(right):
-            if a.arrive < b.leave and b.arrive < a.leave:
-                own = 2.0 * HOME_OUT + a.place[0] + b.place[0]
-                pairs.append((i, j, a.number, b.number, min(_GAP, own)))
-    shift_left = {stance.number: 0.0 for stance in left}
-    shift_right = {stance.number: 0.0 for stance in right}
+    pairs = [
+        (i, j, min(_GAP, 2.0 * HOME_OUT + a.place[0] + b.place[0]))
+        for i, a in enumerate(left)
+        for j, b in enumerate(right)
+        if a.arrive < b.leave + 0.25 and b.arrive < a.leave + 0.25
+    ]
+    if not pairs:
+        return
+    i, j = np.array([pair[0] for pair in pairs]), np.array([pair[1] for pair in pairs])
+    gap = np.array([pair[2] for pair in pairs])
+    # the same stance of every repetition moves alike
+    numbers = [np.unique([stance.number for stance in own], return_inverse=True)[1] for own in (left, right)]
     for _ in range(200):
-        worst = 0.0
-        for i, j, a_number, b_number, gap in pairs:
-            lack = gap - (left_world[i, 0] + shift_left[a_number] - right_world[j, 0] - shift_right[b_number])
-            if lack > 1e-6:
-                shift_left[a_number] += 0.5 * lack
-                shift_right[b_number] -= 0.5 * lack
-                worst = max(worst, lack)
-        if worst < 1e-4:
+        lack = np.maximum(gap - left_world[i, 0] + right_world[j, 0], 0.0)
+        if lack.max() < 1e-4:
             break
-    left_world[:, 0] += [shift_left[stance.number] for stance in left]
-    right_world[:, 0] += [shift_right[stance.number] for stance in right]
+        # all give way at once, so that steps that are alike stay alike
+        for world, own, pair, way in ((left_world, numbers[0], i, 0.5), (right_world, numbers[1], j, -0.5)):
+            most = np.zeros(own.max() + 1)
+            np.maximum.at(most, own[pair], lack)
+            world[:, 0] += way * most[own]
 
 
 def track(
@@ -223,7 +224,7 @@ def track(
             times.append(at)
             ground_times.append(at)
             places.append(ball[index])
-            ground.append(world[index])
+            ground.append(ball[index])
             heights.append((at, 0.0))
         if index + 1 == len(own):
             break
@@ -238,18 +239,21 @@ def track(
     way = through(np.array(times), np.array(places), beats)
     stand = through(np.array(ground_times), np.array(ground), beats)
     up = np.array(heights)
+    pivot, heel, firm = _pivot(path, own, beats), _heel(own, world, beats, leaps), _firm(own, beats, plain=0.0)
+    behind = BALL_FORWARD - 0.09 * firm * np.minimum(heel / math.radians(20.0), 1.0)
+    yaw = stand[:, 2] + pivot
     contact = np.zeros(len(beats), np.bool_)
     for stance in own:
         contact |= (beats >= stance.arrive - 1e-6) & (beats <= stance.leave + 1e-6)
     return FootTrack(
         ball=way[:, :2],
         height=through(up[:, 0], up[:, 1], beats),
-        yaw=way[:, 2] + _pivot(path, own, beats),
-        heel=_heel(own, world, beats, leaps),
+        yaw=way[:, 2] + pivot,
+        heel=heel,
         toe=_toe(own, beats),
-        ground=stand[:, :2],
+        ground=stand[:, :2] - behind[:, None] * np.stack((np.sin(yaw), np.cos(yaw)), axis=1),
         contact=contact,
-        firm=_firm(own, beats, plain=0.0),
+        firm=firm,
         free=1.0 - _firm(own, beats, plain=1.0),
     )
 
