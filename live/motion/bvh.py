@@ -153,7 +153,7 @@ def _read_motion_header(text: str, start: int, line: int, file: str) -> tuple[in
         missing = "Frames: COUNT" if frames is None else "Frame Time: SECONDS"
         if not content.strip():
             if end < 0:
-                raise MotionFileError(file, line, "the file ends here", f"{missing} expected")
+                raise MotionFileError(file, text.count("\n") + 1, "the file ends here", f"{missing} expected")
         else:
             match = _HEADER_LINE.fullmatch(content)
             key = match.group(1).lower().replace(" ", "") if match else ""
