@@ -1,0 +1,191 @@
+"""MusicPlayer: plays music and follows exactly what is heard of it at this moment."""
+
+import threading
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.inbox import Inbox
+from live.clock.sample_clock import SampleClock
+from live.clock.source import Clock
+from live.control.audio_analysis import AudioAnalysis
+from live.control.events import ControlEvent, SourceChanged
+from live.control.music_file import Music
+from live.control.sound_devices import SoundUnavailable, close_stream, find_device, open_stream
+
+POLL: Final = 0.010
+LOST_AFTER: Final = 0.5
+"""Seconds without a callback after which the output counts as gone."""
+
+STAMPS: Final = 512
+CATCH_UP: Final = 1.0
+"""A stall longer than this [s] is not analysed afterwards, but left out."""
+
+
+class MusicPlayer:
+    """Plays through a sound output if there is one, else silently by the clock; events are the same either way.
+
+    If the output goes away the music runs on unheard: the dancers do not stop because a cable came loose.
+    """
+
+    def __init__(
+        self,
+        music: Music,
+        inbox: Inbox[ControlEvent],
+        clock: Clock,
+        *,
+        loop: bool = True,
+        output: bool | str | int = True,
+        latency: float = 0.0,
+    ) -> None:
+        """`output`: True = the default device, False = none, else as for `find_device`.
+
+        `latency` [s] is added to what the device says it needs until a sample is heard.
+        Raises UnknownDevice for an output that was named and is not there.
+        """
+        self._music = music
+        self._inbox = inbox
+        self._clock = clock
+        self._loop = loop
+        self._latency = latency
+        self.output_problem = ""
+        """Why the music is not heard; empty if it is."""
+        self.ended = False
+        """Whether the music is over (never, if it loops)."""
+        self._device = self._find(output)
+        self._stream: Any = None
+        self._thread: threading.Thread | None = None
+        self._stop = threading.Event()
+        self._line = SampleClock(music.sample_rate)
+        self._stamp_frame = np.zeros(STAMPS, np.int64)
+        self._stamp_time = np.zeros(STAMPS)
+        self._stamps = self._stamps_read = self._played = self._fed = 0
+        self._begin = self._alive_at = self._delay = 0.0
+        self._analysis = AudioAnalysis(music.sample_rate)
+        self._skipped = 0
+
+    @property
+    def audible(self) -> bool:
+        """Whether an output plays the music. Thread: any."""
+        return self._stream is not None
+
+    def start(self) -> None:
+        """Play from the beginning. An output that refuses is no error: see `output_problem`."""
+        self._begin = self._alive_at = self._clock.now()
+        if self._device is not None:
+            self._open()
+        self._stop.clear()
+        self._thread = threading.Thread(target=self._run, name="music analysis", daemon=True)
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Stop playing."""
+        self._stop.set()
+        if self._thread is not None:
+            self._thread.join(timeout=2.0)
+            self._thread = None
+
+    def position(self, time: float) -> float:
+        """Seconds of the music heard until `time` [s], not less than 0; it goes on counting in loops. Thread: any."""
+        if self._stream is None or self._stamps_read < 1:
+            return max(time - self._begin, 0.0)
+        return max(self._line.frame_at(time) / self._music.sample_rate, 0.0)
+
+    def _find(self, output: bool | str | int) -> Any:
+        if output is False:
+            self.output_problem = "no output was asked for"
+            return None
+        try:
+            return find_device(None if output is True else output, "output")
+        except SoundUnavailable as error:
+            self.output_problem = str(error)
+        except ValueError as error:
+            if output is not True:
+                raise
+            self.output_problem = str(error)
+        return None
+
+    def _open(self) -> None:
+        channels = self._music.samples.shape[1]
+        played = min(channels, self._device.channels)
+
+        def callback(out: npt.NDArray[np.float32], frames: int, _times: Any, _status: Any) -> None:
+            # Stamped first: the callback asks for `frames` more when those before have been handed over.
+            slot = self._stamps % STAMPS
+            self._stamp_frame[slot], self._stamp_time[slot] = self._played, self._clock.now()
+            self._stamps += 1
+            block = self._music.block(self._played, frames, self._loop)
+            out[: block.shape[0]] = block[:, :played]
+            out[block.shape[0] :] = 0.0
+            self._played += frames
+
+        try:
+            self._stream = open_stream(
+                "output",
+                device=self._device.index,
+                samplerate=self._music.sample_rate,
+                channels=played,
+                dtype="float32",
+                latency="high",
+                callback=callback,
+            )
+        except Exception as error:  # PortAudioError, whose class is known only where PortAudio is
+            self.output_problem = f"{self._device.name} does not play: {error}"
+            return
+        reported = float(self._stream.latency)
+        self._delay = self._latency + (reported if 0.0 <= reported <= 1.0 else 0.0)  # some hosts report nonsense
+
+    def _run(self) -> None:
+        try:
+            while not self._stop.wait(POLL):
+                now = self._clock.now()
+                self._follow_output(now)
+                self._analyse(now)
+        finally:
+            self._close()
+
+    def _close(self) -> None:
+        if self._stream is not None:
+            stream, self._stream = self._stream, None
+            close_stream(stream)
+
+    def _follow_output(self, now: float) -> None:
+        if self._stream is None:
+            return
+        until = self._stamps
+        for index in range(max(self._stamps_read, until - STAMPS // 2), until):
+            heard_at = float(self._stamp_time[index % STAMPS]) + self._delay
+            self._line.observe(float(self._stamp_frame[index % STAMPS]), heard_at)
+            self._alive_at = max(self._alive_at, float(self._stamp_time[index % STAMPS]))
+        self._stamps_read = until
+        if now - self._alive_at > LOST_AFTER:
+            self._begin = now - self.position(now)
+            self._close()
+            self.output_problem = f"{self._device.name} went away; the music runs on unheard"
+            for state in ("lost", "found"):
+                self._inbox.put(SourceChanged(time=now, source="audio", state=state, detail=self.output_problem))
+
+    def _analyse(self, now: float) -> None:
+        if self.ended:
+            return
+        rate = self._music.sample_rate
+        wanted = int(self.position(now) * rate)
+        if wanted - self._fed > CATCH_UP * rate:
+            self._fed = self._skipped = wanted
+            self._analysis = AudioAnalysis(rate)
+        if wanted <= self._fed:
+            return
+        block = self._music.block(self._fed, wanted - self._fed, self._loop)
+        self._fed = wanted
+        for event in self._analysis.feed(block, self._time_of, now):
+            self._inbox.put(event)
+        if not self._loop and self._fed >= self._music.samples.shape[0]:
+            self.ended = True
+            self._inbox.put(SourceChanged(time=now, source="audio", state="silent", detail="the music is over"))
+
+    def _time_of(self, position: float) -> float:
+        frame = position * self._music.sample_rate + self._skipped
+        if self._stream is None:
+            return self._begin + frame / self._music.sample_rate
+        return self._line.time_of(frame)

@@ -1,0 +1,139 @@
+"""The sound devices of this machine, through PortAudio, which is loaded only when somebody asks for it."""
+
+import threading
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+_guard = threading.Lock()
+_streams = 0
+
+
+class SoundUnavailable(RuntimeError):
+    """PortAudio, the library that reaches sound devices, is missing or broken; the message says how to get it."""
+
+
+class UnknownDevice(ValueError):
+    """No device of that name; the message lists those that there are."""
+
+
+@dataclass(frozen=True, slots=True)
+class SoundDevice:
+    """One device: `index` is PortAudio's and changes from run to run, `name` stays."""
+
+    index: int
+    name: str
+    host: str
+    """The sound system it belongs to (ALSA, JACK, Core Audio …)."""
+    channels: int
+    sample_rate: float
+    """The device's own rate [Hz]."""
+    default: bool
+
+
+def sounddevice() -> ModuleType:
+    """The sounddevice module; SoundUnavailable if PortAudio cannot be loaded."""
+    try:
+        import sounddevice as module
+    except OSError as error:
+        raise SoundUnavailable(
+            f"no sound devices: {error}; install PortAudio (Debian, Ubuntu: apt install libportaudio2; "
+            "Fedora: dnf install portaudio; macOS: brew install portaudio)"
+        ) from None
+    return module  # type: ignore[no-any-return]
+
+
+def list_input_devices() -> list[SoundDevice]:
+    """The devices that can be listened to; SoundUnavailable if PortAudio is missing."""
+    return _list("input")
+
+
+def list_output_devices() -> list[SoundDevice]:
+    """The devices that can be played to; SoundUnavailable if PortAudio is missing."""
+    return _list("output")
+
+
+def find_device(text: str | int | None, kind: str = "input") -> SoundDevice:
+    """The device with this index or name, or whose name contains `text` (case does not matter); None: the default.
+
+    `kind` is "input" or "output". Raises UnknownDevice, which lists what there is.
+    """
+    devices = _list(kind)
+    if text is None:
+        chosen = [device for device in devices if device.default] or devices
+    elif isinstance(text, int) or text.strip().isdigit():
+        chosen = [device for device in devices if device.index == int(text)]
+    else:
+        wanted = text.strip().casefold()
+        chosen = [device for device in devices if device.name.casefold() == wanted] or [
+            device for device in devices if wanted and wanted in device.name.casefold()
+        ]
+    if chosen:
+        return chosen[0]
+    asked = f"no sound {kind}" if text is None else f"no sound {kind} {text!r}"
+    if not devices:
+        raise UnknownDevice(f"{asked}: this machine has no sound {kind} at all; plug one in, or play a music file")
+    listed = "; ".join(f"{device.index}: {device.name}" for device in devices)
+    raise UnknownDevice(f"{asked}; there are: {listed} (a part of the name is enough)")
+
+
+def refresh() -> bool:
+    """Look for new devices; PortAudio must start anew for that, so it is done only while no stream of ours is open.
+
+    Returns whether it was done. Thread: any.
+    """
+    module = sounddevice()
+    with _guard:
+        if _streams:
+            return False
+        module._terminate()
+        module._initialize()
+        return True
+
+
+def open_stream(kind: str, **options: Any) -> Any:
+    """Open and start a sounddevice InputStream or OutputStream; PortAudioError if the device refuses. Thread: any."""
+    global _streams
+    module = sounddevice()
+    with _guard:
+        stream = (module.InputStream if kind == "input" else module.OutputStream)(**options)
+        try:
+            stream.start()
+        except Exception:
+            stream.close(ignore_errors=True)
+            raise
+        _streams += 1
+        return stream
+
+
+def close_stream(stream: Any) -> None:
+    """Stop and close a stream of `open_stream`, dead or alive. Thread: any."""
+    global _streams
+    try:
+        stream.abort(ignore_errors=True)
+        stream.close(ignore_errors=True)
+    finally:
+        with _guard:
+            _streams -= 1
+
+
+def _list(kind: str) -> list[SoundDevice]:
+    module = sounddevice()
+    with _guard:
+        try:
+            hosts, found = module.query_hostapis(), module.query_devices()
+            default = module.default.device[0 if kind == "input" else 1]
+        except module.PortAudioError as error:
+            raise SoundUnavailable(f"the sound devices cannot be listed: {error}") from None
+    return [
+        SoundDevice(
+            index=int(entry["index"]),
+            name=str(entry["name"]),
+            host=str(hosts[entry["hostapi"]]["name"]),
+            channels=int(entry[f"max_{kind}_channels"]),
+            sample_rate=float(entry["default_samplerate"]),
+            default=entry["index"] == default,
+        )
+        for entry in found
+        if entry[f"max_{kind}_channels"] > 0
+    ]
