@@ -13,7 +13,7 @@ from rich.text import Text
 
 from live import __version__
 from live.base.errors import PersonError
-from live.cli import bench, devices, doctor, warm
+from live.cli import bench, check, devices, doctor, play, render, replay, warm
 
 EXIT_PERSON_ERROR = 2
 EXIT_INTERRUPTED = 130
@@ -28,6 +28,10 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
+app.command("play")(play.play)
+app.command("render")(render.render)
+app.command("replay")(replay.replay)
+app.command("check")(check.check)
 app.command("devices")(devices.devices)
 app.command("doctor")(doctor.doctor)
 app.command("bench")(bench.bench)

@@ -1,0 +1,42 @@
+"""A small show from made steps, for tests of the core."""
+
+from live.graph.library import build_library
+from live.graph.motion_graph import build_graph
+from live.show.core import Show
+from live.show.patch_file import parse_patch
+from tests.made_steps import made_steps
+
+PATCH = """
+name = "test"
+seed = 3
+[clock]
+bpm = 120
+[[group]]
+name = "front"
+dancers = 5
+steps = ["sway", "glide x2", "spin", "phrase"]
+travel_step = "glide"
+centre = [0.0, 1.5]
+size = [8.0, 2.0]
+[[group]]
+name = "back"
+dancers = 4
+steps = ["glide", "sway", "spin"]
+choose = "random"
+travel_step = "glide"
+centre = [0.0, -1.5]
+size = [8.0, 2.0]
+"""
+
+
+def made_graph(threshold=0.2):
+    """The motion graph of the made steps."""
+    return build_graph(build_library(made_steps()), threshold=threshold)
+
+
+GRAPH = made_graph()
+
+
+def made_show(extra="", **options):
+    """A fresh show of PATCH with `extra` TOML at its end."""
+    return Show(parse_patch(PATCH + extra, "test.toml"), GRAPH, **options)

@@ -1,0 +1,211 @@
+"""The deterministic core: same events, same states; measure lines; what events do."""
+
+import numpy as np
+import pytest
+
+from live.base.stage_view import ATTRACTOR
+from live.clock.ticks import TICK
+from live.control import events
+from tests.show.made_show import made_show
+
+
+def at(kind, show, **values):
+    return kind(time=show.time, source="test", **values)
+
+
+def run(show, seconds, script=()):
+    """Tick through `seconds`; `script` maps ticks to functions of the show. Hashes at measure lines."""
+    hashes = []
+    start = round(show.time / TICK)
+    for tick in range(start + 1, start + round(seconds / TICK) + 1):
+        for when, act in script:
+            if when == tick:
+                act(show)
+        if show.tick(tick * TICK):
+            hashes.append(show.state_hash())
+    return hashes
+
+
+def gather(show):
+    show.apply(at(events.Attract, show, x=3.0, z=1.0, measures=8.0))
+
+
+def hips(show):
+    return show.dancers.hips(show.span.fraction(show.timeline.beat_at(show.time)))
+
+
+SCRIPT = ((200, gather), (700, lambda s: s.apply(at(events.Spread, s))), (900, lambda s: s.apply(at(events.One, s))))
+
+
+def test_same_patch_seed_and_events_give_the_same_states():
+    first, second = run(made_show(), 30, SCRIPT), run(made_show(), 30, SCRIPT)
+    assert len(first) == len(set(first)) >= 14
+    assert first == second
+
+
+def test_seed_and_events_change_the_states():
+    plain = run(made_show(), 12)
+    assert run(made_show(seed=4), 12) != plain
+    assert run(made_show(), 12, SCRIPT) != plain
+
+
+def test_measures_are_crossed_on_the_beat():
+    show = made_show()
+    for tick in range(1, 64 * 10 + 1):
+        crossed = show.tick(tick * TICK)
+        assert crossed == (tick % 128 == 0)  # four beats at 120 bpm are two seconds
+        assert show.span.number == tick // 128
+
+
+def test_the_next_step_is_chosen_a_beat_before_the_line_and_not_at_it():
+    show = made_show()
+    for tick in range(1, 64 * 8):
+        show.tick(tick * TICK)
+        left = show.span.end - show.timeline.beat_at(tick * TICK)
+        assert show.dancers.decided == (left <= 1.0)
+
+
+def test_the_sequence_is_danced_in_its_order_by_everybody():
+    show = made_show()
+    library = show.graph.library
+    danced = []
+    for tick in range(1, 64 * 24 + 1):
+        if show.tick(tick * TICK) or tick == 1:
+            danced.append({library.steps[library.node_step[n]] for n in show.dancers.node[:5]})
+    names = ["sway", "glide", "glide", "spin", "phrase", "phrase"]
+    assert danced[:12] == [{name} for name in names * 2]
+
+
+def test_dancers_gather_at_an_attractor_and_spread_again():
+    show = made_show()
+    run(show, 4)
+    before = np.hypot(*(hips(show) - [3, 1]).T).mean()
+    gather(show)
+    run(show, 16)
+    gathered = np.hypot(*(hips(show) - [3, 1]).T).mean()
+    assert gathered < 0.5 * before
+    show.apply(at(events.Clear, show))
+    show.apply(at(events.Spread, show, measures=12.0))
+    run(show, 24)
+    assert np.hypot(*(hips(show) - [3, 1]).T).mean() > 1.8 * gathered
+
+
+def test_dancers_follow_their_agents_and_catch_up():
+    """A dancer answers with her next measure: an agent that sets off is at most a measure's way ahead of her."""
+    show = made_show()
+    gather(show)
+    errors = []
+    for tick in range(1, 64 * 24 + 1):
+        if show.tick(tick * TICK):
+            errors.append(np.hypot(*(hips(show) - show.state.position).T).max())
+    assert max(errors) < 1.1
+    assert max(errors[-3:]) < 0.05
+
+
+def test_poses_are_continuous_in_time():
+    """No joint moves faster than a body can: 9 m/s; the made steps themselves reach about 3."""
+    show = made_show()
+    gather(show)
+    view, before, fastest = show.view(), None, 0.0
+    for tick in range(1, 64 * 20):
+        show.tick(tick * TICK)
+        show.fill(view, tick * TICK)
+        if before is not None:
+            moved = np.linalg.norm(view.joint_position - before, axis=2).max() / TICK
+            fastest = max(fastest, float(moved))
+        before = view.joint_position.copy()
+    assert fastest < 9.0
+
+
+def test_a_called_step_is_danced_for_its_measures_by_everybody():
+    show = made_show()
+    library = show.graph.library
+    show.apply(at(events.CallStep, show, name="Spin", measures=2.0))
+    danced = []
+    for tick in range(1, 64 * 10):
+        if show.tick(tick * TICK):
+            danced.append({library.steps[library.node_step[n]] for n in show.dancers.node})
+    assert danced[0] == danced[1] == {"spin"}
+    assert danced[2] != {"spin"}
+
+
+def test_an_unknown_step_is_counted_and_changes_nothing():
+    show, plain = made_show(), made_show()
+    show.apply(at(events.CallStep, show, name="moonwalk"))
+    assert show.refused == 1
+    assert run(show, 6) == run(plain, 6)
+
+
+def test_this_is_the_one_moves_the_line_without_a_jump():
+    show = made_show()
+    run(show, 3.0)  # beat 6: phase 2 of measure 1
+    before = show.span.fraction(show.timeline.beat_at(show.time))
+    show.apply(at(events.One, show))
+    fractions, numbers = [before], [show.span.number]
+    for tick in range(193, 193 + 64 * 6):
+        show.tick(tick * TICK)
+        beat = show.timeline.beat_at(tick * TICK)
+        fractions.append(show.span.number + show.span.fraction(beat))
+        numbers.append(show.span.number)
+    steps = np.diff(fractions[1:])
+    assert (steps >= 0).all()
+    assert steps.max() < 3 * TICK / 2.0  # at most three times the plain speed
+    assert set(np.diff(numbers)) <= {0, 1}
+    assert (show.span.end - show.timeline.measure_origin) % 4 == pytest.approx(0)
+
+
+def test_blackout_fades_within_a_fifth_of_a_second_and_comes_back():
+    show = made_show()
+    show.apply(at(events.Blackout, show, on=True))
+    run(show, 0.3)
+    assert show.brightness < 0.05
+    show.apply(at(events.Blackout, show, on=False))
+    run(show, 0.3)
+    assert show.brightness > 0.95
+
+
+def test_tempo_stretches_the_dance():
+    show = made_show()
+    show.apply(at(events.SetTempo, show, tempo=60.0))
+    crossed = [tick for tick in range(1, 64 * 13) if show.tick(tick * TICK)]
+    assert np.diff(crossed) == pytest.approx(256, abs=1)
+
+
+def test_the_score_places_elements_at_their_measures():
+    show = made_show('[[element]]\nkind = "attract"\nmeasure = 3\nmeasures = 2\nat = [1.0, 2.0]\n')
+    view = show.view()
+    seen = {}
+    for tick in range(1, 64 * 12):
+        show.tick(tick * TICK)
+        show.fill(view, tick * TICK)
+        seen.setdefault(show.span.number, set()).add(view.element_count)
+    assert seen[1] == {0}
+    assert 1 in seen[2]
+    assert 1 in seen[3]
+    assert seen[4] == {0}
+    assert view.element_kind[0] == ATTRACTOR
+
+
+def test_a_dragged_pointer_is_one_attractor():
+    show = made_show()
+    for k in range(20):
+        show.apply(events.Attract(time=0.1 * k, source="pointer", x=0.1 * k, z=0.0))
+    assert len(show.elements.elements) == 1
+    assert show.elements.elements[0].x == pytest.approx(1.9)
+    show.apply(events.Attract(time=5.0, source="pointer", x=0.0, z=0.0))
+    show.apply(events.Attract(time=5.1, source="osc", x=0.0, z=0.0))
+    assert len(show.elements.elements) == 3
+
+
+def test_a_wild_tempo_and_many_elements_leave_everything_finite():
+    show = made_show()
+    for k in range(400):
+        show.apply(events.Attract(time=0.0, source="osc", x=100.0 * (-1) ** k, z=-100.0, strength=10.0))
+        show.apply(events.Repel(time=0.0, source="osc", x=0.0, z=0.0, strength=10.0))
+    for tick in range(1, 64 * 8):
+        if tick % 20 == 0:
+            show.apply(at(events.SetTempo, show, tempo=[20.0, 400.0][tick // 20 % 2]))
+        show.tick(tick * TICK)
+        assert np.isfinite(show.state.position).all()
+    assert np.isfinite(hips(show)).all()
+    assert (np.abs(show.state.position) <= np.array([6.0, 4.0]) + 1e-4).all()

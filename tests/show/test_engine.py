@@ -1,0 +1,100 @@
+"""The frame loop: ticks, events, stalls; the same states at any frame rate."""
+
+import pytest
+
+from live.base.inbox import Inbox
+from live.clock.source import ManualClock
+from live.clock.ticks import TICK
+from live.control.events import Attract, Blackout
+from live.show.engine import EVENTS_PER_FRAME, Engine
+from live.show.status import Status
+from tests.show.made_show import made_show
+
+
+def made_engine(**options):
+    show, clock, inbox = made_show(), ManualClock(), Inbox()
+    status = Status(show, rejected=dict, memory=lambda: 1.0)
+    return Engine(show, clock=clock, inbox=inbox, status=status, **options), clock, inbox, status
+
+
+def nothing(view):
+    pass
+
+
+def test_the_same_events_give_the_same_states_at_any_frame_rate():
+    """Events are stamped with ticks: applied at those, 25, 60 and 144 frames/s are one show."""
+    results = []
+    for fps in (25, 60, 144):
+        engine, clock, _, _ = made_engine(lead=0.0)
+        pending = [(200, Attract(time=3.0, source="test", x=2.0, z=1.0)), (420, Blackout(time=6.5, source="t", on=True))]
+        hashes = {}
+        for frame in range(1, 10 * fps + 1):
+            # apply each event exactly when its tick is the last one run, as a replay does
+            target = frame / fps
+            while pending and pending[0][0] * TICK <= target:
+                tick, event = pending.pop(0)
+                if engine.ticks.time < tick * TICK:
+                    clock.set(max(clock.now(), tick * TICK))
+                    engine.frame(nothing)
+                engine.apply(event)
+            clock.set(max(clock.now(), target))
+            engine.frame(nothing)
+            if frame % fps == 0:
+                hashes[frame // fps] = engine.show.state_hash()
+        results.append(hashes)
+    assert results[0] == results[1] == results[2]
+
+
+def test_a_stall_skips_ticks_and_counts_them():
+    engine, clock, _, status = made_engine()
+    clock.set(1.0)
+    engine.frame(nothing)
+    assert status.skipped_ticks > 0  # the very first frame came a second late
+    skipped, ticks = status.skipped_ticks, status.ticks
+    clock.set(1.1)
+    engine.frame(nothing)
+    assert status.skipped_ticks == skipped
+    clock.set(5.0)
+    engine.frame(nothing)
+    assert status.skipped_ticks - skipped > 3.8 * 64 - 2
+    assert status.ticks - ticks < 20
+    assert engine.ticks.time <= 5.0 + TICK
+
+
+def test_a_flood_of_events_is_taken_in_pieces():
+    engine, clock, inbox, status = made_engine()
+    for _ in range(EVENTS_PER_FRAME + 100):
+        inbox.put(Blackout(time=0.0, source="osc", on=False))
+    clock.set(0.02)
+    engine.frame(nothing)
+    assert status.events_accepted == EVENTS_PER_FRAME
+    engine.frame(nothing)
+    assert status.events_accepted == EVENTS_PER_FRAME + 100
+
+
+def test_a_failing_picture_is_told_once_and_the_show_goes_on():
+    engine, clock, _, status = made_engine()
+    told = []
+    engine.on_error = told.append
+
+    def fail(view):
+        raise RuntimeError("no card")
+
+    for frame in range(1, 11):
+        clock.set(frame / 60)
+        engine.frame(fail)
+    assert len(told) == 1
+    assert status.faults == 10
+    assert status.ticks == 11
+    engine.on_error = None
+    with pytest.raises(RuntimeError, match="no card"):
+        engine.frame(fail)
+
+
+def test_the_picture_is_a_tick_ahead_of_the_clock():
+    engine, clock, _, _ = made_engine()
+    seen = []
+    clock.set(1 / 60)
+    engine.frame(lambda view: seen.append((view.time, view.beat)))
+    assert seen[0][0] == pytest.approx(1 / 60 + TICK)
+    assert seen[0][1] == pytest.approx(2.0 * seen[0][0])

@@ -1,0 +1,148 @@
+"""Journal and replay: everything that enters is written, and running it again gives the same states."""
+
+import json
+
+import pytest
+
+from live.base.inbox import Inbox
+from live.clock.source import ManualClock
+from live.control import events
+from live.show.engine import Engine
+from live.show.journal import JournalError, JournalWriter, read_journal
+from live.show.replay import replay
+from live.show.status import Status
+from tests.show.made_show import made_show
+
+
+def recorded(path, seconds=20.0, fps=50):
+    """A show with events of all kinds and a stall, journalled."""
+    show, clock, inbox = made_show(), ManualClock(), Inbox()
+    writer = JournalWriter(path, {"seed": 3})
+    status = Status(show, rejected=dict, memory=lambda: 0.0)
+    engine = Engine(show, clock=clock, inbox=inbox, status=status, journal=writer)
+    script = {
+        100: events.Attract(time=2.0, source="osc", x=0.1 + 0.2, z=1 / 3, strength=0.7),
+        150: events.Tap(time=3.01, source="key"),
+        180: events.Tap(time=3.53, source="key"),
+        205: events.Tap(time=4.04, source="key"),
+        300: events.One(time=6.0, source="key"),
+        400: events.CallStep(time=8.0, source="osc", name="spin"),
+        500: events.BeatHeard(time=10.0, source="audio", beat_time=9.9, period=0.51, confidence=0.8),
+        600: events.Spread(time=12.0, source="osc"),
+    }
+    for frame in range(1, round(seconds * fps) + 1):
+        if 700 <= frame < 725:  # the machine stands still for half a second
+            continue
+        clock.set(frame / fps)
+        if frame in script:
+            inbox.put(script[frame])
+        engine.frame(lambda view: None)
+    writer.close(engine.ticks.index)
+    return show, status
+
+
+def test_a_replay_is_bit_identical(tmp_path):
+    show, status = recorded(tmp_path / "a.jsonl")
+    assert status.skipped_ticks > 20
+    journal = read_journal(tmp_path / "a.jsonl")
+    assert journal.complete
+    fresh = made_show()
+    result = replay(fresh, journal)
+    assert result.measures >= 8
+    assert result.differences == ()
+    assert fresh.state_hash() == show.state_hash()
+
+
+def test_a_changed_event_is_found(tmp_path):
+    path = tmp_path / "a.jsonl"
+    recorded(path)
+    rows = path.read_text().splitlines()
+    for number, row in enumerate(rows):
+        if '"Attract"' in row:
+            value = json.loads(row)
+            value["event"]["x"] += 1e-3
+            rows[number] = json.dumps(value)
+    path.write_text("\n".join(rows) + "\n")
+    result = replay(made_show(), read_journal(path))
+    assert result.differences
+    assert min(measure for measure, *_ in result.differences) >= 2
+
+
+def test_a_journal_cut_off_in_its_last_line_counts_up_to_there(tmp_path):
+    path = tmp_path / "a.jsonl"
+    recorded(path, seconds=8.0)
+    text = path.read_text()
+    path.write_text(text[: len(text) // 2])
+    journal = read_journal(path)
+    assert not journal.complete
+    assert not replay(made_show(), journal).differences
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("", "line 1: not a JSON object"),
+        ("[]\n", "line 1: a JSON object expected"),
+        ('{"a": 1}\n', "no 'journal' key"),
+        ('{"journal": 99}\n', "format 99"),
+        ('{"journal": 1}\n{"tick": 3, "end": true}\n{"tick": 2, "end": true}\n', "line 3: 'tick' must be"),
+        ('{"journal": 1}\n{"tick": true}\n', "line 2: 'tick'"),
+        ('{"journal": 1}\nnonsense\n', "line 2: not a JSON object"),
+        ('{"journal": 1}\n{"tick": 1, "event": {"type": "Nuke"}}\n', "unknown event type 'Nuke'"),
+        ('{"journal": 1}\n{"tick": 1, "event": 5}\n', "line 2"),
+        (
+            '{"journal": 1}\n{"tick": 1, "event": {"type": "Tap", "time": NaN, "source": "x"}}\n',
+            "field 'time' cannot be nan",
+        ),
+        ('{"journal": 1}\n{"tick": 1, "event": {"type": "Tap", "time": 1.0, "source": "x", "y": 1}}\n', "field 'y'"),
+        ('{"journal": 1}\n{"tick": 1, "event": {"type": "Attract", "time": 1.0, "source": "x"}}\n', "missing"),
+    ],
+)
+def test_a_broken_journal_names_file_line_and_fault(tmp_path, text, what):
+    path = tmp_path / "b.jsonl"
+    path.write_text(text)
+    with pytest.raises(JournalError) as error:
+        read_journal(path)
+    assert str(path) in str(error.value)
+    assert what in str(error.value)
+
+
+def test_a_journal_that_is_not_text_or_not_there(tmp_path):
+    (tmp_path / "c").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(JournalError, match="not text"):
+        read_journal(tmp_path / "c")
+    with pytest.raises(JournalError, match="cannot read"):
+        read_journal(tmp_path / "nothing")
+    with pytest.raises(JournalError, match="cannot write"):
+        JournalWriter(tmp_path / "no folder" / "j", {})
+
+
+def test_a_full_disk_is_counted_and_stops_nothing(tmp_path):
+    writer = JournalWriter(tmp_path / "j", {})
+    writer._file.close()  # from here on every write fails
+
+    class Full:
+        def write(self, text):
+            raise OSError(28, "No space left on device")
+
+        def close(self):
+            pass
+
+    writer._file = Full()
+    for tick in range(50):
+        writer.measure(tick, tick, "x")
+    writer.close(50)
+    assert writer.dropped >= 50
+
+
+def test_every_event_survives_the_journal_bit_by_bit():
+    for name, cls in events.EVENT_TYPES.items():
+        values = {
+            "x": 0.1 + 0.2, "z": -1e-17, "name": "pas de bourrée", "tempo": 100 / 3, "on": True, "beat_time": 1 / 7,
+            "period": 0.3, "confidence": 1.0, "state": "lost", "count": 3,
+        }  # fmt: skip
+        fields = {key: value for key, value in values.items() if key in cls.__dataclass_fields__}
+        event = cls(time=2 / 3, source="test", **fields)
+        data = json.loads(json.dumps(events.event_to_json(event)))
+        assert data["type"] == name
+        assert events.event_from_json(data) == event

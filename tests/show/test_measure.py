@@ -1,0 +1,41 @@
+"""MeasureSpan: fractions never go back, lines may move."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from live.clock.timeline import Timeline
+from live.show.measure import MeasureSpan
+
+
+def test_fractions_and_the_next_measure():
+    timeline = Timeline(tempo=120, beats_per_measure=3)
+    span = MeasureSpan.at(timeline, 4.0)
+    assert (span.number, span.end) == (1, 6.0)
+    assert [span.fraction(b) for b in (2.0, 3.0, 4.5, 6.0, 9.0)] == [0, 0, 0.5, 1, 1]
+    following = span.next(timeline)
+    assert (following.number, following.end) == (2, 9.0)
+
+
+@given(st.floats(0.0, 7.9), st.integers(0, 3), st.integers(2, 7))
+def test_a_moved_line_is_reached_with_fractions_that_only_grow(press, shift, size):
+    timeline = Timeline(tempo=120, beats_per_measure=size)
+    span = MeasureSpan.at(timeline, press)
+    before = span.fraction(press)
+    moved = Timeline(tempo=120, beats_per_measure=size, measure_origin=float(shift))
+    changed = span.follow(moved, press, shortest=0.5)
+    assert changed == (shift % size != 0)
+    assert span.fraction(press) == pytest.approx(before, abs=1e-9)
+    assert span.end >= press + 0.5 - 1e-9 or not changed
+    assert (span.end - shift) % size == pytest.approx(0, abs=1e-6) or (span.end - shift) % size == pytest.approx(size)
+    beats = [press + k * (span.end - press) / 50 for k in range(51)]
+    fractions = [span.fraction(b) for b in beats]
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == pytest.approx(1.0)
+    assert not span.follow(moved, press, shortest=0.5)
+
+
+def test_measures_after_a_hair_of_a_shift_are_not_skipped_or_doubled():
+    span = MeasureSpan(0, 0.0, 4.0)
+    nearly = Timeline(beats_per_measure=4, measure_origin=1e-5)
+    assert span.next(nearly).end == pytest.approx(8.0, abs=1e-3)

@@ -1,0 +1,84 @@
+"""Patches: good ones load, bad ones are explained with file, line, field and remedy."""
+
+import pytest
+
+from live.show.patch_file import DEFAULT_PATCH, PatchError, find_beside, find_patch, parse_patch, read_patch
+from tests.show.made_show import PATCH
+
+
+@pytest.mark.parametrize(
+    ("line", "where", "words"),
+    [
+        ("tempo = 3", "line 2: tempo: unknown key", "allowed are name, seed"),
+        ("[stage]\nwidht = 3", "line 3: stage.widht: unknown key", "did you mean 'width'?"),
+        ("[stage]\nwidth = 1", "line 3: stage.width", "greater than or equal to 2, found 1"),
+        ('[stage]\nwidth = "wide"', "line 3: stage.width", "found 'wide'"),
+        ("[stage]\nwidth = nan", "line 3: stage.width", "found nan"),
+        ("seed = -1", "line 2: seed", "found -1"),
+        ("[camera]\neye = [0, 0, 0]\ntarget = [0, 0, 0]", "line 2: camera", "the camera looks nowhere"),
+        ("[clock]\nbpm = 1000", "line 3: clock.bpm", "less than or equal to 400"),
+        ('[[element]]\nkind = "explode"\nmeasure = 1', "line 3: element.1.kind", "'attract', 'repel' or 'spread'"),
+        ('[[element]]\nkind = "attract"', "line 2: element.1.measure", "missing"),
+        ('[[element]]\nkind = "attract"\nmeasure = 1\nat = [1e30, 0]', "line 5: element.1.at", "found 1e+30"),
+        ('[[group]]\nname = "b"\ndancers = 0\nsteps = ["a"]', "line 4: group.1.dancers", "found 0"),
+        ('[[group]]\nname = "b"\ndancers = 2\nsteps = []', "line 5: group.1.steps", "at least 1 item"),
+        ('[[group]]\nname = "b"\ndancers = 2\nsteps = [" "]', "line 5: group.1.steps", "names no step"),
+        ("name 3", "line 2: not valid TOML", ""),
+        ("[look]\nfloor = [2.0, 0, 0]", "line 3: look.floor.1", "less than or equal to 1"),
+    ],
+)
+def test_a_wrong_field_is_named_with_its_line(line, where, words):
+    group = "" if "[[group]]" in line else '\n[[group]]\nname = "a"\ndancers = 1\nsteps = ["sway"]\n'
+    with pytest.raises(PatchError) as error:
+        parse_patch(f'name = "x"\n{line}\n{group}', "my.toml")
+    message = str(error.value)
+    assert f"my.toml, {where}" in message
+    assert words in message
+    assert "\n" not in message
+
+
+def test_every_problem_is_told_at_once():
+    with pytest.raises(PatchError) as error:
+        parse_patch('seed = "x"\n[stage]\nwidth = 0\ndepth = 0\n', "p")
+    for field in ("name", "seed", "stage.width", "stage.depth", "group"):
+        assert f": {field}: " in str(error.value)
+
+
+def test_two_groups_of_one_name_are_refused():
+    with pytest.raises(PatchError, match="two groups are called 'front'"):
+        parse_patch(PATCH.replace('"back"', '"front"'), "p")
+
+
+def test_a_good_patch_has_the_values_written_and_defaults_for_the_rest():
+    patch = parse_patch(PATCH, "p")
+    assert patch.dancer_count == 9
+    assert patch.clock.bpm == 120
+    assert patch.stage.width == 12
+    assert patch.group[1].choose == "random"
+
+
+def test_the_first_show_is_a_good_patch():
+    patch = read_patch(DEFAULT_PATCH)
+    assert find_beside(patch.music.file or "", DEFAULT_PATCH) is not None
+
+
+def test_patches_are_found_by_path_folder_and_name(tmp_path):
+    folder = tmp_path / "mine"
+    folder.mkdir()
+    (folder / "show.toml").write_text(PATCH)
+    assert find_patch(str(folder)) == folder / "show.toml"
+    assert find_patch("first_show") == DEFAULT_PATCH
+    assert find_patch(None) == DEFAULT_PATCH
+    with pytest.raises(PatchError, match="no patch 'nothing'.*first_show"):
+        find_patch("nothing")
+
+
+def test_files_that_are_no_text_or_too_large(tmp_path):
+    (tmp_path / "a.toml").write_bytes(b"name = \xff")
+    with pytest.raises(PatchError, match="UTF-8"):
+        read_patch(tmp_path / "a.toml")
+    (tmp_path / "b.toml").write_bytes(b"#" * 4_000_001)
+    with pytest.raises(PatchError, match="at most"):
+        read_patch(tmp_path / "b.toml")
+    with pytest.raises(PatchError, match="cannot read"):
+        read_patch(tmp_path / "c.toml")

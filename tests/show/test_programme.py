@@ -1,0 +1,59 @@
+"""Programme: sequences, seeded draws, called steps."""
+
+import numpy as np
+import pytest
+
+from live.show.patch import GroupSection, parse_entry
+from live.show.programme import GroupProgramme, UnknownStep, find_step
+from tests.show.made_show import GRAPH
+
+NOBODY = np.zeros(1, np.int32)
+
+
+def made(steps, seed=1, **options):
+    section = GroupSection(name="a", dancers=1, steps=tuple(steps), **options)
+    return GroupProgramme(GRAPH, section, seed=seed, index=0)
+
+
+def names(programme, count):
+    return [GRAPH.library.steps[programme.wanted(m, NOBODY)] for m in range(count)]
+
+
+@pytest.mark.parametrize(
+    ("entry", "parsed"),
+    [("groove", ("groove", 1)), ("groove x4", ("groove", 4)), ("side step x 12", ("side step", 12)), (" x2", ("x2", 1))],
+)
+def test_entries(entry, parsed):
+    assert parse_entry(entry) == parsed
+
+
+def test_a_sequence_counts_measures_and_begins_again():
+    programme = made(["sway x2", "phrase", "spin"])
+    assert names(programme, 10) == ["sway", "sway", "phrase", "phrase", "spin"] * 2
+
+
+def test_draws_are_seeded_held_and_never_the_same_twice_in_a_row():
+    steps = ["sway", "glide", "spin", "phrase"]
+    drawn = names(made(steps, choose="random"), 400)
+    assert drawn == names(made(steps, choose="random"), 400)
+    assert drawn != names(made(steps, seed=2, choose="random"), 400)
+    pairs = [drawn[m] for m in range(0, 400, 2)]
+    assert pairs == [drawn[m] for m in range(1, 400, 2)]
+    assert all(a != b for a, b in zip(pairs, pairs[1:], strict=False))
+    counts = [pairs.count(step) for step in steps]
+    assert min(counts) > 30
+
+
+def test_a_call_holds_for_its_measures_and_can_be_released():
+    programme = made(["sway"])
+    spin = find_step(GRAPH, "spin")
+    programme.call(spin, measure=2, measures=1.5)
+    assert names(programme, 6) == ["spin", "spin", "spin", "spin", "sway", "sway"]
+    programme.call(spin, measure=7, measures=100)
+    programme.release()
+    assert programme.wanted(7, NOBODY) != spin
+
+
+def test_an_unknown_step_names_its_neighbours():
+    with pytest.raises(UnknownStep, match=r"did you mean 'glide'.*sway, glide, spin, phrase"):
+        made(["glied"])
