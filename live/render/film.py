@@ -1,5 +1,6 @@
 """Films: pictures and sound into an mp4 (H.264, AAC) without holding up the frame loop."""
 
+import contextlib
 import os
 import sys
 import threading
@@ -142,12 +143,12 @@ class FilmWriter:
 
     def _run(self, ready: threading.Event) -> None:
         """The encoder's thread, from the first byte of the file to the last."""
-        if self._live and sys.platform == "linux":
-            # the show goes first; x264's own threads inherit this
-            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 5)
         try:
-            flags = "hybrid_fragmented" if self._live else "faststart"
-            with av.open(str(self.path), "w", format="mp4", options={"movflags": flags}) as container:
+            if self._live:
+                _give_way()
+            flags = "hybrid_fragmented+delay_moov" if self._live else "faststart"
+            options = {"movflags": flags, "movie_timescale": "90000"}  # lengths in ms would cut the last picture short
+            with av.open(str(self.path), "w", format="mp4", options=options) as container:
                 encoder = _Encoder(container, self.size, self.fps, self._options, self._sound)
                 container.start_encoding()
                 ready.set()
@@ -201,7 +202,7 @@ class _Encoder:
 
     def repeat(self) -> None:
         """Encode the last picture (once more), and the sound beside it."""
-        self._last.pts, self._last.time_base = self._count, 1 / self._fps
+        self._last.pts, self._last.time_base, self._last.duration = self._count, 1 / self._fps, 1
         self._container.mux(self._stream.encode(self._last))
         self._count += 1
         if self._track:
@@ -212,6 +213,14 @@ class _Encoder:
         self._container.mux(self._stream.encode(None))
         if self._track:
             self._track.follow(self._count / self._fps, last=True)
+
+
+def _give_way() -> None:
+    """Let the show go first: lower the priority of this thread, and of those of the encoder that it will start."""
+    if sys.platform == "linux":
+        thread = threading.get_native_id()
+        with contextlib.suppress(OSError):
+            os.setpriority(os.PRIO_PROCESS, thread, os.getpriority(os.PRIO_PROCESS, thread) + 5)
 
 
 def _pixels_of(source: Any) -> Picture:

@@ -29,30 +29,30 @@ class FilmSound:
     channels: int
     read: Callable[[int, int], Samples]
 
+    @staticmethod
+    def of(samples: Samples, rate: int, *, start: float = 0.0, loop: bool = False) -> "FilmSound":
+        """Sound from an array, shape (n,) or (n, channels); of more than two channels the first two are heard.
 
-def sound_of(samples: Samples, rate: int, *, start: float = 0.0, loop: bool = False) -> FilmSound:
-    """Sound from an array, shape (n,) or (n, channels); of more than two channels the first two are heard.
+        The film begins at `start` [s] of the array (before 0: silence first). After the array's end there is silence,
+        or with `loop` its beginning again. Raises ValueError for an array of another shape.
+        """
+        if samples.ndim not in (1, 2) or (samples.ndim == 2 and samples.shape[1] == 0):
+            raise ValueError(f"sound of shape {samples.shape}: (n,) or (n, channels) is needed")
+        heard = samples[:, None] if samples.ndim == 1 else samples[:, :2]
+        length, offset = len(heard), round(start * rate)
 
-    The film begins at `start` [s] of the array (before 0: silence first). After the array's end there is silence,
-    or with `loop` its beginning again. Raises ValueError for an array of another shape.
-    """
-    if samples.ndim not in (1, 2) or (samples.ndim == 2 and samples.shape[1] == 0):
-        raise ValueError(f"sound of shape {samples.shape}: (n,) or (n, channels) is needed")
-    heard = samples.reshape(len(samples), -1)[:, :2]
-    length, offset = len(heard), round(start * rate)
+        def read(first: int, count: int) -> Samples:
+            index = np.arange(offset + first, offset + first + count)
+            inside = (index >= 0) & (length > 0)
+            if loop and length:
+                index %= length
+            else:
+                inside &= index < length
+            piece = np.zeros((count, heard.shape[1]), np.float32)
+            piece[inside] = heard[index[inside]]
+            return piece
 
-    def read(first: int, count: int) -> Samples:
-        index = np.arange(offset + first, offset + first + count)
-        inside = (index >= 0) & (length > 0)
-        if loop and length:
-            index %= length
-        else:
-            inside &= index < length
-        piece = np.zeros((count, heard.shape[1]), np.float32)
-        piece[inside] = heard[index[inside]]
-        return piece
-
-    return FilmSound(rate, heard.shape[1], read)
+        return FilmSound(rate, heard.shape[1], read)
 
 
 class SoundTrack:

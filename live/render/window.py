@@ -182,7 +182,6 @@ class Window:
             self._monitor = self._monitor_under(self._place)
             self._fullscreen = True
             self._settle(forced=True)
-        self._show_cursor(not self._fullscreen)
         self._fit_target()
 
     def close(self) -> None:
@@ -213,6 +212,7 @@ class Window:
         """Full screen on a monitor in its present mode; where that is refused, a window without frame over it."""
         glfw, (width, height) = self._glfw, monitor.size
         rate = round(monitor.refresh_hz) or glfw.DONT_CARE
+        self._show_cursor(False)
         glfw.set_window_monitor(self._handle, handle, 0, 0, width, height, rate)
         self._borderless = not glfw.get_window_monitor(self._handle)
         if self._borderless:
@@ -225,6 +225,7 @@ class Window:
         """Become a window: where it was before, or in the middle of its monitor (of the first, if it has gone)."""
         glfw = self._glfw
         self._covers = None
+        self._show_cursor(True)
         if self._borderless:
             glfw.set_window_attrib(self._handle, glfw.DECORATED, True)
             glfw.set_window_attrib(self._handle, glfw.FLOATING, False)

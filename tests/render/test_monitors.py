@@ -1,5 +1,10 @@
 """Monitors by number and by name."""
 
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import pytest
 
 from live.render.monitors import Monitor, UnknownMonitor, find_monitor, list_monitors, same_monitor, screen_problem
@@ -58,6 +63,17 @@ def test_two_real_monitors(stage_x: TwoMonitorX) -> None:
     assert find_monitor("dummy1") == monitors[1]
     with pytest.raises(UnknownMonitor, match="several"):
         find_monitor("dummy")
+
+
+@pytest.mark.x11
+@pytest.mark.skipif(sys.platform != "linux", reason="Wayland is of Linux")
+def test_in_a_wayland_session_the_x_server_is_used_all_the_same(stage_x: TwoMonitorX) -> None:
+    code = "from live.render.monitors import list_monitors; print([each.name for each in list_monitors()])"
+    environment = {**os.environ, "XDG_SESSION_TYPE": "wayland", "WAYLAND_DISPLAY": "wayland-77"}
+    environment.pop("PYGLFW_LIBRARY_VARIANT", None)
+    root = Path(__file__).parents[2]
+    told = subprocess.run([sys.executable, "-c", code], env=environment, cwd=root, capture_output=True, check=True)
+    assert told.stdout.decode().strip() == "['DUMMY0', 'DUMMY1']"
 
 
 @pytest.mark.usefixtures("no_screen")

@@ -8,7 +8,9 @@ import glfw
 import numpy as np
 import pytest
 
+from live.render.headless import OffscreenTarget
 from live.render.monitors import Monitor, UnknownMonitor, find_monitor, list_monitors
+from live.render.readback import FrameReader
 from live.render.window import SETTLE_PERIOD, NoWindow, Window
 from live.render.window_input import (
     CloseRequested,
@@ -178,6 +180,27 @@ def test_a_larger_window_is_filled_to_its_edges(open_window: Open, stage_x: TwoM
 
 
 @pytest.mark.x11
+def test_the_picture_is_read_back_and_copied_whole_at_any_size(open_window: Open, stage_x: TwoMonitorX) -> None:
+    window = open_window(monitor=find_monitor("2"))
+    frames(window, 3)
+    window.toggle_fullscreen()
+    pump(window, lambda _: window.size == SECOND)
+    drawn = OffscreenTarget(window.ctx, SECOND)
+    drawn.framebuffer.use()
+    drawn.framebuffer.clear(0.0, 0.0, 1.0)
+    drawn.framebuffer.clear(0.0, 1.0, 0.0, viewport=(0, 0, 800, 300))  # the lower half
+    window.ctx.copy_framebuffer(window.target, drawn.framebuffer)
+    reader = FrameReader(window.ctx, SECOND)
+    picture = reader.read(window.target).copy()
+    window.swap()
+    window.ctx.finish()
+    assert np.all(picture[:300] == (0, 0, 255))
+    assert np.all(picture[300:] == (0, 255, 0))
+    shown = stage_x.screenshot()[:600, 640:1440]
+    np.testing.assert_array_equal(shown, picture)
+
+
+@pytest.mark.x11
 def test_the_projector_is_unplugged_and_plugged_in_again(open_window: Open, stage_x: TwoMonitorX) -> None:
     window = open_window(monitor=find_monitor("2"), fullscreen=True)
     frames(window, 3)
@@ -186,12 +209,14 @@ def test_the_projector_is_unplugged_and_plugged_in_again(open_window: Open, stag
     assert inputs.count(MonitorsChanged()) == 1
     frames(window, 3)
     assert window.fullscreen, "it still means to be full screen"
+    assert glfw.get_input_mode(window._handle, glfw.CURSOR) == glfw.CURSOR_NORMAL
     assert red_part(stage_x)[0] == pytest.approx(320 * 200 / (640 * 360)), "the show goes on, on the first monitor"
     stage_x.plug_both()
     pump(window, is_at(window, 640, 0, 800, 600))
     frames(window, 3)
     assert red_part(stage_x) == (0.0, 1.0)
     assert window.size == SECOND
+    assert glfw.get_input_mode(window._handle, glfw.CURSOR) == glfw.CURSOR_HIDDEN
 
 
 @pytest.mark.x11
