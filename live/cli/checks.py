@@ -14,10 +14,12 @@ from typing import Literal
 from live.cli.inventory import Section, audio, midi, monitors, one_line
 from live.cli.opengl import probe_opengl
 from live.cli.packages import install_line
+from live.cli.quiet import quiet_stderr
 
 State = Literal["ok", "limited", "missing"]
 OSC_ADDRESS = ("127.0.0.1", 9010)
 OLDEST_OPENGL = 410
+_OTHER_PYTHON = "take Python 3.11 or 3.12: make clean play PYTHON=python3.12"
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +57,7 @@ def check_packages() -> Iterator[Check]:
         except importlib.metadata.PackageNotFoundError:
             if optional:
                 detail = f"not for this Python ({requirement.partition(';')[2].strip()})"
-                yield Check(name, "limited", detail, "take Python 3.11 or 3.12: make clean play PYTHON=python3.12")
+                yield Check(name, "limited", detail, _OTHER_PYTHON)
             else:
                 yield Check(name, "missing", "not installed", "make play", needed=True)
 
@@ -91,18 +93,22 @@ def _check_section(name: str, section: Section, without: str, remedy: str) -> Ch
 
 def check_audio() -> Iterator[Check]:
     """PortAudio, and something to listen to and to play on."""
-    inputs, outputs = audio()
-    if inputs.why is not None and "library not found" in inputs.why:
-        yield Check("PortAudio", "limited", inputs.why, install_line("portaudio"))
+    try:
+        version = _portaudio_version()
+    except OSError as error:
+        detail = f"{one_line(error)}; music files are followed silently"
+        yield Check("PortAudio", "limited", detail, install_line("portaudio"))
         return
-    yield Check("PortAudio", "ok", _portaudio_version())
+    yield Check("PortAudio", "ok", version)
+    inputs, outputs = audio()
     remedy = "plug in a sound card, or start PulseAudio or PipeWire"
     yield _check_section("audio in", inputs, "music can come from a file, or tempo from --bpm", remedy)
     yield _check_section("audio out", outputs, "music files are followed silently", remedy)
 
 
 def _portaudio_version() -> str:
-    import sounddevice
+    with quiet_stderr():
+        import sounddevice
 
     return str(sounddevice.get_portaudio_version()[1]).partition(",")[0]
 
@@ -110,8 +116,11 @@ def _portaudio_version() -> str:
 def check_midi() -> Iterator[Check]:
     """MIDI in and out."""
     inputs, outputs = midi()
-    library = inputs.why is not None and "libasound" in inputs.why
-    remedy = install_line("alsa") if library else "plug in a MIDI device"
+    remedy = "plug in a MIDI device"
+    if inputs.why is not None and "libasound" in inputs.why:
+        remedy = install_line("alsa")
+    elif inputs.why is not None and "rtmidi'" in inputs.why:
+        remedy = _OTHER_PYTHON
     yield _check_section("MIDI in", inputs, "no MIDI control", remedy)
     yield _check_section("MIDI out", outputs, "nothing is sent over MIDI", remedy)
 

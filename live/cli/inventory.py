@@ -3,7 +3,8 @@
 Never raises: a missing library, a missing server or a missing screen becomes the section's `why`.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from live.cli.quiet import quiet_stderr
@@ -27,36 +28,18 @@ def one_line(error: BaseException) -> str:
 
 def audio() -> tuple[Section, Section]:
     """Audio inputs and outputs: index, name, host (ALSA, JACK, …), channels, sample_rate [Hz], default."""
-    titles = ("audio_inputs", "audio_outputs")
-    try:
-        with quiet_stderr():
-            import sounddevice
+    from live.control import sound_devices
 
-            hosts = [host["name"] for host in sounddevice.query_hostapis()]
-            devices = list(sounddevice.query_devices())
-            default = tuple(sounddevice.default.device)
-    except Exception as error:  # PortAudio reports its troubles by many types
-        input_section, output_section = (Section(title, (), f"PortAudio: {one_line(error)}") for title in titles)
-        return input_section, output_section
+    def section(direction: str, find: Callable[[], list[sound_devices.SoundDevice]]) -> Section:
+        try:
+            with quiet_stderr():
+                items = tuple(asdict(device) for device in find())
+        except sound_devices.SoundUnavailable as error:
+            return Section(f"audio_{direction}s", (), one_line(error))
+        why = f"PortAudio finds no {direction}: no sound card, and no PulseAudio, PipeWire or JACK server within reach"
+        return Section(f"audio_{direction}s", items, None if items else why)
 
-    def section(title: str, key: str, default_index: int) -> Section:
-        items = tuple(
-            {
-                "index": index,
-                "name": device["name"],
-                "host": hosts[device["hostapi"]],
-                "channels": device[key],
-                "sample_rate": device["default_samplerate"],
-                "default": index == default_index,
-            }
-            for index, device in enumerate(devices)
-            if device[key] > 0
-        )
-        word = title.removeprefix("audio_").removesuffix("s")
-        why = f"PortAudio finds no {word}: no sound card, and no PulseAudio, PipeWire or JACK server that it can reach"
-        return Section(title, items, None if items else why)
-
-    return section(titles[0], "max_input_channels", default[0]), section(titles[1], "max_output_channels", default[1])
+    return section("input", sound_devices.list_input_devices), section("output", sound_devices.list_output_devices)
 
 
 def midi() -> tuple[Section, Section]:
@@ -68,7 +51,7 @@ def midi() -> tuple[Section, Section]:
 
             names = (mido.get_input_names(), mido.get_output_names())
     except ModuleNotFoundError as error:
-        why = f"{one_line(error)}: python-rtmidi has no ready package for this Python (3.11 and 3.12 have)"
+        why = f"{one_line(error)}: python-rtmidi is ready-made for Python 3.11 and 3.12 only"
     except Exception as error:  # rtmidi raises SystemError where the kernel has no ALSA sequencer
         why = f"rtmidi: {one_line(error)}"
     else:

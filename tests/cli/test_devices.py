@@ -7,6 +7,8 @@ import sys
 import pytest
 
 from live.cli import inventory
+from live.control import sound_devices
+from live.control.sound_devices import SoundDevice
 from tests.cli.command import run_live
 
 SECTIONS = ["audio_inputs", "audio_outputs", "midi_inputs", "midi_outputs", "monitors"]
@@ -69,32 +71,28 @@ def test_midi_ports_are_listed_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
     assert outputs.why == "the system's MIDI is there, but nothing is plugged in"
 
 
-class _PortAudio:
-    class default:  # noqa: N801 - the library spells it so
-        device = (1, 0)
-
-    def query_hostapis(self) -> list[dict[str, object]]:
-        return [{"name": "ALSA"}, {"name": "JACK"}]
-
-    def query_devices(self) -> list[dict[str, object]]:
-        def device(name: str, host: int, inputs: int, outputs: int) -> dict[str, object]:
-            counts = {"max_input_channels": inputs, "max_output_channels": outputs}
-            return {"name": name, "hostapi": host, "default_samplerate": 48000.0, **counts}
-
-        return [device("speakers", 0, 0, 2), device("microphone", 0, 1, 0), device("both", 1, 2, 4)]
-
-
 def test_audio_devices_keep_their_numbers_and_are_sorted_by_direction(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "sounddevice", _PortAudio())
+    microphone = SoundDevice(1, "microphone", "ALSA", 1, 48000.0, default=True)
+    speakers = SoundDevice(0, "speakers", "JACK", 2, 44100.0, default=False)
+    monkeypatch.setattr(sound_devices, "list_input_devices", lambda: [microphone])
+    monkeypatch.setattr(sound_devices, "list_output_devices", lambda: [speakers])
     inputs, outputs = inventory.audio()
-    assert [(item["index"], item["host"], item["channels"], item["default"]) for item in inputs.items] == [
-        (1, "ALSA", 1, True),
-        (2, "JACK", 2, False),
-    ]
-    assert [(item["index"], item["name"], item["default"]) for item in outputs.items] == [
-        (0, "speakers", True),
-        (2, "both", False),
-    ]
+    keys = {"index": 1, "name": "microphone", "host": "ALSA", "channels": 1, "sample_rate": 48000.0, "default": True}
+    assert inputs.items == (keys,)
+    assert [item["name"] for item in outputs.items] == ["speakers"]
+    assert inputs.why is outputs.why is None
+
+
+def test_audio_without_portaudio_is_a_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+    def unavailable() -> list[SoundDevice]:
+        raise sound_devices.SoundUnavailable("no sound devices: PortAudio library not found;\ninstall PortAudio")
+
+    monkeypatch.setattr(sound_devices, "list_input_devices", unavailable)
+    monkeypatch.setattr(sound_devices, "list_output_devices", list)
+    inputs, outputs = inventory.audio()
+    assert (inputs.items, inputs.why) == ((), "no sound devices: PortAudio library not found; install PortAudio")
+    assert outputs.why is not None
+    assert "no output" in outputs.why
 
 
 def test_stderr_is_given_back_after_the_silence(capfd: pytest.CaptureFixture[str]) -> None:

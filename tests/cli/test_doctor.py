@@ -87,11 +87,29 @@ def test_a_package_that_this_python_does_not_take_is_a_limit(monkeypatch: pytest
 
 
 def test_portaudio_that_is_not_installed_names_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
-    missing = Section("audio_inputs", (), "PortAudio: PortAudio library not found")
-    monkeypatch.setattr(checks, "audio", lambda: (missing, missing))
+    def not_there() -> str:
+        raise OSError("PortAudio library not found")
+
+    monkeypatch.setattr(checks, "_portaudio_version", not_there)
     monkeypatch.setattr(packages.shutil, "which", lambda name: name if name == "dnf" else None)
     (found,) = checks.check_audio()
     assert found.remedy == "sudo dnf install portaudio"
+
+
+@pytest.mark.parametrize(
+    ("why", "remedy"),
+    [
+        ("rtmidi: libasound.so.2: cannot open shared object file", "sudo dnf install alsa-lib"),
+        ("No module named 'rtmidi': python-rtmidi is ready-made for …", "make clean play PYTHON=python3.12"),
+        ("the system's MIDI is there, but nothing is plugged in", "plug in a MIDI device"),
+    ],
+)
+def test_midi_remedies_fit_the_reason(monkeypatch: pytest.MonkeyPatch, why: str, remedy: str) -> None:
+    monkeypatch.setattr(checks, "midi", lambda: (Section("midi_inputs", (), why), Section("midi_outputs", (), why)))
+    monkeypatch.setattr(packages.shutil, "which", lambda name: name if name == "dnf" else None)
+    for found in checks.check_midi():
+        assert found.state == "limited"
+        assert found.remedy.endswith(remedy)
 
 
 @pytest.mark.parametrize(
