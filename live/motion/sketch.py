@@ -15,6 +15,8 @@ from live.motion.sketch_words import PAIRS, PARTS, WordError, Words, read_counts
 MAX_BEATS: Final = 16
 MAX_KEYS: Final = 100
 MAX_TEXT: Final = 200_000
+SHORTEST: Final = 0.08
+"""Least time between two counts of one part [beats]."""
 LIMBS: Final = ("left_hand", "right_hand", "left_foot", "right_foot")
 MIRRORED_CHANNELS: Final = frozenset({"left", "turn", "tilt"})
 """Channels of the trunk that change their sign on the other side of the body."""
@@ -120,7 +122,9 @@ class _Reader:
         parts = self._parts(sketch.beats / 2 if alternate else float(sketch.beats))
         if alternate:
             parts = _alternated(parts, sketch.beats / 2)
-        return replace(sketch, parts={part: tuple(sorted(keys, key=lambda k: k.beat)) for part, keys in parts.items()})
+        sketch = replace(sketch, parts={part: _in_order(keys) for part, keys in parts.items() if keys})
+        self._danceable(sketch)
+        return sketch
 
     def _error(self, path: KeyPath, problem: str, remedy: str) -> SketchError:
         name = ".".join(f'"{key}"' if " " in str(key) or "&" in str(key) else str(key) for key in path)
@@ -204,6 +208,49 @@ class _Reader:
             keys.append(key)
         if len(keys) > MAX_KEYS:
             raise self._error(path, f"more than {MAX_KEYS} keys for {part}", "write fewer counts")
+
+    def _danceable(self, sketch: Sketch) -> None:
+        for part, keys in sketch.parts.items():
+            following = [*keys[1:], replace(keys[0], beat=keys[0].beat + sketch.beats)]
+            for key, after in zip(keys, following, strict=True):
+                if after.beat - key.beat < SHORTEST:
+                    problem = f"{part} has less than {SHORTEST:g} beat between two counts"
+                    raise SketchError(sketch.file, after.line, part, problem, "leave one of them out")
+            if not sketch.cyclic and keys[-1].beat > sketch.beats - 0.25:
+                problem = "nothing is left of the step in which to come back to the neutral stance"
+                raise SketchError(sketch.file, keys[-1].line, part, problem, "end a quarter beat before the last line")
+        body = sketch.parts.get("body", ())
+        if body and body[0].beat == 0.0 and body[0].amounts["turn"] != 0.0:
+            problem = "a step begins facing the front"
+            raise SketchError(sketch.file, body[0].line, "body", problem, "let the first turn come after count 1")
+        if sketch.travels:
+            self._travels(sketch)
+
+    def _travels(self, sketch: Sketch) -> None:
+        body = sketch.parts.get("body", ())
+        if body and abs(math.remainder(body[-1].amounts["turn"], 2.0 * math.pi)) > 1e-6:
+            problem = "a step that travels must face the front again at its end"
+            raise SketchError(sketch.file, body[-1].line, "body", problem, "turn by 0 or 360, or leave out travels")
+        if not sketch.cyclic:
+            raise self._error(("cyclic",), "a step that travels must repeat", "leave out cyclic or travels")
+        for part in ("left_foot", "right_foot"):
+            keys = sketch.parts.get(part, ())
+            leaves = any({"up", "lift"} & set(key.amounts) for key in keys)
+            places = {tuple(key.amounts.get(word, 0.0) for word in ("out", "forward", "turn")) for key in keys}
+            if not leaves and len(places) < 2:
+                problem = f"{part} never leaves the floor, so the step cannot travel"
+                raise self._error(("travels",), problem, 'lift it once, e.g. "2" = "home, lift 4"')
+
+
+def _in_order(keys: list[Key]) -> tuple[Key, ...]:
+    """By their beats; what several lines say of the same count becomes one key."""
+    merged: list[Key] = []
+    for key in sorted(keys, key=lambda key: key.beat):
+        if merged and key.beat - merged[-1].beat < 1e-6:
+            merged[-1] = replace(merged[-1], amounts={**merged[-1].amounts, **key.amounts})
+        else:
+            merged.append(key)
+    return tuple(merged)
 
 
 def _alternated(parts: dict[str, list[Key]], half: float) -> dict[str, list[Key]]:

@@ -8,9 +8,11 @@ import numpy.typing as npt
 from live.motion.clip import Clip
 from live.motion.mirror import mirror_step
 from live.motion.sketch import Sketch
-from live.motion.sketch_body import Ground, pose_body
+from live.motion.sketch_body import pose_body
 from live.motion.sketch_channels import SAMPLES_PER_BEAT, facing
-from live.motion.sketch_feet import Path, balance, flights, keep_apart, placed, stances, supported, track
+from live.motion.sketch_feet import Path, keep_apart, placed, track
+from live.motion.sketch_pose import Ground
+from live.motion.sketch_stances import balance, flights, stances, supported
 from live.motion.step_clip import DIRECTIONS, StepClip
 
 Float = npt.NDArray[np.floating]

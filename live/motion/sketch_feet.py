@@ -1,9 +1,8 @@
-"""Where the feet of a sketch stand and how they get there: stances, swings, roll, weight (beats and metres)."""
+"""Where the feet of a sketch stand and how they get there: places, swings, roll (beats and metres)."""
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -11,7 +10,8 @@ import numpy.typing as npt
 
 from live.motion.curve import through
 from live.motion.skeleton import SKELETON
-from live.motion.sketch import Key, Sketch
+from live.motion.sketch import Key
+from live.motion.sketch_stances import ALWAYS, Stance, place_of
 
 Float = npt.NDArray[np.floating]
 Bool = npt.NDArray[np.bool_]
@@ -24,39 +24,9 @@ HOME_TURN: Final = math.radians(10.0)
 BALL_FORWARD: Final = float(SKELETON.offsets[SKELETON.index("leftToes"), 2])
 HEEL_TO_BALL: Final = BALL_FORWARD + 0.05
 """From the heel to the ball of the foot, the two points on which it rolls [m]."""
-ALWAYS: Final = 1000.0
-_RISE: Final = 0.5
 _PIVOT: Final = math.radians(25.0)
 _AHEAD: Final = math.radians(30.0)
 _GAP: Final = 0.15
-
-
-@dataclass(frozen=True, slots=True)
-class Stance:
-    """One foot on one place, from the beat of its arrival to the beat on which it leaves."""
-
-    arrive: float
-    leave: float
-    place: tuple[float, float, float]
-    """Out and forward from its home [m], turned out [rad]; as seen from the body."""
-    contacts: tuple[Key, ...]
-    """The keys that hold it there."""
-    air: tuple[Key, ...]
-    """The keys in the air on the way from here to the next place."""
-    lift: float | None
-    """Height of the way to the next place [m], if it is said."""
-    number: int
-    """The same for the same stance of every repetition."""
-
-    @property
-    def middle(self) -> float:
-        """The beat on which the foot is under the body."""
-        return 0.5 * (self.arrive + self.leave)
-
-    @property
-    def touches(self) -> bool:
-        """Whether the foot only touches, without weight."""
-        return all("touch" in key.amounts for key in self.contacts)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,70 +50,6 @@ class FootTrack:
     """1 while it stands, 0 in the air, smooth between, (T,)."""
     free: Float
     """1 where a key leads it through the air and the pelvis need not follow, else 0, smooth between, (T,)."""
-
-
-def stances(sketch: Sketch, part: str, first: float, last: float) -> list[Stance]:
-    """The stances of a foot that cover the beats from `first` to `last`, with at least one more at each end."""
-    keys = [(key.beat, key, number) for number, key in enumerate(sketch.parts.get(part, ()))]
-    home = Key(0.0, {"home": 1.0})
-    if not any(_on_floor(key) for _, key, _ in keys):
-        keys.insert(0, (0.0 if not keys or keys[0][0] > 0.0 else -0.5, home, -1))
-    if sketch.cyclic:
-        cycles = range(math.floor(first / sketch.beats) - 2, math.ceil(last / sketch.beats) + 3)
-        events = [(beat + cycle * sketch.beats, key, number) for cycle in cycles for beat, key, number in keys]
-    else:
-        last = max(sketch.beats - 0.5, 0.5 * (keys[-1][0] + sketch.beats))
-        events = [(-ALWAYS, home, -1), *keys, (last, home, -2)]
-    while not _on_floor(events[0][1]):
-        events.pop(0)
-    result = _stances(events, sketch.swing)
-    if len(result) == 1:
-        return [replace(result[0], arrive=-ALWAYS)]
-    return result[1:-1] if sketch.cyclic else result  # the outermost ones are cut off by the window
-
-
-def _on_floor(key: Key) -> bool:
-    return key.amounts.get("up", 0.0) <= 0.0
-
-
-def _place(key: Key) -> tuple[float, float, float]:
-    amounts = key.amounts
-    return amounts.get("out", 0.0), amounts.get("forward", 0.0), amounts.get("turn", 0.0)
-
-
-def _stances(events: list[tuple[float, Key, int]], swing: float) -> list[Stance]:
-    result: list[Stance] = []
-    arrive, contacts, air, number = events[0][0], [events[0][1]], list[Key](), events[0][2]
-    last_contact = max(arrive, 0.0) if arrive <= -ALWAYS else arrive
-    for beat, key, key_number in events[1:]:
-        if not _on_floor(key):
-            air.append(replace(key, beat=beat))
-            continue
-        if not air and _place(key) == _place(contacts[-1]) and "lift" not in key.amounts:
-            contacts.append(replace(key, beat=beat))
-            last_contact = beat
-            continue
-        goal = air[0].beat if air else beat
-        gap = goal - last_contact
-        leave = max(goal - min(_RISE if air else swing, 0.75 * gap), arrive + 0.05)
-        result.append(
-            Stance(arrive, leave, _place(contacts[0]), tuple(contacts), tuple(air), key.amounts.get("lift"), number)
-        )
-        arrive, contacts, air, number, last_contact = beat, [replace(key, beat=beat)], [], key_number, beat
-    result.append(Stance(arrive, ALWAYS, _place(contacts[0]), tuple(contacts), (), None, number))
-    return result
-
-
-def supported(own: list[Stance], other: list[Stance]) -> list[Stance]:
-    """The stances, left later where the other foot would still be in the air: a step is no leap unless it says so."""
-    result = []
-    for stance in own:
-        landing = [b.arrive for a, b in pairwise(other) if a.leave - 1e-6 < stance.leave < b.arrive]
-        if landing and not stance.air:
-            following = next((s.arrive for s in own if s.arrive > stance.leave), ALWAYS)
-            stance = replace(stance, leave=max(stance.leave, min(landing[0], following - 0.2)))
-        result.append(stance)
-    return result
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -260,7 +166,7 @@ def track(
 
 def _in_the_air(path: Path, stance: Stance, following: Stance, side: float) -> Float:
     """Beat, ball x, z and heading (K, 4) on the way through keys in the air, led around with a body that turns."""
-    keys = [(stance.leave, *stance.place), *[(key.beat, *_place(key)) for key in stance.air]]
+    keys = [(stance.leave, *stance.place), *[(key.beat, *place_of(key)) for key in stance.air]]
     table = np.array([*keys, (following.arrive, *following.place)])
     turned = float(np.ptp(path.facing(table[:, 0])))
     moments = table[1:-1, 0]
@@ -349,48 +255,4 @@ def _firm(own: list[Stance], beats: Float, *, plain: float) -> Float:
         keys.append((stance.arrive, 1.0))
         keys.append((min(stance.leave, ALWAYS), 1.0))
     table = np.array(keys)
-    return through(table[:, 0], table[:, 1], beats)
-
-
-def flights(left: list[Stance], right: list[Stance]) -> list[tuple[float, float]]:
-    """Beats (from, to) during which both feet are in the air."""
-    gaps = [[(a.leave, b.arrive) for a, b in pairwise(own) if a.air] for own in (left, right)]
-    both = [(max(a, c), min(b, d)) for a, b in gaps[0] for c, d in gaps[1]]
-    return [(start, end) for start, end in both if end - start > 0.08]
-
-
-def balance(left: list[Stance], right: list[Stance], beats: Float) -> Float:
-    """Where the weight is at `beats` (T,): +1 on the left foot, -1 on the right, 0 on both (or in the air).
-
-    More than 1 where one foot carries for long and must be right under the body.
-    """
-    keys: list[tuple[float, float]] = []
-    for own, sign in ((left, -1.0), (right, 1.0)):
-        free: list[tuple[float, float]] = []
-        for before, after in pairwise(own):
-            start = before.arrive if before.touches else before.leave
-            end = after.leave if after.touches else after.arrive
-            if free and start <= free[-1][1]:
-                free[-1] = (free[-1][0], end)
-            else:
-                free.append((start, end))
-        for start, end in free:
-            edge = min(0.3, 0.5 * (end - start))
-            value = sign * (1.0 + 0.6 * min(max(end - start - 0.7, 0.0), 1.0))
-            keys += [(start + edge, value), (end - edge, value)] if edge > 0.29 else [(start + edge, value)]
-    keys.sort()
-    merged: list[tuple[float, float]] = []
-    for at, value in keys:
-        if merged and at - merged[-1][0] < 0.02:
-            merged[-1] = (merged[-1][0], 0.5 * (merged[-1][1] + value))
-            continue
-        if merged and at - merged[-1][0] > 2.01:  # long on both feet: the weight comes back to the middle
-            merged += [(merged[-1][0] + 0.8, 0.0), (at - 0.8, 0.0)]
-        merged.append((at, value))
-    if not merged:
-        return np.zeros(len(beats))
-    begin = merged[0][0] - 0.5
-    if left[0].arrive <= -ALWAYS and right[0].arrive <= -ALWAYS:  # it begins in the neutral stance
-        begin = min(max(begin, 0.0), merged[0][0] - 0.05)
-    table = np.array([(begin, 0.0), *merged, (merged[-1][0] + 0.5, 0.0)])
     return through(table[:, 0], table[:, 1], beats)

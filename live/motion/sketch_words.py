@@ -133,7 +133,22 @@ def read_phrases(text: str, part: str, words: Words) -> dict[str, float]:
         if channel in amounts:
             raise WordError(f'"{phrase.strip()}" says again what the same line has said', "keep one of the two")
         amounts[channel] = amount
+    _check_together(amounts, part)
     return amounts
+
+
+def _check_together(amounts: Mapping[str, float], part: str) -> None:
+    alone = [flag for flag in ("neutral", "rest") if flag in amounts]
+    if alone and len(amounts) > 1:
+        raise WordError(f'"{alone[0]}" says everything', "leave out the other words of the line")
+    if "home" in amounts and {"out", "forward"} & set(amounts):
+        raise WordError('"home" is a place', "leave out home, or out, in, forward and back")
+    if "foot" in part or part == "feet":
+        for word in ("up", "heel", "toe", "lift"):
+            if amounts.get(word, 0.0) < 0.0:
+                raise WordError(f"{word} below the floor", f"give {word} a number from 0")
+        if amounts.get("up", 0.0) > 0.0 and {"touch", "lift"} & set(amounts):
+            raise WordError("in the air (up) and on the floor (touch, lift) at once", "keep one of them")
 
 
 def _read_phrase(phrase: str, part: str, words: Words) -> tuple[str, float]:
