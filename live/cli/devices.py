@@ -19,7 +19,7 @@ _HEADINGS = {
 
 def _describe(item: "Item") -> str:
     if "width" in item:
-        text = f"{item['width']}×{item['height']}, {item['refresh_rate']} Hz, at {tuple(item['position'])}"
+        text = f"{item['width']}×{item['height']}, {item['refresh_rate']:.4g} Hz, at {tuple(item['position'])}"
         return text + (", primary" if item["primary"] else "")
     if "channels" in item:
         text = f"{item['host']}, {item['channels']} channels, {item['sample_rate']:g} Hz"

@@ -3,12 +3,14 @@
 import json
 import os
 import sys
+from pathlib import Path
 
 import pytest
 
 from live.cli import inventory
 from live.control import sound_devices
 from live.control.sound_devices import SoundDevice
+from tests import two_monitor_x
 from tests.cli.command import run_live
 
 SECTIONS = ["audio_inputs", "audio_outputs", "midi_inputs", "midi_outputs", "monitors"]
@@ -100,3 +102,21 @@ def test_stderr_is_given_back_after_the_silence(capfd: pytest.CaptureFixture[str
         os.write(2, b"from a C library\n")
     os.write(2, b"ours\n")
     assert capfd.readouterr().err == "ours\n"
+
+
+@pytest.mark.x11
+def test_two_real_monitors_are_numbered_from_one(tmp_path: Path) -> None:
+    try:
+        screen, server = two_monitor_x.start(tmp_path)
+    except two_monitor_x.NoX as reason:
+        pytest.skip(str(reason))
+    try:
+        screen.plug_both()
+        report = json.loads(run_live("devices", "--json", DISPLAY=screen.display).stdout)["monitors"]
+        table = run_live("devices", DISPLAY=screen.display).stdout
+    finally:
+        two_monitor_x.stop(server)
+    assert report["why"] is None
+    seen = [(item["number"], item["name"], item["width"], item["position"]) for item in report["items"]]
+    assert seen == [(1, "DUMMY0", 640, [0, 0]), (2, "DUMMY1", 800, [640, 0])]
+    assert "  2  DUMMY1  800×600, 60 Hz, at (640, 0)" in table.splitlines()
