@@ -7,7 +7,6 @@ from rich.console import Console
 
 from live.base.errors import PersonError
 from live.base.stage_view import Scene, StageView
-from live.cli.recording import LiveRecording
 from live.cli.session import Session
 from live.render.pacing import Pacer
 
@@ -18,6 +17,7 @@ def play_headless(session: Session, scene: Scene, console: Console) -> None:
         with session.running():
             _loop(session, lambda view: None)
         return
+    from live.cli.recording import LiveRecording
     from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context
     from live.render.renderer import Renderer
 

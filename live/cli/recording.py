@@ -8,7 +8,7 @@ from rich.console import Console
 from live.base.errors import PersonError
 from live.control.music_file import Music
 from live.render.film import FilmError, FilmWriter
-from live.render.film_sound import sound_of
+from live.render.film_sound import FilmSound
 from live.render.readback import FrameReader
 
 CATCH_UP = 600
@@ -17,7 +17,7 @@ CATCH_UP = 600
 
 def film_writer(path: Path, *, size: tuple[int, int], fps: float, music: Music | None, live: bool) -> FilmWriter:
     """A film with the music that is played (from its beginning, again and again); PersonError if it cannot be made."""
-    sound = None if music is None else sound_of(music.samples, music.sample_rate, loop=True)
+    sound = None if music is None else FilmSound.of(music.samples, music.sample_rate, loop=True)
     try:
         return FilmWriter(path, size=size, fps=fps, sound=sound, live=live)
     except FilmError as error:

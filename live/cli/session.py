@@ -78,15 +78,15 @@ def choose_sound(wish: Wish, loaded: LoadedShow) -> Sound:
     path = Path(wish.audio)
     if path.is_file():
         return Sound(music=_music(path))
-    from live.control.audio_device import UnknownDevice, find_device, list_input_devices
+    from live.control.sound_devices import SoundUnavailable, UnknownDevice, find_device
 
     try:
         return Sound(device=find_device(wish.audio).name)
     except UnknownDevice as error:
-        if path.suffix or "/" in wish.audio:
-            there = ", ".join(device.name for device in list_input_devices()) or "none"
-            raise PersonError(f"--audio {wish.audio!r}: no such file; the input devices are: {there}") from None
-        raise PersonError(f"--audio: {error}") from None
+        what = "there is no such file, and " if path.suffix or "/" in wish.audio else ""
+        raise PersonError(f"--audio {wish.audio!r}: {what}{error}") from None
+    except SoundUnavailable as error:
+        raise PersonError(f"--audio {wish.audio!r}: there is no such file, and {error}") from None
 
 
 def _music(path: Path) -> Music:
@@ -122,7 +122,7 @@ class Session:
         self._journal = self._open_journal(tempo)
         self.engine = Engine(show, clock=self.clock, inbox=self.inbox, status=self.status, journal=self._journal)
         self._silent = silent
-        self._audio: Startable | None = None
+        self._audio = self._make_audio()
         self._status_stream: TextIO | None = None
         self._status_file: StatusFile | None = None
 
@@ -166,16 +166,27 @@ class Session:
             raise PersonError(f"cannot write --status-json {self.wish.status_json}: {error.strerror}") from None
         self._status_file = StatusFile(self._status_stream, self.status)
 
-    def _start_audio(self) -> None:
-        from live.control.audio_device import AudioInput
-        from live.control.music_player import MusicPlayer
-
+    def _make_audio(self) -> Startable | None:
         if self.sound.music is not None:
-            self._audio = MusicPlayer(self.sound.music, self.inbox, self.clock, loop=True, output=not self._silent)
-        elif self.sound.device is not None:
-            self._audio = AudioInput(self.sound.device, self.inbox, self.clock)
-        if self._audio is not None:
+            from live.control.music_player import MusicPlayer
+
+            return MusicPlayer(self.sound.music, self.inbox, self.clock, loop=True, output=not self._silent)
+        if self.sound.device is not None:
+            from live.control.audio_device import AudioInput
+
+            return AudioInput(self.sound.device, self.inbox, self.clock)
+        return None
+
+    def _start_audio(self) -> None:
+        if self._audio is None:
+            return
+        try:
             self._audio.start()
+        except Exception as error:  # PortAudioError, whose class is known only where PortAudio is
+            raise PersonError(
+                f"the sound device {self.sound.device!r} refuses: {error}",
+                "see `live devices`, or give another --audio",
+            ) from None
 
     def _stop(self) -> None:
         if self._audio is not None:
