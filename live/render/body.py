@@ -1,0 +1,121 @@
+"""The dancer's body as triangles with soft bonds to the skeleton, in several levels of detail.
+
+A coarse cage is subdivided and drawn onto the implicit surface of the body; the bonds (skin weights) are subdivided
+with it, so they are as smooth as the skin and never leak from one limb to another.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.render.body_cage import Cage, build_bun_cage, build_cage
+from live.render.body_shape import BODY, BUN, Shape
+from live.render.subdivide import subdivide
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Int64 = npt.NDArray[np.int64]
+
+COARSE: Final = 0
+"""Level for shadows, reflections and far dancers."""
+LIGHT: Final = 1
+"""Level for software rendering and large crowds."""
+FINE: Final = 2
+"""Level for a graphics card and few dancers."""
+
+_INFLUENCES: Final = 4
+_PROJECTIONS: Final = 4
+_OCCLUSION_REACH: Final = (0.03, 0.07, 0.14)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BodyMesh:
+    """A closed triangle mesh in the rest pose (V vertices, T triangles), counter-clockwise seen from outside."""
+
+    position: Float32
+    """[m], shape (V, 3)."""
+    normal: Float32
+    """Unit, shape (V, 3)."""
+    joint: Int32
+    """The joints that move each vertex, shape (V, 4)."""
+    weight: Float32
+    """How much each of them does, not negative, rows sum to 1, shape (V, 4)."""
+    openness: Float32
+    """How much of the light around reaches the vertex, 0 to 1, shape (V,)."""
+    triangle: Int32
+    """Vertex indices, shape (T, 3)."""
+
+
+def _project(shape: Shape, points: Float64) -> Float64:
+    for _ in range(_PROJECTIONS):
+        step = np.clip(shape.distance(points), -0.03, 0.03)
+        points = points - shape.normal(points) * step[:, None]
+    return points
+
+
+def _refine(cage: Cage, shape: Shape, level: int) -> Cage:
+    points, weights, faces = _project(shape, cage.points), cage.weights, cage.faces
+    for _ in range(level):
+        values, faces = subdivide(np.concatenate([points, weights], axis=1), faces)
+        points, weights = _project(shape, values[:, :3]), values[:, 3:]
+    return Cage(points, weights, faces)
+
+
+def _strongest(weights: Float64) -> tuple[Int32, Float32]:
+    """The four strongest joints of each vertex and their weights, which sum to 1."""
+    joint = np.argsort(-weights, axis=1, kind="stable")[:, :_INFLUENCES]
+    weight = np.take_along_axis(weights, joint, axis=1)
+    weight[weight < 0.01] = 0.0
+    weight /= weight.sum(axis=1, keepdims=True)
+    joint[weight == 0.0] = 0
+    return np.ascontiguousarray(joint, np.int32), np.ascontiguousarray(weight, np.float32)
+
+
+def _triangles(points: Float64, faces: Int64) -> Int64:
+    """Two triangles for each quadrilateral, across its shorter diagonal."""
+    across = np.linalg.norm(points[faces[:, 0]] - points[faces[:, 2]], axis=1)
+    other = np.linalg.norm(points[faces[:, 1]] - points[faces[:, 3]], axis=1)
+    turned = np.where((other < across - 1e-6)[:, None], np.roll(faces, -1, axis=1), faces)
+    return np.concatenate([turned[:, [0, 1, 2]], turned[:, [0, 2, 3]]])
+
+
+def _openness(shape: Shape, points: Float64, normals: Float64) -> Float64:
+    total = np.zeros(len(points))
+    for reach in _OCCLUSION_REACH:
+        total += np.clip(shape.distance(points + normals * reach) / reach, 0.0, 1.0)
+    return total / len(_OCCLUSION_REACH)
+
+
+@cache
+def build_body(level: int) -> BodyMesh:
+    """The body at a level of detail: `COARSE`, `LIGHT` or `FINE`; built once a process, some tens of milliseconds.
+
+    The coarse level is swollen a little, so that its square limbs cast shadows as wide as the round ones.
+    """
+    if not COARSE <= level <= FINE + 1:
+        raise ValueError(f"level of detail {level}: 0 (coarse) to 3")
+    body, bun = Shape(BODY), Shape(BUN)
+    parts = [(body, _refine(build_cage(), body, level)), (bun, _refine(build_bun_cage(), bun, level))]
+    points, normals, openness, weights, triangles = [], [], [], [], []
+    first = 0
+    for shape, cage in parts:
+        normal = shape.normal(cage.points)
+        points.append(cage.points + (normal * 0.006 if level == COARSE else 0.0))
+        normals.append(normal)
+        openness.append(_openness(body, cage.points, normal))
+        weights.append(cage.weights)
+        triangles.append(_triangles(cage.points, cage.faces) + first)
+        first += len(cage.points)
+    joint, weight = _strongest(np.concatenate(weights))
+    return BodyMesh(
+        np.ascontiguousarray(np.concatenate(points), np.float32),
+        np.ascontiguousarray(np.concatenate(normals), np.float32),
+        joint,
+        weight,
+        np.ascontiguousarray(np.concatenate(openness), np.float32),
+        np.ascontiguousarray(np.concatenate(triangles), np.int32),
+    )

@@ -1,0 +1,88 @@
+"""The camera's matrices, and the way back from a pixel to the stage floor.
+
+Matrices are float64 (4, 4) for column vectors: `clip = world_to_clip(...) @ (x, y, z, 1)`; right-handed world, OpenGL
+clip space (x right, y up, -w <= z <= w).
+"""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.stage_view import Camera
+
+Float64 = npt.NDArray[np.float64]
+
+NEAR: Final = 0.1
+"""Nearest distance drawn [m]."""
+FAR: Final = 120.0
+"""Farthest distance drawn [m]."""
+
+
+def view_matrix(camera: Camera) -> Float64:
+    """From world to eye axes (x right, y up, looking along -z).
+
+    A camera that looks straight up or down keeps the stage's depth (-z) as its up direction. Raises ValueError if
+    eye and target are the same point.
+    """
+    eye, target = np.array(camera.eye, np.float64), np.array(camera.target, np.float64)
+    forward = target - eye
+    length = float(np.linalg.norm(forward))
+    if length < 1e-6:
+        raise ValueError(f"camera: eye and target are the same point {camera.eye}; move one of them")
+    forward /= length
+    up = np.array([0.0, 1.0, 0.0]) if abs(forward[1]) < 0.9999 else np.array([0.0, 0.0, -1.0])
+    right = np.cross(forward, up)
+    right /= np.linalg.norm(right)
+    matrix = np.eye(4)
+    matrix[0, :3], matrix[1, :3], matrix[2, :3] = right, np.cross(right, forward), -forward
+    matrix[:3, 3] = -matrix[:3, :3] @ eye
+    return matrix
+
+
+def projection(camera: Camera, aspect: float) -> Float64:
+    """Perspective for a picture `aspect` = width / height; the field of view is the vertical one.
+
+    Raises ValueError if the field of view is not between 1 and 170 degrees or the aspect is not positive.
+    """
+    if not 1.0 <= camera.field_of_view_deg <= 170.0:
+        raise ValueError(f"camera: field_of_view_deg {camera.field_of_view_deg}: 1 to 170 degrees")
+    if not aspect > 0.0:
+        raise ValueError(f"camera: aspect {aspect}: must be positive")
+    scale = 1.0 / np.tan(0.5 * np.deg2rad(camera.field_of_view_deg))
+    matrix = np.zeros((4, 4))
+    matrix[0, 0], matrix[1, 1] = scale / aspect, scale
+    matrix[2, 2] = -(FAR + NEAR) / (FAR - NEAR)
+    matrix[2, 3] = -2.0 * FAR * NEAR / (FAR - NEAR)
+    matrix[3, 2] = -1.0
+    return matrix
+
+
+def world_to_clip(camera: Camera, size: tuple[int, int]) -> Float64:
+    """From world to clip space for a picture of `size` (width, height) pixels."""
+    return projection(camera, size[0] / size[1]) @ view_matrix(camera)
+
+
+def pixel_of(camera: Camera, size: tuple[int, int], points: npt.ArrayLike) -> Float64:
+    """Pixels (x right, y down, from the upper left corner) of world points (N, 3) [m] before the camera, (N, 2)."""
+    world = np.atleast_2d(np.asarray(points, np.float64))
+    clip = np.concatenate([world, np.ones((len(world), 1))], axis=1) @ world_to_clip(camera, size).T
+    device = clip[:, :2] / clip[:, 3:4]
+    return np.stack([(device[:, 0] + 1.0) * 0.5 * size[0], (1.0 - device[:, 1]) * 0.5 * size[1]], axis=1)
+
+
+def floor_point(camera: Camera, size: tuple[int, int], pixel_xy: tuple[float, float]) -> tuple[float, float] | None:
+    """The point (x, z) [m] of the stage floor under a pixel (y down), or None where the floor is not seen."""
+    device = np.array([2.0 * pixel_xy[0] / size[0] - 1.0, 1.0 - 2.0 * pixel_xy[1] / size[1]])
+    back = np.linalg.inv(world_to_clip(camera, size))
+    near = back @ np.array([device[0], device[1], -1.0, 1.0])
+    far = back @ np.array([device[0], device[1], 1.0, 1.0])
+    start, stop = near[:3] / near[3], far[:3] / far[3]
+    fall = stop[1] - start[1]
+    if abs(fall) < 1e-12:
+        return None
+    part = -start[1] / fall
+    if not 0.0 <= part <= 1.0:
+        return None
+    point = start + part * (stop - start)
+    return float(point[0]), float(point[2])

@@ -1,0 +1,66 @@
+"""Letters for the overlay: a small atlas of one typeface and size, and lines of text laid out with it."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image, ImageDraw, ImageFont
+
+Float32 = npt.NDArray[np.float32]
+
+_CODES: Final = tuple(range(32, 127)) + tuple(range(160, 256))
+_COLUMNS: Final = 16
+_UNKNOWN: Final = "?"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lettering:
+    """An atlas of one typeface at one size."""
+
+    picture: npt.NDArray[np.uint8]
+    """Coverage, 0 to 255, row 0 on top, shape (H, W)."""
+    cell: tuple[int, int]
+    """Width and height of each letter's cell [pixels]."""
+    advance: dict[str, float]
+    """How far each letter moves the pen [pixels]."""
+    index: dict[str, int]
+    """Cell of each letter, counted row by row."""
+
+    def lay_out(self, lines: tuple[str, ...], corner: tuple[float, float], limit: int) -> Float32:
+        """Rectangles (x, y, u, v) of at most `limit` letters, one row each, from a corner [pixels, y down].
+
+        (u, v) is the upper left texel of the letter's cell; unknown letters become question marks.
+        """
+        rows: list[tuple[float, float, float, float]] = []
+        for number, line in enumerate(lines):
+            x, y = corner[0], corner[1] + number * self.cell[1]
+            for letter in line:
+                known = letter if letter in self.index else _UNKNOWN
+                cell = self.index[known]
+                if known != " " and len(rows) < limit:
+                    u, v = cell % _COLUMNS * self.cell[0], cell // _COLUMNS * self.cell[1]
+                    rows.append((round(x), y, u, v))
+                x += self.advance[known]
+        return np.array(rows, np.float32).reshape(-1, 4)
+
+    def width(self, line: str) -> float:
+        """Length of a line of text [pixels]."""
+        return sum(self.advance[letter if letter in self.index else _UNKNOWN] for letter in line)
+
+
+def letter(height: int) -> Lettering:
+    """Bake the atlas for letters `height` pixels high."""
+    font = ImageFont.load_default(size=height)
+    letters = [chr(code) for code in _CODES]
+    boxes = [font.getbbox(one) for one in letters]
+    width = int(np.ceil(max(box[2] for box in boxes))) + 2
+    tall = int(np.ceil(max(box[3] for box in boxes))) + 2
+    image = Image.new("L", (width * _COLUMNS, tall * (-(-len(letters) // _COLUMNS))))
+    draw = ImageDraw.Draw(image)
+    for cell, one in enumerate(letters):
+        draw.text((cell % _COLUMNS * width + 1, cell // _COLUMNS * tall), one, fill=255, font=font)
+    advance = {one: float(font.getlength(one)) for one in letters}
+    digit = max(advance[one] for one in "0123456789")
+    advance.update(dict.fromkeys("0123456789", digit))  # numbers that change do not make the line dance
+    return Lettering(np.array(image, np.uint8), (width, tall), advance, {one: i for i, one in enumerate(letters)})

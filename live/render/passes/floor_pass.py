@@ -1,0 +1,96 @@
+"""The floor's map: soft shadows of the dancers and the light of the elements in force, seen from above.
+
+Shadows are the dancers flattened along the key light, in three layers by height above the floor; the higher the
+layer, the wider it is blurred, so that feet stand firmly and arms cast a breath.
+"""
+
+from typing import Final
+
+import moderngl
+import numpy as np
+
+from live.base.stage_view import ELEMENT_CAPACITY, StageView
+from live.render.body import COARSE
+from live.render.crowd import Crowd
+from live.render.quality import Quality
+from live.render.release import release_all
+from live.render.shader import program, set_uniform
+
+_TAPS: Final = 5
+_SPREAD: Final = (0.6, 1.3, 2.6)
+"""Blur of the three layers in texels of a map of 256."""
+
+
+class FloorPass:
+    """Result: `texture`, over the stage and a margin; red, green, blue: light to add, alpha: light to take away."""
+
+    def __init__(self, ctx: moderngl.Context, quality: Quality, floor_size: tuple[float, float]) -> None:
+        self._ctx = ctx
+        self._cast = program(ctx, "shadow_vertex.glsl", "shadow_fragment.glsl")
+        taps = round(_TAPS * max(quality.floor_map / 256, 1.0))
+        self._blurs = [
+            program(ctx, "full_vertex.glsl", "blur_fragment.glsl", (("TAPS", taps), ("LAST", last))) for last in (0, 1)
+        ]
+        self._triangles = [ctx.vertex_array(blur, []) for blur in self._blurs]
+        self._element = program(ctx, "element_vertex.glsl", "element_fragment.glsl")
+        self._staging = np.zeros((ELEMENT_CAPACITY, 4), np.float32)
+        self._elements = ctx.buffer(reserve=self._staging.nbytes, dynamic=True)
+        self._squares = ctx.vertex_array(self._element, [(self._elements, "4f/i", "in_element")])
+        self._fit(quality.floor_map, floor_size)
+
+    def _fit(self, long_side: int, floor_size: tuple[float, float]) -> None:
+        scale = long_side / max(floor_size)
+        width, depth = (max(round(side * scale), 8) for side in floor_size)
+        self._layers = self._texture((2 * width, 2 * depth), "f1")
+        self._between = self._texture((width, depth), "f1")
+        self.texture = self._texture((width, depth), "f2")
+        self._targets = [self._ctx.framebuffer([t]) for t in (self._layers, self._between, self.texture)]
+        for blur, stride in zip(self._blurs, ((1.0 / width, 0.0), (0.0, 1.0 / depth)), strict=True):
+            set_uniform(blur, "layers", 1)
+            set_uniform(blur, "stride", stride)
+            set_uniform(blur, "spread", tuple(spread * long_side / 256 for spread in _SPREAD))
+
+    def _texture(self, size: tuple[int, int], kind: str) -> moderngl.Texture:
+        texture = self._ctx.texture(size, 4, dtype=kind)
+        texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        texture.repeat_x = texture.repeat_y = False
+        return texture
+
+    def draw(self, crowd: Crowd, view: StageView) -> None:
+        """Fill `texture` for this moment."""
+        self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+        self._draw_shadows(crowd)
+        count = min(max(view.element_count, 0), ELEMENT_CAPACITY)
+        if count:
+            self._draw_elements(view, count)
+
+    def _draw_shadows(self, crowd: Crowd) -> None:
+        ctx = self._ctx
+        self._targets[0].use()
+        self._targets[0].clear()
+        ctx.enable(moderngl.BLEND)
+        ctx.blend_equation = moderngl.MAX, moderngl.MAX
+        crowd.draw(self._cast, COARSE)
+        ctx.blend_equation = moderngl.FUNC_ADD, moderngl.FUNC_ADD
+        ctx.disable(moderngl.BLEND)
+        for source, target, triangle in zip(
+            (self._layers, self._between), self._targets[1:], self._triangles, strict=True
+        ):
+            target.use()
+            source.use(1)
+            triangle.render(moderngl.TRIANGLES, vertices=3)
+
+    def _draw_elements(self, view: StageView, count: int) -> None:
+        self._staging[:count, :2] = view.element_position[:count]
+        self._staging[:count, 2] = view.element_kind[:count]
+        np.clip(view.element_level[:count], 0.0, 1.0, out=self._staging[:count, 3])
+        self._elements.write(self._staging[:count])
+        self._ctx.enable(moderngl.BLEND)
+        self._ctx.blend_func = moderngl.ONE, moderngl.ONE
+        self._squares.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=count)
+        self._ctx.disable(moderngl.BLEND)
+
+    def release(self) -> None:
+        """Free everything."""
+        release_all(*self._targets, self._layers, self._between, self.texture, *self._triangles, self._squares)
+        release_all(self._elements, self._cast, *self._blurs, self._element)

@@ -1,0 +1,77 @@
+"""The operator's overlay: lines of text on a small dark panel in the upper left corner."""
+
+from typing import Final
+
+import moderngl
+import numpy as np
+
+from live.render.lettering import Lettering, letter
+from live.render.release import release_all
+from live.render.shader import program, set_uniform
+
+_LIMIT: Final = 1024
+"""Letters drawn at most."""
+_PER_HEIGHT: Final = 42
+"""Lines of text that would fill the picture."""
+
+
+class OverlayPass:
+    """Lays out text only when it changes; draws nothing, at no cost, when there is none."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._ctx = ctx
+        self._program = program(ctx, "overlay_vertex.glsl", "overlay_fragment.glsl")
+        self._buffer = ctx.buffer(reserve=(_LIMIT + 1) * 16, dynamic=True)
+        self._array = ctx.vertex_array(self._program, [(self._buffer, "4f/i", "in_letter")])
+        self._lettering: Lettering | None = None
+        self._atlas: moderngl.Texture | None = None
+        self._height = 0
+        self._lines: tuple[str, ...] = ()
+        self._count = 0
+
+    def draw(self, lines: tuple[str, ...], target: moderngl.Framebuffer, size: tuple[int, int]) -> None:
+        """Draw `lines` over what `target` shows; nothing if there are none."""
+        if not lines:
+            return
+        height = max(12, round(size[1] / _PER_HEIGHT))
+        if height != self._height:
+            self._bake(height)
+        if lines != self._lines:
+            self._lay_out(lines)
+        assert self._atlas is not None
+        target.use()
+        self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+        self._ctx.enable(moderngl.BLEND)
+        self._ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
+        self._atlas.use(1)
+        set_uniform(self._program, "atlas", 1)
+        self._array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self._count)
+        self._ctx.disable(moderngl.BLEND)
+
+    def _bake(self, height: int) -> None:
+        self._height, self._lines = height, ()
+        self._lettering = letter(height)
+        picture = self._lettering.picture
+        if self._atlas is not None:
+            self._atlas.release()
+        self._atlas = self._ctx.texture((picture.shape[1], picture.shape[0]), 1, picture.tobytes(), alignment=1)
+        self._atlas.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        set_uniform(self._program, "cell", self._lettering.cell)
+
+    def _lay_out(self, lines: tuple[str, ...]) -> None:
+        assert self._lettering is not None
+        edge = 0.8 * self._height
+        inset = 0.6 * self._height
+        letters = self._lettering.lay_out(lines, (round(edge + inset), round(edge + inset)), _LIMIT)
+        wide = max(self._lettering.width(line) for line in lines) + 2 * inset
+        tall = len(lines) * self._lettering.cell[1] + 2 * inset
+        set_uniform(self._program, "panel", (edge, edge, wide, tall))
+        data = np.concatenate([np.zeros((1, 4), np.float32), letters])  # the first one is the panel
+        self._buffer.write(np.ascontiguousarray(data, np.float32))
+        self._count, self._lines = len(data), lines
+
+    def release(self) -> None:
+        """Free everything."""
+        if self._atlas is not None:
+            self._atlas.release()
+        release_all(self._array, self._buffer, self._program)

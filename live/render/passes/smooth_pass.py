@@ -1,0 +1,51 @@
+"""Smooth edges without multisampling, only where dancers are; then the picture goes to its target."""
+
+import moderngl
+
+from live.render.release import release_all
+from live.render.shader import program, set_uniform
+
+
+class SmoothPass:
+    """Owns the target that the scene is drawn into (8 bits, sharing the dancers' depth)."""
+
+    def __init__(self, ctx: moderngl.Context, depth: moderngl.Texture, size: tuple[int, int]) -> None:
+        self._ctx = ctx
+        self._program = program(ctx, "full_vertex.glsl", "smooth_fragment.glsl")
+        self._triangle = ctx.vertex_array(self._program, [])
+        self._make(depth, size)
+
+    def _make(self, depth: moderngl.Texture, size: tuple[int, int]) -> None:
+        self._drawn, self._softened = (self._ctx.texture(size, 4) for _ in range(2))
+        self._drawn.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        self._drawn.repeat_x = self._drawn.repeat_y = False
+        self.target = self._ctx.framebuffer([self._drawn], depth)
+        self._result = self._ctx.framebuffer([self._softened], depth)
+        self.target.depth_mask = self._result.depth_mask = False
+        self._from, self._to = self._ctx.framebuffer([self._drawn]), self._ctx.framebuffer([self._softened])
+
+    def draw(self, target: moderngl.Framebuffer) -> None:
+        """Copy what was drawn into `self.target` onto `target`, the dancers' edges softened."""
+        self._ctx.copy_framebuffer(self._to, self._from)  # without the depth that both share
+        self._result.use()
+        self._ctx.enable(moderngl.DEPTH_TEST)
+        self._ctx.depth_func = ">"
+        self._drawn.use(1)
+        set_uniform(self._program, "drawn", 1)
+        self._triangle.render(moderngl.TRIANGLES, vertices=3)
+        self._ctx.depth_func = "<"
+        self._ctx.copy_framebuffer(target, self._to)
+
+    def resize(self, depth: moderngl.Texture, size: tuple[int, int]) -> None:
+        """New size of the picture [pixels] and the depth that goes with it."""
+        self._release_targets()
+        self._make(depth, size)
+
+    def _release_targets(self) -> None:
+        release_all(self.target, self._result, self._from, self._to, self._drawn, self._softened)
+
+    def release(self) -> None:
+        """Free everything."""
+        self._release_targets()
+        self._triangle.release()
+        self._program.release()

@@ -1,0 +1,49 @@
+"""The stage behind the dancers: the kept backdrop with shadows, elements and mirror images."""
+
+import moderngl
+
+from live.render.quality import Quality
+from live.render.release import release_all
+from live.render.shader import program, set_uniform
+
+
+class StagePass:
+    """Fills every pixel of the bound target that no dancer covers; above the floor a cheaper program does."""
+
+    def __init__(self, ctx: moderngl.Context, quality: Quality) -> None:
+        self._ctx = ctx
+        hdr = int(quality.samples > 0)
+        self._programs = [
+            program(ctx, "full_vertex.glsl", "stage_fragment.glsl", (("HDR", hdr), ("FLOOR", floor)))
+            for floor in (1, 0)
+        ]
+        self._triangles = [ctx.vertex_array(linked, []) for linked in self._programs]
+
+    def draw(
+        self,
+        target: moderngl.Framebuffer,
+        floor_rows: int,
+        backdrop: moderngl.Texture,
+        floor_map: moderngl.Texture,
+        mirror: moderngl.Texture,
+    ) -> None:
+        """Draw at the far plane, after the dancers; below `floor_rows` (from the bottom) the floor may be seen."""
+        self._ctx.enable(moderngl.DEPTH_TEST)
+        self._ctx.depth_func = "<="
+        width, height = target.size
+        for unit, texture in enumerate((backdrop, floor_map, mirror), start=1):
+            texture.use(unit)
+        regions = ((0, 0, width, floor_rows), (0, floor_rows, width, height - floor_rows))
+        for linked, triangle, region in zip(self._programs, self._triangles, regions, strict=True):
+            if region[3] <= 0:
+                continue
+            for unit, name in enumerate(("backdrop", "floor_map", "mirror"), start=1):
+                set_uniform(linked, name, unit)
+            target.scissor = region
+            triangle.render(moderngl.TRIANGLES, vertices=3)
+        target.scissor = (0, 0, width, height)
+        self._ctx.depth_func = "<"
+
+    def release(self) -> None:
+        """Free everything."""
+        release_all(*self._triangles, *self._programs)

@@ -1,0 +1,64 @@
+"""The dancers where pixels are dear: surfaces first, then light once for each pixel that shows one."""
+
+import moderngl
+
+from live.render.camera import FAR, NEAR
+from live.render.crowd import Crowd
+from live.render.quality import Quality
+from live.render.release import release_all
+from live.render.shader import program, set_uniform
+
+
+class SurfacePass:
+    """`draw` fills the surface buffers and the depth texture; `shade` lights them into the bound target.
+
+    The target of `shade` must carry `depth` too: its depth test picks the pixels that show a dancer. The test only
+    reads while the shader reads as well, so nothing is read that is being written.
+    """
+
+    def __init__(self, ctx: moderngl.Context, quality: Quality, size: tuple[int, int]) -> None:
+        self._ctx, self._quality = ctx, quality
+        self._surface = program(ctx, "dancer_vertex.glsl", "gbuffer_fragment.glsl", (("SOFT", 0),))
+        self._shade = program(ctx, "full_vertex.glsl", "shade_fragment.glsl", (("NEAR", NEAR), ("FAR", FAR)))
+        self._triangle = ctx.vertex_array(self._shade, [])
+        self._make(size)
+
+    def _make(self, size: tuple[int, int]) -> None:
+        self._cover, self._shape = self._ctx.texture(size, 4), self._ctx.texture(size, 4)
+        self.depth = self._ctx.depth_texture(size)
+        self.depth.compare_func = ""
+        for texture in (self._cover, self._shape, self.depth):
+            texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        self._target = self._ctx.framebuffer([self._cover, self._shape], self.depth)
+
+    def draw(self, crowd: Crowd) -> None:
+        """Draw the surfaces of all dancers, the near ones first (they hide others)."""
+        self._target.use()
+        self._target.clear()
+        self._ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+        crowd.draw(self._surface, self._quality.near_level, "near")
+        crowd.draw(self._surface, self._quality.far_level, "far")
+
+    def shade(self, floor_map: moderngl.Texture) -> None:
+        """Light the surfaces into the bound target, which must not write depth."""
+        self._ctx.enable(moderngl.DEPTH_TEST)
+        self._ctx.depth_func = ">"
+        textures = {"cover": self._cover, "shape": self._shape, "depth": self.depth, "floor_map": floor_map}
+        for unit, (name, texture) in enumerate(textures.items(), start=1):
+            texture.use(unit)
+            set_uniform(self._shade, name, unit)
+        self._triangle.render(moderngl.TRIANGLES, vertices=3)
+        self._ctx.depth_func = "<"
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """New size of the picture [pixels]."""
+        self._release_target()
+        self._make(size)
+
+    def _release_target(self) -> None:
+        release_all(self._target, self._cover, self._shape, self.depth)
+
+    def release(self) -> None:
+        """Free everything."""
+        self._release_target()
+        release_all(self._triangle, self._surface, self._shade)

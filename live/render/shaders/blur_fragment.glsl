@@ -1,0 +1,24 @@
+// One direction of a Gaussian blur whose width differs by channel: sharp at the feet, soft from above.
+in vec2 at;
+uniform sampler2D layers;
+uniform vec2 stride;     // one step in the direction of this pass
+uniform vec3 spread;     // standard deviation of each channel [steps]
+out vec4 shown;
+
+void main() {
+    vec3 sum = texture(layers, at).rgb, weights = vec3(1.0);
+    vec3 sharp = -0.5 / (spread * spread);
+    for (int i = 1; i <= TAPS; ++i) {
+        vec3 weight = exp(sharp * float(i * i));
+        sum += (texture(layers, at + stride * float(i)).rgb + texture(layers, at - stride * float(i)).rgb) * weight;
+        weights += 2.0 * weight;
+    }
+    sum /= weights;
+#if LAST
+    // alpha: how much light the shadow takes; red, green and blue are for the elements
+    vec3 left = 1.0 - vec3(0.80, 0.62, 0.35) * sum;
+    shown = vec4(0.0, 0.0, 0.0, 1.0 - left.r * left.g * left.b);
+#else
+    shown = vec4(sum, 1.0);
+#endif
+}

@@ -1,0 +1,16 @@
+// A dancer lit while drawn.
+#include "frame.glsl"
+#include "surface.glsl"
+#include "light.glsl"
+
+in vec3 place;
+in vec4 facing;   // normal, openness
+in vec4 body;     // place in the rest pose, dancer
+
+out vec4 shown;
+
+void main() {
+    vec4 colour = surface(body.xyz, int(body.w + 0.5));
+    vec3 light = lit(place, normalize(facing.xyz), colour.rgb * colour.rgb, colour.a, facing.w);
+    shown = vec4(light * key_light.w, 1.0);
+}

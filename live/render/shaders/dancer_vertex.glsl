@@ -1,0 +1,16 @@
+#include "frame.glsl"
+#include "skin.glsl"
+
+in float in_openness;
+
+out vec3 place;
+out vec4 facing;   // normal, openness
+out vec4 body;     // place in the rest pose, dancer
+
+void main() {
+    Skinned skin = skinned(in_position, in_normal);
+    place = skin.place;
+    facing = vec4(skin.normal, in_openness);
+    body = vec4(in_position, in_dancer);
+    gl_Position = world_to_clip * vec4(place, 1.0);
+}

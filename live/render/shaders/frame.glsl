@@ -1,0 +1,34 @@
+// Uniforms that all programs share, filled once a frame.
+layout(std140) uniform Frame {
+    mat4 world_to_clip;
+    vec4 ray_corner;      // eye ray through the lower left corner of the picture
+    vec4 ray_right;       // added from the left to the right edge
+    vec4 ray_up;          // added from the lower to the upper edge
+    vec4 eye;             // xyz [m], w: distance at which the haze begins [m]
+    vec4 key_direction;   // xyz: towards the light, w: pulse of the beat, 0 to 1
+    vec4 key_light;       // rgb, w: brightness
+    vec4 rim_light;       // rgb, w: ambient
+    vec4 background;      // rgb, w: haze [1/m]
+    vec4 floor_colour;    // rgb, w: phase of the beat, 0 to 1
+    vec4 stage;           // half width, half depth [m], half width and half depth of the floor map [m]
+    vec4 picture;         // width, height [pixels], 1 / width, 1 / height
+};
+
+float square(float x) { return x * x; }
+vec3 square3(vec3 x) { return x * x; }
+
+// How much of the key light reaches a place on the stage: a wide wash with soft edges.
+float key_pool(vec2 place) {
+    vec2 at = place / (stage.xy + vec2(0.6, 0.9));
+    float reach = dot(at, at);
+    return 1.0 / (1.0 + reach * reach * 0.55);
+}
+
+float haze_at(vec3 place) {
+    return 1.0 - exp(-background.w * max(distance(place, eye.xyz) - eye.w, 0.0));
+}
+
+// Light that the haze itself sends to the eye from the depth of the stage.
+vec3 haze_light(float height) {
+    return background.rgb + rim_light.rgb * 0.030 * exp(-max(height, 0.0) * 0.5);
+}

@@ -1,0 +1,32 @@
+// The light on a dancer: key, two rim lamps behind, the haze's own light, the floor's warmth, the elements' glow.
+uniform sampler2D floor_map;
+
+const vec3 RIM_LEFT = vec3(-0.6276, 0.4602, -0.6276);
+const vec3 RIM_RIGHT = vec3(0.6276, 0.4602, -0.6276);
+
+vec3 lit(vec3 place, vec3 n, vec3 albedo, float sheen, float openness) {
+    vec3 to_eye = normalize(eye.xyz - place);
+    float edge = square(1.0 - max(dot(n, to_eye), 0.0));
+    float height = max(place.y, 0.0);
+
+    float key = clamp((dot(n, key_direction.xyz) + 0.18) / 1.18, 0.0, 1.0);
+    float pool = key_pool(place.xz);
+    float shine = max(dot(n, normalize(key_direction.xyz + to_eye)), 0.0);
+    shine *= shine; shine *= shine; shine *= shine; shine *= shine * sheen;
+    // two lamps behind the stage, left and right: what cuts the figure out of the dark
+    float rim = max(dot(n, RIM_LEFT), 0.0) + max(dot(n, RIM_RIGHT), 0.0);
+
+    vec3 light = key_light.rgb * (key * pool * 1.30 * (0.45 + 0.55 * openness));
+    light += rim_light.rgb * (rim * (0.30 + edge));
+    light += (rim_light.rgb * 0.35 + 0.12) * (rim_light.w * (0.8 + 0.5 * n.y) * openness);
+    float below = (0.5 - 0.5 * n.y) / (1.0 + 1.4 * height);
+    light += key_light.rgb * floor_colour.rgb * (pool * 2.0 * below);
+    vec3 glow = texture(floor_map, place.xz / (2.0 * stage.zw) + 0.5).rgb;
+    light += glow * ((1.1 - 0.6 * n.y) * 2.0 / (1.0 + 2.0 * height * height));
+
+    vec3 colour = albedo * light;
+    colour += key_light.rgb * (shine * pool * 0.5);
+    colour += rim_light.rgb * (rim * edge * 0.75 * (0.4 + 0.6 * openness));
+    colour *= 1.0 + 0.06 * key_direction.w;
+    return mix(min(colour, vec3(1.6)), haze_light(place.y), haze_at(place));
+}

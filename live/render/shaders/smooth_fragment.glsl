@@ -1,0 +1,28 @@
+// Softens the steps along edges: blends along the edge that the brightness of the neighbours shows (after FXAA,
+// Lottes 2009). Runs only on pixels that show a dancer.
+#include "frame.glsl"
+in vec2 at;
+uniform sampler2D drawn;
+out vec4 shown;
+
+float bright(vec3 c) { return dot(c, vec3(0.30, 0.59, 0.11)); }
+
+void main() {
+    vec2 texel = picture.zw;
+    vec3 here = texture(drawn, at).rgb;
+    float middle = bright(here);
+    float nw = bright(texture(drawn, at + texel * vec2(-0.5, 0.5)).rgb);
+    float ne = bright(texture(drawn, at + texel * vec2(0.5, 0.5)).rgb);
+    float sw = bright(texture(drawn, at + texel * vec2(-0.5, -0.5)).rgb);
+    float se = bright(texture(drawn, at + texel * vec2(0.5, -0.5)).rgb);
+    float least = min(middle, min(min(nw, ne), min(sw, se)));
+    float most = max(middle, max(max(nw, ne), max(sw, se)));
+    vec2 along = vec2((sw + se) - (nw + ne), (nw + sw) - (ne + se));
+    float damp = max((nw + ne + sw + se) * 0.03, 1.0 / 128.0);
+    along = clamp(along / (min(abs(along.x), abs(along.y)) + damp), -6.0, 6.0) * texel;
+    vec3 close = 0.5 * (texture(drawn, at - along / 6.0).rgb + texture(drawn, at + along / 6.0).rgb);
+    vec3 wide = 0.5 * close + 0.25 * (texture(drawn, at - along * 0.5).rgb + texture(drawn, at + along * 0.5).rgb);
+    float reached = bright(wide);
+    vec3 softened = reached < least || reached > most ? close : wide;
+    shown = vec4(most - least < 0.03 ? here : softened, 1.0);
+}

@@ -1,0 +1,29 @@
+// Behind the dancers: the kept backdrop, with this moment's shadows, elements and mirror images on the floor.
+#include "frame.glsl"
+#include "finish.glsl"
+
+in vec2 at;
+in vec3 ray;
+
+uniform sampler2D backdrop;
+uniform sampler2D floor_map;
+uniform sampler2D mirror;
+
+out vec4 shown;
+
+void main() {
+    vec4 kept = texelFetch(backdrop, ivec2(gl_FragCoord.xy), 0);
+    vec3 colour = kept.rgb;
+#if FLOOR
+    vec2 place = eye.xz - ray.xz * (eye.y / min(ray.y, -1e-3));
+    vec4 here = texture(floor_map, place / (2.0 * stage.zw) + 0.5);
+    colour *= 1.0 - kept.a * here.a;
+    colour += (here.rgb + square3(texture(mirror, at).rgb)) * kept.a;
+#endif
+    colour *= key_light.w * (1.0 + 0.06 * key_direction.w);
+#if HDR
+    shown = vec4(colour, 1.0);
+#else
+    shown = vec4(to_picture(colour, gl_FragCoord.xy), 1.0);
+#endif
+}

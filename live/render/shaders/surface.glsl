@@ -1,0 +1,26 @@
+// Cloth, tights, skin and hair by place on the body in the rest pose.
+uniform sampler2D wardrobe;   // a dancer's colours (square roots) and sheen
+uniform int wardrobe_rows;
+
+
+vec4 material(int which, int dancer) {
+    return texelFetch(wardrobe, ivec2(which + dancer / wardrobe_rows * 4, dancer % wardrobe_rows), 0);
+}
+
+// Square root of the colour, and sheen. Where pixels are dear the borders are sharp.
+vec4 surface(vec3 rest, int dancer) {
+    float side = abs(rest.x);
+    float waist = rest.y - 0.808 - side * mix(0.42, 0.78, smoothstep(-0.05, 0.05, rest.z));
+    // a leotard with straps: scooped between them, cut round the arms
+    float scoop = min(rest.y - (rest.z > -0.02 ? 1.318 : 1.262) - 3.5 * side * side, 0.086 - side);
+    float arms = min(side - 0.124 - 0.8 * square(max(1.36 - rest.y, 0.0)), rest.y - 1.20);
+    float bare = max(max(scoop, rest.y - 1.428), max(arms, 0.108 - rest.y));
+    float hair = min(0.012 + 0.42 * (rest.y - 1.60) - rest.z, rest.y - 1.536);
+#if SOFT
+    vec4 colour = mix(material(1, dancer), material(0, dancer), smoothstep(-0.004, 0.004, waist));
+    colour = mix(colour, material(2, dancer), smoothstep(-0.004, 0.004, bare));
+    return mix(colour, material(3, dancer), smoothstep(-0.004, 0.004, hair));
+#else
+    return material(hair > 0.0 ? 3 : (bare > 0.0 ? 2 : (waist > 0.0 ? 0 : 1)), dancer);
+#endif
+}

@@ -1,0 +1,48 @@
+"""What each dancer wears: cloth in the group's colour, tights, skin and hair, no two dancers quite alike."""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+Float32 = npt.NDArray[np.float32]
+Int32 = npt.NDArray[np.int32]
+
+CLOTH: Final = 0
+TIGHTS: Final = 1
+SKIN: Final = 2
+HAIR: Final = 3
+MATERIALS: Final = 4
+"""Texels of a dancer in the wardrobe texture."""
+
+_SHEEN: Final = (0.30, 0.30, 0.14, 0.35)
+_DARK_SKIN, _PALE_SKIN = (0.20, 0.098, 0.058), (0.56, 0.33, 0.225)
+_BLACK_HAIR, _BROWN_HAIR = (0.012, 0.009, 0.008), (0.070, 0.035, 0.016)
+_SEED: Final = 7
+
+
+def dress(group: Int32, colours: Float32) -> npt.NDArray[np.uint8]:
+    """Colours of A dancers as square roots of linear RGB and sheen, 0 to 255, shape (A, 4 materials, 4).
+
+    group (A,) indexes `colours` (G, 3), wrapping round. The same dancer always looks the same.
+    """
+    draw = np.random.default_rng(_SEED).random((len(group), 4))
+    cloth = colours[group % len(colours)] * (0.60 + 0.30 * draw[:, :1])
+    turn = 0.10 * (draw[:, 1:2] - 0.5)  # a little of the neighbouring hue
+    cloth = np.where(
+        turn > 0.0, (1.0 - turn) * cloth + turn * cloth[:, [1, 2, 0]], (1.0 + turn) * cloth - turn * cloth[:, [2, 0, 1]]
+    )
+    out = np.empty((len(group), MATERIALS, 4))
+    out[:, CLOTH, :3] = cloth
+    out[:, TIGHTS, :3] = cloth * np.array([0.34, 0.33, 0.36])
+    out[:, SKIN, :3] = _between(_DARK_SKIN, _PALE_SKIN, np.sqrt(draw[:, 2:3]))
+    out[:, HAIR, :3] = _between(_BLACK_HAIR, _BROWN_HAIR, draw[:, 3:4] ** 2)
+    out[:, :, :3] = np.sqrt(np.clip(out[:, :, :3], 0.0, 1.0))
+    out[:, :, 3] = np.array(_SHEEN)
+    return np.ascontiguousarray(np.rint(out * 255.0), np.uint8)
+
+
+def _between(
+    a: tuple[float, float, float], b: tuple[float, float, float], part: npt.NDArray[np.float64]
+) -> npt.NDArray[np.float64]:
+    return np.array(a) * (1.0 - part) + np.array(b) * part
