@@ -46,6 +46,8 @@ DRIFT_WINDOW: Final = 2.0
 """Seconds within which a foot is sure to come down (a jump lasts less than one)."""
 TWISTED: Final = np.radians(60.0)
 """A limb that bends this far beside our hinge axis has a rest pose whose twist means nothing."""
+_NEARLY: Final = 1e-3
+"""Part of a frame that is none: headers round the frame time."""
 _Z_UP_TO_Y_UP: Final = np.array((np.sqrt(0.5), -np.sqrt(0.5), 0.0, 0.0))
 _HIP_MIDDLE: Final = SKELETON.offsets[SKELETON.index("leftUpperLeg")].astype(np.float64) * (0.0, 1.0, 1.0)
 
@@ -127,12 +129,12 @@ def _check_unit(motion: BvhMotion, height: float, unit_m: float | None) -> None:
 def _resampled(local: LocalPose, drop: int, frames_per_sample: float) -> LocalPose:
     """Samples at the new rate from frame `drop` on: SLERP and linear between frames."""
     frames = local.rotation.shape[0] - drop
-    count = int((frames - 1) / frames_per_sample + 1e-6) + 1
+    count = int((frames - 1) / frames_per_sample + _NEARLY) + 1
     place = np.minimum(np.arange(count) * frames_per_sample, frames - 1)
     before = np.minimum(place.astype(np.int64), max(frames - 2, 0))
     part = place - before
     before += drop
-    if np.abs(part - np.round(part)).max(initial=0.0) < 1e-6:
+    if np.abs(part - np.round(part)).max(initial=0.0) < _NEARLY:
         exact = before + np.round(part).astype(np.int64)
         return LocalPose(local.translation[exact], local.rotation[exact])
     after, weight = before + 1, part[:, None, None]
