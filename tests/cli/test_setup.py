@@ -1,5 +1,7 @@
 """tools/setup.sh on machines made of small scripts: which packages it asks for, in which order, and only once."""
 
+import os
+import pty
 import shutil
 import stat
 import subprocess
@@ -9,22 +11,7 @@ from pathlib import Path
 import pytest
 
 SETUP = Path(__file__).resolve().parent.parent.parent / "tools" / "setup.sh"
-REAL_TOOLS = (
-    "sh",
-    "cat",
-    "cksum",
-    "tr",
-    "dirname",
-    "grep",
-    "find",
-    "env",
-    "rm",
-    "cp",
-    "mkdir",
-    "chmod",
-    "touch",
-    "true",
-)
+REAL_TOOLS = "sh cat cksum tr dirname grep find env rm cp mkdir chmod touch true".split()
 
 # A Python that knows its version, makes a .venv of copies of itself, and "installs" uv, which "installs" live.
 PYTHON = """#!/bin/sh
@@ -236,6 +223,28 @@ def test_with_sudo_that_asks_nothing(debian: Machine) -> None:
 def test_with_sudo_that_would_ask_a_password_without_a_terminal(debian: Machine) -> None:
     debian.add("sudo", "#!/bin/sh\nexit 1\n")
     assert debian.run("play", code=1).splitlines()[-1] == APT_LINE
+
+
+def test_with_a_terminal_sudo_may_ask_for_the_password(debian: Machine) -> None:
+    sudo = '#!/bin/sh\necho "sudo $*" >>"$LOG"\ncase $1 in -n) exit 1 ;; -v) exit $FAKE_REFUSED ;; esac\nexec "$@"\n'
+    debian.add("sudo", sudo)
+    for refused in (1, 0):
+        ours, theirs = pty.openpty()
+        done = subprocess.run(
+            [str(debian.home / "show" / "tools" / "setup.sh"), "play"],
+            env=debian.environment | {"FAKE_REFUSED": str(refused)},
+            stdin=theirs,
+            stderr=theirs,
+            timeout=60,
+            check=False,
+        )
+        said = os.read(ours, 65536).decode().replace("\r", "")
+        os.close(ours)
+        os.close(theirs)
+        assert "needs your password" in said
+        assert done.returncode == refused, said
+        assert (APT_LINE in said.splitlines()) == bool(refused)
+    assert any(line.startswith("sudo env DEBIAN_FRONTEND=noninteractive apt-get install") for line in debian.log())
 
 
 def test_tests_go_on_without_their_packages_and_ask_again(debian: Machine) -> None:
