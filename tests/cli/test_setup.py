@@ -11,7 +11,22 @@ from pathlib import Path
 import pytest
 
 SETUP = Path(__file__).resolve().parent.parent.parent / "tools" / "setup.sh"
-REAL_TOOLS = "sh cat cksum tr dirname grep find env rm cp mkdir chmod touch true".split()
+REAL_TOOLS = [
+    "sh",
+    "cat",
+    "cksum",
+    "tr",
+    "dirname",
+    "grep",
+    "find",
+    "env",
+    "rm",
+    "cp",
+    "mkdir",
+    "chmod",
+    "touch",
+    "true",
+]
 
 # A Python that knows its version, makes a .venv of copies of itself, and "installs" uv, which "installs" live.
 PYTHON = """#!/bin/sh
