@@ -129,21 +129,21 @@ def steer_spread(
     )
     size_x, size_z = 2.0 * params[_HALF_WIDTH] / columns, 2.0 * params[_HALF_DEPTH] / rows
     mean = agents / (columns * rows)
-    own = -1
+    angle = 2.0 * math.pi * hash_unit(seed, agent, turn)
+    wish_x, wish_z = params[_WANDER] * math.sin(angle), params[_WANDER] * math.cos(angle)
+    own_column = min(max(math.floor((x + params[_HALF_WIDTH]) / size_x), 0), columns - 1)
+    own_row = min(max(math.floor((z + params[_HALF_DEPTH]) / size_z), 0), rows - 1)
+    own = own_row * columns + own_column
+    if population[own] <= math.ceil(mean - 1e-9):
+        return wish_x, wish_z
     best, nearest = -1, 1e30
     for c in range(columns * rows):
-        cx = -params[_HALF_WIDTH] + (c % columns + 0.5) * size_x
-        cz = -params[_HALF_DEPTH] + (c // columns + 0.5) * size_z
-        if abs(x - cx) <= 0.5 * size_x and abs(z - cz) <= 0.5 * size_z:
-            own = c
         if population[c] < math.floor(mean + 1e-9) or (population[c] == 0 and mean > 0.35):
+            cx = -params[_HALF_WIDTH] + (c % columns + 0.5) * size_x
+            cz = -params[_HALF_DEPTH] + (c // columns + 0.5) * size_z
             d2 = (cx - x) ** 2 + (cz - z) ** 2
             if d2 < nearest:
                 best, nearest = c, d2
-    angle = 2.0 * math.pi * hash_unit(seed, agent, turn)
-    wish_x, wish_z = params[_WANDER] * math.sin(angle), params[_WANDER] * math.cos(angle)
-    if own < 0 or population[own] <= math.ceil(mean - 1e-9):
-        return wish_x, wish_z
     if best >= 0 and hash_unit(seed + 1, agent, turn) < 1.0 - mean / population[own]:
         cx = -params[_HALF_WIDTH] + (best % columns + 0.5) * size_x
         cz = -params[_HALF_DEPTH] + (best // columns + 0.5) * size_z
