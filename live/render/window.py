@@ -136,7 +136,7 @@ class Window:
 
     @property
     def target(self) -> moderngl.Framebuffer:
-        """The screen, with viewport, scissor and size of this moment; do not keep it over frames."""
+        """The screen, with viewport and size of this moment; do not keep it over frames."""
         return self.ctx.screen
 
     @property
@@ -254,12 +254,12 @@ class Window:
         glfw.set_input_mode(self._handle, glfw.CURSOR, glfw.CURSOR_NORMAL if shown else glfw.CURSOR_HIDDEN)
 
     def _fit_target(self) -> None:
-        """Give moderngl's screen the size of this moment: left alone it clears and clips to its first one for ever."""
+        """Give moderngl's screen the size of this moment: left alone it keeps its first one for ever."""
         screen: Any = self.ctx.screen
         size = self._inputs.framebuffer_size
         if screen.size != size or screen.viewport != (0, 0, *size):
-            screen.viewport = screen.scissor = (0, 0, *size)
-            screen._size = size
+            screen.viewport = (0, 0, *size)
+            screen._size = size  # moderngl offers no other way
 
 
 def _overlap(place: tuple[int, int, int, int], monitor: Monitor) -> int:
