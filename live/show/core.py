@@ -39,6 +39,13 @@ LINES_PER_TICK = 4
 """Measure lines crossed in one tick at most, should the tempo ever run away."""
 
 
+def steering_for(patch: Patch) -> Steering:
+    """The steering parameters of a patch's stage; spreaders' cells hold one dancer and a half each on the average."""
+    area = patch.stage.width * patch.stage.depth
+    cell = min(max(math.sqrt(1.5 * area / patch.dancer_count), 1.2), 6.0)
+    return Steering(half_width=patch.stage.width / 2, half_depth=patch.stage.depth / 2, cell=cell)
+
+
 class Show:
     """One show. Call `apply` for events, then `tick` for each due tick, and `fill` for each frame."""
 
@@ -59,7 +66,7 @@ class Show:
         self.timeline = self.follower.timeline
         self.group = np.repeat(np.arange(len(patch.group)), [g.dancers for g in patch.group]).astype(np.int32)
         count = patch.dancer_count
-        steering = Steering(half_width=patch.stage.width / 2, half_depth=patch.stage.depth / 2)
+        steering = steering_for(patch)
         self.model = AgentModel(np.full(count, AGENT_RADIUS, np.float32), steering, self.seed)
         self.state = self._starting_state()
         self._spare = AgentState.at(self.state.position.copy())

@@ -1,0 +1,104 @@
+"""The command `live` as a user starts it, with what it writes read back."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.control.conftest import pulse_sink
+from tests.render.conftest import two_monitor_x
+
+__all__ = ["pulse_sink", "two_monitor_x"]
+
+PATCH = """
+name = "end to end"
+seed = 1
+[stage]
+width = 12
+depth = 8
+[camera]
+eye = [0.0, 3.0, 12.0]
+[[group]]
+name = "blue"
+dancers = 8
+colour = [0.02, 0.2, 1.0]
+steps = ["walk"]
+formation = "grid"
+centre = [-3.0, 0.0]
+size = [4.0, 4.0]
+"""
+
+
+@dataclass
+class Running:
+    """A running `live play` and the file of its status lines."""
+
+    process: subprocess.Popen[str]
+    status: Path
+
+    def lines(self) -> list[dict[str, Any]]:
+        """The whole status lines written so far."""
+        text = self.status.read_text() if self.status.exists() else ""
+        return [json.loads(line) for line in text.splitlines(keepends=True) if line.endswith("\n")]
+
+    def wait_for(self, condition: Callable[[dict[str, Any]], bool], seconds: float) -> dict[str, Any]:
+        """The first status line that fulfils the condition; fails after `seconds` or when the process ends."""
+        deadline = time.monotonic() + seconds
+        while time.monotonic() < deadline:
+            for line in self.lines():
+                if condition(line):
+                    return line
+            if self.process.poll() is not None:
+                break
+            time.sleep(0.05)
+        output = self.stop()
+        raise AssertionError(f"not within {seconds} s; last status {self.lines()[-1:]}; output: {output}")
+
+    def stop(self) -> str:
+        """End it as Ctrl-C does, and return what it printed."""
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGINT)
+        try:
+            return self.process.communicate(timeout=20)[0]
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            return self.process.communicate()[0]
+
+
+@pytest.fixture
+def play(tmp_path: Path) -> Iterator[Callable[..., Running]]:
+    """Start `live play` with options; everything started is ended after the test."""
+    started: list[Running] = []
+
+    def start(*options: str, env: dict[str, str] | None = None) -> Running:
+        status = tmp_path / f"status{len(started)}.jsonl"
+        process = subprocess.Popen(
+            [sys.executable, "-m", "live", "play", *options, "--status-json", str(status)],
+            env={**os.environ, **(env or {})},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            cwd=tmp_path,
+        )
+        started.append(Running(process, status))
+        return started[-1]
+
+    yield start
+    for running in started:
+        running.stop()
+
+
+@pytest.fixture
+def patch(tmp_path: Path) -> Path:
+    """A patch of eight blue dancers on the left of the stage."""
+    path = tmp_path / "show.toml"
+    path.write_text(PATCH)
+    return path

@@ -1,0 +1,42 @@
+"""Music through a PulseAudio null sink into the input device: the clock locks on and measures change."""
+
+import wave
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from live.control.music_file import read_music
+from live.show.patch_file import PATCHES
+
+
+def _as_wav(path: Path, seconds: float) -> Path:
+    music = read_music(PATCHES / "music" / "first_show.ogg")
+    start = int(17.2 * music.sample_rate)  # where the groove is in full swing
+    samples = music.samples[start : start + int(seconds * music.sample_rate)]
+    with wave.open(str(path), "wb") as file:
+        file.setnchannels(samples.shape[1])
+        file.setsampwidth(2)
+        file.setframerate(music.sample_rate)
+        file.writeframes((np.clip(samples, -1, 1) * 32767).astype("<i2").tobytes())
+    return path
+
+
+@pytest.mark.pulse
+def test_music_heard_by_the_input_device_changes_measures(play, patch: Path, pulse_sink, tmp_path: Path):
+    """The patch begins at 90 bpm in its own clock; the music's 112 bpm must be heard to be known."""
+    patch.write_text("clock = {bpm = 90}\n" + patch.read_text())
+    running = play(
+        str(patch), "--headless", "--audio", "pulse", "--seconds", "90", "--osc", "127.0.0.1:0",
+        env=dict(pulse_sink.env),
+    )  # fmt: skip
+    running.wait_for(lambda line: line["frames"] > 10, 30)
+    pulse_sink.play(_as_wav(tmp_path / "music.wav", 40.0))
+    locked = running.wait_for(lambda line: line["source"] == "audio" and line["clock_state"] == "locked", 30)
+    assert locked["bpm"] == pytest.approx(112.0, rel=0.02)
+    later = running.wait_for(lambda line: line["measure"] >= locked["measure"] + 3, 20)
+    assert later["time"] - locked["time"] == pytest.approx(3 * 4 * 60 / 112.0, abs=2.5)
+    pulse_sink.kill()  # the sound system goes away: the show goes on
+    free = running.wait_for(lambda line: line["clock_state"] == "freewheel" and line["time"] > later["time"], 15)
+    running.wait_for(lambda line: line["measure"] >= free["measure"] + 2, 15)
+    assert "Traceback" not in running.stop()
