@@ -66,9 +66,14 @@ def _refine(cage: Cage, shape: Shape, level: int) -> Cage:
 
 
 def _strongest(weights: Float64) -> tuple[Int32, Float32]:
-    """The four strongest joints of each vertex and their weights, which sum to 1."""
-    joint = np.argsort(-weights, axis=1, kind="stable")[:, :_INFLUENCES]
-    weight = np.take_along_axis(weights, joint, axis=1)
+    """The four strongest joints of each vertex and their weights, which sum to 1.
+
+    The fifth weight is taken off all: it fades out evenly, and of two equal ones neither is preferred.
+    """
+    order = np.argsort(-weights, axis=1, kind="stable")
+    joint = order[:, :_INFLUENCES]
+    fifth = np.take_along_axis(weights, order[:, _INFLUENCES : _INFLUENCES + 1], axis=1)
+    weight = np.take_along_axis(weights, joint, axis=1) - fifth
     weight[weight < 0.01] = 0.0
     weight /= weight.sum(axis=1, keepdims=True)
     joint[weight == 0.0] = 0

@@ -1,0 +1,129 @@
+"""The body: closed, symmetric, on its own surface, softly bound to the skeleton."""
+
+import time
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from live.motion.skeleton import BODY_HEIGHT, MIRROR, SKELETON
+from live.render.body import COARSE, FINE, LIGHT, BodyMesh, build_body
+from live.render.body_shape import BODY, Shape
+
+LEVELS = (COARSE, LIGHT, FINE)
+
+
+def _edges(mesh: BodyMesh) -> npt.NDArray[np.int32]:
+    triangle = mesh.triangle
+    return np.concatenate([triangle[:, [0, 1]], triangle[:, [1, 2]], triangle[:, [2, 0]]])
+
+
+def _dense(mesh: BodyMesh) -> npt.NDArray[np.float64]:
+    dense = np.zeros((len(mesh.position), SKELETON.joint_count))
+    for column in range(4):
+        dense[np.arange(len(dense)), mesh.joint[:, column]] += mesh.weight[:, column]
+    return dense
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_every_edge_has_exactly_two_triangles_of_opposite_sense(level: int) -> None:
+    directed = _edges(build_body(level))
+    assert len(np.unique(directed, axis=0)) == len(directed)
+    forward = {tuple(edge) for edge in directed.tolist()}
+    assert all((b, a) in forward for a, b in forward)
+
+
+@pytest.mark.parametrize(("level", "least", "most"), [(COARSE, 300, 700), (LIGHT, 1000, 2500), (FINE, 6000, 12000)])
+def test_triangle_counts_suit_their_use(level: int, least: int, most: int) -> None:
+    assert least <= len(build_body(level).triangle) <= most
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_the_volume_is_that_of_a_slim_adult_and_triangles_face_outwards(level: int) -> None:
+    mesh = build_body(level)
+    a, b, c = (mesh.position[mesh.triangle[:, i]].astype(np.float64) for i in range(3))
+    litres = 1000.0 * float((np.cross(a, b) * c).sum()) / 6.0
+    assert 38.0 < litres < 62.0
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_weights_are_soft_and_sum_to_one(level: int) -> None:
+    mesh = build_body(level)
+    assert mesh.joint.shape == mesh.weight.shape == (len(mesh.position), 4)
+    assert mesh.joint.min() >= 0
+    assert mesh.joint.max() < SKELETON.joint_count
+    assert mesh.weight.min() >= 0.0
+    np.testing.assert_allclose(mesh.weight.sum(axis=1), 1.0, atol=1e-6)
+
+
+def test_neighbours_are_bound_alike() -> None:
+    """No vertex hangs on another limb than its neighbours: weights change little along an edge."""
+    mesh = build_body(FINE)
+    edges = _edges(mesh)
+    dense = _dense(mesh)
+    change = np.abs(dense[edges[:, 0]] - dense[edges[:, 1]]).sum(axis=1) / 2.0
+    assert change.max() < 0.5
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_left_and_right_are_mirror_images(level: int) -> None:
+    mesh = build_body(level)
+    dense = _dense(mesh)
+    reflected = mesh.position * np.array([-1.0, 1.0, 1.0], np.float32)
+    distance = np.linalg.norm(mesh.position[:, None, :] - reflected[None, :, :], axis=2)
+    partner = distance.argmin(axis=0)
+    assert distance.min(axis=0).max() < 1e-4
+    np.testing.assert_allclose(dense[partner][:, list(MIRROR)], dense, atol=0.02)
+    np.testing.assert_allclose(mesh.normal[partner] * [-1, 1, 1], mesh.normal, atol=1e-2)
+
+
+def test_it_is_as_tall_as_the_skeleton_says_and_stands_on_the_floor() -> None:
+    mesh = build_body(FINE)
+    assert mesh.position[:, 1].max() == pytest.approx(BODY_HEIGHT, abs=0.02)
+    assert mesh.position[:, 1].min() == pytest.approx(0.0, abs=0.005)
+    assert mesh.position[:, 0].max() == pytest.approx(0.85, abs=0.03)  # arm span about the height
+
+
+def test_every_joint_moves_some_skin_near_it() -> None:
+    mesh = build_body(LIGHT)
+    dense = _dense(mesh)
+    rest = SKELETON.rest_positions()
+    for joint, name in enumerate(SKELETON.names):
+        moved = dense[:, joint] > 0.3
+        assert moved.any(), name
+        assert np.linalg.norm(mesh.position[moved] - rest[joint], axis=1).min() < 0.16, name
+
+
+@pytest.mark.parametrize("level", [LIGHT, FINE])
+def test_vertices_lie_on_the_implicit_surface(level: int) -> None:
+    mesh = build_body(level)
+    bun = (mesh.position[:, 1] > 1.62) & (mesh.position[:, 2] < -0.05)
+    distance = np.abs(Shape(BODY).distance(mesh.position[~bun].astype(np.float64)))
+    assert np.median(distance) < 1e-3
+    assert distance.max() < 0.012
+
+
+def test_it_is_wider_at_shoulders_and_hips_than_at_the_waist() -> None:
+    shape = Shape(BODY)
+
+    def half_width(height: float) -> float:
+        line = np.stack([np.linspace(0.0, 0.25, 251), np.full(251, height), np.zeros(251)], axis=1)
+        return float(line[np.flatnonzero(shape.distance(line) < 0.0).max(), 0])
+
+    assert half_width(1.06) < 0.8 * half_width(0.88)
+    assert half_width(1.06) < 0.9 * half_width(1.25)
+
+
+def test_building_is_quick() -> None:
+    """Well under a second, so that a show starts at once; best of three, because other work may be going on."""
+    seconds = []
+    for _ in range(3):
+        start = time.perf_counter()
+        build_body.__wrapped__(FINE)
+        seconds.append(time.perf_counter() - start)
+    assert min(seconds) < 1.0
+
+
+def test_unknown_levels_are_refused() -> None:
+    with pytest.raises(ValueError, match="level of detail 9"):
+        build_body(9)

@@ -1,0 +1,77 @@
+"""Matrices against independent geometry, and the way from a pixel back to the floor."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from live.base.stage_view import Camera
+from live.render.camera import FAR, NEAR, floor_point, pixel_of, projection, view_matrix, world_to_clip
+
+SIZE = (1280, 720)
+
+
+def test_view_matrix_is_a_rigid_motion_that_puts_the_target_straight_ahead() -> None:
+    camera = Camera(eye=(2.0, 3.0, 9.0), target=(-1.0, 0.5, -2.0))
+    matrix = view_matrix(camera)
+    np.testing.assert_allclose(matrix[:3, :3] @ matrix[:3, :3].T, np.eye(3), atol=1e-12)
+    assert np.linalg.det(matrix) == pytest.approx(1.0)
+    seen = matrix @ np.array([*camera.target, 1.0])
+    distance = math.dist(camera.eye, camera.target)
+    np.testing.assert_allclose(seen[:3], [0.0, 0.0, -distance], atol=1e-12)
+
+
+def test_projection_reaches_from_near_to_far_and_has_the_vertical_field_of_view() -> None:
+    camera = Camera(field_of_view_deg=50.0)
+    matrix = projection(camera, 16 / 9)
+    for distance, depth in ((NEAR, -1.0), (FAR, 1.0)):
+        clip = matrix @ np.array([0.0, 0.0, -distance, 1.0])
+        assert clip[2] / clip[3] == pytest.approx(depth)
+    edge = matrix @ np.array([0.0, math.tan(math.radians(25.0)) * 7.0, -7.0, 1.0])
+    assert edge[1] / edge[3] == pytest.approx(1.0)
+
+
+def test_stage_right_of_the_audience_is_right_in_the_picture_and_the_back_is_higher() -> None:
+    centre, right, back, head = pixel_of(Camera(), SIZE, [[0, 0, 0], [2, 0, 0], [0, 0, -2], [0, 1.7, 0]])
+    assert right[0] > centre[0]
+    assert back[1] < centre[1]
+    assert head[1] < centre[1]
+
+
+@given(
+    x=st.floats(-6, 6),
+    z=st.floats(-5, 4),
+    eye_x=st.floats(-8, 8),
+    eye_y=st.floats(1.0, 12.0),
+    field=st.floats(20, 80),
+)
+def test_a_floor_point_comes_back_from_its_pixel(x: float, z: float, eye_x: float, eye_y: float, field: float) -> None:
+    camera = Camera(eye=(eye_x, eye_y, 11.5), target=(0.0, 0.9, 0.0), field_of_view_deg=field)
+    pixel = pixel_of(camera, SIZE, [[x, 0.0, z]])[0]
+    point = floor_point(camera, SIZE, (float(pixel[0]), float(pixel[1])))
+    assert point is not None
+    assert point == pytest.approx((x, z), abs=1e-6)
+
+
+def test_above_the_horizon_there_is_no_floor() -> None:
+    camera = Camera(eye=(0.0, 1.5, 8.0), target=(0.0, 1.5, 0.0))
+    assert floor_point(camera, SIZE, (640, 100)) is None
+    assert floor_point(camera, SIZE, (640, 700)) is not None
+
+
+def test_a_camera_may_look_straight_down() -> None:
+    camera = Camera(eye=(0.0, 10.0, 0.0), target=(0.0, 0.0, 0.0))
+    point = floor_point(camera, SIZE, (640, 360))
+    assert point == pytest.approx((0.0, 0.0), abs=1e-9)
+    upper = floor_point(camera, SIZE, (640, 0))
+    assert upper is not None
+    assert upper[1] < 0.0  # the back of the stage on top
+
+
+def test_impossible_cameras_are_refused_by_name() -> None:
+    with pytest.raises(ValueError, match="eye and target"):
+        view_matrix(Camera(eye=(1.0, 1.0, 1.0), target=(1.0, 1.0, 1.0)))
+    with pytest.raises(ValueError, match="field_of_view_deg"):
+        world_to_clip(Camera(field_of_view_deg=180.0), SIZE)

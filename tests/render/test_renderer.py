@@ -1,0 +1,268 @@
+"""Pictures: small, seeded, headless; what must be seen is asked of the pixels."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import moderngl
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from live.base.stage_view import ATTRACTOR, REPULSOR, SPREADER, Camera, Look, Scene, StageView
+from live.motion.skeleton import JOINT_COUNT, SKELETON
+from live.render.camera import pixel_of
+from live.render.quality import CARD, SOFTWARE, Quality, choose, is_software
+from live.render.renderer import Renderer
+from tests.render.poses import ARABESQUE, ARMS_DOWN, LUNGE, PLIE, REACH, STEP, stage_view
+
+pytestmark = pytest.mark.gl
+SIZE = (320, 180)
+NEAR_CAMERA = Camera(eye=(0.0, 1.6, 5.5), target=(0.0, 0.9, 0.0), field_of_view_deg=40.0)
+Picture = npt.NDArray[np.uint8]
+Draw = Callable[..., Picture]
+
+
+def scene(count: int, camera: Camera | None = None, look: Look | None = None) -> Scene:
+    return Scene((10.0, 8.0), camera or Camera(), look or Look(), count, JOINT_COUNT)
+
+
+def read(framebuffer: moderngl.Framebuffer) -> Picture:
+    width, height = framebuffer.size
+    data = np.frombuffer(framebuffer.read(components=3, alignment=1), np.uint8)
+    return np.flipud(data.reshape(height, width, 3)).copy()
+
+
+@pytest.fixture
+def draw(gl_context: moderngl.Context) -> Iterator[Draw]:
+    """Draw a view once into a fresh framebuffer and give its pixels, (H, W, 3) with row 0 on top."""
+    made: list[Renderer] = []
+
+    def once(
+        view: StageView, *, size: tuple[int, int] = SIZE, camera: Camera | None = None, quality: Quality = SOFTWARE
+    ) -> Picture:
+        renderer = Renderer(gl_context, scene(len(view.group), camera), size=size, quality=quality)
+        made.append(renderer)
+        target = gl_context.simple_framebuffer(size)
+        assert gl_context.error  # forget those of moderngl's own making: it provokes one for each framebuffer
+        renderer.draw(view, target)
+        assert gl_context.error == "GL_NO_ERROR"
+        picture = read(target)
+        target.release()
+        return picture
+
+    yield once
+    for renderer in made:
+        renderer.release()
+
+
+def crowd() -> StageView:
+    turns = (LUNGE, ARABESQUE, REACH, STEP, PLIE, ARMS_DOWN)
+    return stage_view([(turns[i % 6], (i % 4 * 1.4 - 2.1, 1.5 - i // 4 * 1.6), 25.0 * i, i % 3) for i in range(12)])
+
+
+def standing(group: int = 0) -> StageView:
+    return stage_view([(ARMS_DOWN, (0.0, 0.0), 0.0, group)])
+
+
+def empty() -> StageView:
+    return StageView.allocate(0, JOINT_COUNT)
+
+
+@pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
+def test_dancers_cover_the_pixels_of_their_joints(draw: Draw, quality: Quality) -> None:
+    view = stage_view([(LUNGE, (-0.8, 0.0), 20.0, 0), (REACH, (0.8, 0.0), -20.0, 1)])
+    with_dancers = draw(view, camera=NEAR_CAMERA, quality=quality).astype(int)
+    without = draw(empty(), camera=NEAR_CAMERA, quality=quality).astype(int)
+    inner = [SKELETON.index(name) for name in ("hips", "spine", "chest", "head", "leftLowerLeg", "rightLowerLeg")]
+    for dancer in range(2):
+        pixels = pixel_of(NEAR_CAMERA, SIZE, view.joint_position[dancer, inner])
+        for x, y in pixels.astype(int):
+            assert np.abs(with_dancers[y, x] - without[y, x]).max() > 12
+
+
+@pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
+def test_the_stage_is_neither_black_nor_burnt_out(draw: Draw, quality: Quality) -> None:
+    picture = draw(crowd(), quality=quality)
+    assert 8.0 < picture.mean() < 110.0
+    assert picture.max() > 120
+    assert (picture == 255).all(axis=2).mean() < 0.01
+
+
+def test_both_tiers_show_the_same_stage(draw: Draw) -> None:
+    plain, film = draw(crowd(), quality=SOFTWARE).astype(int), draw(crowd(), quality=CARD).astype(int)
+    assert np.abs(plain - film).mean() < 3.0
+
+
+def test_groups_have_their_colours(draw: Draw) -> None:
+    x, y = pixel_of(NEAR_CAMERA, SIZE, standing().joint_position[0, [SKELETON.index("chest")]])[0].astype(int)
+    orange, blue = (draw(standing(group), camera=NEAR_CAMERA)[y, x].astype(int) for group in (0, 1))
+    assert orange[0] > orange[2] + 20
+    assert blue[2] > blue[0] + 20
+
+
+def test_blackout_is_black_and_half_light_is_darker(draw: Draw) -> None:
+    view = crowd()
+    full = draw(view)
+    view.brightness = 0.4
+    half = draw(view)
+    view.brightness = 0.0
+    assert half.mean() < 0.8 * full.mean()
+    assert draw(view).max() == 0
+
+
+def test_shadows_darken_the_floor_on_the_side_away_from_the_light(draw: Draw) -> None:
+    top = Camera(eye=(0.0, 7.0, 0.01), target=(0.0, 0.0, 0.0), field_of_view_deg=50.0)
+    lit, shaded = draw(empty(), camera=top).astype(int), draw(standing(), camera=top).astype(int)
+    toward = np.array(Look().key_direction)
+    spot = np.array([0.0, 0.0]) + 0.9 * toward[[0, 2]] / -toward[1]  # shadow of the chest
+    x, y = pixel_of(top, SIZE, [[spot[0], 0.0, spot[1]]])[0].astype(int)
+    here = np.s_[y - 2 : y + 3, x - 2 : x + 3]
+    assert shaded[here].mean() < 0.85 * lit[here].mean()
+    x, y = pixel_of(top, SIZE, [[-spot[0] * 1.5, 0.0, -spot[1] * 1.5]])[0].astype(int)
+    there = np.s_[y - 2 : y + 3, x - 2 : x + 3]
+    assert shaded[there].mean() == pytest.approx(lit[there].mean(), rel=0.05)
+
+
+@pytest.mark.parametrize(("kind", "warm"), [(ATTRACTOR, True), (REPULSOR, False), (SPREADER, None)])
+def test_elements_light_the_floor_where_they_act(draw: Draw, kind: int, warm: bool | None) -> None:
+    view = empty()
+    dark = draw(view).astype(int)
+    view.element_count = 1
+    view.element_kind[0], view.element_position[0], view.element_level[0] = kind, (1.5, 1.0), 1.0
+    light = draw(view).astype(int) - dark
+    ring = [[1.5 + 0.9 * np.cos(a), 0.0, 1.0 + 0.9 * np.sin(a)] for a in np.linspace(0.0, 6.0, 12)]
+    near = np.array([light[y, x] for x, y in pixel_of(Camera(), SIZE, ring).astype(int)])
+    far = light[pixel_of(Camera(), SIZE, [[-3.0, 0.0, 1.0]])[0].astype(int)[1]][:40]
+    assert near.mean() > 4.0
+    assert np.abs(far).mean() < 1.0
+    if warm is not None:
+        assert bool(near[:, 0].mean() > near[:, 2].mean()) is warm
+    view.element_level[0] = 0.3
+    assert 0.0 < (draw(view).astype(int) - dark).sum() < light.sum()
+
+
+def test_the_attractor_breathes_with_the_beat(draw: Draw) -> None:
+    view = empty()
+    view.element_count, view.element_level[0] = 1, 1.0
+    on_the_beat = draw(view).astype(int)
+    view.beat = view.phase = 0.7
+    assert np.abs(on_the_beat - draw(view).astype(int)).max() > 5
+
+
+def test_more_elements_than_can_be_drawn_do_no_harm(draw: Draw) -> None:
+    view = empty()
+    view.element_count = 5000
+    view.element_level[:] = 1.0
+    assert draw(view).mean() > 5.0
+
+
+def test_the_overlay_draws_light_letters_on_a_dark_panel_in_its_corner(draw: Draw) -> None:
+    view = crowd()
+    plain = draw(view, size=(640, 360)).astype(int)
+    view.overlay = ("tempo 120.0", "measure 17")
+    written = draw(view, size=(640, 360)).astype(int)
+    corner = np.s_[: 360 // 4, : 640 // 3]
+    assert written[corner].max() > 200 > plain[corner].max()
+    changed = np.abs(written - plain).max(axis=2) > 0
+    changed[corner] = False
+    assert not changed.any()
+
+
+@pytest.mark.parametrize("count", [0, 1, 1000])
+def test_any_number_of_dancers_is_drawn(draw: Draw, count: int) -> None:
+    one = standing()
+    view = StageView.allocate(count, JOINT_COUNT)
+    place = np.stack([np.arange(count) % 40 * 0.25 - 5.0, np.zeros(count), np.arange(count) // 40 * 0.3 - 4.0], axis=1)
+    view.joint_position[:] = one.joint_position[0] + place[:, None, :].astype(np.float32)
+    view.joint_rotation[:] = one.joint_rotation[0]
+    picture, bare = draw(view).astype(int), draw(empty()).astype(int)
+    covered = (np.abs(picture - bare).max(axis=2) > 10).mean()
+    assert (covered == 0.0) if count == 0 else (covered > 0.002)
+
+
+def test_a_view_with_more_dancers_than_the_scene_said_is_drawn(gl_context: moderngl.Context) -> None:
+    renderer = Renderer(gl_context, scene(1, NEAR_CAMERA), size=SIZE, quality=SOFTWARE)
+    target = gl_context.simple_framebuffer(SIZE)
+    renderer.draw(standing(), target)
+    alone = read(target).astype(int)
+    three = [(ARMS_DOWN, (x, 0.0), 0.0, 0) for x in (0.0, -1.2, 1.2)]
+    renderer.draw(stage_view(three), target)
+    assert (np.abs(read(target).astype(int) - alone).max(axis=2) > 10).mean() > 0.01
+    renderer.release()
+    target.release()
+
+
+@pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
+def test_the_same_moment_twice_is_the_same_picture(gl_context: moderngl.Context, quality: Quality) -> None:
+    renderer = Renderer(gl_context, scene(12), size=SIZE, quality=quality)
+    target = gl_context.simple_framebuffer(SIZE)
+    view, other = crowd(), standing()
+    pictures = []
+    for moment in (view, other, view):
+        renderer.draw(moment, target)
+        pictures.append(read(target))
+    assert not np.array_equal(pictures[0], pictures[1])
+    if is_software(gl_context):
+        np.testing.assert_array_equal(pictures[0], pictures[2])
+    renderer.release()
+    target.release()
+
+
+@pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
+def test_resizing_gives_what_a_new_renderer_gives(gl_context: moderngl.Context, draw: Draw, quality: Quality) -> None:
+    renderer = Renderer(gl_context, scene(12), size=(200, 200), quality=quality)
+    view = crowd()
+    small, large = gl_context.simple_framebuffer((200, 200)), gl_context.simple_framebuffer(SIZE)
+    renderer.draw(view, small)
+    renderer.resize(SIZE)
+    assert renderer.size == SIZE
+    renderer.draw(view, large)
+    difference = np.abs(read(large).astype(int) - draw(view, quality=quality).astype(int))
+    assert difference.max() <= (0 if is_software(gl_context) else 2)
+    renderer.resize((0, 0))  # a minimised window
+    assert renderer.size == (1, 1)
+    for thing in (renderer, small, large):
+        thing.release()
+
+
+def test_the_near_dancers_get_the_finer_body(draw: Draw) -> None:
+    """Light for the nearest only: changing how many are near changes the far dancer's outline, not the near one's."""
+    view = stage_view([(ARMS_DOWN, (-0.7, -1.5), 0.0, 0), (ARMS_DOWN, (0.7, 1.0), 0.0, 0)])
+    both, one = (draw(view, quality=replace(SOFTWARE, near_count=count)).astype(int) for count in (2, 1))
+    changed = np.abs(both - one).max(axis=2) > 0
+    assert changed[:, : SIZE[0] // 2].sum() > 20
+    x = int(pixel_of(Camera(), SIZE, view.joint_position[1, :1])[0, 0])
+    assert not changed[: SIZE[1] // 2 + 20, x - 3 : x + 4].any()
+
+
+def test_a_scene_of_another_skeleton_or_target_of_another_size_is_refused(gl_context: moderngl.Context) -> None:
+    with pytest.raises(ValueError, match="joint_count 18"):
+        Renderer(gl_context, replace(scene(1), joint_count=18), size=SIZE)
+    target = gl_context.simple_framebuffer((64, 64))
+    with pytest.raises(ValueError, match="target"):
+        Renderer(gl_context, scene(1), size=SIZE, target=target)
+    target.release()
+
+
+def test_the_tier_follows_the_driver_and_the_crowd(gl_context: moderngl.Context) -> None:
+    with pytest.raises(ValueError, match="samples -1"):
+        choose(gl_context, 50, -1)
+    assert choose(gl_context, 50, 2).samples == 2
+    if is_software(gl_context):
+        assert choose(gl_context, 50, None) == SOFTWARE
+    assert choose(gl_context, 50, 64).samples <= gl_context.max_samples
+
+
+@pytest.mark.parametrize(("quality", "name"), [(SOFTWARE, "stage_plain"), (CARD, "stage_film")])
+def test_golden(
+    gl_context: moderngl.Context, draw: Draw, golden: Callable[..., None], quality: Quality, name: str
+) -> None:
+    if "llvmpipe" not in str(gl_context.info["GL_RENDERER"]):
+        pytest.skip("golden pictures are compared on llvmpipe only")
+    view = crowd()
+    view.element_count = 3
+    view.element_kind[:3] = (ATTRACTOR, REPULSOR, SPREADER)
+    view.element_position[:3] = ((0.0, 2.4), (-3.4, -1.0), (3.2, -1.5))
+    view.element_level[:3] = (1.0, 0.8, 0.9)
+    view.beat = view.phase = 2.25
+    golden(draw(view, quality=quality), name)
