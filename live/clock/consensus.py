@@ -23,6 +23,9 @@ PERIOD_TOLERANCE: Final = 0.06
 PHASE_TOLERANCE: Final = 0.12
 """Beats at this distance from a grid (in beats) support it with a weight of 1/e."""
 
+PREFERENCE_FLOOR: Final = 0.1
+"""What the least expected tempo is worth: enough to be danced to when it is all there is."""
+
 METRICAL: Final = ((1.0, 1.0, 1.0), (2.0, 1.0, 0.4), (0.5, 0.5, 0.4), (3.0, 1.0, 0.2), (1.0 / 3.0, 1.0 / 3.0, 0.2))
 """(estimate's period / grid's period, lines it may lie on [beats], weight): a tracker hears every second beat, or
 every half one, without being wrong about where beats are."""
@@ -39,14 +42,14 @@ class Heard:
 
 @dataclass(frozen=True, slots=True)
 class Preference:
-    """Which tempi to believe first: a bell in octaves around `tempo` [bpm]."""
+    """Which tempi to believe first: a bell in octaves around `tempo` [bpm], over a floor: none is forbidden."""
 
     tempo: float = 118.0
     octaves: float = 0.8
 
     def of(self, period: float) -> float:
-        """0 to 1 for a period [s]."""
-        return math.exp(-0.5 * (math.log2(60.0 / period / self.tempo) / self.octaves) ** 2)
+        """`PREFERENCE_FLOOR` to 1 for a period [s]."""
+        return max(math.exp(-0.5 * (math.log2(60.0 / period / self.tempo) / self.octaves) ** 2), PREFERENCE_FLOOR)
 
 
 class Consensus:
@@ -70,27 +73,29 @@ class Consensus:
     def __len__(self) -> int:
         return len(self._heard)
 
-    def agreement(self, grid: Grid, heard: Heard) -> float:
-        """How much one estimate speaks for a grid, 0 to 1."""
-        for ratio, division, weight in METRICAL:
+    def _match(self, grid: Grid, heard: Heard) -> tuple[float, float]:
+        """(how well one estimate's beat lies on a grid, what its metrical level is worth), both 0 to 1."""
+        for ratio, division, worth in METRICAL:
             if abs(math.log(heard.period / (grid.period * ratio))) < PERIOD_TOLERANCE:
                 if self.half_beats:
                     division = min(division, 0.5)
-                return weight * math.exp(-((grid.residual(heard.time, division) / PHASE_TOLERANCE) ** 2))
-        return 0.0
+                return math.exp(-((grid.residual(heard.time, division) / PHASE_TOLERANCE) ** 2)), worth
+        return 0.0, 0.0
 
     def support(self, grid: Grid, now: float) -> tuple[float, float]:
-        """(agreement weighed by confidence and age, the share of all weight that this is)."""
-        total = agreed = 0.0
+        """(what all estimates say for a grid, the share of them that agrees with it at any metrical level)."""
+        total = agreed = support = 0.0
         for heard in self._heard:
             weight = heard.weight * math.exp((heard.time - now) / FADE)
+            match, worth = self._match(grid, heard)
             total += weight
-            agreed += weight * self.agreement(grid, heard)
-        return agreed, agreed / total if total > 0.0 else 0.0
+            agreed += weight * match
+            support += weight * match * worth
+        return support, agreed / total if total > 0.0 else 0.0
 
     def witnesses(self, grid: Grid) -> list[Heard]:
         """The estimates that clearly speak for a grid, oldest first."""
-        return [heard for heard in self._heard if self.agreement(grid, heard) >= 0.15]
+        return [heard for heard in self._heard if self._match(grid, heard)[0] >= 0.4]
 
     def candidates(self) -> list[Grid]:
         """The grids that the newest estimates propose, with their octaves."""
@@ -109,7 +114,8 @@ class Consensus:
         rows: list[tuple[float, float, float]] = []
         weight_sum = period_sum = 0.0
         for heard in self._heard:
-            weight = self.agreement(grid, heard) * heard.weight * math.exp((heard.time - now) / FADE)
+            match, worth = self._match(grid, heard)
+            weight = match * worth * heard.weight * math.exp((heard.time - now) / FADE)
             if weight < 1e-6:
                 continue
             division = 0.5 if self.half_beats else 1.0

@@ -31,6 +31,12 @@ CHALLENGE_SPAN: Final = 2.0
 ONE_WITHIN: Final = 30.0
 """How long after the known first downbeat [s] a first lock may still count measures back to it."""
 
+PLAUSIBLE: Final = 60.0
+"""An event's time lies at most this far from now [s]; ..."""
+
+START_PLAUSIBLE: Final = 1e7
+"""... before the first tick it is at most this [s]."""
+
 HAND_OCTAVES: Final = 0.15
 KNOWN_OCTAVES: Final = 0.12
 """How narrowly a tempo that somebody tapped, typed or wrote down rules the choice of octave."""
@@ -113,8 +119,7 @@ class TimelineFollower:
 
     def tap(self, time: float) -> None:
         """A tap; from the third on tempo and phase are the taps', and which half beat is the beat stays theirs."""
-        if not math.isfinite(time):
-            self.rejected += 1
+        if not self._plausible(time):
             return
         grid = self._taps.tap(time)
         if grid is None or not TEMPO_MIN_BPM <= grid.tempo <= TEMPO_MAX_BPM:
@@ -126,18 +131,19 @@ class TimelineFollower:
 
     def one(self, time: float) -> None:
         """The beat nearest to `time` is the first of a measure."""
-        if not math.isfinite(time):
-            self.rejected += 1
+        if not self._plausible(time):
             return
         self._timeline = self._timeline.with_one_at(time)
         self._one_at = None
 
     def set_tempo(self, bpm: float, time: float) -> None:
         """Run at `bpm` from `time` on, with no step in the beat."""
-        if not (math.isfinite(bpm) and math.isfinite(time) and TEMPO_MIN_BPM <= bpm <= TEMPO_MAX_BPM):
+        if not self._plausible(time):
+            return
+        if not TEMPO_MIN_BPM <= bpm <= TEMPO_MAX_BPM:
             self.rejected += 1
             return
-        now = max(time, self._now)
+        now = self._now if math.isfinite(self._now) else time
         beat = self._timeline.beat_at(now)
         number = math.floor(beat)
         self._take_by_hand(Grid(now - (beat - number) * 60.0 / bpm, 60.0 / bpm, number), now)
@@ -146,8 +152,7 @@ class TimelineFollower:
 
     def silent(self, time: float) -> None:
         """Nothing is played any more: the tempo is kept, the beats run on."""
-        if not math.isfinite(time):
-            self.rejected += 1
+        if not self._plausible(time):
             return
         self._silent_since = time if self._silent_since is None else self._silent_since
         self._consensus.clear()
@@ -160,8 +165,7 @@ class TimelineFollower:
 
     def found(self, time: float) -> None:
         """There is something to hear again: what comes now is judged afresh, the beats run on until it is sure."""
-        if not math.isfinite(time):
-            self.rejected += 1
+        if not self._plausible(time):
             return
         self._silent_since = None
         self._consensus.clear()
@@ -174,6 +178,12 @@ class TimelineFollower:
         self._watch(now, elapsed if math.isfinite(elapsed) else 0.0)
         self._timeline = self._timeline.with_tempo(self._running_tempo(now), now)
         return self._timeline
+
+    def _plausible(self, time: float) -> bool:
+        """Whether a time may be that of an event of now; counts it as rejected if not."""
+        good = abs(time - self._now) <= PLAUSIBLE if math.isfinite(self._now) else abs(time) <= START_PLAUSIBLE
+        self.rejected += not good
+        return good
 
     def _take_by_hand(self, grid: Grid, now: float) -> None:
         self._grid = grid

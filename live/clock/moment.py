@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from live.clock.timeline import Timeline, phase
+from live.clock.timeline import Timeline
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,8 +19,6 @@ class Moment:
     @staticmethod
     def of(timeline: Timeline, time: float, confidence: float = 1.0) -> "Moment":
         """The moment that `timeline` gives for `time` [s]."""
-        beat = timeline.beat_at(time)
-        since = beat - timeline.measure_origin
-        into = phase(since, timeline.beats_per_measure)
-        measure = round((since - into) / timeline.beats_per_measure)
-        return Moment(time, beat, measure, into, timeline.tempo, confidence)
+        return Moment(
+            time, timeline.beat_at(time), timeline.measure_at(time), timeline.phase_at(time), timeline.tempo, confidence
+        )

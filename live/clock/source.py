@@ -38,7 +38,7 @@ class ManualClock:
 
     def set(self, time: float) -> None:
         """Move to `time` [s]; raises ValueError if that lies in the past."""
-        if time < self._time:
+        if not time >= self._time:  # NaN too
             raise ValueError(f"a clock cannot go back from {self._time} s to {time} s")
         self._time = time
 

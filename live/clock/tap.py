@@ -1,6 +1,6 @@
 """TapTempo: a row of taps becomes a grid of beats."""
 
-from statistics import fmean, median
+from statistics import fmean, median, median_low
 from typing import Final
 
 from live.clock.grid import Grid
@@ -27,15 +27,15 @@ class TapTempo:
         The period is the mean of the intervals within a quarter of their median, so that one tap missed or doubled
         changes nothing; the phase is the median over the taps.
         """
+        if self._taps and abs(time - self._taps[-1]) > FORGET_AFTER:
+            self._taps.clear()
         if self._taps and time - self._taps[-1] < BOUNCE:
             return None
-        if self._taps and time - self._taps[-1] > FORGET_AFTER:
-            self._taps.clear()
         self._taps = [*self._taps[-(TAPS_KEPT - 1) :], time]
         if len(self._taps) < TAPS_WANTED:
             return None
         intervals = [later - earlier for earlier, later in zip(self._taps, self._taps[1:], strict=False)]
-        middle = median(intervals)
+        middle = median_low(intervals)  # one of them, so that at least one lies near it
         grid = Grid(time, fmean(i for i in intervals if abs(i - middle) <= 0.25 * middle))
         shift = median(grid.residual(tap) for tap in self._taps)
         return Grid(time + shift * grid.period, grid.period)

@@ -39,7 +39,9 @@ class Timeline:
 
     def measure_at(self, time: float) -> int:
         """Number of the measure (from 0) that holds `time` [s]."""
-        return math.floor((self.beat_at(time) - self.measure_origin) / self.beats_per_measure)
+        since = self.beat_at(time) - self.measure_origin
+        # Not floor(since / B): a hair before a line, phase rounds up to the line, and the number must go with it.
+        return round((since - phase(since, self.beats_per_measure)) / self.beats_per_measure)
 
     def phase_at(self, time: float) -> float:
         """Beats into the measure at `time` [s]."""

@@ -1,0 +1,45 @@
+"""Ticks: the same ones at any frame rate."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from live.clock.ticks import STALL, TICK, Ticks
+
+
+@given(st.lists(st.floats(0.0, STALL), min_size=1, max_size=60))
+def test_every_tick_comes_once_and_in_time(frames: list[float]) -> None:
+    ticks, target, seen = Ticks(), 0.0, []
+    for frame in frames:
+        target += frame
+        for time in ticks.due(target):
+            assert time <= target
+            seen.append(time)
+        assert target - ticks.time < TICK
+        assert 0.0 <= ticks.alpha(target) <= 1.0
+    assert seen == [(index + 1) / 64 for index in range(len(seen))]
+
+
+@pytest.mark.parametrize("rate", [25, 60, 144])
+def test_ticks_do_not_depend_on_the_frame_rate(rate: int) -> None:
+    ticks = Ticks()
+    seen = [time for frame in range(1, 10 * rate + 1) for time in ticks.due(frame / rate)]
+    assert seen == [index / 64 for index in range(1, 641)]
+
+
+def test_a_stall_is_skipped_and_counted() -> None:
+    ticks = Ticks()
+    assert ticks.stalled(STALL) == 0
+    missed = ticks.stalled(2.0)
+    ticks.skip(missed)
+    assert ticks.skipped == missed == 127
+    assert list(ticks.due(2.0)) == [2.0]
+    assert ticks.stalled(2.0 + STALL) == 0
+
+
+def test_alpha_is_the_way_to_the_next_tick() -> None:
+    ticks = Ticks(index=64)
+    assert ticks.alpha(1.0) == 0.0
+    assert ticks.alpha(1.0 + TICK / 4) == 0.25
+    assert ticks.alpha(0.5) == 0.0
+    assert ticks.alpha(9.0) == 1.0
