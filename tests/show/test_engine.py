@@ -26,7 +26,8 @@ def test_the_same_events_give_the_same_states_at_any_frame_rate():
     results = []
     for fps in (25, 60, 144):
         engine, clock, _, _ = made_engine(lead=0.0)
-        pending = [(200, Attract(time=3.0, source="test", x=2.0, z=1.0)), (420, Blackout(time=6.5, source="t", on=True))]
+        gather = Attract(time=3.0, source="test", x=2.0, z=1.0)
+        pending = [(200, gather), (420, Blackout(time=6.5, source="test", on=True))]
         hashes = {}
         for frame in range(1, 10 * fps + 1):
             # apply each event exactly when its tick is the last one run, as a replay does

@@ -69,7 +69,7 @@ def test_patches_are_found_by_path_folder_and_name(tmp_path):
     assert find_patch(str(folder)) == folder / "show.toml"
     assert find_patch("first_show") == DEFAULT_PATCH
     assert find_patch(None) == DEFAULT_PATCH
-    with pytest.raises(PatchError, match="no patch 'nothing'.*first_show"):
+    with pytest.raises(PatchError, match=r"no patch 'nothing'.*first_show"):
         find_patch("nothing")
 
 

@@ -1,5 +1,7 @@
 """Programme: sequences, seeded draws, called steps."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -21,7 +23,12 @@ def names(programme, count):
 
 @pytest.mark.parametrize(
     ("entry", "parsed"),
-    [("groove", ("groove", 1)), ("groove x4", ("groove", 4)), ("side step x 12", ("side step", 12)), (" x2", ("x2", 1))],
+    [
+        ("groove", ("groove", 1)),
+        ("groove x4", ("groove", 4)),
+        ("side step x 12", ("side step", 12)),
+        (" x2", ("x2", 1)),
+    ],
 )
 def test_entries(entry, parsed):
     assert parse_entry(entry) == parsed
@@ -39,7 +46,7 @@ def test_draws_are_seeded_held_and_never_the_same_twice_in_a_row():
     assert drawn != names(made(steps, seed=2, choose="random"), 400)
     pairs = [drawn[m] for m in range(0, 400, 2)]
     assert pairs == [drawn[m] for m in range(1, 400, 2)]
-    assert all(a != b for a, b in zip(pairs, pairs[1:], strict=False))
+    assert all(a != b for a, b in itertools.pairwise(pairs))
     counts = [pairs.count(step) for step in steps]
     assert min(counts) > 30
 

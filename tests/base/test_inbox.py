@@ -1,0 +1,60 @@
+"""Inbox and Mailbox: bounds, order, counts; many writers."""
+
+import threading
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from live.base.inbox import Inbox
+from live.base.mailbox import Mailbox
+
+
+@given(st.lists(st.one_of(st.integers(0, 99), st.none()), max_size=60), st.integers(1, 8))
+def test_nothing_is_lost_uncounted(actions, capacity):
+    """None drains, a number is put: whatever happens, put = drained + waiting + dropped, and order is kept."""
+    inbox = Inbox(capacity)
+    put, drained = 0, []
+    for action in actions:
+        if action is None:
+            drained += inbox.drain()
+        else:
+            inbox.put((put, action))
+            put += 1
+    assert put == len(drained) + len(inbox) + inbox.dropped
+    assert drained == sorted(drained)
+    assert len(inbox) <= capacity
+
+
+def test_a_limit_leaves_the_rest_for_later():
+    inbox = Inbox(10)
+    for number in range(5):
+        inbox.put(number)
+    assert inbox.drain(2) == [0, 1]
+    assert inbox.drain() == [2, 3, 4]
+    assert inbox.drain() == []
+
+
+def test_many_writers_and_a_reader():
+    inbox = Inbox(1000)
+    writers = [threading.Thread(target=lambda w=w: [inbox.put((w, k)) for k in range(5000)]) for w in range(4)]
+    taken = []
+    for writer in writers:
+        writer.start()
+    while any(writer.is_alive() for writer in writers):
+        taken += inbox.drain()
+    taken += inbox.drain()
+    assert len(taken) + inbox.dropped == 20000
+    for w in range(4):
+        own = [k for writer, k in taken if writer == w]
+        assert own == sorted(own)
+
+
+def test_a_mailbox_keeps_the_latest_value_of_each_key():
+    box = Mailbox(2)
+    for value in (1, 2, 3):
+        box.post("fader", value)
+    box.post("other", 9)
+    box.post("one too many", 0)
+    assert box.collect() == [("fader", 3), ("other", 9)]
+    assert box.collect() == []
+    assert box.refused == 1

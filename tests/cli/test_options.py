@@ -1,0 +1,57 @@
+"""Shared options: what is understood, what is refused and how."""
+
+import math
+
+import pytest
+
+from live.base.errors import PersonError
+from live.cli.options import parse_endpoint, parse_number, parse_size, writable_file
+
+
+@pytest.mark.parametrize(
+    ("text", "size"), [("1280x720", (1280, 720)), (" 640 X 360 ", (640, 360)), ("16×16", (16, 16))]
+)
+def test_sizes(text, size):
+    assert parse_size(text) == size
+
+
+@pytest.mark.parametrize("text", ["", "1280", "0x720", "1280x", "99999x720", "axb", "-16x16", "9000x16"])
+def test_wrong_sizes(text):
+    with pytest.raises(PersonError, match="width and height"):
+        parse_size(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "endpoint"),
+    [
+        ("127.0.0.1:9010", ("127.0.0.1", 9010)),
+        ("9011", ("127.0.0.1", 9011)),
+        ("localhost:0", ("localhost", 0)),
+        ("[::1]:7000", ("::1", 7000)),
+    ],
+)
+def test_endpoints(text, endpoint):
+    assert parse_endpoint(text) == endpoint
+
+
+@pytest.mark.parametrize("text", ["", "host", "host:", "host:70000", "a:b:1", "host:-1"])
+def test_wrong_endpoints(text):
+    with pytest.raises(PersonError, match="HOST:PORT"):
+        parse_endpoint(text)
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, 0.0, 1e9])
+def test_numbers_out_of_range(value):
+    with pytest.raises(PersonError, match="20 to 400"):
+        parse_number(value, "--bpm", 20, 400)
+    parse_number(None, "--bpm", 20, 400)
+    parse_number(120.0, "--bpm", 20, 400)
+
+
+def test_files_that_cannot_be_written(tmp_path):
+    with pytest.raises(PersonError, match="no folder"):
+        writable_file(tmp_path / "a" / "b.mp4", "--record")
+    with pytest.raises(PersonError, match="that is a folder"):
+        writable_file(tmp_path, "--record")
+    writable_file(tmp_path / "b.mp4", "--record")
+    writable_file(None, "--record")

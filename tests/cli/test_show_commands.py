@@ -1,0 +1,128 @@
+"""`live play`, `render`, `replay` and `check` as processes: films, journals, reports, refusals."""
+
+import json
+import os
+import socket
+
+import av
+import pytest
+
+from tests.cli.command import run_live
+
+NO_SCREEN = {"DISPLAY": "", "WAYLAND_DISPLAY": ""}
+
+
+def gl_or_skip():
+    from live.render.headless import NoOpenGL, create_headless_context
+
+    try:
+        create_headless_context().release()
+    except NoOpenGL as reason:
+        pytest.skip(str(reason))
+
+
+def test_render_makes_a_film_with_sound_the_same_each_time(tmp_path):
+    gl_or_skip()
+    films = []
+    for name in ("a", "b"):
+        result = run_live(
+            "render", "--seconds", "5", "--fps", "10", "--size", "320x180", "--out", str(tmp_path / f"{name}.mp4"),
+            "--journal", str(tmp_path / f"{name}.jsonl"), "--report", str(tmp_path / f"{name}.json"),
+        )  # fmt: skip
+        assert result.returncode == 0, result.stderr
+        with av.open(str(tmp_path / f"{name}.mp4")) as film:
+            pictures = [frame.to_ndarray(format="rgb24") for frame in film.decode(video=0)]
+            assert film.streams.audio
+            assert float(film.duration / av.time_base) == pytest.approx(5.0, abs=0.1)
+        films.append(pictures)
+    assert len(films[0]) == 50
+    assert all((a == b).all() for a, b in zip(*films, strict=True))
+    assert (tmp_path / "a.jsonl").read_bytes() == (tmp_path / "b.jsonl").read_bytes()
+    report = json.loads((tmp_path / "a.json").read_text())
+    assert report["beat_offset_ms"]["annotated"]["p95"] < 5
+    assert {row["measure"] for row in report["steps"]} == {1, 2, 3}
+    assert report["min_distance_m"] > 0.3
+
+    verified = run_live("replay", str(tmp_path / "a.jsonl"), "--verify", "--json")
+    assert verified.returncode == 0, verified.stderr
+    assert json.loads(verified.stdout)["different"] == []
+    (tmp_path / "c.jsonl").write_text((tmp_path / "a.jsonl").read_text().replace('"hash":"', '"hash":"0', 1))
+    assert run_live("replay", str(tmp_path / "c.jsonl"), "--verify").returncode == 1
+
+
+def test_without_a_screen_play_makes_the_film_and_says_where(tmp_path):
+    gl_or_skip()
+    film = tmp_path / "mine.mp4"
+    result = run_live(
+        "play", "--seconds", "1", "--fps", "10", "--size", "160x90", "--record", str(film), "--bpm", "100", **NO_SCREEN
+    )  # fmt: skip
+    assert result.returncode == 0, result.stderr
+    assert str(film) in result.stderr
+    assert film.stat().st_size > 1000
+
+
+def test_headless_runs_in_real_time_and_writes_a_journal_that_replays(tmp_path):
+    journal, status = tmp_path / "j.jsonl", tmp_path / "s.jsonl"
+    result = run_live(
+        "play", "--headless", "--seconds", "4", "--bpm", "150", "--osc", "127.0.0.1:0", "--journal", str(journal),
+        "--status-json", str(status), **NO_SCREEN,
+    )  # fmt: skip
+    assert result.returncode == 0, result.stderr
+    last = json.loads(status.read_text().splitlines()[-1])
+    assert last["measure"] >= 2
+    assert last["ticks"] + last["skipped_ticks"] >= 4 * 64
+    assert last["clock_state"] == "internal"
+    assert set(last) >= {
+        "time", "measure", "beat", "bpm", "source", "clock_state", "confidence", "frames", "late_frames", "ticks",
+        "skipped_ticks", "frame_ms", "cpu_ms", "dancers", "events_accepted", "events_rejected", "phones", "rss_mb",
+    }  # fmt: skip
+    verified = run_live("replay", str(journal), "--verify", "--json")
+    assert verified.returncode == 0, verified.stdout + verified.stderr
+    assert json.loads(verified.stdout)["measures"] >= 1
+
+
+def test_check_says_ok_or_names_line_field_and_remedy(tmp_path):
+    good = run_live("check")
+    assert good.returncode == 0, good.stderr
+    assert "24 dancers" in good.stdout
+    bad = tmp_path / "bad.toml"
+    bad.write_text('name = "x"\n[[group]]\nname = "a"\ndancers = 3\nsteps = ["grove"]\n')
+    result = run_live("check", str(bad))
+    assert result.returncode == 2
+    assert "did you mean 'groove'?" in result.stderr
+    bad.write_text('name = "x"\n[[group]]\nname = "a"\ndancers = -3\nsteps = ["groove"]\n')
+    result = run_live("check", str(bad))
+    assert result.returncode == 2
+    assert f"{bad}, line 4: group.1.dancers" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--audio", "no such device"), "no sound input 'no such device'"),
+        (("--audio", os.devnull + "x.wav"), "there is no such file"),
+        (("--audio", __file__), "cannot be read as music"),
+        (("--monitor", "7"), "'7' is not a monitor"),
+        (("--bpm", "nan"), "--bpm nan: 20 to 400 expected"),
+        (("--osc", "nowhere"), "HOST:PORT expected"),
+        (("--size", "big"), "width and height"),
+        (("--journal", "/nowhere/at/all/j"), "there is no folder"),
+        (("--steps", "/proc"), "TOML"),
+        (("not_a_patch",), "there is no patch 'not_a_patch'"),
+    ],
+)
+def test_what_cannot_be_is_said_in_a_line(options, words):
+    result = run_live("play", "--seconds", "1", *options, **NO_SCREEN)
+    assert result.returncode == 2, result.stderr
+    assert words in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_a_busy_port_is_named_with_the_remedy():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("127.0.0.1", 0))
+        port = taken.getsockname()[1]
+        result = run_live("play", "--headless", "--seconds", "1", "--osc", f"127.0.0.1:{port}", **NO_SCREEN)
+    assert result.returncode == 2
+    assert f"127.0.0.1:{port}" in result.stderr
+    assert "--osc" in result.stderr
