@@ -20,8 +20,8 @@ EARLY: Final = 0.0029
 SILENT_LEVEL: Final = 10.0 ** (-55.0 / 20.0)
 """Below this level (RMS, full scale = 1) nothing is played: -55 dB lies over the noise of a line input."""
 
-SILENT_AFTER: Final = 0.7
-"""Seconds below `SILENT_LEVEL` that make a silence; shorter ones are part of the music."""
+SILENT_AFTER: Final = 1.2
+"""Seconds below `SILENT_LEVEL` that make a silence; clicks at 60 bpm are none."""
 
 RESTART_AFTER: Final = 2.0
 """Seconds of silence after which the tracker forgets the music before."""
@@ -140,10 +140,10 @@ class BeatTracker:
 
     def _analyse(self) -> BeatEstimate | None:
         block = self._pending
-        energy = float(np.dot(block, block))
-        if not energy <= self.hop * LOUDEST:  # also true for NaN: one test for the rule, the search for the exception
-            with np.errstate(invalid="ignore"):
-                bad = ~(np.abs(block) <= LOUDEST)
+        with np.errstate(over="ignore", invalid="ignore"):
+            energy = float(np.dot(block, block))
+        if not energy <= LOUDEST**2:  # true for NaN too: one test for the rule, the search is for the exception
+            bad = ~(np.abs(block) <= LOUDEST)
             self.bad_samples += int(np.count_nonzero(bad))
             block[bad] = 0.0
             energy = float(np.dot(block, block))

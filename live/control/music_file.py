@@ -7,6 +7,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.clock.beats import RATE_MAX_HZ, RATE_MIN_HZ
 from live.control.audio_analysis import AudioAnalysis
 from live.control.events import ControlEvent, SourceChanged
 
@@ -80,6 +81,10 @@ def _decoded(container: Any, path: Path) -> Music:
     if told > LONGEST:
         raise _too_long(path)
     rate, channels = int(stream.rate), min(int(stream.channels), 2)
+    if not RATE_MIN_HZ <= rate <= RATE_MAX_HZ:
+        raise MusicFileError(
+            f"{path} has a sample rate of {rate} Hz; {RATE_MIN_HZ:g} to {RATE_MAX_HZ:g} Hz can be followed"
+        )
     resampler = AudioResampler(format="flt", layout="stereo" if channels == 2 else "mono", rate=rate)
     blocks: list[npt.NDArray[np.float32]] = []
     frames = 0

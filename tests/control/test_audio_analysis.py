@@ -1,0 +1,57 @@
+"""AudioAnalysis: from samples to events with the times of the show."""
+
+import numpy as np
+import pytest
+
+from live.control.audio_analysis import AudioAnalysis
+from live.control.events import BeatHeard, ControlEvent, SourceChanged
+from tests.clock.clicks import clicks
+
+RATE = 44_100
+
+
+def test_events_carry_the_times_of_the_show() -> None:
+    sound, times = clicks(120, RATE, 12.0)
+    events = AudioAnalysis(RATE, "microphone").feed(sound[:, None], lambda position: 100.0 + position)
+    beats = [event for event in events if isinstance(event, BeatHeard)]
+    assert len(beats) > 12
+    assert all(event.source == "microphone" and abs(event.time - event.beat_time) < 0.1 for event in beats)
+    assert min(abs(beats[-1].beat_time - 100.0 - times)) < 0.02
+
+
+def test_live_events_are_stamped_with_now() -> None:
+    sound, _ = clicks(120, RATE, 12.0)
+    events = AudioAnalysis(RATE).feed(sound[:, None], lambda position: position, now=77.0)
+    assert {event.time for event in events} == {77.0}
+
+
+@pytest.mark.parametrize("channels", [1, 2, 6])
+def test_channels_are_mixed(channels: int) -> None:
+    sound, _ = clicks(120, RATE, 8.0)
+    many = np.repeat(sound[:, None], channels, axis=1)
+    one = AudioAnalysis(RATE).feed(sound[:, None], lambda position: position)
+    mixed = AudioAnalysis(RATE).feed(many, lambda position: position)
+    assert [type(event) for event in mixed] == [type(event) for event in one]
+    assert [event.time for event in mixed] == pytest.approx([event.time for event in one])
+
+
+def test_silence_and_return_are_told_once() -> None:
+    sound, _ = clicks(120, RATE, 4.0)
+    still = np.zeros(3 * RATE, np.float32)
+    analysis = AudioAnalysis(RATE)
+    events: list[ControlEvent] = []
+    for part in (still, sound, still, still, sound):
+        events += analysis.feed(part[:, None], lambda position: position)
+    told = [(event.state, event.time) for event in events if isinstance(event, SourceChanged)]
+    assert [state for state, _ in told] == ["silent", "found", "silent", "found"]
+    assert [time for _, time in told] == pytest.approx([1.2, 3.3, 8.05, 13.3], abs=0.15)
+
+
+def test_nan_in_one_channel_is_no_end() -> None:
+    sound, _ = clicks(120, RATE, 12.0)
+    both = np.stack([sound, sound], axis=1)
+    both[::5000, 1] = np.nan
+    analysis = AudioAnalysis(RATE)
+    events = analysis.feed(both, lambda position: position)
+    assert sum(isinstance(event, BeatHeard) for event in events) > 12
+    assert analysis.tracker.bad_samples == len(range(0, sound.size - analysis.tracker.wanted + 1, 5000))

@@ -1,0 +1,165 @@
+"""Music files: read, refused with a reason, and followed offline."""
+
+import wave
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from live.clock.follow import TimelineFollower
+from live.clock.ticks import TICK
+from live.control import music_file
+from live.control.events import BeatHeard, ControlEvent, SourceChanged
+from live.control.music_file import Music, MusicFileError, OfflineMusic, read_music
+from tests.clock.clicks import clicks
+
+RATE = 44_100
+
+
+def write_wav(path: Path, sound: np.ndarray, rate: int = RATE) -> Path:
+    """Samples (n,) or (n, channels) as 16-bit PCM."""
+    with wave.open(str(path), "wb") as file:
+        file.setnchannels(1 if sound.ndim == 1 else sound.shape[1])
+        file.setsampwidth(2)
+        file.setframerate(rate)
+        file.writeframes((np.clip(sound, -1.0, 1.0) * 32767.0).astype("<i2").tobytes())
+    return path
+
+
+def follow(music: OfflineMusic, follower: TimelineFollower, seconds: float) -> list[str]:
+    states = []
+    for tick in range(1, int(seconds / TICK) + 1):
+        now = tick * TICK
+        for event in music.events_until(now):
+            assert event.time <= now
+            if isinstance(event, BeatHeard):
+                follower.heard(event.beat_time, event.period, event.confidence, now)
+            elif isinstance(event, SourceChanged):
+                getattr(follower, event.state)(now)
+        follower.advance(now)
+        states.append(follower.state)
+    return states
+
+
+@pytest.mark.parametrize(("channels", "kept"), [(1, 1), (2, 2), (6, 2)])
+def test_reads_what_was_written(tmp_path: Path, channels: int, kept: int) -> None:
+    sound = np.random.default_rng(0).uniform(-0.5, 0.5, (RATE, channels)).astype(np.float32)
+    music = read_music(write_wav(tmp_path / "noise.wav", sound))
+    assert music.samples.shape == (RATE, kept)
+    assert (music.samples.dtype, music.sample_rate, music.duration) == (np.float32, RATE, 1.0)
+    if channels == kept:
+        assert np.max(np.abs(music.samples - sound)) < 1e-4
+
+
+def test_the_rate_of_the_file_is_kept(tmp_path: Path) -> None:
+    music = read_music(write_wav(tmp_path / "slow.wav", np.zeros(22_050, np.float32), 22_050))
+    assert (music.sample_rate, music.duration) == (22_050, 1.0)
+
+
+def refused(path: Path) -> str:
+    with pytest.raises(MusicFileError) as caught:
+        read_music(path)
+    assert path.name in str(caught.value)
+    return str(caught.value)
+
+
+def test_what_is_no_music_is_refused_with_a_reason(tmp_path: Path) -> None:
+    assert "no such file" in refused(tmp_path / "nothing.ogg")
+    assert "folder" in refused(tmp_path)
+    text = tmp_path / "letter.mp3"
+    text.write_text("Dear Sir or Madam, this is no music. " * 50)
+    assert "cannot be read as music" in refused(text)
+    empty = tmp_path / "empty.wav"
+    empty.touch()
+    assert "cannot be read as music" in refused(empty)
+    noise = tmp_path / "noise.flac"
+    noise.write_bytes(np.random.default_rng(0).bytes(20_000))
+    refused(noise)
+    assert "0.00 s of sound" in refused(write_wav(tmp_path / "short.wav", np.zeros(10, np.float32)))
+
+
+def test_a_rate_that_cannot_be_followed_is_refused(tmp_path: Path) -> None:
+    assert "sample rate" in refused(write_wav(tmp_path / "telephone.wav", np.zeros(4_000, np.float32), 4_000))
+
+
+def test_a_picture_holds_no_sound(tmp_path: Path) -> None:
+    from PIL import Image
+
+    path = tmp_path / "picture.png"
+    Image.new("RGB", (64, 64)).save(path)
+    assert "no sound" in refused(path)
+
+
+def test_a_file_cut_off_in_the_middle_plays_as_far_as_it_goes(tmp_path: Path) -> None:
+    whole = write_wav(tmp_path / "whole.wav", np.zeros(RATE, np.float32)).read_bytes()
+    cut = tmp_path / "cut.wav"
+    cut.write_bytes(whole[: len(whole) // 2])
+    assert read_music(cut).duration == pytest.approx(0.5, abs=0.05)
+
+
+def test_music_without_end_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(music_file, "LONGEST", 0.5)
+    assert "longer than" in refused(write_wav(tmp_path / "long.wav", np.zeros(RATE, np.float32)))
+
+
+def test_a_stream_that_hides_its_length_is_refused_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import av
+
+    path = write_wav(tmp_path / "long.wav", np.zeros(4 * RATE, np.float32))
+    monkeypatch.setattr(music_file, "LONGEST", 0.5)
+    with av.open(str(path)) as container:
+        silent_about_it = SimpleNamespace(streams=container.streams, duration=None, decode=container.decode)
+        with pytest.raises(MusicFileError, match="longer than"):
+            music_file._decoded(silent_about_it, path)
+
+
+def test_a_loop_meets_its_beginning() -> None:
+    music = Music(np.arange(10, dtype=np.float32)[:, None], RATE)
+    assert music.block(8, 5, loop=True)[:, 0].tolist() == [8, 9, 0, 1, 2]
+    assert music.block(28, 25, loop=True)[:, 0].tolist() == [8, 9, *range(10), *range(10), 0, 1, 2]
+    assert music.block(8, 5, loop=False)[:, 0].tolist() == [8, 9]
+    assert music.block(30, 5, loop=False).shape == (0, 1)
+
+
+def music_of(bpm: float, seconds: float, first: float = 0.0) -> Music:
+    return Music(clicks(bpm, RATE, seconds, first)[0][:, None], RATE)
+
+
+def test_offline_events_do_not_depend_on_how_they_are_asked_for() -> None:
+    music = music_of(126.0, 9.0)
+
+    def events(step: float) -> list[ControlEvent]:
+        offline, found, time = OfflineMusic(music), [], 0.0
+        while time < 20.0:
+            time = min(time + step, 20.0)
+            found += offline.events_until(time)
+        return found
+
+    assert events(TICK) == events(0.1) == events(20.0)
+    assert sum(isinstance(event, BeatHeard) for event in events(20.0)) > 30
+
+
+def test_over_the_seam_of_a_loop_the_beat_goes_on() -> None:
+    follower = TimelineFollower()
+    states = follow(OfflineMusic(music_of(120.0, 8.0)), follower, 40.0)
+    assert set(states[10 * 64 :]) == {"locked"}
+    assert follower.tempo == pytest.approx(120.0, rel=0.005)
+    off = follower.timeline.beat_at(40.0) % 1.0
+    assert min(off, 1.0 - off) < 0.05
+
+
+def test_music_that_does_not_loop_ends_in_freewheel() -> None:
+    follower, offline = TimelineFollower(), OfflineMusic(music_of(120.0, 10.0), loop=False)
+    states = follow(offline, follower, 20.0)
+    assert offline.ended
+    assert states[-1] == "freewheel"
+    assert follower.tempo == pytest.approx(120.0, rel=0.005)
+
+
+def test_music_may_begin_later() -> None:
+    music = music_of(120.0, 6.0)
+    now = OfflineMusic(music).events_until(8.0)
+    later = OfflineMusic(music, begin=10.0).events_until(18.0)
+    assert [event.time + 10.0 for event in now] == pytest.approx([event.time for event in later])
+    assert OfflineMusic(music, begin=10.0).events_until(9.0) == []
