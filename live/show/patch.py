@@ -27,7 +27,7 @@ _REPEATED = re.compile(r"^(?P<step>.*?)(?:\s+x\s*(?P<times>[0-9]{1,3}))?$")
 class Section(BaseModel):
     """A table of a patch: frozen, unknown keys refused."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
 
 
 class MusicSection(Section):
@@ -45,22 +45,29 @@ class ClockSection(Section):
     """`[clock]`: musical time while nothing is heard."""
 
     bpm: Annotated[float, Field(ge=20, le=400)] = 112.0
+    """Tempo of the internal clock."""
     beats_per_measure: Annotated[int, Field(ge=1, le=16)] = 4
+    """Beats of a measure; all steps must have it."""
 
 
 class StageSection(Section):
     """`[stage]`: size of the floor."""
 
     width: Annotated[float, Field(ge=2, le=200)] = 12.0
+    """Metres from side to side."""
     depth: Annotated[float, Field(ge=2, le=200)] = 8.0
+    """Metres from back to front."""
 
 
 class CameraSection(Section):
     """`[camera]`: where the picture is seen from [m], vertical field of view [degrees]."""
 
     eye: tuple[Finite, Finite, Finite] = (0.0, 3.4, 11.5)
+    """Where the camera stands: x, y (up), z [m]."""
     target: tuple[Finite, Finite, Finite] = (0.0, 0.9, 0.0)
+    """What it looks at [m]."""
     field_of_view_deg: Annotated[float, Field(ge=5, le=120)] = 40.0
+    """Vertical angle of view."""
 
     @model_validator(mode="after")
     def _look_somewhere(self) -> "CameraSection":
@@ -73,11 +80,17 @@ class LookSection(Section):
     """`[look]`: light and colour (linear RGB from 0 to 1); what is left out keeps its default."""
 
     background: Colour | None = None
+    """Colour of the dark behind the stage."""
     floor: Colour | None = None
+    """Colour of the floor."""
     key_light: Colour | None = None
+    """Colour of the light from the front, which casts the shadows."""
     rim_light: Colour | None = None
+    """Colour of the light from behind."""
     ambient: Share | None = None
+    """Strength of the light from everywhere."""
     haze: Annotated[float, Field(ge=0, le=1)] | None = None
+    """How fast the depth of the stage fades [1/m]."""
 
 
 class LocomotionSection(Section):
@@ -97,17 +110,24 @@ class GroupSection(Section):
     """`[[group]]`: some dancers who dance alike."""
 
     name: Name
+    """Every group needs its own."""
     dancers: Annotated[int, Field(ge=1, le=4000)]
+    """How many dancers it has."""
     colour: Colour | None = None
+    """Colour of their clothes."""
     steps: Annotated[tuple[str, ...], Field(min_length=1, max_length=10000)]
     """Steps in order, one after the other and again from the start; "groove x4" repeats one. With
     `choose = "random"` the set from which steps are drawn."""
     choose: Literal["sequence", "random"] = "sequence"
+    """Steps in their order, or drawn by seeded chance, never the same twice in a row."""
     travel_step: str | None = None
     """The step danced instead when the way is farther than the step in turn can go."""
     facing: Literal["public", "path", "centre"] = "public"
+    """Where dancers face when a measure ends: the public, along their way, or the group's centre."""
     formation: Literal["grid", "line", "circle"] = "grid"
+    """The shape in which the group begins."""
     centre: Place = (0.0, 0.0)
+    """Its middle (x, z) [m]."""
     size: Size = (8.0, 5.0)
     """Width and depth of the formation [m]."""
 
@@ -124,18 +144,24 @@ class ElementSection(Section):
     """`[[element]]`: an attractor, repulsor or spreader of the score, in measures from 1 (T132)."""
 
     kind: Literal["attract", "repel", "spread"]
+    """Gather at a place, leave it, or spread over the stage."""
     measure: Annotated[float, Field(ge=1, le=100000)]
     """The measure at which it begins."""
     measures: Annotated[float, Field(gt=0, le=10000)] = 4.0
+    """How many measures it lasts; it fades in and out over a beat."""
     at: Place = (0.0, 0.0)
+    """Where it is (x, z) [m]; a spreader is everywhere."""
     strength: Annotated[float, Field(ge=0, le=10)] = 1.0
+    """1 is as fast as the steps can travel."""
 
 
 class Patch(Section):
     """A whole show."""
 
     name: Name
+    """What the show is called."""
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 1
+    """Seed of all chance; the same seed and events give the same show."""
     steps: str = "steps"
     """Folder of sketched steps, looked up in the patch's folder, then in the project's patches."""
     loop_measures: Annotated[int, Field(ge=1, le=100000)] | None = None

@@ -1,0 +1,98 @@
+"""Write docs/patch.md, the reference of patch files, from the schema that reads them; `--check` only compares."""
+
+import sys
+import types
+from pathlib import Path
+from typing import Any, Literal, Union, get_args, get_origin
+
+from pydantic.fields import FieldInfo
+
+from live.show.patch import Patch, Section
+
+OUT = Path(__file__).resolve().parents[1] / "docs" / "patch.md"
+
+HEAD = """# Patch files
+
+A patch is a TOML file, or a folder with `show.toml`. Positions are stage metres (x, z): the origin is the centre of the
+stage, +x to the right as the audience sees it, +z towards the audience. Measures count from 1. Files and folders are
+looked up beside the patch first, then in the project's `patches/`. `live check PATCH` says what is wrong, and where.
+"""
+
+
+def reference() -> str:
+    """The whole page."""
+    parts = [HEAD, _table("At the top", Patch, top=True)]
+    for name, field in Patch.model_fields.items():
+        section = _section(field.annotation)
+        if section is not None:
+            many = get_origin(field.annotation) is tuple
+            parts.append(_table(f"`[[{name}]]`" if many else f"`[{name}]`", section))
+    return "\n".join(parts)
+
+
+def _section(annotation: Any) -> type[Section] | None:
+    kinds = get_args(annotation) if get_origin(annotation) is tuple else (annotation,)
+    found = [kind for kind in kinds if isinstance(kind, type) and issubclass(kind, Section)]
+    return found[0] if found else None
+
+
+def _table(title: str, section: type[Section], *, top: bool = False) -> str:
+    about = "" if top else (section.__doc__ or "").partition(": ")[2]
+    rows = [
+        f"## {title}\n",
+        f"{about[:1].upper()}{about[1:]}\n" if about else "",
+        "| key | value | default | |",
+        "|-|-|-|-|",
+    ]
+    for name, field in section.model_fields.items():
+        if top and _section(field.annotation) is not None:
+            continue
+        text = " ".join((field.description or "").split())
+        rows.append(f"| `{name}` | {_kind(field)} | {_default(field)} | {text} |")
+    return "\n".join(row for row in rows if row) + "\n"
+
+
+def _kind(field: FieldInfo) -> str:
+    words = _type_words(field.annotation)
+    limits = {type(limit).__name__.lower(): limit for limit in field.metadata}
+    low = next((getattr(limits[k], k) for k in ("ge", "gt") if k in limits), None)
+    high = next((getattr(limits[k], k) for k in ("le", "lt") if k in limits), None)
+    return words if low is None and high is None else f"{words}, {low:g} to {high:g}"
+
+
+def _type_words(annotation: Any) -> str:
+    origin = get_origin(annotation)
+    if origin is Literal:
+        return " or ".join(f'"{value}"' for value in get_args(annotation))
+    if origin in (Union, types.UnionType):
+        return _type_words(next(kind for kind in get_args(annotation) if kind is not type(None)))
+    if origin is tuple:
+        kinds = get_args(annotation)
+        return "list of texts" if kinds[-1] is Ellipsis else f"[{', '.join('number' for _ in kinds)}]"
+    if hasattr(annotation, "__metadata__"):
+        return _type_words(get_args(annotation)[0])
+    return {str: "text", float: "number", int: "whole number"}.get(annotation, str(annotation))
+
+
+def _default(field: FieldInfo) -> str:
+    if field.is_required():
+        return "needed"
+    value = field.default
+    if value is None:
+        return "–"
+    if isinstance(value, str):
+        return f'`"{value}"`'
+    return f"`{list(value) if isinstance(value, tuple) else value}`"
+
+
+def main() -> int:
+    """Write or check; 1 if the page is out of date."""
+    text = reference()
+    if "--check" in sys.argv[1:]:
+        return 0 if OUT.exists() and OUT.read_text(encoding="utf-8") == text else 1
+    OUT.write_text(text, encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
