@@ -92,8 +92,11 @@ class _Scanner:
         elif first == "{":
             self._inline_table(path)
         else:
+            start = self.at
             while self.at < len(self.text) and self.text[self.at] not in ",]}#\n":
                 self.at += 1
+            if self.at == start:  # `[}` or `[,`: no value at all, and an array would look for one here for ever
+                raise ValueError(start)
 
     def _array(self, path: KeyPath) -> None:
         self.at += 1

@@ -131,6 +131,11 @@ def test_what_is_not_toml_raises_nothing(text: str) -> None:
     assert all(line >= 1 for line in toml_lines(text).values())
 
 
+@pytest.mark.parametrize("text", ["a=[}", "a=[,]", "a={]", "a=[[}", "a=]", "a=[1}", "a={b=}", "a=[\n#}\n}"])
+def test_wrong_brackets_come_to_an_end(text: str) -> None:
+    assert toml_lines(text)[("a",)] == 1
+
+
 def test_the_line_of_a_syntax_error() -> None:
     text = "a = 1\nb = \nc = 2\n"
     with pytest.raises(tomllib.TOMLDecodeError) as caught:
