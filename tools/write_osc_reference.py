@@ -33,6 +33,7 @@ RULES = f"""
 - A whole number serves where a number is expected, and 0 and 1 for a switch. N (nil) and I (impulse) mean "no value":
   the default is taken where there is one. A value too many, a value of another type or outside its range, NaN and
   infinities are refused; nothing is clamped.
+- Push buttons may send 1 when pressed and 0 when let go: a control without values acts on the 1 and ignores the 0.
 - A bundle's messages act in their order, each for itself, at the moment of arrival. Time tags are accepted but not
   waited for; those in the future are counted.
 - A packet is refused as a whole if anything in it is malformed. Limits: {limits.MAX_PACKET_BYTES} bytes a packet,

@@ -179,9 +179,9 @@ class OscInput:
                 self._reject(result)
                 continue
             self.accepted += 1
-            if not isinstance(result, Reply):
+            if isinstance(result, ControlEvent):
                 self._inbox.put(result)
-            elif not replied:
+            elif isinstance(result, Reply) and not replied:
                 replied = True
                 _reply(sock, result, len(packet), sender)
 

@@ -25,6 +25,11 @@ class Reply:
 
 
 @dataclass(frozen=True, slots=True)
+class Released:
+    """A button of a control without arguments was let go: nothing happens, and nothing is wrong."""
+
+
+@dataclass(frozen=True, slots=True)
 class Argument:
     """One argument: its name (that of the event's field), type, unit, allowed range and, if optional, default."""
 
@@ -80,11 +85,19 @@ class Control:
         if optional != sorted(optional):
             raise ValueError(f"{self.address}: an argument that must be given stands after an optional one")
 
-    def call(self, values: Sequence[object], time: float, source: str) -> ControlEvent | Reply | Rejection:
-        """Check `values` and make the event; None is no value: an optional argument takes its default."""
+    def call(self, values: Sequence[object], time: float, source: str) -> ControlEvent | Reply | Released | Rejection:
+        """Check `values` and make the event; None is no value: an optional argument takes its default.
+
+        Push buttons of control surfaces send 1 when pressed and 0 when let go: a control without arguments acts on
+        the 1 and ignores the 0.
+        """
         count = len(values)
         while count and values[count - 1] is None:
             count -= 1
+        if not self.arguments and count == 1 and isinstance(values[0], int | float) and values[0] in (0, 1):
+            if not values[0]:
+                return Released()
+            count = 0
         if count > len(self.arguments):
             expected = f"at most {len(self.arguments)} values" if self.arguments else "no value"
             return Rejection(Reason.EXTRA, self.address, expected, values[len(self.arguments)])
@@ -116,7 +129,7 @@ class Registry:
 
     def call(
         self, address: str, values: Sequence[object], time: float, source: str
-    ) -> ControlEvent | Reply | Rejection:
+    ) -> ControlEvent | Reply | Released | Rejection:
         """What the control at `address` makes of `values`, received at `time` [s of the show] from `source`.
 
         Thread: any. Never raises for anything a sender can choose.

@@ -150,7 +150,7 @@ HOSTILE = [
     message("/dance/*", 1.0).dgram,
     message("/nowhere").dgram,
     message("/dance/step", "x" * 65).dgram,
-    message("/dance/clear", 1.0).dgram,
+    message("/dance/clear", 7.0).dgram,
     message("/dance/blackout", 7).dgram,
 ]
 

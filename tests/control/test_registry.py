@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from live.control import events
 from live.control.events import ControlEvent
-from live.control.registry import NAME_LENGTH, REGISTRY, Argument, Control, Registry, Reply
+from live.control.registry import NAME_LENGTH, REGISTRY, Argument, Control, Registry, Released, Reply
 from live.control.rejections import Reason, Rejection, Tally, merged
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -40,6 +40,10 @@ STAMP = {"time": 12.5, "source": "test"}
         ("/dance/spread", (), events.Spread(**STAMP)),
         ("/dance/spread", (0.25,), events.Spread(measures=0.25, **STAMP)),
         ("/dance/clear", (), events.Clear(**STAMP)),
+        ("/dance/clear", (1.0,), events.Clear(**STAMP)),
+        ("/dance/clock/tap", (True,), events.Tap(**STAMP)),
+        ("/dance/clock/tap", (0.0,), Released()),
+        ("/dance/clock/one", (0,), Released()),
         ("/dance/step", ("samba",), events.CallStep(name="samba", **STAMP)),
         ("/dance/step", ("Čača ♥", 16), events.CallStep(name="Čača ♥", measures=16.0, **STAMP)),
         ("/dance/step", ("x" * NAME_LENGTH,), events.CallStep(name="x" * NAME_LENGTH, **STAMP)),
@@ -81,7 +85,7 @@ def test_every_control_makes_its_event(address, values, event):
         ("/dance/attract", ("1", "2"), Reason.WRONG_TYPE),
         ("/dance/attract", (True, 0.0), Reason.WRONG_TYPE),
         ("/dance/attract", (b"1234", (1, 2, 3, 4)), Reason.WRONG_TYPE),
-        ("/dance/clear", (1.0,), Reason.EXTRA),
+        ("/dance/clear", (2.0,), Reason.EXTRA),
         ("/dance/step", (), Reason.MISSING),
         ("/dance/step", (3,), Reason.WRONG_TYPE),
         ("/dance/step", ("",), Reason.NAME),

@@ -1,0 +1,105 @@
+"""The operator at the window: keys and pointer become events, or change the window."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from live.base.inbox import Inbox
+from live.base.stage_view import Camera, Look, Scene
+from live.cli.window_show import Operator
+from live.control import events
+from live.render.camera import pixel_of
+from live.render.window_input import (
+    CloseRequested,
+    KeyPressed,
+    MonitorsChanged,
+    PointerMoved,
+    PointerPressed,
+    PointerReleased,
+)
+
+SIZE = (1280, 720)
+SCENE = Scene((12.0, 8.0), Camera(), Look(), 1, 22)
+
+
+class FakeWindow:
+    """Only what the operator touches."""
+
+    size = SIZE
+    fullscreen = False
+
+    def toggle_fullscreen(self):
+        self.fullscreen = not self.fullscreen
+
+
+@pytest.fixture
+def desk():
+    inbox = Inbox()
+    session = SimpleNamespace(
+        inbox=inbox, engine=SimpleNamespace(overlay=False), show=SimpleNamespace(blackout=False)
+    )
+    window = FakeWindow()
+    return SimpleNamespace(operator=Operator(session, window, SCENE), inbox=inbox, session=session, window=window)
+
+
+@pytest.mark.parametrize(
+    ("name", "event"),
+    [
+        ("space", events.Tap(time=2.0, source="key")),
+        ("1", events.One(time=2.0, source="key")),
+        ("b", events.Blackout(time=2.0, source="key", on=True)),
+        ("s", events.Spread(time=2.0, source="key")),
+    ],
+)
+def test_keys_make_events(desk, name, event):
+    desk.operator.act(KeyPressed(name), 2.0)
+    assert desk.inbox.drain() == [event]
+
+
+def test_b_brings_the_light_back(desk):
+    desk.session.show.blackout = True
+    desk.operator.act(KeyPressed("b"), 2.0)
+    assert desk.inbox.drain() == [events.Blackout(time=2.0, source="key", on=False)]
+
+
+def test_f_and_o_change_the_window_only(desk):
+    desk.operator.act(KeyPressed("f"), 2.0)
+    desk.operator.act(KeyPressed("o"), 2.0)
+    assert desk.window.fullscreen
+    assert desk.session.engine.overlay
+    desk.operator.act(KeyPressed("q"), 2.0)
+    desk.operator.act(MonitorsChanged(), 2.0)
+    assert desk.inbox.drain() == []
+    assert not desk.operator.leaving
+
+
+def test_escape_never_ends_a_show_in_full_screen(desk):
+    desk.window.fullscreen = True
+    desk.operator.act(KeyPressed("escape"), 2.0)
+    assert not desk.operator.leaving
+    desk.window.fullscreen = False
+    desk.operator.act(KeyPressed("escape"), 2.0)
+    assert desk.operator.leaving
+
+
+def test_a_closed_window_ends_the_show(desk):
+    desk.operator.act(CloseRequested(), 2.0)
+    assert desk.operator.leaving
+
+
+def test_click_and_drag_are_an_attractor_on_the_floor_and_shift_a_repulsor(desk):
+    def pixel(x, z):
+        return pixel_of(SCENE.camera, SIZE, [[x, 0.0, z]])[0]
+
+    desk.operator.act(PointerMoved(*pixel(0, 0)), 1.0)  # not pressed: nothing
+    desk.operator.act(PointerPressed(*pixel(1.5, -0.5)), 1.1)
+    desk.operator.act(PointerMoved(*pixel(2.0, 1.0)), 1.2)
+    desk.operator.act(PointerReleased(*pixel(2.0, 1.0)), 1.3)
+    desk.operator.act(PointerMoved(*pixel(3.0, 1.0)), 1.4)
+    desk.operator.act(PointerPressed(*pixel(-2.0, 1.0), shift=True), 1.5)
+    desk.operator.act(PointerPressed(640.0, 1.0), 1.6)  # the back wall is no floor
+    first, second, third = desk.inbox.drain()
+    assert (type(first), type(second), type(third)) == (events.Attract, events.Attract, events.Repel)
+    assert (first.x, first.z) == pytest.approx((1.5, -0.5), abs=1e-6)
+    assert (second.x, second.z) == pytest.approx((2.0, 1.0), abs=1e-6)
+    assert (third.x, third.z, third.source) == (pytest.approx(-2.0), pytest.approx(1.0), "pointer")
