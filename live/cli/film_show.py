@@ -52,18 +52,18 @@ def film_show(
         raise PersonError(str(error)) from None
     target = OffscreenTarget(ctx, wish.size)
     renderer = Renderer(ctx, scene_of(loaded.patch), size=wish.size)
-    frames = max(1, math.ceil(seconds * wish.fps))
+    frames = max(1, math.ceil(seconds * wish.film_fps))
     figures = FrameReport(show) if report is not None else None
 
     def draw(view: StageView) -> None:
         renderer.draw(view, target.framebuffer)
 
     try:
-        writer = film_writer(path, size=wish.size, fps=wish.fps, music=sound.music, live=False)
+        writer = film_writer(path, size=wish.size, fps=wish.film_fps, music=sound.music, live=False)
         with _progress(console) as progress:
             task = progress.add_task("", total=frames)
             for frame in range(frames):
-                now = frame / wish.fps
+                now = frame / wish.film_fps
                 clock.set(now)
                 for event in [] if music is None else music.events_until(now):
                     inbox.put(event)
@@ -87,7 +87,7 @@ def film_show(
         target.release()
         ctx.release()
     if report is not None and figures is not None:
-        _write_report(report, figures.result() | {"status": status.snapshot(frames / wish.fps)})
+        _write_report(report, figures.result() | {"status": status.snapshot(frames / wish.film_fps)})
 
 
 def _nothing_rejected() -> Any:

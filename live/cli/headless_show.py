@@ -29,7 +29,7 @@ def play_headless(session: Session, scene: Scene, console: Console) -> None:
         raise PersonError(str(error)) from None
     target = OffscreenTarget(ctx, wish.size)
     renderer = Renderer(ctx, scene, size=wish.size)
-    recording = LiveRecording(wish.record, ctx, wish.size, wish.fps, session.sound.music)
+    recording = LiveRecording(wish.record, ctx, wish.size, wish.film_fps, session.sound.music)
 
     def draw(view: StageView) -> None:
         renderer.draw(view, target.framebuffer)
@@ -46,7 +46,7 @@ def play_headless(session: Session, scene: Scene, console: Console) -> None:
 
 
 def _loop(session: Session, draw: Callable[[StageView], None]) -> None:
-    pacer = Pacer(session.wish.fps, session.clock.now, time.sleep)
+    pacer = Pacer(session.wish.film_fps, session.clock.now, time.sleep)
     previous = session.clock.now()
     while True:
         started = pacer.wait()

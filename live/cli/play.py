@@ -54,7 +54,10 @@ def play(
     size: Annotated[
         str, typer.Option(help="Size of the window or film.", metavar="WxH", rich_help_panel=PANEL_PICTURE)
     ] = "1280x720",
-    fps: Annotated[float, typer.Option(help="Frames per second.", rich_help_panel=PANEL_PICTURE)] = 60.0,
+    fps: Annotated[
+        float | None,
+        typer.Option(help="Frames per second. Default: the monitor's, or 60.", rich_help_panel=PANEL_PICTURE),
+    ] = None,
     record: Annotated[
         Path | None,
         typer.Option(help="Record the picture as an mp4.", metavar="FILE.mp4", rich_help_panel=PANEL_RECORD),

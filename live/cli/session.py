@@ -51,7 +51,12 @@ class Wish:
     seconds: float | None = None
     record: Path | None = None
     size: tuple[int, int] = (1280, 720)
-    fps: float = 60.0
+    fps: float | None = None
+
+    @property
+    def film_fps(self) -> float:
+        """Frames per second of a film, and of a show without a monitor."""
+        return self.fps or 60.0
 
     def load(self) -> LoadedShow:
         """The patch and its steps."""

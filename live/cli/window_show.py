@@ -25,7 +25,7 @@ from live.render.window_input import (
 )
 
 TITLE = "ChoreoGraphics Live"
-PACE_ABOVE = 1.02
+PACE_ABOVE = 1.05
 """The loop's own pace lies so much above the wished rate, so that vertical synchronisation sets it where it works."""
 
 
@@ -94,7 +94,7 @@ def play_in_window(
     try:
         renderer = Renderer(window.ctx, scene, size=window.size)
         if wish.record is not None:
-            recording = LiveRecording(wish.record, window.ctx, window.size, wish.fps, session.sound.music)
+            recording = LiveRecording(wish.record, window.ctx, window.size, wish.film_fps, session.sound.music)
         operator = Operator(session, window, scene)
         session.engine.on_error = lambda error: console.print(f"a frame could not be drawn: {error}", style="red")
         with session.running():
@@ -120,7 +120,8 @@ def _loop(
         target: Any = window.target
         renderer.draw(view, target)
 
-    pacer = Pacer(session.wish.fps * PACE_ABOVE, session.clock.now, time.sleep)
+    rate = session.wish.fps or window.monitor.refresh_hz or session.wish.film_fps
+    pacer = Pacer(min(rate * PACE_ABOVE, 1000.0), session.clock.now, time.sleep)
     previous = session.clock.now()
     while not operator.leaving:
         started = pacer.wait()
