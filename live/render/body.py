@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from live.render.body_cage import Cage, build_bun_cage, build_cage
 from live.render.body_shape import BODY, BUN, Shape
+from live.render.simplify import simplify
 from live.render.subdivide import subdivide
 
 Float32 = npt.NDArray[np.float32]
@@ -27,9 +28,13 @@ LIGHT: Final = 1
 FINE: Final = 2
 """Level for a graphics card and few dancers."""
 
+_SUBDIVISIONS: Final = (0, 1, 2)
+_LIGHT_TRIANGLES: Final = 1220
 _INFLUENCES: Final = 4
 _PROJECTIONS: Final = 4
-_OCCLUSION_REACH: Final = (0.03, 0.07, 0.14)
+_OCCLUSION_REACH: Final = (0.06, 0.10, 0.16)
+_SWELLING: Final = 0.006
+"""By how much the coarse body is swollen [m], so that its square limbs cast shadows as wide as the round ones."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,30 +102,33 @@ def _openness(shape: Shape, points: Float64, normals: Float64) -> Float64:
 
 @cache
 def build_body(level: int) -> BodyMesh:
-    """The body at a level of detail: `COARSE`, `LIGHT` or `FINE`; built once a process, some tens of milliseconds.
-
-    The coarse level is swollen a little, so that its square limbs cast shadows as wide as the round ones.
-    """
-    if not COARSE <= level <= FINE + 1:
-        raise ValueError(f"level of detail {level}: 0 (coarse) to 3")
+    """The body at a level of detail: `COARSE`, `LIGHT` or `FINE`; built once a process, a fraction of a second."""
+    if level not in (COARSE, LIGHT, FINE):
+        raise ValueError(f"level of detail {level}: {COARSE} (coarse), {LIGHT} (light) or {FINE} (fine)")
     body, bun = Shape(BODY), Shape(BUN)
-    parts = [(body, _refine(build_cage(), body, level)), (bun, _refine(build_bun_cage(), bun, level))]
-    points, normals, openness, weights, triangles = [], [], [], [], []
-    first = 0
-    for shape, cage in parts:
-        normal = shape.normal(cage.points)
-        points.append(cage.points + (normal * 0.006 if level == COARSE else 0.0))
-        normals.append(normal)
-        openness.append(_openness(body, cage.points, normal))
-        weights.append(cage.weights)
-        triangles.append(_triangles(cage.points, cage.faces) + first)
-        first += len(cage.points)
-    joint, weight = _strongest(np.concatenate(weights))
+    parts = [
+        (body, _refine(build_cage(), body, _SUBDIVISIONS[level])),
+        (bun, _refine(build_bun_cage(), bun, _SUBDIVISIONS[level])),
+    ]
+    points = np.concatenate([cage.points for _, cage in parts])
+    weights = np.concatenate([cage.weights for _, cage in parts])
+    normals = np.concatenate([shape.normal(cage.points) for shape, cage in parts])
+    first = len(parts[0][1].points)
+    triangles = np.concatenate(
+        [_triangles(cage.points, cage.faces) + start for (_, cage), start in zip(parts, (0, first), strict=True)]
+    )
+    if level == LIGHT:
+        used, triangles = simplify(points, triangles, weights, _LIGHT_TRIANGLES)
+        points, weights, normals = points[used], weights[used], normals[used]
+    openness = _openness(body, points, normals)
+    if level == COARSE:
+        points = points + normals * _SWELLING
+    joint, weight = _strongest(weights)
     return BodyMesh(
-        np.ascontiguousarray(np.concatenate(points), np.float32),
-        np.ascontiguousarray(np.concatenate(normals), np.float32),
+        np.ascontiguousarray(points, np.float32),
+        np.ascontiguousarray(normals, np.float32),
         joint,
         weight,
-        np.ascontiguousarray(np.concatenate(openness), np.float32),
-        np.ascontiguousarray(np.concatenate(triangles), np.int32),
+        np.ascontiguousarray(openness, np.float32),
+        np.ascontiguousarray(triangles, np.int32),
     )

@@ -71,6 +71,20 @@ def pixel_of(camera: Camera, size: tuple[int, int], points: npt.ArrayLike) -> Fl
     return np.stack([(device[:, 0] + 1.0) * 0.5 * size[0], (1.0 - device[:, 1]) * 0.5 * size[1]], axis=1)
 
 
+def covered(matrix: Float64, size: tuple[int, int], low: Float64, high: Float64) -> tuple[int, int, int, int]:
+    """The pixels (x, y, width, height; y up) that a box from `low` to `high` [m] may cover; all if it is too near."""
+    corners = np.array(
+        [(x, y, z, 1.0) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
+    )
+    clip = corners @ matrix.T
+    if clip[:, 3].min() < NEAR:
+        return 0, 0, size[0], size[1]
+    device = clip[:, :2] / clip[:, 3:4]
+    start = np.clip(np.floor((device.min(axis=0) + 1.0) * 0.5 * size), 0, size).astype(int)
+    stop = np.clip(np.ceil((device.max(axis=0) + 1.0) * 0.5 * size), 0, size).astype(int)
+    return int(start[0]), int(start[1]), int(stop[0] - start[0]), int(stop[1] - start[1])
+
+
 def floor_point(camera: Camera, size: tuple[int, int], pixel_xy: tuple[float, float]) -> tuple[float, float] | None:
     """The point (x, z) [m] of the stage floor under a pixel (y down), or None where the floor is not seen."""
     device = np.array([2.0 * pixel_xy[0] / size[0] - 1.0, 1.0 - 2.0 * pixel_xy[1] / size[1]])

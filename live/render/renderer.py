@@ -1,10 +1,12 @@
 """The renderer: a `StageView` into a framebuffer, pass by pass."""
 
+from typing import Final
+
 import moderngl
 import numpy as np
 
 from live.base.stage_view import Scene, StageView
-from live.render.camera import view_matrix
+from live.render.camera import covered, view_matrix, world_to_clip
 from live.render.crowd import Crowd
 from live.render.frame import FLOOR_MARGIN, WALL_BEHIND, FrameBlock
 from live.render.passes.backdrop_pass import BackdropPass
@@ -18,6 +20,9 @@ from live.render.passes.stage_pass import StagePass
 from live.render.passes.surface_pass import SurfacePass
 from live.render.quality import Quality, choose
 from live.render.release import Releasable, release_all
+
+_BODY_AROUND_JOINTS: Final = 0.25
+"""The body reaches at most this far beyond its joints [m]."""
 
 
 class Renderer:
@@ -58,6 +63,7 @@ class Renderer:
             self._surface = SurfacePass(ctx, self.quality, size)
             self._smooth = SmoothPass(ctx, self._surface.depth, size)
         self._floor_rows = _rows_of_floor(scene, size)
+        self._world_to_clip = world_to_clip(scene.camera, size)
         self._draw_once()
 
     def _draw_once(self) -> None:
@@ -89,7 +95,7 @@ class Renderer:
             if self._lit_while_drawn:
                 self._draw_film(target)
             else:
-                self._draw_plain(target)
+                self._draw_plain(view, target)
         self._overlay.draw(view.overlay, target, self._size)
 
     def _draw_film(self, target: moderngl.Framebuffer) -> None:
@@ -100,13 +106,23 @@ class Renderer:
         self._draw_stage(into)
         self._film.draw(target)
 
-    def _draw_plain(self, target: moderngl.Framebuffer) -> None:
+    def _draw_plain(self, view: StageView, target: moderngl.Framebuffer) -> None:
+        where = self._where_dancers_are(view)
         self._surface.draw(self._crowd)
         into = self._smooth.target
         into.use()
+        into.scissor = where
         self._surface.shade(self._floor.texture)
         self._draw_stage(into)
-        self._smooth.draw(target)
+        self._smooth.draw(target, where)
+
+    def _where_dancers_are(self, view: StageView) -> tuple[int, int, int, int]:
+        """The pixels that dancers may cover: others need neither be lit nor smoothed."""
+        if len(view.joint_position) == 0:
+            return 0, 0, 0, 0
+        joints = view.joint_position.reshape(-1, 3)
+        low, high = joints.min(axis=0) - _BODY_AROUND_JOINTS, joints.max(axis=0) + _BODY_AROUND_JOINTS
+        return covered(self._world_to_clip, self._size, low.astype(np.float64), high.astype(np.float64))
 
     def _draw_stage(self, into: moderngl.Framebuffer) -> None:
         self._stage.draw(into, self._floor_rows, self._backdrop.texture, self._floor.texture, self._mirror.texture)
@@ -126,6 +142,7 @@ class Renderer:
             self._surface.resize(size)
             self._smooth.resize(self._surface.depth, size)
         self._floor_rows = _rows_of_floor(self._scene, size)
+        self._world_to_clip = world_to_clip(self._scene.camera, size)
 
     def release(self) -> None:
         """Free everything that was made; the renderer must not be used afterwards."""

@@ -18,6 +18,8 @@ MATERIALS: Final = 4
 _SHEEN: Final = (0.30, 0.30, 0.14, 0.35)
 _DARK_SKIN, _PALE_SKIN = (0.20, 0.098, 0.058), (0.56, 0.33, 0.225)
 _BLACK_HAIR, _BROWN_HAIR = (0.012, 0.009, 0.008), (0.070, 0.035, 0.016)
+_DEPTH: Final = 1.25
+"""Cloth is deeper in colour than the light of its group, because light on it makes it paler again."""
 _SEED: Final = 7
 
 
@@ -27,7 +29,9 @@ def dress(group: Int32, colours: Float32) -> npt.NDArray[np.uint8]:
     group (A,) indexes `colours` (G, 3), wrapping round. The same dancer always looks the same.
     """
     draw = np.random.default_rng(_SEED).random((len(group), 4))
-    cloth = colours[group % len(colours)] * (0.60 + 0.30 * draw[:, :1])
+    cloth = colours[group % len(colours)].astype(np.float64)
+    grey = cloth @ np.array([0.2126, 0.7152, 0.0722])
+    cloth = np.maximum(grey[:, None] + _DEPTH * (cloth - grey[:, None]), 0.0) * (0.48 + 0.26 * draw[:, :1])
     turn = 0.10 * (draw[:, 1:2] - 0.5)  # a little of the neighbouring hue
     cloth = np.where(
         turn > 0.0, (1.0 - turn) * cloth + turn * cloth[:, [1, 2, 0]], (1.0 + turn) * cloth - turn * cloth[:, [2, 0, 1]]

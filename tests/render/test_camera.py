@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from live.base.stage_view import Camera
-from live.render.camera import FAR, NEAR, floor_point, pixel_of, projection, view_matrix, world_to_clip
+from live.render.camera import FAR, NEAR, covered, floor_point, pixel_of, projection, view_matrix, world_to_clip
 
 SIZE = (1280, 720)
 
@@ -75,3 +75,20 @@ def test_impossible_cameras_are_refused_by_name() -> None:
         view_matrix(Camera(eye=(1.0, 1.0, 1.0), target=(1.0, 1.0, 1.0)))
     with pytest.raises(ValueError, match="field_of_view_deg"):
         world_to_clip(Camera(field_of_view_deg=180.0), SIZE)
+
+
+def test_the_covered_pixels_hold_every_point_of_the_box() -> None:
+    camera = Camera(eye=(2.0, 2.5, 9.0))
+    low, high = np.array([-1.0, 0.0, -2.0]), np.array([1.5, 1.8, 1.0])
+    x, y, width, height = covered(world_to_clip(camera, SIZE), SIZE, low, high)
+    inside = low + np.random.default_rng(1).random((500, 3)) * (high - low)
+    pixels = pixel_of(camera, SIZE, inside)
+    assert ((pixels[:, 0] >= x) & (pixels[:, 0] <= x + width)).all()
+    from_below = SIZE[1] - pixels[:, 1]
+    assert ((from_below >= y) & (from_below <= y + height)).all()
+    assert width * height < 0.5 * SIZE[0] * SIZE[1]
+
+
+def test_a_box_around_the_camera_may_cover_everything() -> None:
+    matrix = world_to_clip(Camera(), SIZE)
+    assert covered(matrix, SIZE, np.array([-1.0, 0.0, 5.0]), np.array([1.0, 4.0, 20.0])) == (0, 0, *SIZE)

@@ -5,24 +5,28 @@ import moderngl
 from live.render.body import COARSE
 from live.render.crowd import Crowd
 from live.render.release import release_all
-from live.render.shader import program
+from live.render.shader import program, set_uniform
 
 
 class MirrorPass:
-    """Result: `texture`, the light that the floor throws back, over the whole picture."""
+    """Result: `texture`, square roots of the light that the floor throws back, over the whole picture."""
 
     def __init__(self, ctx: moderngl.Context, size: tuple[int, int], divisor: int) -> None:
         self._ctx, self._divisor = ctx, divisor
         self._program = program(ctx, "mirror_vertex.glsl", "mirror_fragment.glsl", (("SOFT", 0),))
+        self._gloss = program(ctx, "full_vertex.glsl", "gloss_fragment.glsl")
+        self._triangle = ctx.vertex_array(self._gloss, [])
         self._make(size)
 
     def _make(self, size: tuple[int, int]) -> None:
         small = (max(size[0] // self._divisor, 1), max(size[1] // self._divisor, 1))
-        self.texture = self._ctx.texture(small, 4)
-        self.texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
-        self.texture.repeat_x = self.texture.repeat_y = False
+        self._drawn, self.texture = self._ctx.texture(small, 4), self._ctx.texture(small, 4)
+        for texture in (self._drawn, self.texture):
+            texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+            texture.repeat_x = texture.repeat_y = False
         self._depth = self._ctx.depth_renderbuffer(small)
-        self._target = self._ctx.framebuffer([self.texture], self._depth)
+        self._target = self._ctx.framebuffer([self._drawn], self._depth)
+        self._result = self._ctx.framebuffer([self.texture])
 
     def draw(self, crowd: Crowd) -> None:
         """Fill `texture` for this moment."""
@@ -32,6 +36,11 @@ class MirrorPass:
         self._ctx.front_face = "cw"  # mirrored
         crowd.draw(self._program, COARSE)
         self._ctx.front_face = "ccw"
+        self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+        self._result.use()
+        self._drawn.use(1)
+        set_uniform(self._gloss, "drawn", 1)
+        self._triangle.render(moderngl.TRIANGLES, vertices=3)
 
     def resize(self, size: tuple[int, int]) -> None:
         """New size of the picture [pixels]."""
@@ -39,9 +48,9 @@ class MirrorPass:
         self._make(size)
 
     def _release_target(self) -> None:
-        release_all(self._target, self.texture, self._depth)
+        release_all(self._target, self._result, self._drawn, self.texture, self._depth)
 
     def release(self) -> None:
         """Free everything."""
         self._release_target()
-        self._program.release()
+        release_all(self._triangle, self._program, self._gloss)

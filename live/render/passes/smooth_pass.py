@@ -24,16 +24,21 @@ class SmoothPass:
         self.target.depth_mask = self._result.depth_mask = False
         self._from, self._to = self._ctx.framebuffer([self._drawn]), self._ctx.framebuffer([self._softened])
 
-    def draw(self, target: moderngl.Framebuffer) -> None:
-        """Copy what was drawn into `self.target` onto `target`, the dancers' edges softened."""
+    def draw(self, target: moderngl.Framebuffer, where: tuple[int, int, int, int]) -> None:
+        """Copy what was drawn into `self.target` onto `target`, the dancers' edges softened.
+
+        `where` (x, y, width, height) holds all dancers.
+        """
         self._ctx.copy_framebuffer(self._to, self._from)  # without the depth that both share
         self._result.use()
+        self._result.scissor = where
         self._ctx.enable(moderngl.DEPTH_TEST)
         self._ctx.depth_func = ">"
         self._drawn.use(1)
         set_uniform(self._program, "drawn", 1)
         self._triangle.render(moderngl.TRIANGLES, vertices=3)
         self._ctx.depth_func = "<"
+        self._result.scissor = (0, 0, *self._softened.size)  # copies obey it too
         self._ctx.copy_framebuffer(target, self._to)
 
     def resize(self, depth: moderngl.Texture, size: tuple[int, int]) -> None:

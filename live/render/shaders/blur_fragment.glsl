@@ -5,12 +5,22 @@ uniform vec2 stride;     // one step in the direction of this pass
 uniform vec3 spread;     // standard deviation of each channel [steps]
 out vec4 shown;
 
+#if LAST
+// the source is as large as the target: no filtering needed
+ivec2 last = textureSize(layers, 0) - 1;
+vec3 layer(float step) {
+    return texelFetch(layers, clamp(ivec2(gl_FragCoord.xy) + ivec2(0, int(step)), ivec2(0), last), 0).rgb;
+}
+#else
+vec3 layer(float step) { return texture(layers, at + stride * step).rgb; }
+#endif
+
 void main() {
-    vec3 sum = texture(layers, at).rgb, weights = vec3(1.0);
+    vec3 sum = layer(0.0), weights = vec3(1.0);
     vec3 sharp = -0.5 / (spread * spread);
     for (int i = 1; i <= TAPS; ++i) {
         vec3 weight = exp(sharp * float(i * i));
-        sum += (texture(layers, at + stride * float(i)).rgb + texture(layers, at - stride * float(i)).rgb) * weight;
+        sum += (layer(float(i)) + layer(float(-i))) * weight;
         weights += 2.0 * weight;
     }
     sum /= weights;

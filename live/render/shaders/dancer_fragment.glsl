@@ -2,6 +2,7 @@
 #include "frame.glsl"
 #include "surface.glsl"
 #include "light.glsl"
+#include "finish.glsl"
 
 in vec3 place;
 in vec4 facing;   // normal, openness
@@ -12,5 +13,5 @@ out vec4 shown;
 void main() {
     vec4 colour = surface(body.xyz, int(body.w + 0.5));
     vec3 light = lit(place, normalize(facing.xyz), colour.rgb * colour.rgb, colour.a, facing.w);
-    shown = vec4(light * key_light.w, 1.0);
+    shown = vec4(compressed(light * key_light.w), 1.0);
 }

@@ -7,6 +7,6 @@ uniform sampler2D glow;
 out vec4 shown;
 
 void main() {
-    vec3 sum = texelFetch(light, ivec2(gl_FragCoord.xy), 0).rgb + texture(glow, at).rgb * 0.22;
+    vec3 sum = expanded(texelFetch(light, ivec2(gl_FragCoord.xy), 0).rgb) + texture(glow, at).rgb * 0.22;
     shown = vec4(to_picture(sum, gl_FragCoord.xy), 1.0);
 }

@@ -22,7 +22,7 @@ void main() {
 #endif
     colour *= key_light.w * (1.0 + 0.06 * key_direction.w);
 #if HDR
-    shown = vec4(colour, 1.0);
+    shown = vec4(compressed(colour), 1.0);
 #else
     shown = vec4(to_picture(colour, gl_FragCoord.xy), 1.0);
 #endif

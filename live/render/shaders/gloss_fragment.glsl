@@ -1,0 +1,12 @@
+// A dull floor's mirror image: blurred, most of all towards the eye.
+in vec2 at;
+uniform sampler2D drawn;
+out vec4 shown;
+
+void main() {
+    vec2 texel = 1.0 / vec2(textureSize(drawn, 0));
+    vec3 sum = texture(drawn, at + texel * vec2(-0.7, 0.8)).rgb + texture(drawn, at + texel * vec2(0.7, 0.8)).rgb
+             + texture(drawn, at + texel * vec2(-0.7, -0.8)).rgb + texture(drawn, at + texel * vec2(0.7, -0.8)).rgb
+             + texture(drawn, at + texel * vec2(0.0, 2.4)).rgb + texture(drawn, at - texel * vec2(0.0, 2.4)).rgb;
+    shown = vec4(sum / 6.0, 1.0);
+}
