@@ -130,11 +130,14 @@ class TimelineFollower:
         self.state = "held"
 
     def one(self, time: float) -> None:
-        """The beat nearest to `time` is the first of a measure."""
+        """The beat nearest to `time` is the first of a measure.
+
+        Said before the beats are sure, it is counted back to when they are.
+        """
         if not self._plausible(time):
             return
         self._timeline = self._timeline.with_one_at(time)
-        self._one_at = None
+        self._one_at = time if self.state in ("internal", "following") else None
 
     def set_tempo(self, bpm: float, time: float) -> None:
         """Run at `bpm` from `time` on, with no step in the beat."""

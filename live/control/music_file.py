@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from live.clock.beats import RATE_MAX_HZ, RATE_MIN_HZ
 from live.control.audio_analysis import AudioAnalysis
-from live.control.events import ControlEvent, SourceChanged
+from live.control.events import BeatHeard, ControlEvent, One, SourceChanged
 
 LONGEST: Final = 3.0 * 3600.0
 """Longest music [s]; it is kept in memory, 21 MB a minute in stereo."""
@@ -117,10 +117,12 @@ class OfflineMusic:
     The first sample is heard at `begin` [s]. The events depend only on the music, not on how it is asked for.
     """
 
-    def __init__(self, music: Music, *, loop: bool = True, begin: float = 0.0) -> None:
+    def __init__(self, music: Music, *, loop: bool = True, begin: float = 0.0, one_at: float | None = None) -> None:
+        """`one_at` [s of the music] is a downbeat that is known: it is told as One with the first beat heard."""
         self._music = music
         self._loop = loop
         self._begin = begin
+        self._one = None if one_at is None else One(time=begin + one_at, source="audio")
         self._fed = 0
         self._ended = False
         self._analysis = AudioAnalysis(music.sample_rate)
@@ -137,7 +139,11 @@ class OfflineMusic:
         while self._fed < wanted and not self._ended:
             block = self._music.block(self._fed, min(wanted - self._fed, 65536), self._loop)
             self._fed += block.shape[0]
-            events += self._analysis.feed(block, self._time_of)
+            for event in self._analysis.feed(block, self._time_of):
+                if isinstance(event, BeatHeard) and self._one is not None and event.time >= self._one.time:
+                    events.append(self._one)
+                    self._one = None
+                events.append(event)
             if not self._loop and self._fed >= self._music.samples.shape[0]:
                 self._ended = True
                 end = self._time_of(self._music.duration)

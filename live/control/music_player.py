@@ -10,13 +10,16 @@ from live.base.inbox import Inbox
 from live.clock.sample_clock import SampleClock
 from live.clock.source import Clock
 from live.control.audio_analysis import AudioAnalysis
-from live.control.events import ControlEvent, SourceChanged
+from live.control.events import BeatHeard, ControlEvent, One, SourceChanged
 from live.control.music_file import Music
 from live.control.sound_devices import SoundUnavailable, close_stream, find_device, open_stream
 
 POLL: Final = 0.010
 LOST_AFTER: Final = 0.5
 """Seconds without a callback after which the output counts as gone."""
+
+FIRST_SOUND: Final = 3.0
+"""Seconds after the start in which a sound server may still fill its buffers and then pause."""
 
 STAMPS: Final = 512
 CATCH_UP: Final = 1.0
@@ -38,8 +41,12 @@ class MusicPlayer:
         loop: bool = True,
         output: bool | str | int = True,
         latency: float = 0.0,
+        one_at: float | None = None,
     ) -> None:
         """`output`: True = the default device, False = none, else as for `find_device`.
+
+        `one_at` [s of the music] is a downbeat that is known: it is told as One when it has been heard and its
+        time is sure.
 
         `latency` [s] is added to what the device says it needs until a sample is heard.
         Raises UnknownDevice for an output that was named and is not there.
@@ -49,6 +56,7 @@ class MusicPlayer:
         self._clock = clock
         self._loop = loop
         self._latency = latency
+        self._one_at = one_at
         self.output_problem = ""
         """Why the music is not heard; empty if it is."""
         self.ended = False
@@ -90,7 +98,8 @@ class MusicPlayer:
         """Seconds of the music heard until `time` [s], not less than 0; it goes on counting in loops. Thread: any."""
         if self._stream is None or self._stamps_read < 1:
             return max(time - self._begin, 0.0)
-        return max(self._line.frame_at(time) / self._music.sample_rate, 0.0)
+        # What was never handed to the device is not heard, wherever the line points while a server fills its buffers.
+        return min(max(self._line.frame_at(time), 0.0), float(self._played)) / self._music.sample_rate
 
     def _find(self, output: bool | str | int) -> Any:
         if output is False:
@@ -159,7 +168,7 @@ class MusicPlayer:
             self._line.observe(float(self._stamp_frame[index % STAMPS]), heard_at)
             self._alive_at = max(self._alive_at, float(self._stamp_time[index % STAMPS]))
         self._stamps_read = until
-        if now - self._alive_at > LOST_AFTER:
+        if now - self._alive_at > (LOST_AFTER if now - self._begin > FIRST_SOUND else FIRST_SOUND):
             self._begin = now - self.position(now)
             self._close()
             self.output_problem = f"{self._device.name} went away; the music runs on unheard"
@@ -179,10 +188,19 @@ class MusicPlayer:
         block = self._music.block(self._fed, wanted - self._fed, self._loop)
         self._fed = wanted
         for event in self._analysis.feed(block, self._time_of, now):
+            if isinstance(event, BeatHeard):
+                self._tell_one(now)
             self._inbox.put(event)
         if not self._loop and self._fed >= self._music.samples.shape[0]:
             self.ended = True
             self._inbox.put(SourceChanged(time=now, source="audio", state="silent", detail="the music is over"))
+
+    def _tell_one(self, now: float) -> None:
+        """With the first beat heard, the line through the callbacks is steady: the known downbeat has a time now."""
+        if self._one_at is not None and self.position(now) >= self._one_at:
+            time = self._time_of(self._one_at - self._skipped / self._music.sample_rate)
+            self._inbox.put(One(time=time, source="audio"))
+            self._one_at = None
 
     def _time_of(self, position: float) -> float:
         frame = position * self._music.sample_rate + self._skipped

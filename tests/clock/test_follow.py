@@ -213,6 +213,16 @@ def test_the_one_moves_the_measures_not_the_beats() -> None:
     assert min(stage.follower.timeline.phase_at(17.0), 4.0 - stage.follower.timeline.phase_at(17.0)) < 0.05
 
 
+def test_a_one_said_too_early_is_counted_back() -> None:
+    stage = Stage(TimelineFollower(tempo=120.0))
+    stage.run(2.0, 97.0)
+    assert stage.follower.state != "locked"
+    stage.follower.one(2 * 60.0 / 97.0)
+    stage.run(12.0, 97.0)
+    phase = stage.follower.timeline.phase_at((2 + 16) * 60.0 / 97.0)
+    assert min(phase, 4.0 - phase) < 0.05
+
+
 @pytest.mark.parametrize("bpm", [95.0, 112.0, 131.0])
 def test_measures_are_counted_from_a_known_one(bpm: float) -> None:
     stage = Stage(TimelineFollower(tempo=120.0, one_at=0.5))

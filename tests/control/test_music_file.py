@@ -10,7 +10,7 @@ import pytest
 from live.clock.follow import TimelineFollower
 from live.clock.ticks import TICK
 from live.control import music_file
-from live.control.events import BeatHeard, ControlEvent, SourceChanged
+from live.control.events import BeatHeard, ControlEvent, One, SourceChanged
 from live.control.music_file import Music, MusicFileError, OfflineMusic, read_music
 from tests.clock.clicks import clicks
 
@@ -155,6 +155,20 @@ def test_music_that_does_not_loop_ends_in_freewheel() -> None:
     assert offline.ended
     assert states[-1] == "freewheel"
     assert follower.tempo == pytest.approx(120.0, rel=0.005)
+
+
+def test_a_known_downbeat_is_counted_from_wherever_the_music_begins() -> None:
+    follower = TimelineFollower(tempo=120.0)
+    offline = OfflineMusic(music_of(100.0, 30.0, 0.25), begin=2.3, one_at=0.25 + 0.6)
+    for tick in range(1, 20 * 64):
+        for event in offline.events_until(tick * TICK):
+            if isinstance(event, BeatHeard):
+                follower.heard(event.beat_time, event.period, event.confidence, event.time)
+            elif isinstance(event, One):
+                follower.one(event.time)
+        follower.advance(tick * TICK)
+    phase = follower.timeline.phase_at(2.3 + 0.85 + 6 * 2.4)
+    assert min(phase, 4.0 - phase) < 0.05
 
 
 def test_music_may_begin_later() -> None:

@@ -1,0 +1,130 @@
+"""Listening to a device: the ring, and a real input over PulseAudio, with music, without, and gone."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from live.base.inbox import Inbox
+from live.clock.follow import TimelineFollower
+from live.clock.source import SystemClock
+from live.control.audio_device import AudioInput, Ring
+from live.control.events import BeatHeard, ControlEvent, SourceChanged
+from tests.clock.clicks import groove
+from tests.control.conftest import PulseSink
+from tests.control.test_music_file import write_wav
+from tests.control.waiting import wait_for
+
+
+def test_what_is_written_is_read_once_and_in_order() -> None:
+    ring, sound, read = Ring(1000, 2), np.arange(9000, dtype=np.float32), []
+    sizes = np.random.default_rng(0).integers(1, 250, 60)
+    start = 0
+    for size in sizes:
+        block = sound[start : start + size]
+        ring.write(np.stack([block, -block], axis=1), 0.0)
+        start += size
+        read.append(ring.read())
+    both = np.concatenate(read)
+    assert np.array_equal(both[:, 0], sound[:start])
+    assert np.array_equal(both[:, 1], -sound[:start])
+    assert ring.overrun == 0
+
+
+def test_a_reader_that_slept_loses_the_oldest_and_knows_it() -> None:
+    ring = Ring(1000, 1)
+    for start in range(0, 5000, 100):
+        ring.write(np.arange(start, start + 100, dtype=np.float32)[:, None], start / 1000.0)
+    assert ring.read()[:, 0].tolist() == list(range(4500, 5000))
+    assert ring.overrun == 4500
+    assert ring.read().shape == (0, 1)
+
+
+def test_stamps_say_when_how_much_was_there() -> None:
+    ring = Ring(1000, 1)
+    ring.write(np.zeros((64, 1), np.float32), 1.0)
+    ring.write(np.zeros((64, 1), np.float32), 2.0)
+    assert ring.stamps() == [(64, 1.0), (128, 2.0)]
+    assert ring.stamps() == []
+
+
+def test_a_block_longer_than_the_ring_leaves_its_end() -> None:
+    ring = Ring(10, 1)
+    ring.write(np.arange(25, dtype=np.float32)[:, None], 0.0)
+    assert ring.read()[:, 0].tolist() == [20, 21, 22, 23, 24]
+
+
+class Listener:
+    """An AudioInput with a follower at its inbox."""
+
+    def __init__(self, clock: SystemClock) -> None:
+        self.clock = clock
+        self.inbox: Inbox[ControlEvent] = Inbox()
+        self.input = AudioInput("pulse", self.inbox, clock)
+        self.follower = TimelineFollower()
+        self.changes: list[str] = []
+        self.beats: list[float] = []
+
+    def turn(self) -> None:
+        """One turn of a show."""
+        for event in self.inbox.drain():
+            if isinstance(event, BeatHeard):
+                self.beats.append(event.beat_time)
+                self.follower.heard(event.beat_time, event.period, event.confidence, event.time)
+            elif isinstance(event, SourceChanged):
+                self.changes.append(event.state)
+                getattr(self.follower, event.state)(event.time)
+        self.follower.advance(self.clock.now())
+
+    def hears(self, state: str, seconds: float) -> bool:
+        """Whether the follower reaches a state, or the source changes to it, in time."""
+
+        def reached() -> bool:
+            self.turn()
+            return self.follower.state == state or self.changes[-1:] == [state]
+
+        return wait_for(reached, seconds)
+
+
+@pytest.fixture
+def listener(pulse_sink: PulseSink) -> Iterator[Listener]:
+    listener = Listener(SystemClock())
+    listener.input.start()
+    yield listener
+    listener.input.stop()
+    pulse_sink.stop_players()
+
+
+@pytest.mark.pulse
+def test_music_in_the_room_is_locked_to(pulse_sink: PulseSink, listener: Listener, tmp_path: Path) -> None:
+    pulse_sink.play(write_wav(tmp_path / "groove.wav", groove(120.0, 48_000, 30.0), 48_000))
+    assert listener.hears("locked", 15.0)
+    assert wait_for(lambda: listener.turn() or len(listener.beats) >= 14, 12.0)
+    assert listener.follower.tempo == pytest.approx(120.0, rel=0.01)
+    assert listener.follower.source == "audio"
+    assert listener.input.level > 0.01
+    steps = np.diff(listener.beats[4:])
+    assert np.percentile(np.abs(steps - np.round(steps / 0.25) * 0.25), 90) < 0.02
+
+
+@pytest.mark.pulse
+def test_silence_in_the_room_is_told(listener: Listener) -> None:
+    assert listener.hears("silent", 10.0)
+    assert listener.follower.state == "internal"
+
+
+@pytest.mark.pulse
+def test_a_device_that_disappears_is_lost_and_found_again(
+    pulse_sink: PulseSink, listener: Listener, tmp_path: Path
+) -> None:
+    pulse_sink.play(write_wav(tmp_path / "groove.wav", groove(120.0, 48_000, 30.0), 48_000))
+    assert listener.hears("locked", 15.0)
+    beat = listener.follower.timeline.beat_at(listener.clock.now())
+    pulse_sink.kill()
+    assert listener.hears("lost", 5.0)
+    assert listener.follower.state == "freewheel"
+    assert wait_for(lambda: listener.turn() or listener.follower.timeline.beat_at(listener.clock.now()) > beat + 4, 5.0)
+    pulse_sink.restart()
+    assert listener.hears("found", 12.0)
+    assert listener.input.reopened >= 1

@@ -1,0 +1,126 @@
+"""MusicPlayer: follows what it plays, heard or unheard."""
+
+import time
+
+import numpy as np
+import pytest
+
+from live.base.inbox import Inbox
+from live.clock.source import SystemClock
+from live.control import music_player
+from live.control.audio_device import AudioInput
+from live.control.events import BeatHeard, ControlEvent, One, SourceChanged
+from live.control.music_file import Music, OfflineMusic
+from live.control.music_player import MusicPlayer
+from live.control.sound_devices import SoundUnavailable, UnknownDevice
+from tests.clock.clicks import clicks, groove
+from tests.control.conftest import PulseSink
+from tests.control.waiting import wait_for
+
+RATE = 44_100
+FAST = 4.0
+
+
+class FastClock:
+    """Runs four times as fast as the world."""
+
+    def __init__(self) -> None:
+        self._origin = time.perf_counter()
+
+    def now(self) -> float:
+        return FAST * (time.perf_counter() - self._origin)
+
+
+def music_of(bpm: float, seconds: float) -> Music:
+    return Music(clicks(bpm, RATE, seconds, 0.0)[0][:, None], RATE)
+
+
+def test_unheard_music_is_followed_by_the_clock() -> None:
+    inbox: Inbox[ControlEvent] = Inbox()
+    music = music_of(120.0, 6.0)
+    player = MusicPlayer(music, inbox, FastClock(), output=False, one_at=0.5)
+    events: list[ControlEvent] = []
+    player.start()
+    try:
+        assert wait_for(lambda: bool(events.extend(inbox.drain())) or len(events) >= 20, 15.0)
+    finally:
+        player.stop()
+    assert not player.audible
+    assert player.output_problem
+    begin = player._begin
+    beats = [event.beat_time - begin for event in events if isinstance(event, BeatHeard)]
+    offline = [e.beat_time for e in OfflineMusic(music).events_until(60.0) if isinstance(e, BeatHeard)]
+    assert [event.time - begin for event in events if isinstance(event, One)] == [pytest.approx(0.5)]
+    assert beats == pytest.approx(offline[: len(beats)], abs=1e-6)
+
+
+def test_the_end_of_the_music_is_told() -> None:
+    inbox: Inbox[ControlEvent] = Inbox()
+    player = MusicPlayer(music_of(120.0, 3.0), inbox, FastClock(), loop=False, output=False)
+    player.start()
+    try:
+        assert wait_for(lambda: player.ended, 10.0)
+    finally:
+        player.stop()
+    last = inbox.drain()[-1]
+    assert isinstance(last, SourceChanged)
+    assert (last.state, last.detail) == ("silent", "the music is over")
+
+
+def test_without_portaudio_the_music_runs_unheard(monkeypatch: pytest.MonkeyPatch) -> None:
+    def missing(*_: object) -> None:
+        raise SoundUnavailable("no sound devices: install PortAudio")
+
+    monkeypatch.setattr(music_player, "find_device", missing)
+    player = MusicPlayer(music_of(120.0, 3.0), Inbox(), FastClock())
+    assert "PortAudio" in player.output_problem
+
+
+def test_an_output_that_was_named_must_be_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    def unknown(*_: object) -> None:
+        raise UnknownDevice("no sound output 'organ'; there are: …")
+
+    monkeypatch.setattr(music_player, "find_device", unknown)
+    with pytest.raises(UnknownDevice, match="organ"):
+        MusicPlayer(music_of(120.0, 3.0), Inbox(), FastClock(), output="organ")
+    assert MusicPlayer(music_of(120.0, 3.0), Inbox(), FastClock()).output_problem
+
+
+def test_an_output_that_refuses_leaves_the_music_unheard(monkeypatch: pytest.MonkeyPatch) -> None:
+    from live.control.sound_devices import SoundDevice
+
+    def refuse(*_: object, **__: object) -> None:
+        raise RuntimeError("device is busy")
+
+    monkeypatch.setattr(music_player, "find_device", lambda *_: SoundDevice(0, "organ", "ALSA", 2, 48_000.0, True))
+    monkeypatch.setattr(music_player, "open_stream", refuse)
+    inbox: Inbox[ControlEvent] = Inbox()
+    player = MusicPlayer(music_of(120.0, 6.0), inbox, FastClock())
+    player.start()
+    try:
+        assert wait_for(lambda: len(inbox) > 4, 10.0)
+    finally:
+        player.stop()
+    assert "organ does not play: device is busy" in player.output_problem
+
+
+@pytest.mark.pulse
+def test_what_is_played_is_what_is_heard_at_that_moment(pulse_sink: PulseSink) -> None:
+    """The player's idea of "now heard" against a microphone at the sink it plays to."""
+    clock = SystemClock()
+    played: Inbox[ControlEvent] = Inbox()
+    recorded: Inbox[ControlEvent] = Inbox()
+    player = MusicPlayer(Music(groove(120.0, RATE, 8.0)[:, None], RATE), played, clock, output="pulse")
+    listener = AudioInput("pulse", recorded, clock)
+    player.start()
+    listener.start()
+    try:
+        assert wait_for(lambda: len(recorded) >= 24, 25.0)
+    finally:
+        player.stop()
+        listener.stop()
+    assert player.audible or not player.output_problem
+    ours = np.array([event.beat_time for event in played.drain() if isinstance(event, BeatHeard)])
+    theirs = np.array([event.beat_time for event in recorded.drain() if isinstance(event, BeatHeard)])[-10:]
+    late = np.array([(beat - ours[np.argmin(np.abs(ours - beat))]) for beat in theirs])
+    assert np.median(np.abs(late)) < 0.03

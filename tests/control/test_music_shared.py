@@ -1,0 +1,39 @@
+"""Real music of others, with beats that are known: steady pieces must be danced to on the beat."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from live.clock.follow import TimelineFollower
+from live.clock.ticks import TICK
+from live.control.events import BeatHeard, SourceChanged
+from live.control.music_file import OfflineMusic, read_music
+
+BEATS = Path(__file__).resolve().parents[3] / "shared" / "beats" / "open"
+
+
+@pytest.mark.shared
+@pytest.mark.parametrize("name", ["o03_band_104", "o12_drums_punk_144", "o16_pop_keys_116", "o28_vinyl_146"])
+def test_beats_of_steady_music_are_met_after_ten_seconds(name: str) -> None:
+    if not BEATS.is_dir():
+        pytest.skip(f"{BEATS} is not there")
+    music = read_music(BEATS / f"{name}.ogg")
+    true = np.loadtxt(BEATS / f"{name}.beats")[:, 0]
+    follower, offline, danced, last = TimelineFollower(), OfflineMusic(music, loop=False), [], 0
+    for tick in range(1, int(music.duration / TICK)):
+        now = tick * TICK
+        for event in offline.events_until(now):
+            if isinstance(event, BeatHeard):
+                follower.heard(event.beat_time, event.period, event.confidence, now)
+            elif isinstance(event, SourceChanged):
+                getattr(follower, event.state)(now)
+        timeline = follower.advance(now)
+        beat = int(np.floor(timeline.beat_at(now)))
+        if beat > last:
+            danced.append(timeline.time_at(beat))
+            last = beat
+    after = true[(true > 10.0) & (true < music.duration - 0.5)]
+    off = np.array([np.min(np.abs(np.array(danced) - time)) for time in after])
+    assert np.mean(off <= 0.070) >= 0.95
+    assert sum(time > 10.0 for time in danced) == pytest.approx(after.size, abs=3)

@@ -1,0 +1,57 @@
+"""Sound devices: found by name, index or default; unknown ones are answered with a list."""
+
+import builtins
+import sys
+from typing import Any
+
+import pytest
+
+from live.control import sound_devices
+from live.control.sound_devices import SoundDevice, SoundUnavailable, UnknownDevice, find_device
+
+DEVICES = [
+    SoundDevice(0, "HDA Intel: ALC295 (hw:0,0)", "ALSA", 2, 44_100.0, False),
+    SoundDevice(3, "pulse", "ALSA", 32, 48_000.0, True),
+    SoundDevice(7, "USB Pulse Interface", "ALSA", 8, 96_000.0, False),
+]
+
+
+@pytest.fixture
+def three(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sound_devices, "_list", lambda kind: DEVICES)
+
+
+@pytest.mark.usefixtures("three")
+@pytest.mark.parametrize(
+    ("text", "index"), [(None, 3), (7, 7), ("7", 7), ("pulse", 3), ("PULSE", 3), ("usb", 7), ("alc295", 0)]
+)
+def test_a_device_is_found(text: str | int | None, index: int) -> None:
+    assert find_device(text).index == index
+
+
+@pytest.mark.usefixtures("three")
+@pytest.mark.parametrize("text", ["theremin", "", "  ", 5, "5", "-1"])
+def test_an_unknown_device_is_answered_with_a_list(text: str | int) -> None:
+    with pytest.raises(UnknownDevice) as caught:
+        find_device(text)
+    assert all(device.name in str(caught.value) for device in DEVICES)
+
+
+def test_no_device_at_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sound_devices, "_list", lambda kind: [])
+    with pytest.raises(UnknownDevice, match="no sound output at all"):
+        find_device(None, "output")
+
+
+def test_without_portaudio_the_remedy_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = builtins.__import__
+
+    def refuse(name: str, *arguments: Any, **keywords: Any) -> Any:
+        if name == "sounddevice":
+            raise OSError("PortAudio library not found")
+        return real(name, *arguments, **keywords)
+
+    monkeypatch.delitem(sys.modules, "sounddevice", raising=False)
+    monkeypatch.setattr(builtins, "__import__", refuse)
+    with pytest.raises(SoundUnavailable, match="libportaudio2"):
+        sound_devices.list_input_devices()
