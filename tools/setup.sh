@@ -33,14 +33,14 @@ die() {
 # --- system packages -----------------------------------------------------------------------------------------------
 # "a|b" = b where a is not known (names differ between releases). Windows: GLFW loads the libX* by name at run time.
 apt_play="libegl1 libgl1 libasound2t64|libasound2 libportaudio2 libx11-6 libxcursor1 libxi6 libxinerama1 libxrandr2"
-apt_test="xserver-xorg-core xserver-xorg-video-dummy x11-xserver-utils x11-utils xdotool imagemagick
-  pulseaudio pulseaudio-utils libasound2-plugins jackd2 liblo-tools ffmpeg"
+apt_test="xserver-xorg-core xserver-xorg-video-dummy x11-xserver-utils xdotool imagemagick
+  pulseaudio pulseaudio-utils libasound2-plugins liblo-tools"
 dnf_play="libglvnd-egl libglvnd-glx mesa-libEGL mesa-libGL mesa-dri-drivers alsa-lib portaudio
   libX11 libXcursor libXi libXinerama libXrandr"
 dnf_test="xorg-x11-server-Xorg xorg-x11-drv-dummy xrandr xdotool ImageMagick pulseaudio pulseaudio-utils
-  alsa-plugins-pulseaudio liblo ffmpeg-free"
+  alsa-plugins-pulseaudio liblo"
 brew_play="portaudio"
-brew_test="liblo ffmpeg imagemagick"
+brew_test="liblo"
 
 find_package_system() {
   if command -v apt-get >/dev/null 2>&1; then
