@@ -21,7 +21,7 @@ def monotone_slopes(times: Float, values: Float) -> Float:
     same = before * after > 0.0
     weight_before, weight_after = 2.0 * span[1:] + span[:-1], span[1:] + 2.0 * span[:-1]
     total = weight_before + weight_after
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         mean = total / (weight_before / before + weight_after / after)
     slopes[1:-1] = np.where(same, mean, 0.0)
     return slopes

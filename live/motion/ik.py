@@ -34,7 +34,7 @@ def two_bone(
     fallback = quaternion.unit(_any_normal(pole))
     direction = np.where(distance > 1e-6, reach / np.maximum(distance, 1e-6), fallback)
     start = whole - soft
-    length = np.where(distance > start, whole - soft * np.exp(-np.maximum(distance - start, 0.0) / soft), distance)
+    length = np.where(distance > start, whole - soft * np.exp(-np.clip((distance - start) / soft, 0.0, 50.0)), distance)
     length = np.maximum(length, abs(upper - lower) + 1e-4)
     along = (upper * upper - lower * lower + length * length) / (2.0 * length)
     aside = np.sqrt(np.maximum(upper * upper - along * along, 0.0))
@@ -59,6 +59,8 @@ def bone_rotation(direction: Float, pole: Float, rest_direction: Float, rest_pol
 
 
 def _any_normal(vector: Float) -> Float:
-    """Some vector (..., 3) that is not parallel to `vector`, made normal to it."""
+    """Some vector (..., 3) that is normal to `vector`."""
+    size = np.linalg.norm(vector, axis=-1, keepdims=True)
+    vector = np.where(size > 1e-9, vector, (0.0, 1.0, 0.0))
     least = np.eye(3)[np.argmin(np.abs(vector), axis=-1)]
     return np.cross(vector, least)

@@ -216,9 +216,11 @@ class _Reader:
                 if after.beat - key.beat < SHORTEST:
                     problem = f"{part} has less than {SHORTEST:g} beat between two counts"
                     raise SketchError(sketch.file, after.line, part, problem, "leave one of them out")
-            if not sketch.cyclic and keys[-1].beat > sketch.beats - 0.25:
-                problem = "nothing is left of the step in which to come back to the neutral stance"
-                raise SketchError(sketch.file, keys[-1].line, part, problem, "end a quarter beat before the last line")
+            early, late = keys[0].beat < 0.25, keys[-1].beat > sketch.beats - 0.25
+            if not sketch.cyclic and (early or late):
+                problem = "a step that is not cyclic begins and ends in the neutral stance"
+                remedy = f'keep to the counts from "1e" to "{sketch.beats}a"'
+                raise SketchError(sketch.file, keys[0 if early else -1].line, part, problem, remedy)
         body = sketch.parts.get("body", ())
         if body and body[0].beat == 0.0 and body[0].amounts["turn"] != 0.0:
             problem = "a step begins facing the front"

@@ -53,7 +53,7 @@ def _hand(sketch: Sketch, part: str, beats: Float) -> _Hand:
         rows.append((key.beat, *place, *elbow, a.get("wrist", 0.0), 1.0))
     rest = (*_REST_HAND, 0.0, 0.0, 0.0, 0.0, 0.0)
     if not sketch.cyclic:
-        rows = [(0.0, *rest), *[row for row in rows if row[0] > 0.0], (float(sketch.beats), *rest)]
+        rows = [(0.0, *rest), *rows, (float(sketch.beats), *rest)]
     if not rows:
         rows = [(0.0, *rest)]
     table = np.array(rows)

@@ -35,6 +35,8 @@ STANDING: Final = float(SKELETON.offsets[0, 1]) - 0.03
 GRAVITY: Final = 9.81
 _SHIFT: Final = 0.55
 """Share of the way from the middle to the standing foot that the pelvis takes."""
+_WIDEST: Final = 0.62
+"""How far a foot may stand to the side of the pelvis [m]."""
 _LEFT_RIGHT: Final = ((1.0, "left"), (-1.0, "right"))
 
 
@@ -75,6 +77,9 @@ def _pose_pelvis(sketch: Sketch, ground: Ground, pelvis: Channels, pose: Pose) -
         side = np.stack((np.cos(ground.facing), -np.sin(ground.facing)), axis=1)
         apart = side * np.sum(apart * side, axis=1, keepdims=True)
     over = smoothed(_SHIFT * apart * np.reshape(sideways, (-1, 1)), 0.05 * SAMPLES_PER_BEAT)
+    # in a wide stance it stays near enough to the middle for both legs to reach the floor
+    room = np.maximum(_WIDEST - np.linalg.norm(apart, axis=1, keepdims=True), 0.02)
+    over = over * room / (room**4 + np.sum(over * over, axis=1, keepdims=True) ** 2) ** 0.25
     middle = smoothed(middle, 0.22 * SAMPLES_PER_BEAT) + over
     shift = np.stack((pelvis["left"], np.zeros(len(ground.beats)), pelvis["forward"] - HOME_FORWARD), axis=1)
     shift = quaternion.rotate(about(Y_AXIS, ground.facing), shift)

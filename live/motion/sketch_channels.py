@@ -41,10 +41,7 @@ def closed(sketch: Sketch, keys: list[tuple[float, float]], beats: Float) -> tup
     if sketch.cyclic:
         table = np.array(keys)
         return repeated(table[:, 0], table[:, 1], sketch.beats, 0.0, beats)
-    whole = [(beat, value) for beat, value in keys if beat > 0.0]
-    table = np.array([(0.0, dict(keys).get(0.0, 0.0)), *whole, (float(sketch.beats), 0.0)])
-    if table[0, 1] != 0.0:  # something is already wanted on count 1: it is prepared in the beat before
-        table = np.concatenate((((-1.0, 0.0),), table))
+    table = np.array([(0.0, 0.0), *keys, (float(sketch.beats), 0.0)])
     return table[:, 0], table[:, 1]
 
 

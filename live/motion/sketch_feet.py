@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -190,7 +191,8 @@ def _pivot(path: Path, own: list[Stance], beats: Float) -> Float:
     """Turn of the foot on its ball where the body turns on by more than the hips allow."""
     times = np.array([at for stance in own for at in (stance.arrive, min(stance.leave, ALWAYS))])
     twist = path.facing(beats) - through(times, np.repeat(path.standing(own)[1], 2), beats)
-    return np.asarray(twist - _PIVOT * np.tanh(twist / _PIVOT))
+    on_ball = [0.0 if any(_said_toe(key) for key in stance.contacts) else 1.0 for stance in own]
+    return np.asarray((twist - _PIVOT * np.tanh(twist / _PIVOT)) * through(times, np.repeat(on_ball, 2), beats))
 
 
 def _angle(centimetres_up: float) -> float:
@@ -202,14 +204,18 @@ def _heel(own: list[Stance], world: Float, beats: Float, leaps: list[tuple[float
     for index, stance in enumerate(own):
         leaping = any(abs(stance.leave - start) < 0.3 for start, _ in leaps)
         landing = any(abs(stance.arrive - end) < 0.3 for _, end in leaps)
-        said = [(key.beat, _said_heel(key)) for key in stance.contacts]
-        keys.append((stance.arrive, math.radians(25.0) if landing else said[0][1]))
-        if landing:
+        said = _rolls(stance, _said_heel)
+        on_toes = landing and _said_toe(stance.contacts[0]) == 0.0
+        keys.append((stance.arrive, math.radians(25.0) if on_toes else said[0][1]))
+        if on_toes:
             keys.append((stance.arrive + 0.2, said[0][1]))
         keys.extend(said[1:])
         if index + 1 == len(own):
             break
         away = math.hypot(*(world[index + 1] - world[index])[:2])
+        if _said_toe(stance.contacts[-1]) > 0.0:  # it leaves from the heel
+            keys.append((stance.leave, 0.0))
+            continue
         roll = math.radians(35.0) if leaping else math.radians(min(10.0 + 55.0 * away, 32.0))
         keys.append((stance.leave - min(0.35, 0.7 * (stance.leave - keys[-1][0])), keys[-1][1]))
         keys.append((stance.leave, max(roll, keys[-1][1])))
@@ -217,6 +223,20 @@ def _heel(own: list[Stance], world: Float, beats: Float, leaps: list[tuple[float
             point = math.radians(40.0 if leaping else 15.0)
             keys.append((key.beat, _angle(key.amounts["heel"]) if "heel" in key.amounts else point))
     return _angles(keys, beats)
+
+
+def _rolls(stance: Stance, said: Callable[[Key], float]) -> list[tuple[float, float]]:
+    """Beats and angles that a stance is told, flat on the floor on the way from the heel to the toes and back."""
+    rolls = [(stance.contacts[0].beat, said(stance.contacts[0]))]
+    for before, after in pairwise(stance.contacts):
+        if (_said_heel(before) and _said_toe(after)) or (_said_toe(before) and _said_heel(after)):
+            rolls.append((0.5 * (before.beat + after.beat), 0.0))
+        rolls.append((after.beat, said(after)))
+    return rolls
+
+
+def _said_toe(key: Key) -> float:
+    return _angle(key.amounts.get("toe", 0.0))
 
 
 def _said_heel(key: Key) -> float:
@@ -228,9 +248,9 @@ def _said_heel(key: Key) -> float:
 def _toe(own: list[Stance], beats: Float) -> Float:
     keys: list[tuple[float, float]] = []
     for stance in own:
-        keys.extend((key.beat, _angle(key.amounts.get("toe", 0.0))) for key in stance.contacts)
+        keys.extend(_rolls(stance, _said_toe))
         keys.append((min(stance.leave, ALWAYS), keys[-1][1]))
-        keys.extend((key.beat, _angle(key.amounts.get("toe", 0.0))) for key in stance.air)
+        keys.extend((key.beat, _said_toe(key)) for key in stance.air)
     return _angles(keys, beats)
 
 

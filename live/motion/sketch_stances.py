@@ -79,7 +79,8 @@ def place_of(key: Key) -> tuple[float, float, float]:
 
 def _stances(events: list[tuple[float, Key, int]], swing: float) -> list[Stance]:
     result: list[Stance] = []
-    arrive, contacts, air, number = events[0][0], [events[0][1]], list[Key](), events[0][2]
+    arrive, air, number = events[0][0], list[Key](), events[0][2]
+    contacts = [replace(events[0][1], beat=arrive)]
     last_contact = max(arrive, 0.0) if arrive <= -ALWAYS else arrive
     for beat, key, key_number in events[1:]:
         if not _on_floor(key):

@@ -147,6 +147,8 @@ def _check_together(amounts: Mapping[str, float], part: str) -> None:
         for word in ("up", "heel", "toe", "lift"):
             if amounts.get(word, 0.0) < 0.0:
                 raise WordError(f"{word} below the floor", f"give {word} a number from 0")
+        if "heel" in amounts and "toe" in amounts:
+            raise WordError("heel and toe cannot be lifted at once", "keep one of them")
         if amounts.get("up", 0.0) > 0.0 and {"touch", "lift"} & set(amounts):
             raise WordError("in the air (up) and on the floor (touch, lift) at once", "keep one of them")
 

@@ -1,0 +1,80 @@
+"""Curves and filters: laws, and scipy's PCHIP as an independent implementation."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.interpolate import PchipInterpolator
+
+from live.motion.curve import filtered, followed, hermite, monotone_slopes, repeated, smoothed, soft_min, through
+
+keys = st.lists(st.tuples(st.floats(0.1, 2.0), st.floats(-3.0, 3.0)), min_size=2, max_size=8)
+
+
+@given(keys)
+def test_a_curve_meets_its_keys_and_never_leaves_the_span_between_two(pairs: list[tuple[float, float]]) -> None:
+    times = np.cumsum([gap for gap, _ in pairs])
+    values = np.array([value for _, value in pairs])
+    assert np.allclose(through(times, values, times), values)
+    for left in range(len(times) - 1):
+        between = through(times, values, np.linspace(times[left], times[left + 1], 30))
+        low, high = sorted(values[left : left + 2])
+        assert (between >= low - 1e-9).all()
+        assert (between <= high + 1e-9).all()
+
+
+def test_inner_slopes_are_those_of_pchip() -> None:
+    random = np.random.default_rng(5)
+    times, values = np.cumsum(random.uniform(0.2, 1.0, 20)), random.normal(size=20)
+    expected = PchipInterpolator(times, values).derivative()(times)
+    assert np.allclose(monotone_slopes(times, values)[1:-1], expected[1:-1])
+
+
+def test_a_cubic_with_slopes_of_a_throw_is_the_parabola_of_the_throw() -> None:
+    time = np.linspace(0.0, 0.5, 50)
+    speed = 9.81 * 0.25
+    way = hermite(np.array((0.0, 0.5)), np.zeros(2), np.array((speed, -speed)), time)
+    assert np.allclose(way, speed * time - 0.5 * 9.81 * time**2)
+
+
+def test_one_key_and_times_outside_hold_still() -> None:
+    at = np.linspace(-5.0, 5.0, 11)
+    assert np.allclose(through(np.array((1.0,)), np.array((2.0,)), at), 2.0)
+    assert np.allclose(through(np.array((0.0, 1.0)), np.array((2.0, 3.0)), at)[[0, -1]], (2.0, 3.0))
+
+
+def test_repeated_keys_give_the_same_curve_every_time() -> None:
+    at = np.linspace(-4.0, 8.0, 12 * 32 + 1)
+    times, values = repeated(np.array((0.5, 1.0, 3.0)), np.array((0.0, 1.0, -1.0)), 4.0, 0.25, at)
+    curve = through(times, values, at)
+    assert np.allclose(curve[128:] - curve[:-128], 0.25)
+
+
+@pytest.mark.parametrize("soften", [lambda x: smoothed(x, 5.0), lambda x: followed(x, 16.0, 0.5)])
+def test_filters_keep_constants_lines_and_repetition(soften) -> None:  # type: ignore[no-untyped-def]
+    time = np.arange(400.0)
+    assert np.allclose(soften(np.full((400, 2), 3.0)), 3.0)
+    steady = soften(time)[100:300]
+    assert np.allclose(np.diff(steady), 1.0)
+    wave = soften(np.sin(2.0 * np.pi * time / 64.0))
+    assert np.allclose(wave[100:236], wave[164:300])
+
+
+def test_smoothing_has_no_delay_and_following_has() -> None:
+    step = (np.arange(200) >= 100).astype(float)
+    assert smoothed(step, 4.0)[99:101].mean() == pytest.approx(0.5)
+    late = followed(step, 16.0, 0.4)
+    assert np.allclose(late[:100], 0.0)
+    assert late.max() > 1.05, "it swings through"
+    assert late[-1] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_a_filter_weighs_the_past_as_told() -> None:
+    assert filtered(np.array((0.0, 0.0, 1.0, 0.0, 0.0)), np.array((0.25, 0.75)), 1).tolist() == [0, 0, 0.75, 0.25, 0]
+
+
+@given(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0), st.floats(0.001, 1.0))
+def test_the_soft_minimum_is_below_both_and_near_the_lesser(a: float, b: float, width: float) -> None:
+    least = float(soft_min(np.array(a), np.array(b), width))
+    assert least <= min(a, b) + 1e-12
+    assert least >= min(a, b) - 0.5 * width - 1e-12

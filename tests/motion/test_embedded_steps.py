@@ -1,0 +1,106 @@
+"""The steps that come with the project: each is read, danced in every variation, and looks after its dancer's body."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from live.motion.skeleton import SKELETON
+from live.motion.sketch import parse_sketch
+from live.motion.sketch_clip import step_clips
+from live.motion.step_clip import DIRECTIONS, StepClip
+from tests.motion.sketch_measure import SIDES, first_and_last, joints, slide, soles
+
+FILES = sorted((Path(__file__).parents[2] / "patches" / "steps").glob("*.toml"))
+NEEDED = {"groove", "side step", "samba", "tap", "turn", "jump", "arm wave", "bow", "walk"}
+
+
+def steps_of(path: Path) -> list[StepClip]:
+    return step_clips(parse_sketch(path.read_text(encoding="utf-8"), str(path)))
+
+
+@pytest.fixture(scope="module")
+def own(steps: list[StepClip]) -> list[StepClip]:
+    """The variations as sketched; the others are their mirror images, bit by bit."""
+    return [step for step in steps if not step.mirrored]
+
+
+@pytest.fixture(scope="module", params=FILES, ids=[path.stem for path in FILES])
+def path(request: pytest.FixtureRequest) -> Path:
+    found: Path = request.param
+    return found
+
+
+@pytest.fixture(scope="module")
+def steps(path: Path) -> list[StepClip]:
+    return steps_of(path)
+
+
+def test_all_the_promised_steps_are_there() -> None:
+    names = [parse_sketch(path.read_text(encoding="utf-8"), path.name).name for path in FILES]
+    assert set(names) >= NEEDED
+    assert len(set(names)) == len(names) >= 10
+    assert [path.stem.replace("_", " ") for path in FILES] == names
+
+
+def test_every_variation_is_there(steps: list[StepClip]) -> None:
+    directions = [step.direction for step in steps]
+    assert directions in ([*DIRECTIONS, *DIRECTIONS], [DIRECTIONS[0]] * 2)
+
+
+def test_planted_feet_do_not_slide_and_soles_stay_above_the_floor(own: list[StepClip]) -> None:
+    for step in own:
+        assert slide(step) < 0.001, step.clip.name
+        for side in SIDES:
+            assert min(point[:, 1].min() for point in soles(step, side)) > -0.01, step.clip.name
+
+
+def test_the_end_of_a_step_is_its_beginning_farther_on(path: Path, own: list[StepClip]) -> None:
+    cyclic = "cyclic = false" not in path.read_text(encoding="utf-8")
+    for step in own:
+        first, last = first_and_last(step)
+        position, _ = joints(step)
+        velocity = np.diff(position, axis=0) * step.clip.sample_rate
+        moved = (position[last, 0] - position[first, 0]) * (1.0, 0.0, 1.0)
+        assert np.allclose(position[last] - moved, position[first], atol=1e-4 if cyclic else 0.012), step.clip.name
+        assert np.allclose(velocity[last], velocity[first], atol=5e-3 if cyclic else 0.4), step.clip.name
+
+
+def test_the_body_moves_as_a_body_can(own: list[StepClip]) -> None:
+    for step in own:
+        position, _ = joints(step)
+        velocity = np.diff(position, axis=0) * step.clip.sample_rate
+        acceleration = np.diff(velocity, axis=0) * step.clip.sample_rate
+        assert np.linalg.norm(velocity, axis=2).max() < 7.0, step.clip.name
+        assert np.linalg.norm(acceleration, axis=2).max() < 150.0, step.clip.name
+        for side in SIDES:
+            for upper, middle, lower in (("UpperLeg", "LowerLeg", "Foot"), ("UpperArm", "LowerArm", "Hand")):
+                a, b, c = (position[:, SKELETON.index(side + name)] for name in (upper, middle, lower))
+                bend = np.sum((b - a) * (c - b), axis=1)
+                bend /= np.linalg.norm(b - a, axis=1) * np.linalg.norm(c - b, axis=1)
+                assert bend.max() < 0.9999, f"{step.clip.name}: {side}{middle} is straight as a rod"
+
+
+def test_legs_do_not_run_through_each_other(own: list[StepClip]) -> None:
+    for step in own:
+        position, _ = joints(step)
+        for name in ("LowerLeg", "Foot"):
+            left, right = (position[:, SKELETON.index(side + name)] for side in SIDES)
+            assert np.linalg.norm(left - right, axis=1).min() > 0.12, step.clip.name
+
+
+def test_dancers_meet_at_measure_lines_in_stances_that_can_be_blended() -> None:
+    hips = []
+    for path in FILES:
+        step = steps_of(path)[0]
+        position, _ = joints(step)
+        hips.append(position[round(step.first), 0, 1])
+    assert np.ptp(hips) < 0.12
+
+
+def test_the_example_of_the_description_is_a_step() -> None:
+    text = (FILES[0].parent / "README.md").read_text(encoding="utf-8")
+    example = text.split("```toml\n")[1].split("```")[0]
+    steps = step_clips(parse_sketch(example, "README.md"))
+    assert len(steps) == 2 * len(DIRECTIONS)
+    assert len([line for line in example.splitlines() if line.strip()]) <= 20

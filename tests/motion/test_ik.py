@@ -1,0 +1,79 @@
+"""Two-bone inverse kinematics: laws for any target, pole and pair of lengths."""
+
+import numpy as np
+import numpy.typing as npt
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from live.motion import quaternion
+from live.motion.ik import SOFTNESS, bone_rotation, two_bone
+
+Float = npt.NDArray[np.float64]
+
+coordinate = st.integers(-20000, 20000).map(lambda tenth: tenth / 10000)
+point = st.tuples(coordinate, coordinate, coordinate).map(np.array)
+length = st.floats(0.05, 0.6)
+
+
+def bones(root: Float, middle: Float, end: Float) -> tuple[float, float]:
+    return float(np.linalg.norm(middle - root)), float(np.linalg.norm(end - middle))
+
+
+@given(point, point, point, length, length)
+def test_bones_keep_their_lengths_wherever_the_target_is(
+    root: Float, target: Float, pole: Float, upper: float, lower: float
+) -> None:
+    middle, end = two_bone(root, target, pole, upper=upper, lower=lower)
+    assert np.allclose(bones(root, middle, end), (upper, lower), atol=1e-6)
+    assert np.linalg.norm(end - root) <= (upper + lower) * (1.0 + 1e-9)
+
+
+@given(point, point, point, length, length, st.floats(0.0, 1.0))
+def test_a_target_within_reach_is_reached_exactly(
+    root: Float, direction: Float, pole: Float, upper: float, lower: float, share: float
+) -> None:
+    assume(np.linalg.norm(direction) > 0.01)
+    nearest, farthest = abs(upper - lower) + 2e-4, (1.0 - SOFTNESS) * (upper + lower)
+    distance = nearest + share * (farthest - nearest)
+    target = root + distance * direction / np.linalg.norm(direction)
+    _, end = two_bone(root, target, pole, upper=upper, lower=lower)
+    assert np.allclose(end, target, atol=1e-9)
+
+
+@given(point, point, length, length)
+def test_the_middle_joint_points_to_the_pole(target: Float, pole: Float, upper: float, lower: float) -> None:
+    assume(np.linalg.norm(np.cross(target, pole)) > 0.05 * np.linalg.norm(target) * np.linalg.norm(pole) > 0.0)
+    middle, end = two_bone(np.zeros(3), target, pole, upper=upper, lower=lower)
+    aside = middle - end * (middle @ end) / max(end @ end, 1e-12)
+    assert aside @ pole >= -1e-9
+
+
+def test_a_limb_stretches_smoothly_and_never_beyond_its_length() -> None:
+    distances = np.linspace(0.7, 1.4, 400)
+    targets = distances[:, None] * (0.0, -1.0, 0.0)
+    middle, end = two_bone(np.zeros(3), targets, np.array((0.0, 0.0, 1.0)), upper=0.5, lower=0.5)
+    reached = np.linalg.norm(end, axis=1)
+    speed = np.diff(reached) / np.diff(distances)
+    assert (reached <= 1.0).all()
+    assert (reached[distances < 1.05] < 1.0).all()
+    assert (speed >= 0.0).all()
+    assert np.abs(np.diff(speed)).max() < 0.16, "the knee snaps"
+    assert (middle[:, 2] >= 0.0).all(), "the knee gives way backwards"
+
+
+def test_a_target_on_the_root_and_a_pole_along_the_limb_give_numbers() -> None:
+    root, up = np.zeros((2, 3)), np.array((0.0, 1.0, 0.0))
+    for target, pole in ((root, up), (np.tile(up, (2, 1)), up), (root, np.zeros(3))):
+        for part in two_bone(root, target, pole, upper=0.4, lower=0.4):
+            assert np.isfinite(part).all()
+        assert np.isfinite(bone_rotation(np.zeros((2, 3)) + up, up, np.array((1.0, 0.0, 0.0)), up)).all()
+
+
+@given(point, point)
+def test_a_bone_lies_along_its_direction_with_its_pole_aside(direction: Float, pole: Float) -> None:
+    assume(np.linalg.norm(np.cross(direction, pole)) > 1e-3)
+    rotation = bone_rotation(direction, pole, np.array((1.0, 0.0, 0.0)), np.array((0.0, 0.0, -1.0)))
+    along = quaternion.unit(direction)
+    across = quaternion.unit(pole - along * (pole @ along))
+    assert np.allclose(quaternion.rotate(rotation, np.array((1.0, 0.0, 0.0))), along, atol=1e-6)
+    assert np.allclose(quaternion.rotate(rotation, np.array((0.0, 0.0, -1.0))), across, atol=1e-6)
