@@ -45,7 +45,8 @@ def film_show(
     status = Status(show, rejected=_nothing_rejected, memory=lambda: 0.0)
     journal = _journal(wish, loaded, show, tempo)
     engine = Engine(show, clock=clock, inbox=inbox, status=status, journal=journal)
-    music = None if sound.music is None else OfflineMusic(sound.music, loop=True)
+    one_at = loaded.patch.music.one_at_s if sound.known else None
+    music = None if sound.music is None else OfflineMusic(sound.music, loop=True, one_at=one_at)
     try:
         ctx = create_headless_context()
     except NoOpenGL as error:

@@ -175,7 +175,10 @@ class Session:
         if self.sound.music is not None:
             from live.control.music_player import MusicPlayer
 
-            return MusicPlayer(self.sound.music, self.inbox, self.clock, loop=True, output=not self._silent)
+            one_at = self.loaded.patch.music.one_at_s if self.sound.known else None
+            return MusicPlayer(
+                self.sound.music, self.inbox, self.clock, loop=True, output=not self._silent, one_at=one_at
+            )
         if self.sound.device is not None:
             from live.control.audio_device import AudioInput
 
