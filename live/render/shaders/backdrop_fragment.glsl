@@ -7,44 +7,40 @@ out vec4 kept;   // rgb: light, a: how much of it a shadow on the floor takes aw
 
 const int LAMPS = 6;
 
-float hash2(vec2 p) { return fract(sin(dot(p, vec2(127.1, 311.7))) * 43758.5453); }
+float lamp_side(int k) { return (float(k) - 0.5 * float(LAMPS - 1)) / (0.5 * float(LAMPS - 1)); }
+vec3 lamp_tint(int k) { return (k & 1) == 0 ? rim_light.rgb : mix(rim_light.rgb, key_light.rgb, 0.45); }
 
-// Light scattered by the haze along the ray: cones from lamps above the back of the stage.
+// Light scattered by the haze along the ray: cones from lamps above the back of the stage. Across a cone the light
+// falls off like a Gaussian, so its integral along the ray is known from where the two lines are nearest.
 vec3 beams(vec3 start, vec3 direction, float reach) {
     vec3 sum = vec3(0.0);
-    float from = max(reach - 4.0 * stage.y - 6.0, 0.5);
-    const int STEPS = 48;
-    float stride = (reach - from) / float(STEPS);
-    for (int i = 0; i < STEPS; ++i) {
-        vec3 p = start + direction * (from + (float(i) + hash2(gl_FragCoord.xy)) * stride);
-        for (int k = 0; k < LAMPS; ++k) {
-            float side = (float(k) - 0.5 * float(LAMPS - 1)) / (0.5 * float(LAMPS - 1));
-            vec3 lamp = vec3(side * stage.x * 1.10, 7.5, -stage.y - 1.2);
-            vec3 aim = normalize(vec3(side * stage.x * 0.45, 0.0, -0.1 * stage.y) - lamp);
-            vec3 d = p - lamp;
-            float along = dot(d, aim);
-            if (along <= 0.0) continue;
-            float off = length(d - aim * along) / (0.05 + 0.115 * along);
-            float cone = exp(-off * off * 2.0) / (0.5 + 0.10 * along * along);
-            vec3 tint = (k & 1) == 0 ? rim_light.rgb : mix(rim_light.rgb, key_light.rgb, 0.45);
-            sum += tint * cone;
-        }
+    for (int k = 0; k < LAMPS; ++k) {
+        vec3 lamp = vec3(lamp_side(k) * stage.x * 1.10, 7.5, -stage.y - 1.2);
+        vec3 aim = normalize(vec3(lamp_side(k) * stage.x * 0.45, 0.0, -0.1 * stage.y) - lamp);
+        float together = dot(direction, aim);
+        float across = max(1.0 - together * together, 0.02);
+        vec3 gap = start - lamp;
+        float along = max((dot(gap, aim) - together * dot(gap, direction)) / across, 0.0);
+        float away = (together * dot(gap, aim) - dot(gap, direction)) / across;
+        float off = distance(start + direction * away, lamp + aim * along);
+        float width = 0.05 + 0.115 * along;
+        float cone = exp(-2.0 * off * off / (width * width)) / (0.5 + 0.10 * along * along);
+        float reached = smoothstep(-width, width, reach - away) * smoothstep(0.0, 0.3, along);
+        sum += lamp_tint(k) * (cone * reached * width * 1.2533 / sqrt(across));
     }
-    return sum * stride * 0.020;
+    return sum * 0.028;
 }
 
 vec3 floor_light(vec2 place, vec3 direction) {
     vec2 at_stage = place / (stage.xy + vec2(0.3, 0.5));
     float reach = dot(at_stage, at_stage);
     float wash = 1.0 / (1.0 + 1.6 * reach * reach);
-    vec3 light = key_light.rgb * wash * 1.0;
+    vec3 light = key_light.rgb * wash * 1.2;
     // pools of cool light from the lamps behind
     vec3 pools = vec3(0.0);
     for (int k = 0; k < LAMPS; ++k) {
-        float side = (float(k) - 0.5 * float(LAMPS - 1)) / (0.5 * float(LAMPS - 1));
-        vec2 off = (place - vec2(side * stage.x * 0.45 * 1.05, -0.1 * stage.y)) / vec2(1.3, 1.9);
-        vec3 tint = (k & 1) == 0 ? rim_light.rgb : mix(rim_light.rgb, key_light.rgb, 0.45);
-        pools += tint * exp(-dot(off, off));
+        vec2 off = (place - vec2(lamp_side(k) * stage.x * 0.45 * 1.05, -0.1 * stage.y)) / vec2(1.3, 1.9);
+        pools += lamp_tint(k) * exp(-dot(off, off));
     }
     light += pools * 0.42;
     float back = exp(-square((place.y + stage.y) / (stage.y * 0.9))) * exp(-square(place.x / (stage.x * 1.3)));

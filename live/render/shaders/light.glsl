@@ -16,7 +16,7 @@ vec3 lit(vec3 place, vec3 n, vec3 albedo, float sheen, float openness) {
     // two lamps behind the stage, left and right: what cuts the figure out of the dark
     float rim = max(dot(n, RIM_LEFT), 0.0) + max(dot(n, RIM_RIGHT), 0.0);
 
-    vec3 light = key_light.rgb * (key * pool * 1.30 * (0.45 + 0.55 * openness));
+    vec3 light = key_light.rgb * (key * pool * 1.45 * (0.45 + 0.55 * openness));
     light += rim_light.rgb * (rim * (0.30 + edge));
     light += (rim_light.rgb * 0.35 + 0.12) * (rim_light.w * (0.8 + 0.5 * n.y) * openness);
     float below = (0.5 - 0.5 * n.y) / (1.0 + 1.4 * height);
