@@ -3,7 +3,7 @@
 import numpy as np
 
 from live.agents.elements import ElementField
-from live.agents.kernels import NEIGHBOUR_RANGE, advance_agents, cell_count
+from live.agents.kernels import NEIGHBOUR_RANGE, advance_agents, cell_count, part_positions
 from live.agents.model import AgentModel, AgentState, Float32
 
 
@@ -54,6 +54,41 @@ class Advance:
             self._cell_start,
             self._order,
             self._population,
+        )
+
+
+class Parting:
+    """Keeps places apart from each other: the ends of the dancers' next measures must not fall onto one spot."""
+
+    ROUNDS = 6
+
+    def __init__(self, model: AgentModel, gap: float) -> None:
+        """`gap` [m]: how far apart two dancers shall be."""
+        self._model = model
+        self._gap = gap
+        steering = model.steering
+        self._cell_start = np.zeros(
+            cell_count(2.0 * steering.half_width, NEIGHBOUR_RANGE)
+            * cell_count(2.0 * steering.half_depth, NEIGHBOUR_RANGE)
+            + 1,
+            np.int32,
+        )
+        self._order = np.zeros(model.agent_count, np.int32)
+
+    def __call__(self, position: Float32, anchor: Float32, most: float) -> None:
+        """Move `position` (A, 2) apart in place, nobody farther than `most` [m] from its `anchor` (A, 2)."""
+        steering = self._model.steering
+        part_positions(
+            position,
+            anchor,
+            self._gap,
+            most,
+            steering.half_width,
+            steering.half_depth,
+            self.ROUNDS,
+            self._model.seed,
+            self._cell_start,
+            self._order,
         )
 
 

@@ -155,6 +155,29 @@ def steer_spread(
     return wish_x + 0.5 * dx / d, wish_z + 0.5 * dz / d
 
 
+@kernel("UniTuple(f8,2)(f8,f8,f8,f8,f8,f8)")
+def steer_dodge(dx: float, dz: float, rvx: float, rvz: float, reach: float, horizon: float) -> tuple[float, float]:
+    """Wish to leave the nearest approach to one neighbour, stronger the sooner it comes (T082).
+
+    dx, dz: from the neighbour to the agent [m]; rvx, rvz: velocity relative to it [m/s]; reach: distance [m] that must
+    be kept; horizon: seconds looked ahead.
+    """
+    closing = -(dx * rvx + dz * rvz)
+    rv2 = rvx * rvx + rvz * rvz
+    if closing <= 0.0 or rv2 < 1e-6 or closing > horizon * rv2:
+        return 0.0, 0.0
+    when = closing / rv2
+    nx, nz = dx + rvx * when, dz + rvz * when
+    gap = math.sqrt(nx * nx + nz * nz)
+    if gap > reach:
+        return 0.0, 0.0
+    if gap < 0.05:  # head on: everybody keeps to the same side, which breaks the symmetry
+        nx, nz = rvz, -rvx
+        gap = math.sqrt(nx * nx + nz * nz)
+    urgency = 1.0 - when / horizon
+    return urgency * nx / gap, urgency * nz / gap
+
+
 @kernel("UniTuple(f8,7)(i8,f4[:,::1],f4[:,::1],f4[::1],i4[::1],i4[::1],f8[::1],i8)")
 def steer_neighbours(
     i: int,
@@ -166,9 +189,10 @@ def steer_neighbours(
     params: Float64,
     seed: int,
 ) -> tuple[float, float, float, float, float, float, float]:
-    """Separation wish, avoidance wish (both as shares of the top speed), distance of the nearest neighbour, way to it.
+    """Separation wish, avoidance wish (shares of the top speed), distance of the nearest neighbour, way to it.
 
-    The way is a unit vector (0, 0 if there is no neighbour). Separation and unaligned collision avoidance (predict the nearest approach, leave it) after Reynolds (T082).
+    The way is a unit vector, (0, 0) if there is no neighbour. Separation and unaligned collision avoidance (predict
+    the nearest approach, leave it) after Reynolds (T082).
     """
     half_width, half_depth = params[_HALF_WIDTH], params[_HALF_DEPTH]
     columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
@@ -197,25 +221,11 @@ def steer_neighbours(
                     force = (1.0 - d / params[_SEPARATION]) ** 2 * 2.5
                     push_x += force * dx / d
                     push_z += force * dz / d
-                rvx, rvz = vx - velocity[j, 0], vz - velocity[j, 1]
-                closing = -(dx * rvx + dz * rvz)
-                rv2 = rvx * rvx + rvz * rvz
-                if closing <= 0.0 or rv2 < 1e-6:
-                    continue
-                when = closing / rv2
-                if when > params[_HORIZON]:
-                    continue
-                nx, nz = dx + rvx * when, dz + rvz * when
-                gap = math.sqrt(nx * nx + nz * nz)
-                reach = radius[i] + radius[j] + 0.15
-                if gap > reach:
-                    continue
-                urgency = 1.0 - when / params[_HORIZON]
-                if gap < 0.05:  # head on: everybody keeps to the same side, which breaks the symmetry
-                    nx, nz = rvz, -rvx
-                    gap = math.sqrt(nx * nx + nz * nz)
-                dodge_x += urgency * nx / gap
-                dodge_z += urgency * nz / gap
+                turn_x, turn_z = steer_dodge(
+                    dx, dz, vx - velocity[j, 0], vz - velocity[j, 1], radius[i] + radius[j] + 0.15, params[_HORIZON]
+                )
+                dodge_x += turn_x
+                dodge_z += turn_z
     return push_x, push_z, dodge_x, dodge_z, nearest, to_x, to_z
 
 
@@ -312,3 +322,56 @@ def advance_agents(
             pz, vz = math.copysign(params[_HALF_DEPTH], pz), 0.0
         out_position[i, 0], out_position[i, 1] = px, pz
         out_velocity[i, 0], out_velocity[i, 1] = vx, vz
+
+
+@kernel("void(f4[:,::1],f4[:,::1],i8,f8,f8,f8)")
+def _move_within(position: Float32, anchor: Float32, i: int, dx: float, dz: float, most: float) -> None:
+    """Move agent i by (dx, dz) [m], then back towards its anchor until it is at most `most` [m] away from it."""
+    x, z = position[i, 0] + dx - anchor[i, 0], position[i, 1] + dz - anchor[i, 1]
+    d = math.sqrt(x * x + z * z)
+    scale = most / d if d > most else 1.0
+    position[i, 0], position[i, 1] = anchor[i, 0] + x * scale, anchor[i, 1] + z * scale
+
+
+@kernel("void(f4[:,::1],f4[:,::1],f8,f8,f8,f8,i8,i8,i4[::1],i4[::1])")
+def part_positions(
+    position: Float32,
+    anchor: Float32,
+    gap: float,
+    most: float,
+    half_width: float,
+    half_depth: float,
+    rounds: int,
+    seed: int,
+    cell_start: Int32,
+    order: Int32,
+) -> None:
+    """Move `position` (A, 2) apart in place until neighbours are `gap` [m] away, as far as `most` [m] allows.
+
+    Nobody is moved farther than `most` from its `anchor` (A, 2). In each of the `rounds` the pairs are taken in the
+    order of their numbers and share the way between them.
+    """
+    columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
+    for _ in range(rounds):
+        sort_into_cells(position, half_width, half_depth, NEIGHBOUR_RANGE, cell_start, order)
+        for i in range(position.shape[0]):
+            home = _cell_of(position[i, 0], position[i, 1], half_width, half_depth, NEIGHBOUR_RANGE, columns, rows)
+            for row in range(max(home // columns - 1, 0), min(home // columns + 2, rows)):
+                for column in range(max(home % columns - 1, 0), min(home % columns + 2, columns)):
+                    c = row * columns + column
+                    for k in range(cell_start[c], cell_start[c + 1]):
+                        j = order[k]
+                        if j <= i:
+                            continue
+                        dx, dz = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
+                        d = math.sqrt(dx * dx + dz * dz)
+                        if d >= gap:
+                            continue
+                        if d < 1e-5:
+                            angle = 2.0 * math.pi * hash_unit(seed, i, j)
+                            dx, dz, d = math.sin(angle), math.cos(angle), 1.0
+                            share = 0.5 * gap
+                        else:
+                            share = 0.5 * (gap - d)
+                        _move_within(position, anchor, i, -dx / d * share, -dz / d * share, most)
+                        _move_within(position, anchor, j, dx / d * share, dz / d * share, most)

@@ -23,15 +23,15 @@ class Steering:
     """Decay length [m] of f(d) = exp(-d / decay); attraction is 1 - f (T105)."""
     repel_decay: float = 1.6
     """Decay length [m] of the repulsion f (T105)."""
-    separation: float = 1.4
+    separation: float = 1.25
     """Distance [m] under which neighbours push each other away (T082)."""
-    near: float = 0.8
+    near: float = 0.75
     """d_s of T108 [m]: closer than this only the neighbour counts, and the speed is limited."""
-    far: float = 1.3
+    far: float = 1.2
     """d_f of T108 [m]: farther than this the neighbour does not weaken the other behaviours."""
     horizon: float = 2.0
     """Seconds that unaligned collision avoidance looks ahead (T082)."""
-    edge: float = 0.8
+    edge: float = 0.5
     """Width [m] of the strip along the stage edges that pushes back in."""
     cell: float = 2.0
     """Size [m] of the spreaders' cells (T109)."""

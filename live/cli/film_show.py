@@ -19,6 +19,7 @@ from live.control.events import ControlEvent
 from live.control.music_file import OfflineMusic
 from live.render.film import FilmError
 from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context
+from live.render.quality import CARD
 from live.render.renderer import Renderer
 from live.show.engine import Engine
 from live.show.journal import JournalError, JournalWriter
@@ -36,8 +37,12 @@ def film_show(
     seconds: float,
     console: Console,
     report: Path | None = None,
+    fine: bool = False,
 ) -> None:
-    """Render `seconds` of the show to `path`; with `report`, the figures of what was danced as JSON."""
+    """Render `seconds` of the show to `path`; with `report`, the figures of what was danced as JSON.
+
+    `fine`: draw as on a graphics card even without one; a picture then takes some five times as long.
+    """
     tempo = start_tempo(wish, loaded, sound)
     show = loaded.start(seed=wish.seed, tempo=tempo)
     clock = ManualClock()
@@ -52,7 +57,7 @@ def film_show(
     except NoOpenGL as error:
         raise PersonError(str(error)) from None
     target = OffscreenTarget(ctx, wish.size)
-    renderer = Renderer(ctx, scene_of(loaded.patch), size=wish.size)
+    renderer = Renderer(ctx, scene_of(loaded.patch), size=wish.size, quality=CARD if fine else None)
     frames = max(1, math.ceil(seconds * wish.film_fps))
     figures = FrameReport(show) if report is not None else None
 

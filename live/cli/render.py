@@ -18,6 +18,9 @@ def render(
     steps: Annotated[
         Path | None, typer.Option(help="Dance the recordings of this folder instead.", file_okay=False)
     ] = None,
+    fine: Annotated[
+        bool, typer.Option("--fine", help="Draw as a graphics card would even without one; this takes its time.")
+    ] = False,
     journal: Annotated[Path | None, typer.Option(help="Write the journal here as well.")] = None,
     report: Annotated[Path | None, typer.Option(help="Write figures of what was danced as JSON.")] = None,
 ) -> None:
@@ -45,5 +48,5 @@ def render(
     if sound.device is not None:
         raise PersonError(f"--audio {audio!r} is an input device: `live render` needs a music file")
     length = seconds or (60.0 if sound.music is None else sound.music.duration)
-    film_show(wish, loaded, sound, path=out, seconds=length, console=console, report=report)
+    film_show(wish, loaded, sound, path=out, seconds=length, console=console, report=report, fine=fine)
     console.print(f"the film is here: [bold]{out.resolve()}[/]", soft_wrap=True)

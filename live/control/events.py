@@ -63,7 +63,7 @@ class Tap(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class One(ControlEvent):
-    """"This is the one": the beat at `time` is the first of a measure."""
+    """ "This is the one": the beat at `time` is the first of a measure."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from live.agents.advance import Advance, LookAhead
+from live.agents.advance import Advance, LookAhead, Parting
 from live.agents.elements import ATTRACTOR, REPULSOR, SPREADER, Element, ElementField
 from live.agents.formation import FORMATIONS
 from live.agents.model import AgentModel, AgentState, Steering
@@ -29,6 +29,8 @@ from live.show.scheduler import Scheduler
 from live.show.score import Score, placed
 
 AGENT_RADIUS = 0.25
+DANCER_GAP = 0.7
+"""Two dancers shall not end a measure nearer to each other than this [m]: shoulders and a bit."""
 FADE_HALFLIFE = 0.06
 """Half-life of a blackout's fade [s]: dark within a fifth of a second, without a flash."""
 SHORTEST_RETIME = 0.5
@@ -76,7 +78,8 @@ class Show:
         programmes = [
             GroupProgramme(graph, section, seed=self.seed, index=index) for index, section in enumerate(patch.group)
         ]
-        self.scheduler = Scheduler(patch, self.dancers, LookAhead(self.model, self._advance), programmes, self.group)
+        look_ahead, parting = LookAhead(self.model, self._advance), Parting(self.model, DANCER_GAP)
+        self.scheduler = Scheduler(patch, self.dancers, look_ahead, parting, programmes, self.group)
         self._score = Score(patch)
         self.span = MeasureSpan.at(self.timeline, self.timeline.beat_at(0.0))
         self._start_dancers()

@@ -10,7 +10,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.advance import LookAhead
+from live.agents.advance import LookAhead, Parting
 from live.agents.elements import ElementField
 from live.agents.model import AgentState
 from live.clock.ticks import TICK
@@ -42,12 +42,14 @@ class Scheduler:
         patch: Patch,
         dancers: Dancers,
         look_ahead: LookAhead,
+        parting: Parting,
         programmes: list[GroupProgramme],
         group: Int32,
     ) -> None:
         self._patch = patch
         self._dancers = dancers
         self._look = look_ahead
+        self._part = parting
         self.programmes = programmes
         self._group = group
         self._looking = False
@@ -75,7 +77,7 @@ class Scheduler:
             step = programme.wanted(measure, self._dancers.node[members])
             steps = [step] if programme.travel_step is None else [step, programme.travel_step]
             reach = max(float(self._reach[s]) for s in steps)
-            self.speed[members] = (reach + 0.6 * self._patch.locomotion.correction_m) / seconds
+            self.speed[members] = (reach + 0.2 * self._patch.locomotion.correction_m) / seconds
 
     def work(self, span: MeasureSpan, timeline: Timeline, time: float, state: AgentState, field: ElementField) -> None:
         """Do this tick's share of the planning for the measure after `span`."""
@@ -138,7 +140,7 @@ class Scheduler:
             step = programme.wanted(measure, self._dancers.node[members])
             self._wanted[members] = step
             if programme.travel_step is not None and self._reach[programme.travel_step] > self._reach[step]:
-                far = members & (way > self._reach[step] + limits.correction_m)
+                far = members & (way > self._reach[step] + 0.5 * limits.correction_m)
                 self._wanted[far] = programme.travel_step
 
     def _headings(self, start: Float64, target: Float64) -> Float64:
@@ -170,6 +172,10 @@ class Scheduler:
         error = target - end
         size = np.maximum(np.hypot(*error.T), 1e-9)
         error *= np.minimum(1.0, limits.correction_m / size)[:, None]
+        anchor = np.ascontiguousarray(end, np.float32)
+        place = np.ascontiguousarray(end + error, np.float32)
+        self._part(place, anchor, limits.correction_m)
+        error = place.astype(np.float64) - anchor
         off = heading - yaw - graph.node_facing[node]
         off = np.arctan2(np.sin(off), np.cos(off))
         most = math.radians(limits.turn_deg)

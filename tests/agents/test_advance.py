@@ -1,8 +1,10 @@
 """LookAhead: the same motion as the advance it copies, however it is cut into pieces."""
 
 import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from live.agents.advance import Advance, LookAhead
+from live.agents.advance import Advance, LookAhead, Parting
 from live.agents.elements import ATTRACTOR, Element, ElementField
 from live.agents.model import AgentModel, AgentState, Steering
 
@@ -49,3 +51,32 @@ def test_nobody_is_no_problem():
     look.begin(AgentState.at(np.zeros((0, 2))), time=0.0, seconds=1.0)
     look.work(100, speed=np.zeros(0, np.float32), field=ElementField())
     assert look.done
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.integers(0, 40), st.integers(0, 2**32 - 1), st.floats(0.0, 1.0))
+def test_places_part_as_far_as_they_may(count, seed, most):
+    chance = np.random.default_rng(seed)
+    model = AgentModel(np.full(count, 0.25, np.float32), Steering(), 1)
+    anchor = chance.uniform(-3, 3, (count, 2)).astype(np.float32)
+    place = anchor.copy()
+    part = Parting(model, 0.7)
+    part(place, anchor, most)
+    assert np.isfinite(place).all()
+    assert (np.hypot(*(place - anchor).T) <= most + 1e-5).all()
+    assert _nearest(place) >= _nearest(anchor) - 1e-5 or _nearest(place) >= 0.5
+
+
+def test_a_crowd_in_one_place_parts_when_it_may():
+    model = AgentModel(np.full(9, 0.25, np.float32), Steering(), 1)
+    anchor = np.full((9, 2), 1.0, np.float32)
+    place = anchor.copy()
+    part = Parting(model, 0.7)
+    for _ in range(5):
+        part(place, anchor, 3.0)
+    assert _nearest(place) > 0.65
+
+
+def _nearest(place):
+    apart = np.hypot(*(place[:, None] - place[None]).transpose(2, 0, 1)) + 9 * np.eye(len(place))
+    return apart.min() if len(place) > 1 else 9.0
