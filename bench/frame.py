@@ -2,6 +2,7 @@
 
 import gc
 import time
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +27,7 @@ def run(full: bool, shared: Path | None) -> list[Row]:
     for dancers, bar in ((50, None), (200, 3.0), (1000, None)):
         show = crowd(dancers, loaded)
         clock, inbox = ManualClock(), Inbox[ControlEvent]()
-        status = Status(show, rejected=dict, memory=lambda: 0.0)
+        status = Status(show, rejected=Counter, memory=lambda: 0.0)
         engine = Engine(show, clock=clock, inbox=inbox, status=status)
         frames = (120 if full else 30) * FPS
         times = np.zeros(frames)

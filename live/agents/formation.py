@@ -22,19 +22,21 @@ def formation_grid(count: int, *, centre: tuple[float, float], size: tuple[float
         shift = 0.0 if members != widest or row % 2 == 0 else 0.5 * gap
         for member in range(members):
             places.append(((member - (members - 1) / 2) * gap + shift * 0.5 * (1 if row % 4 == 1 else -1), z))
-    return np.array(places) + np.array(centre)
+    return np.asarray(np.array(places) + np.array(centre), np.float64)
 
 
 def formation_line(count: int, *, centre: tuple[float, float], size: tuple[float, float]) -> Float64:
     """One line across the width of `size` [m], shape (count, 2)."""
     across = np.zeros(1) if count == 1 else np.linspace(-0.5, 0.5, count)
-    return np.stack([across[:count] * size[0], np.zeros(count)], axis=1) + np.array(centre)
+    places = np.stack([across[:count] * size[0], np.zeros(count)], axis=1)
+    return np.asarray(places + np.array(centre), np.float64)
 
 
 def formation_circle(count: int, *, centre: tuple[float, float], size: tuple[float, float]) -> Float64:
     """An ellipse that touches the sides of `size` [m], the first dancer nearest to the public, shape (count, 2)."""
     angle = 2.0 * math.pi * np.arange(count) / max(count, 1)
-    return np.stack([np.sin(angle) * size[0] / 2, np.cos(angle) * size[1] / 2], axis=1) + np.array(centre)
+    places = np.stack([np.sin(angle) * size[0] / 2, np.cos(angle) * size[1] / 2], axis=1)
+    return np.asarray(places + np.array(centre), np.float64)
 
 
 FORMATIONS = {"grid": formation_grid, "line": formation_line, "circle": formation_circle}

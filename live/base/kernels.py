@@ -9,9 +9,7 @@ Vector = tuple[float, float, float]
 
 
 @kernel("UniTuple(f8,4)(f8,f8,f8,f8,f8,f8,f8,f8)")
-def quat_mul(
-    aw: float, ax: float, ay: float, az: float, bw: float, bx: float, by: float, bz: float
-) -> Quaternion:
+def quat_mul(aw: float, ax: float, ay: float, az: float, bw: float, bx: float, by: float, bz: float) -> Quaternion:
     """Hamilton product a b: rotate by b first, then by a."""
     return (
         aw * bw - ax * bx - ay * by - az * bz,

@@ -75,8 +75,7 @@ def _side(
 ) -> list[tuple[str, str, tuple[float, float, float]]]:
     own = {name for name, _, _ in rows}
     return [
-        (side + name, side + parent if parent in own else parent, (sign * x, y, z))
-        for name, parent, (x, y, z) in rows
+        (side + name, side + parent if parent in own else parent, (sign * x, y, z)) for name, parent, (x, y, z) in rows
     ]
 
 
@@ -99,9 +98,7 @@ JOINT_COUNT: Final = SKELETON.joint_count
 """Number of joints of the engine's skeleton: 22."""
 
 MIRROR: Final = tuple(
-    SKELETON.index(
-        name.replace("left", "right", 1) if name.startswith("left") else name.replace("right", "left", 1)
-    )
+    SKELETON.index(name.replace("left", "right", 1) if name.startswith("left") else name.replace("right", "left", 1))
     for name in SKELETON.names
 )
 """For each joint the joint on the other side of the body (T042)."""

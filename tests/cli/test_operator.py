@@ -35,9 +35,7 @@ class FakeWindow:
 @pytest.fixture
 def desk():
     inbox = Inbox()
-    session = SimpleNamespace(
-        inbox=inbox, engine=SimpleNamespace(overlay=False), show=SimpleNamespace(blackout=False)
-    )
+    session = SimpleNamespace(inbox=inbox, engine=SimpleNamespace(overlay=False), show=SimpleNamespace(blackout=False))
     window = FakeWindow()
     return SimpleNamespace(operator=Operator(session, window, SCENE), inbox=inbox, session=session, window=window)
 
