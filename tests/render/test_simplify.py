@@ -49,7 +49,7 @@ def test_where_vertices_carry_unlike_things_more_of_them_stay() -> None:
     points, triangles = _ball(3)
     points *= 0.2  # as large as a body's parts
     plain = np.zeros((len(points), 1))
-    striped = np.where(points[:, 1:2] > 0.0, 2.0 * np.sin(45.0 * points[:, 1:2]), 0.0)
+    striped = np.where(points[:, 1:2] > 0.0, 4.0 * np.sin(45.0 * points[:, 1:2]), 0.0)
     above = [
         float((points[simplify(points, triangles, carried, 300)[0], 1] > 0.0).mean()) for carried in (plain, striped)
     ]

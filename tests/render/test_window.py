@@ -293,9 +293,11 @@ def test_complaints_are_collected_and_not_printed(open_window: Open, capfd: pyte
     window = open_window()
     for _ in range(3):
         glfw.set_window_attrib(window._handle, 0x7777, True)
-    assert len(window.messages()) == 1
+    (complaint,) = window.messages()
     assert window.messages() == []
-    assert capfd.readouterr() == ("", "")
+    printed = capfd.readouterr()  # some graphics drivers print words of their own
+    assert complaint.partition(" (GLFW")[0] not in printed.out + printed.err
+    assert "GLFW" not in printed.out + printed.err
 
 
 @pytest.mark.x11
