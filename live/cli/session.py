@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol, TextIO
+from typing import Protocol
 
 import psutil
 
@@ -128,7 +128,6 @@ class Session:
         self.engine = Engine(show, clock=self.clock, inbox=self.inbox, status=self.status, journal=self._journal)
         self._silent = silent
         self._audio = self._make_audio()
-        self._status_stream: TextIO | None = None
         self._status_file: StatusFile | None = None
 
     def _rejected(self) -> Counter[str]:
@@ -166,10 +165,9 @@ class Session:
         if self.wish.status_json is None:
             return
         try:
-            self._status_stream = self.wish.status_json.open("w", encoding="utf-8")
+            self._status_file = StatusFile(self.wish.status_json, self.status)
         except OSError as error:
             raise PersonError(f"cannot write --status-json {self.wish.status_json}: {error.strerror}") from None
-        self._status_file = StatusFile(self._status_stream, self.status)
 
     def _make_audio(self) -> Startable | None:
         if self.sound.music is not None:
@@ -202,9 +200,8 @@ class Session:
         self.osc.stop()
         if self._journal is not None:
             self._journal.close(self.engine.ticks.index)
-        if self._status_file is not None and self._status_stream is not None:
-            self._status_file.write(self.clock.now())
-            self._status_stream.close()
+        if self._status_file is not None:
+            self._status_file.close(self.clock.now())
 
     def after_frame(self, started: float, previous: float) -> None:
         """Housekeeping after a frame: figures, the status line, and garbage of the youngest generation."""

@@ -6,8 +6,6 @@ counted, and the show goes on.
 
 import json
 import math
-import queue
-import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,10 +13,9 @@ from typing import Any
 
 from live import __version__
 from live.control.events import ControlEvent, event_from_json, event_to_json
+from live.show.line_writer import LineWriter
 
 FORMAT = 1
-CAPACITY = 65536
-"""Lines that may wait for the disk."""
 
 
 class JournalError(Exception):
@@ -26,23 +23,23 @@ class JournalError(Exception):
 
 
 class JournalWriter:
-    """Takes lines from the show and writes them in its own thread.
+    """Notes what enters the show; the lines are written by a thread of their own (`LineWriter`).
 
-    Thread: all methods from the show's; the file is touched only by the writer's own thread, after the start.
+    Thread: all methods from the show's.
     """
 
     def __init__(self, path: Path, header: dict[str, Any]) -> None:
         """`header`: what is needed to run the show again. Raises JournalError if the file cannot be made."""
         try:
-            self._file = path.open("w", encoding="utf-8")
+            self._writer = LineWriter(path, name="journal")
         except OSError as error:
             raise JournalError(f"cannot write the journal {path}: {error.strerror}") from None
-        self._lines: queue.Queue[str | None] = queue.Queue(CAPACITY)
-        self.dropped = 0
-        """Lines lost because the disk did not keep up or refused them."""
         self._put({"journal": FORMAT, "version": __version__, **header})
-        self._thread = threading.Thread(target=self._write, name="journal", daemon=True)
-        self._thread.start()
+
+    @property
+    def dropped(self) -> int:
+        """Lines lost because the disk did not keep up or refused them."""
+        return self._writer.dropped
 
     def event(self, tick: int, event: ControlEvent) -> None:
         """Note an event that acts from the tick after `tick` on."""
@@ -53,32 +50,12 @@ class JournalWriter:
         self._put({"tick": tick, "measure": measure, "hash": state})
 
     def close(self, tick: int) -> None:
-        """Note the last tick, write what waits and close; gives up on a stuck disk after two seconds."""
+        """Note the last tick, write what waits and close."""
         self._put({"tick": tick, "end": True})
-        try:
-            self._lines.put(None, timeout=1.0)
-        except queue.Full:
-            return
-        self._thread.join(2.0)
+        self._writer.close()
 
     def _put(self, line: dict[str, Any]) -> None:
-        try:
-            self._lines.put_nowait(json.dumps(line, separators=(",", ":")))
-        except queue.Full:
-            self.dropped += 1
-
-    def _write(self) -> None:
-        while (line := self._lines.get()) is not None:
-            try:
-                self._file.write(line + "\n")
-                if self._lines.empty():
-                    self._file.flush()
-            except OSError:
-                self.dropped += 1
-        try:
-            self._file.close()
-        except OSError:
-            self.dropped += 1
+        self._writer.put(json.dumps(line, separators=(",", ":")))
 
 
 @dataclass(frozen=True, slots=True)

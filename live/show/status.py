@@ -3,11 +3,13 @@
 import json
 from collections import Counter
 from collections.abc import Callable
-from typing import Any, TextIO
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from live.show.core import Show
+from live.show.line_writer import LineWriter
 
 KEPT = 4096
 """Frame times kept for the percentiles: about the last minute."""
@@ -111,25 +113,27 @@ class Status:
 
 
 class StatusFile:
-    """Writes a status line once a second; a full disk is counted and forgotten."""
+    """Writes a status line once a second, by a thread of its own; a full disk is counted and forgotten."""
 
-    def __init__(self, file: TextIO, status: Status) -> None:
-        self._file = file
+    def __init__(self, path: Path, status: Status) -> None:
+        """Raises OSError if the file cannot be made."""
+        self._writer = LineWriter(path, name="status")
         self._status = status
         self._next = 1.0
-        self.failed = 0
+
+    @property
+    def dropped(self) -> int:
+        """Lines that could not be written."""
+        return self._writer.dropped
 
     def frame(self, time: float) -> None:
-        """To be called each frame: writes when a second has passed."""
+        """To be called each frame: notes the figures when a second has passed."""
         if time < self._next:
             return
         self._next = float(int(time) + 1)
-        self.write(time)
+        self._writer.put(json.dumps(self._status.snapshot(time)))
 
-    def write(self, time: float) -> None:
-        """Write one line now."""
-        try:
-            self._file.write(json.dumps(self._status.snapshot(time)) + "\n")
-            self._file.flush()
-        except OSError:
-            self.failed += 1
+    def close(self, time: float) -> None:
+        """Note the last figures and close the file."""
+        self._writer.put(json.dumps(self._status.snapshot(time)))
+        self._writer.close()
