@@ -14,6 +14,8 @@ from live.motion.clip import Clip
 from live.motion.step_clip import StepClip
 
 MAX_STEP_BYTES = 200_000
+KEPT_CACHES = 8
+"""Caches kept: one for each of the last sets of steps, whichever checkout they were in."""
 
 
 class StepsError(PersonError):
@@ -98,6 +100,9 @@ def _write_cache(path: Path, clips: list[StepClip]) -> None:
                 rows=np.frombuffer(json.dumps(rows).encode(), np.uint8),
             )
         unfinished.replace(path)
+        caches = sorted(path.parent.glob("steps-*.npz"), key=lambda cache: cache.stat().st_mtime, reverse=True)
+        for old in caches[KEPT_CACHES:]:
+            old.unlink(missing_ok=True)
     except OSError:
         unfinished.unlink(missing_ok=True)
 

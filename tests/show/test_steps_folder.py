@@ -1,0 +1,85 @@
+"""Folders of sketched steps: errors, and a cache that follows the files."""
+
+import numpy as np
+import pytest
+
+from live.show import steps_folder
+from live.show.patch_file import PATCHES
+from live.show.steps_folder import StepsError, load_steps
+
+SWAY = 'name = "sway"\n[pelvis]\n"1" = "left 4"\n"3" = "right 4"\n'
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "cache"))
+    (tmp_path / "cache").mkdir()
+
+
+@pytest.fixture
+def folder(tmp_path):
+    path = tmp_path / "steps"
+    path.mkdir()
+    (path / "sway.toml").write_text(SWAY)
+    return path
+
+
+def test_the_cache_gives_the_same_clips_bit_by_bit(folder, monkeypatch):
+    first = load_steps(folder)
+    monkeypatch.setattr(steps_folder, "_build", lambda texts: pytest.fail("built anew although nothing changed"))
+    again = load_steps(folder)
+    assert len(again) == len(first) > 0
+    for a, b in zip(first, again, strict=True):
+        assert (a.step, a.first, a.samples_per_measure, a.direction, a.mirrored) == (
+            b.step, b.first, b.samples_per_measure, b.direction, b.mirrored,
+        )  # fmt: skip
+        assert (a.clip.rotation == b.clip.rotation).all()
+        assert (a.clip.root_position == b.clip.root_position).all()
+        assert (a.clip.contact == b.clip.contact).all()
+
+
+def test_a_changed_step_is_read_anew(folder):
+    before = load_steps(folder)[0].clip.root_position
+    (folder / "sway.toml").write_text(SWAY.replace("left 4", "left 8"))
+    after = load_steps(folder)[0].clip.root_position
+    assert np.abs(after[:, 0]).max() > 1.3 * np.abs(before[:, 0]).max()
+
+
+def test_a_broken_cache_is_no_problem(folder, tmp_path):
+    load_steps(folder)
+    for cache in (tmp_path / "cache").glob("steps-*.npz"):
+        cache.write_bytes(b"PK broken")
+    assert load_steps(folder)
+
+
+def test_old_caches_are_removed(folder, tmp_path, monkeypatch):
+    monkeypatch.setattr(steps_folder, "KEPT_CACHES", 2)
+    for size in (3, 4, 5, 6):
+        (folder / "sway.toml").write_text(SWAY.replace("left 4", f"left {size}"))
+        load_steps(folder)
+    assert len(list((tmp_path / "cache").glob("steps-*.npz"))) == 2
+
+
+def test_errors_name_file_and_line(folder):
+    (folder / "wrong.toml").write_text('name = "wrong"\n[pelvis]\n"1" = "sideways 4"\n')
+    with pytest.raises(StepsError, match=r"wrong\.toml:3: .*sideways"):
+        load_steps(folder)
+    (folder / "wrong.toml").write_text(SWAY)
+    with pytest.raises(StepsError, match=r"'sway' is already in .*sway\.toml"):
+        load_steps(folder)
+    (folder / "wrong.toml").write_bytes(b"\xff")
+    with pytest.raises(StepsError, match="UTF-8"):
+        load_steps(folder)
+
+
+def test_a_folder_without_steps(tmp_path):
+    with pytest.raises(StepsError, match="no steps in"):
+        load_steps(tmp_path)
+
+
+def test_the_projects_steps_are_at_least_eight_and_travel_in_nine_directions():
+    clips = load_steps(PATCHES / "steps")
+    names = {clip.step for clip in clips}
+    assert len(names) >= 8
+    walk = [clip for clip in clips if clip.step == "walk"]
+    assert len({clip.direction for clip in walk}) == 9
