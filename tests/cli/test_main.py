@@ -12,14 +12,17 @@ from live.cli import main as main_module
 from tests.cli.command import run_live
 
 
+COMMANDS = ("play", "render", "replay", "check", "devices", "doctor", "bench", "warm")
+
+
 def test_help_lists_every_command() -> None:
     done = run_live("--help")
     assert done.returncode == 0, done.stderr
-    for command in ("devices", "doctor", "bench", "warm"):
+    for command in COMMANDS:
         assert f" {command} " in done.stdout
 
 
-@pytest.mark.parametrize("command", ["devices", "doctor", "bench", "warm"])
+@pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_has_help(command: str) -> None:
     done = run_live(command, "--help")
     assert done.returncode == 0, done.stderr
