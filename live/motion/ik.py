@@ -44,17 +44,28 @@ def two_bone(
     return root + along * direction + aside * across, root + length * direction
 
 
-def bone_rotation(direction: Float, pole: Float, rest_direction: Float, rest_pole: Float) -> Float:
-    """World rotations (..., 4) that lay a bone from `rest_direction` along `direction`, its `rest_pole` towards `pole`.
+def hinge_axis(root: Float, target: Float, pole: Float) -> Float:
+    """The unit normal (..., 3) of the plane in which a limb from `root` to `target` bends towards `pole`.
 
-    The poles need not be normal to the directions; `rest_direction` and `rest_pole` (3,) must be.
+    Both bones lie in that plane. It says how they are turned about themselves even where one of them points along the
+    pole, which the pole alone cannot say.
+    """
+    normal = np.cross(target - root, pole)
+    size = np.linalg.norm(normal, axis=-1, keepdims=True)
+    return np.where(size > 1e-9, normal / np.maximum(size, 1e-9), quaternion.unit(_any_normal(pole)))
+
+
+def bone_rotation(direction: Float, hinge: Float, rest_direction: Float, rest_hinge: Float) -> Float:
+    """World rotations (..., 4) that lay a bone from `rest_direction` along `direction` and its `rest_hinge` on `hinge`.
+
+    The hinge need not be normal to the direction; `rest_direction` and `rest_hinge` (3,) must be.
     """
     along = quaternion.unit(direction)
-    across = pole - along * np.sum(pole * along, axis=-1, keepdims=True)
-    size = np.linalg.norm(across, axis=-1, keepdims=True)
-    across = np.where(size > 1e-6, across / np.maximum(size, 1e-6), quaternion.unit(_any_normal(along)))
-    posed = quaternion.from_columns(along, across, np.cross(along, across))
-    rest = quaternion.from_columns(rest_direction, rest_pole, np.cross(rest_direction, rest_pole))
+    normal = hinge - along * np.sum(hinge * along, axis=-1, keepdims=True)
+    size = np.linalg.norm(normal, axis=-1, keepdims=True)
+    normal = np.where(size > 1e-6, normal / np.maximum(size, 1e-6), quaternion.unit(_any_normal(along)))
+    posed = quaternion.from_columns(along, np.cross(normal, along), normal)
+    rest = quaternion.from_columns(rest_direction, np.cross(rest_hinge, rest_direction), rest_hinge)
     return quaternion.mul(posed, quaternion.inverse(rest))
 
 

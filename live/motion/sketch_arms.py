@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from live.motion import quaternion
 from live.motion.curve import followed, smoothed, through
-from live.motion.ik import bone_rotation, two_bone
+from live.motion.ik import bone_rotation, hinge_axis, two_bone
 from live.motion.sketch import Sketch
 from live.motion.sketch_channels import SAMPLES_PER_BEAT, Channels
 from live.motion.sketch_pose import (
@@ -87,8 +87,9 @@ def pose_arm(sketch: Sketch, ground: Ground, pose: Pose, side: float, name: str)
     pole = quaternion.rotate(frame, pole * (side, 1.0, 1.0))
     upper, lower = float(abs(offset_of("leftLowerArm")[0])), float(abs(offset_of("leftHand")[0]))
     elbow, wrist = two_bone(root, target, pole, upper=upper, lower=lower)
-    pose.rotation[:, joint_index(f"{name}UpperArm")] = bone_rotation(elbow - root, pole, side * X_AXIS, -Z_AXIS)
-    forearm = bone_rotation(wrist - elbow, pole, side * X_AXIS, -Z_AXIS)
+    hinge = hinge_axis(root, target, pole)
+    pose.rotation[:, joint_index(f"{name}UpperArm")] = bone_rotation(elbow - root, hinge, side * X_AXIS, side * Y_AXIS)
+    forearm = bone_rotation(wrist - elbow, hinge, side * X_AXIS, side * Y_AXIS)
     pose.attach(f"{name}LowerArm", forearm)
     pose.attach(f"{name}Hand", _trailing(forearm, hand.wrist, side))
 

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from live.motion import quaternion
 from live.motion.curve import followed, hermite, monotone_slopes, smoothed, soft_min
-from live.motion.ik import SOFTNESS, bone_rotation, two_bone
+from live.motion.ik import SOFTNESS, bone_rotation, hinge_axis, two_bone
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.motion.sketch import Sketch
 from live.motion.sketch_arms import pose_arm
@@ -165,8 +165,9 @@ def _pose_leg(track: FootTrack, pose: Pose, name: str) -> Float:
     upper, lower = _leg_length()
     hip = pose.attach(f"{name}UpperLeg", foot)
     knee, end = two_bone(hip, ankle, pole, upper=upper, lower=lower)
-    pose.rotation[:, joint_index(f"{name}UpperLeg")] = bone_rotation(knee - hip, pole, -Y_AXIS, Z_AXIS)
-    pose.attach(f"{name}LowerLeg", bone_rotation(end - knee, pole, -Y_AXIS, Z_AXIS))
+    hinge = hinge_axis(hip, ankle, pole)
+    pose.rotation[:, joint_index(f"{name}UpperLeg")] = bone_rotation(knee - hip, hinge, -Y_AXIS, -X_AXIS)
+    pose.attach(f"{name}LowerLeg", bone_rotation(end - knee, hinge, -Y_AXIS, -X_AXIS))
     pose.attach(f"{name}Foot", foot)
     bend = track.heel * (0.3 + 0.7 * track.firm)
     pose.attach(f"{name}Toes", quaternion.mul(foot, about(X_AXIS, -bend)))

@@ -55,6 +55,15 @@ def test_planted_feet_do_not_slide_and_soles_stay_above_the_floor(own: list[Step
             assert min(point[:, 1].min() for point in soles(step, side)) > -0.01, step.clip.name
 
 
+def test_no_joint_turns_over_between_two_samples(own: list[StepClip]) -> None:
+    """A bone that turns about itself at once (25 rad/s and more) shows nothing at the samples, and a pop between."""
+    for step in own:
+        rotation = step.clip.rotation.astype(np.float64)
+        cosine = np.clip(np.abs((rotation[1:] * rotation[:-1]).sum(axis=-1)), 0.0, 1.0)
+        fastest = (2.0 * np.arccos(cosine) * step.clip.sample_rate).max(axis=0)
+        assert fastest.max() < 25.0, (step.clip.name, SKELETON.names[int(fastest.argmax())])
+
+
 def test_the_end_of_a_step_is_its_beginning_farther_on(path: Path, own: list[StepClip]) -> None:
     cyclic = "cyclic = false" not in path.read_text(encoding="utf-8")
     for step in own:

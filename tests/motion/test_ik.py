@@ -6,7 +6,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from live.motion import quaternion
-from live.motion.ik import SOFTNESS, bone_rotation, two_bone
+from live.motion.ik import SOFTNESS, bone_rotation, hinge_axis, two_bone
 
 Float = npt.NDArray[np.float64]
 
@@ -66,14 +66,40 @@ def test_a_target_on_the_root_and_a_pole_along_the_limb_give_numbers() -> None:
     for target, pole in ((root, up), (np.tile(up, (2, 1)), up), (root, np.zeros(3))):
         for part in two_bone(root, target, pole, upper=0.4, lower=0.4):
             assert np.isfinite(part).all()
+        assert np.isfinite(hinge_axis(root, target, pole)).all()
         assert np.isfinite(bone_rotation(np.zeros((2, 3)) + up, up, np.array((1.0, 0.0, 0.0)), up)).all()
 
 
 @given(point, point)
-def test_a_bone_lies_along_its_direction_with_its_pole_aside(direction: Float, pole: Float) -> None:
-    assume(np.linalg.norm(np.cross(direction, pole)) > 1e-3)
-    rotation = bone_rotation(direction, pole, np.array((1.0, 0.0, 0.0)), np.array((0.0, 0.0, -1.0)))
+def test_a_bone_lies_along_its_direction_and_turns_about_its_hinge(direction: Float, hinge: Float) -> None:
+    assume(np.linalg.norm(np.cross(direction, hinge)) > 1e-3)
+    rotation = bone_rotation(direction, hinge, np.array((1.0, 0.0, 0.0)), np.array((0.0, 1.0, 0.0)))
     along = quaternion.unit(direction)
-    across = quaternion.unit(pole - along * (pole @ along))
+    normal = quaternion.unit(hinge - along * (hinge @ along))
     assert np.allclose(quaternion.rotate(rotation, np.array((1.0, 0.0, 0.0))), along, atol=1e-6)
-    assert np.allclose(quaternion.rotate(rotation, np.array((0.0, 0.0, -1.0))), across, atol=1e-6)
+    assert np.allclose(quaternion.rotate(rotation, np.array((0.0, 1.0, 0.0))), normal, atol=1e-6)
+
+
+@given(point, point, length, length)
+def test_both_bones_are_normal_to_the_hinge_and_bend_towards_the_pole(
+    target: Float, pole: Float, upper: float, lower: float
+) -> None:
+    assume(np.linalg.norm(np.cross(target, pole)) > 0.05 * np.linalg.norm(target) * np.linalg.norm(pole) > 0.0)
+    middle, end = two_bone(np.zeros(3), target, pole, upper=upper, lower=lower)
+    hinge = hinge_axis(np.zeros(3), target, pole)
+    assert abs(hinge @ middle) < 1e-6
+    assert abs(hinge @ (end - middle)) < 1e-6
+    assert hinge @ np.cross(end, middle) >= -1e-9
+
+
+def test_a_bone_that_swings_through_the_pole_does_not_turn_over() -> None:
+    """The upper arm passes the direction of the elbow's pole: its own turn must stay continuous."""
+    angles = np.linspace(-0.4, 0.4, 81)
+    pole = np.array((1.0, 0.0, 0.0))
+    target = 0.45 * np.stack((np.cos(angles), np.sin(angles) - 0.6, 0.0 * angles), axis=1)
+    middle, _ = two_bone(np.zeros(3), target, pole, upper=0.3, lower=0.25)
+    assert (middle[:, 1] > 0.0).any(), "the bone never passes the pole"
+    assert (middle[:, 1] < 0.0).any(), "the bone never passes the pole"
+    hinge = hinge_axis(np.zeros(3), target, pole)
+    rotation = bone_rotation(middle, hinge, np.array((1.0, 0.0, 0.0)), np.array((0.0, 0.0, 1.0)))
+    assert np.abs((rotation[1:] * rotation[:-1]).sum(axis=1)).min() > 0.99

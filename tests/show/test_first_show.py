@@ -1,0 +1,76 @@
+"""The first show as it is danced: nobody pops, nobody leaves the stage, feet hold, and every group dances its steps."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from live.show.load import load_show
+from live.show.patch_file import DEFAULT_PATCH
+from live.show.report import FrameReport
+
+FPS = 60
+SECONDS = 45
+
+
+@pytest.fixture(scope="module")
+def danced():
+    """Joint positions of every frame (F, A, J, 3), and the figures of the report."""
+    loaded = load_show(Path(DEFAULT_PATCH))
+    show = loaded.start()
+    view, report, frames, tick = show.view(), FrameReport(show), [], 0
+    for frame in range(1, SECONDS * FPS + 1):
+        while (tick + 1) / 64 <= frame / FPS + 1 / 64:
+            tick += 1
+            show.tick(tick / 64)
+        show.fill(view, frame / FPS + 1 / 64)
+        report.frame(view)
+        frames.append(view.joint_position.copy())
+    return show, np.array(frames), report.result()
+
+
+def test_no_joint_pops(danced):
+    """Jumps reach 112 m/s² by themselves; a joint that jumps between two frames shows thousands."""
+    _, frames, _ = danced
+    acceleration = np.linalg.norm(np.diff(frames, n=2, axis=0), axis=3) * FPS * FPS
+    assert acceleration.max() < 150.0
+    assert np.percentile(acceleration.max(axis=(1, 2)), 50) < 30.0
+
+
+def test_everybody_stays_on_the_stage_and_above_the_floor(danced):
+    show, frames, _ = danced
+    hips = frames[:, :, 0]
+    assert np.isfinite(frames).all()
+    assert np.abs(hips[..., 0]).max() < show.patch.stage.width / 2 + 0.5
+    assert np.abs(hips[..., 2]).max() < show.patch.stage.depth / 2 + 0.5
+    assert frames[..., 1].min() > -0.02
+
+
+def test_the_group_gathers_and_spreads_with_the_score(danced):
+    """Measures 4 to 6 gather at (-2.4, 0.4), measures 7 to 10 spread."""
+    _, frames, _ = danced
+    measure = 4 * 60 / 112
+
+    def distance(seconds):
+        return np.hypot(*(frames[int(seconds * FPS), :, 0][:, (0, 2)] - [-2.4, 0.4]).T).mean()
+
+    assert distance(6.2 * measure) < 0.9 * distance(3 * measure)
+    assert distance(10.5 * measure) > 1.1 * distance(6.5 * measure)
+
+
+def test_feet_hold_and_clips_land_on_the_beat(danced):
+    _, _, figures = danced
+    assert figures["foot_slide_mean"] < 0.12
+    assert figures["beat_offset_ms"]["annotated"]["p95"] < 8.0
+    assert figures["min_distance_m"] > 0.15
+    steps = {row["step"] for row in figures["steps"]}
+    assert {"groove", "side step", "samba", "turn", "mambo", "arm wave", "jump"} <= steps
+
+
+def test_dancers_of_one_group_dance_together(danced):
+    """In measure 2, before anybody has to travel, each group dances one step."""
+    show, _, figures = danced
+    for group in range(3):
+        members = {int(d) + 1 for d in np.flatnonzero(show.group == group)}
+        rows = [row for row in figures["steps"] if row["measure"] == 2 and row["dancer"] in members]
+        assert len({row["step"] for row in rows}) == 1
