@@ -224,9 +224,10 @@ install_python_packages() {
   fi
   groups=--no-dev
   [ "$mode" = play ] || groups="--group=dev"
+  # --compile-bytecode: starting must not wait for the compiler of Python either.
   # --inexact: what else you installed in .venv stays, so `make play` does not undo `make test`.
   env -u VIRTUAL_ENV UV_PYTHON_DOWNLOADS=never UV_PROJECT_ENVIRONMENT="$PWD/.venv" \
-    .venv/bin/uv sync --frozen --inexact --python "$PWD/.venv/bin/python" "$groups" >&2 ||
+    .venv/bin/uv sync --frozen --inexact --compile-bytecode --python "$PWD/.venv/bin/python" "$groups" >&2 ||
     die "could not install the locked packages; the message above says why"
 }
 
