@@ -27,11 +27,10 @@ _SEPARATION, _NEAR, _FAR, _HORIZON, _EDGE, _CELL, _WANDER, _LEASH = 5, 6, 7, 8, 
 @kernel("f8(i8,i8,i8)")
 def hash_unit(seed: int, agent: int, turn: int) -> float:
     """A number in [0, 1) that depends on its three arguments only (mixing steps of murmur3): seeded chance."""
-    h = np.uint32(seed) * np.uint32(0x9E3779B1) ^ np.uint32(agent) * np.uint32(0x85EBCA77)
-    h = np.uint32(h ^ np.uint32(turn) * np.uint32(0xC2B2AE3D))
-    h = np.uint32((h ^ (h >> np.uint32(16))) * np.uint32(0x85EBCA6B))
-    h = np.uint32((h ^ (h >> np.uint32(13))) * np.uint32(0xC2B2AE35))
-    h = np.uint32(h ^ (h >> np.uint32(16)))
+    h = (int(seed) * 0x9E3779B1 ^ int(agent) * 0x85EBCA77 ^ int(turn) * 0xC2B2AE3D) & 0xFFFFFFFF
+    h = ((h ^ (h >> 16)) * 0x85EBCA6B) & 0xFFFFFFFF
+    h = ((h ^ (h >> 13)) * 0xC2B2AE35) & 0xFFFFFFFF
+    h = h ^ (h >> 16)
     return h / 4294967296.0
 
 

@@ -1,22 +1,14 @@
 """Graph kernels: the choice of the next measure for every dancer, all edges weighed in one call (T068, T070)."""
 
-import math
-
 import numpy as np
 import numpy.typing as npt
 
 from live.base.jit import kernel
 from live.base.kernels import angle_wrap
+from live.motion.kernels import yaw_rotate
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
-
-
-@kernel("UniTuple(f8,2)(f8,f8,f8)")
-def stage_rotate(x: float, z: float, yaw: float) -> tuple[float, float]:
-    """Rotate the stage vector (x, z) by `yaw` about +Y: (0, 1) becomes (sin yaw, cos yaw)."""
-    c, s = math.cos(yaw), math.sin(yaw)
-    return (x * c + z * s, z * c - x * s)
 
 
 @kernel(
@@ -57,10 +49,10 @@ def choose_edges(
             cost = weights[2] * edge_cost[e]
             if wanted[n] >= 0 and node_step[v] != wanted[n]:
                 cost += weights[3] * (1.0 + hops[wanted[n], v])
-            dx, dz = stage_rotate(edge_transform[e, 0], edge_transform[e, 1], placement[n, 2])
+            dx, dz = yaw_rotate(edge_transform[e, 0], edge_transform[e, 1], placement[n, 2])
             x, z = placement[n, 0] + dx, placement[n, 1] + dz
             yaw = placement[n, 2] + edge_transform[e, 2]
-            ex, ez = stage_rotate(node_end[v, 0], node_end[v, 1], yaw)
+            ex, ez = yaw_rotate(node_end[v, 0], node_end[v, 1], yaw)
             cost += weights[0] * ((x + ex - target[n, 0]) ** 2 + (z + ez - target[n, 1]) ** 2)
             cost += weights[1] * angle_wrap(yaw + node_facing[v] - heading[n]) ** 2
             if cost < lowest:

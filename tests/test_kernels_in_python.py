@@ -1,0 +1,29 @@
+"""The kernels as plain Python: compiled code reads beyond the end of an array in silence, Python raises IndexError."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+TESTS = (
+    "tests/base/test_kernels.py",
+    "tests/motion/test_kernels.py",
+    "tests/graph/test_motion_graph.py",
+    "tests/render/test_kernels.py",
+    "tests/agents/test_kernels.py",
+    "tests/agents/test_advance.py",
+)
+LONG = (  # seconds of a crowd's motion are minutes of plain Python
+    "spreading_from or order_of_the or waits_for or only_the_nearest or prediction or head_on or repelled_agents"
+)
+
+
+def test_kernels_stay_within_their_arrays():
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *TESTS, "-k", f"not ({LONG})"]
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+    result = subprocess.run(
+        command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=300, check=False
+    )
+    assert result.returncode == 0, result.stdout[-4000:]
+    assert " passed" in result.stdout
