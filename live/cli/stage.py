@@ -30,9 +30,9 @@ def play_show(wish: Wish, *, monitor: str | None, fullscreen: bool, headless: bo
         console.print(_welcome(session), style="dim")
         play_in_window(session, scene_of(loaded.patch), monitor=chosen, fullscreen=fullscreen, console=console)
     elif fullscreen:
-        raise PersonError(f"--fullscreen: there is no screen ({screen_problem()})", "leave it out to make a film")
+        raise PersonError(f"--fullscreen: {screen_problem()}", "leave it out to make a film")
     elif sound.device is not None:
-        console.print(f"no screen ({screen_problem()}): listening and running without a picture", style="dim")
+        console.print(f"{screen_problem()}; listening and running without a picture", style="dim")
         _headless(wish, loaded, sound, console)
     else:
         _film(wish, loaded, sound, console)
@@ -60,7 +60,7 @@ def _film(wish: Wish, loaded: LoadedShow, sound: Sound, console: Console) -> Non
 
     seconds = wish.seconds or FILM_SECONDS
     path = wish.record or Path(FILM_NAME)
-    console.print(f"no screen ({screen_problem()}): {seconds:g} s of the show become a film", style="dim")
+    console.print(f"{screen_problem()}; {seconds:g} s of the show become a film", style="dim", soft_wrap=True)
     film_show(wish, loaded, sound, path=path, seconds=seconds, console=console)
     console.print(f"the film is here: [bold]{path.resolve()}[/]", soft_wrap=True)
 
