@@ -1,4 +1,4 @@
-"""Inbox and Mailbox: bounds, order, counts; many writers."""
+"""Inbox: bounds, order, counts; many writers."""
 
 import threading
 
@@ -6,7 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from live.base.inbox import Inbox
-from live.base.mailbox import Mailbox
 
 
 @given(st.lists(st.one_of(st.integers(0, 99), st.none()), max_size=60), st.integers(1, 8))
@@ -47,14 +46,3 @@ def test_many_writers_and_a_reader():
     for w in range(4):
         own = [k for writer, k in taken if writer == w]
         assert own == sorted(own)
-
-
-def test_a_mailbox_keeps_the_latest_value_of_each_key():
-    box = Mailbox(2)
-    for value in (1, 2, 3):
-        box.post("fader", value)
-    box.post("other", 9)
-    box.post("one too many", 0)
-    assert box.collect() == [("fader", 3), ("other", 9)]
-    assert box.collect() == []
-    assert box.refused == 1
