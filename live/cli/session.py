@@ -111,8 +111,8 @@ def start_tempo(wish: Wish, loaded: LoadedShow, sound: Sound) -> float | None:
 class Session:
     """A running show: engine, inputs, journal, status."""
 
-    def __init__(self, wish: Wish, loaded: LoadedShow, sound: Sound, *, silent: bool = False) -> None:
-        """Everything is made, nothing is started. `silent`: music files are followed but not played aloud."""
+    def __init__(self, wish: Wish, loaded: LoadedShow, sound: Sound) -> None:
+        """Everything is made, nothing is started; PersonError for what cannot be."""
         tempo = start_tempo(wish, loaded, sound)
         show = loaded.start(seed=wish.seed, tempo=tempo)
         self.wish = wish
@@ -123,15 +123,23 @@ class Session:
         self.inbox: Inbox[ControlEvent] = Inbox()
         self.osc = OscInput(*wish.osc, self.inbox, self.clock)
         process = psutil.Process()
-        self.status = Status(show, rejected=self._rejected, memory=lambda: process.memory_info().rss / 1e6)
+        self._audio = self._make_audio()
+        self.status = Status(
+            show,
+            rejected=self._rejected,
+            memory=lambda: process.memory_info().rss / 1e6,
+            level=lambda: getattr(self._audio, "level", None),
+            refusal=lambda: "" if self.osc.last_rejection is None else str(self.osc.last_rejection),
+        )
         self._journal = self._open_journal(tempo)
         self.engine = Engine(show, clock=self.clock, inbox=self.inbox, status=self.status, journal=self._journal)
-        self._silent = silent
-        self._audio = self._make_audio()
         self._status_file: StatusFile | None = None
 
     def _rejected(self) -> Counter[str]:
-        return Counter({str(reason): count for reason, count in self.osc.rejected.as_dict().items()})
+        counts = Counter({str(reason): count for reason, count in self.osc.rejected.as_dict().items()})
+        if self.osc.lost:
+            counts["lost before it was read"] = self.osc.lost
+        return counts
 
     def _open_journal(self, tempo: float | None) -> JournalWriter | None:
         if self.wish.journal is None:
@@ -174,9 +182,7 @@ class Session:
             from live.control.music_player import MusicPlayer
 
             one_at = self.loaded.patch.music.one_at_s if self.sound.known else None
-            return MusicPlayer(
-                self.sound.music, self.inbox, self.clock, loop=True, output=not self._silent, one_at=one_at
-            )
+            return MusicPlayer(self.sound.music, self.inbox, self.clock, loop=True, one_at=one_at)
         if self.sound.device is not None:
             from live.control.audio_device import AudioInput
 

@@ -5,6 +5,7 @@ from rich.console import Console
 from live.base.errors import PersonError
 from live.cli.session import Session, Sound, Wish, choose_sound
 from live.cli.warm import warm_kernels
+from live.control.keys import help_lines
 from live.render.monitors import Monitor, UnknownMonitor, find_monitor, list_monitors, screen_problem
 from live.show.load import LoadedShow, scene_of
 
@@ -27,7 +28,7 @@ def play_show(wish: Wish, *, monitor: str | None, fullscreen: bool, headless: bo
         from live.cli.window_show import play_in_window
 
         session = Session(wish, loaded, sound)
-        console.print(_welcome(session), style="dim")
+        console.print("\n".join([_welcome(session), *help_lines()]), style="dim", soft_wrap=True)
         play_in_window(session, scene_of(loaded.patch), monitor=chosen, fullscreen=fullscreen, console=console)
     elif fullscreen:
         raise PersonError(f"--fullscreen: {screen_problem()}", "leave it out to make a film")
@@ -68,7 +69,4 @@ def _film(wish: Wish, loaded: LoadedShow, sound: Sound, console: Console) -> Non
 def _welcome(session: Session) -> str:
     host, port = session.wish.osc
     heard = "music file" if session.sound.music else session.sound.device or "internal clock"
-    return (
-        f"{session.loaded.patch.name}: {session.loaded.patch.dancer_count} dancers, {heard}, "
-        f"OSC at {host}:{port}; keys: Space tap, 1 the one, S spread, B blackout, F full screen, O overlay"
-    )
+    return f"{session.loaded.patch.name}: {session.loaded.patch.dancer_count} dancers, {heard}, OSC at {host}:{port}"

@@ -47,7 +47,3 @@ class Ticks:
         while (self.index + 1) * TICK <= target:
             self.index += 1
             yield self.index * TICK
-
-    def alpha(self, target: float) -> float:
-        """How far `target` [s] lies from the last tick towards the next, in [0, 1]."""
-        return min(max((target - self.time) / TICK, 0.0), 1.0)

@@ -77,10 +77,6 @@ class BvhMotion:
         """Frames per second as the file says it."""
         return 1.0 / self.frame_time
 
-    def first_channel(self, joint: int) -> int:
-        """Column of `values` at which the joint's channels begin."""
-        return sum(len(letters) for letters in self.channels[:joint])
-
 
 def parse_bvh(text: str, file: str) -> BvhMotion:
     """Read a whole BVH file from its text; `file` is its name for messages.

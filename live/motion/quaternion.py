@@ -71,13 +71,6 @@ def from_axis_angle(axis: Float, angle: Float) -> Float:
     return np.concatenate((np.cos(half[..., :1]), np.sin(half) * axis), axis=-1)
 
 
-def from_rotation_vector(vector: Float) -> Float:
-    """Rotation about a vector (..., 3) by its length [rad]; zero gives the identity."""
-    vector = np.asarray(vector)
-    angle = np.linalg.norm(vector, axis=-1, keepdims=True)
-    return np.concatenate((np.cos(0.5 * angle), 0.5 * vector * np.sinc(0.5 * angle / np.pi)), axis=-1)
-
-
 def from_two_vectors(start: Float, end: Float) -> Float:
     """Shortest rotation that turns the direction `start` (..., 3) into `end`; for opposite ones about any normal."""
     a, b = np.broadcast_arrays(unit(np.asarray(start)), unit(np.asarray(end)))

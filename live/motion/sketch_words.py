@@ -89,8 +89,6 @@ PARTS: Final[Mapping[str, Words]] = {
 PAIRS: Final = {"shoulders": "shoulder", "hands": "hand", "feet": "foot"}
 """Tables that speak of both sides at once; there `left` and `right` would be ambiguous and are not understood."""
 
-FLAGS: Final = ("neutral", "rest", "touch", "home")
-
 _COUNT: Final = re.compile(r"(\d{1,3})(&|e|a|\.\d{1,6})?")
 _FRACTION: Final = {None: 0.0, "&": 0.5, "e": 0.25, "a": 0.75}
 _NUMBER: Final = re.compile(r"[+-]?\d{1,9}(\.\d{0,9})?")

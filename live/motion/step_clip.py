@@ -1,6 +1,6 @@
 """StepClip: a clip that holds one danced step of whole measures, with the lead-in before it (T039, T040, T042)."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 from live.motion.clip import Clip
@@ -52,7 +52,3 @@ class StepClip:
     def beats(self) -> int:
         """Length in beats."""
         return self.measures * self.beats_per_measure
-
-    def renamed(self, step: str) -> "StepClip":
-        """The same clip under another step name."""
-        return replace(self, step=step)

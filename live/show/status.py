@@ -1,6 +1,7 @@
 """Status: the figures of a running show, one JSON object a second in the form of the contracts."""
 
 import json
+import math
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -37,8 +38,22 @@ class FrameTimes:
 class Status:
     """Counts what happens and says it once a second."""
 
-    def __init__(self, show: Show, *, rejected: Callable[[], Counter[str]], memory: Callable[[], float]) -> None:
-        """`rejected`: counts by reason from the inputs; `memory`: resident memory [MB]."""
+    def __init__(
+        self,
+        show: Show,
+        *,
+        rejected: Callable[[], Counter[str]],
+        memory: Callable[[], float],
+        level: Callable[[], float | None] = lambda: None,
+        refusal: Callable[[], str] = lambda: "",
+    ) -> None:
+        """`rejected`: counts by reason from the inputs; `memory`: resident memory [MB].
+
+        For the overlay: `level`, RMS of what an input device hears (None: there is none), and `refusal`, the last
+        refusal in words.
+        """
+        self._level = level
+        self._refusal = refusal
         self._show = show
         self._rejected = rejected
         self._memory = memory
@@ -104,12 +119,15 @@ class Status:
         beats = self._show.timeline.beats_per_measure
         counts = "".join("●" if beat < s["beat"] else "○" for beat in range(beats))
         frame, cpu = s["frame_ms"], s["cpu_ms"]["p50"]
-        return (
+        level, refusal = self._level(), self._refusal()
+        heard = "" if level is None else f"   input {20.0 * math.log10(max(level, 1e-5)):.0f} dB"
+        lines = (
             f"{s['bpm']:.1f} bpm   measure {s['measure']}   {counts}",
-            f"clock {s['source']}: {s['clock_state']} {s['confidence']:.0%}",
+            f"clock {s['source']}: {s['clock_state']} {s['confidence']:.0%}{heard}",
             f"frame {frame['p50']:.1f} ms   p99 {frame['p99']:.1f}   cpu {cpu:.1f}   late {s['late_frames']}",
             f"dancers {s['dancers']}   events {s['events_accepted']}   refused {sum(s['events_rejected'].values())}",
         )
+        return (*lines, f"last refused: {refusal}") if refusal else lines
 
 
 class StatusFile:

@@ -16,7 +16,6 @@ def test_every_tick_comes_once_and_in_time(frames: list[float]) -> None:
             assert time <= target
             seen.append(time)
         assert target - ticks.time < TICK
-        assert 0.0 <= ticks.alpha(target) <= 1.0
     assert seen == [(index + 1) / 64 for index in range(len(seen))]
 
 
@@ -35,11 +34,3 @@ def test_a_stall_is_skipped_and_counted() -> None:
     assert ticks.skipped == missed == 127
     assert list(ticks.due(2.0)) == [2.0]
     assert ticks.stalled(2.0 + STALL) == 0
-
-
-def test_alpha_is_the_way_to_the_next_tick() -> None:
-    ticks = Ticks(index=64)
-    assert ticks.alpha(1.0) == 0.0
-    assert ticks.alpha(1.0 + TICK / 4) == 0.25
-    assert ticks.alpha(0.5) == 0.0
-    assert ticks.alpha(9.0) == 1.0
