@@ -129,11 +129,18 @@ class Session:
             rejected=self._rejected,
             memory=lambda: process.memory_info().rss / 1e6,
             level=lambda: getattr(self._audio, "level", None),
-            refusal=lambda: "" if self.osc.last_rejection is None else str(self.osc.last_rejection),
+            refusal=self._last_refusal,
         )
         self._journal = self._open_journal(tempo)
         self.engine = Engine(show, clock=self.clock, inbox=self.inbox, status=self.status, journal=self._journal)
         self._status_file: StatusFile | None = None
+
+    def _last_refusal(self) -> str:
+        """The last refusal in words: of a packet that was not understood the reason, of a control all that is known."""
+        rejection = self.osc.last_rejection
+        if rejection is None:
+            return ""
+        return str(rejection) if rejection.address else f"an OSC packet: {rejection.reason}"
 
     def _rejected(self) -> Counter[str]:
         counts = Counter({str(reason): count for reason, count in self.osc.rejected.as_dict().items()})

@@ -117,13 +117,15 @@ class Status:
     def _overlay_lines(self, time: float) -> tuple[str, ...]:
         s = self.snapshot(time)
         beats = self._show.timeline.beats_per_measure
-        counts = "".join("●" if beat < s["beat"] else "○" for beat in range(beats))
         frame, cpu = s["frame_ms"], s["cpu_ms"]["p50"]
         level, refusal = self._level(), self._refusal()
+        clock = s["source"]
+        if clock != "internal":
+            clock += f", {s['clock_state']}, sure to {s['confidence']:.0%}"
         heard = "" if level is None else f"   input {20.0 * math.log10(max(level, 1e-5)):.0f} dB"
         lines = (
-            f"{s['bpm']:.1f} bpm   measure {s['measure']}   {counts}",
-            f"clock {s['source']}: {s['clock_state']} {s['confidence']:.0%}{heard}",
+            f"{s['bpm']:.1f} bpm   measure {s['measure']}   beat {s['beat']} of {beats}",
+            f"clock: {clock}{heard}",
             f"frame {frame['p50']:.1f} ms   p99 {frame['p99']:.1f}   cpu {cpu:.1f}   late {s['late_frames']}",
             f"dancers {s['dancers']}   events {s['events_accepted']}   refused {sum(s['events_rejected'].values())}",
         )
