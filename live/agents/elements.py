@@ -48,20 +48,26 @@ class ElementField:
             self._elements.pop(0)
         self._elements.append(element)
 
-    def replace_last(self, element: Element) -> None:
-        """Move the newest element: a dragged attractor stays one, and does not fade in anew."""
-        if not self._elements:
-            self.add(element)
-            return
-        start = min(element.start_beat, self._elements[-1].start_beat)
-        self._elements[-1] = replace(element, start_beat=start)
+    def move(self, old: Element, new: Element) -> Element:
+        """Put `new` in the place of `old`, without fading in anew (a dragged attractor stays one); returns it.
+
+        If `old` is no longer in force, `new` begins for itself.
+        """
+        for row, element in enumerate(self._elements):
+            if element is old:
+                self._elements[row] = replace(new, start_beat=min(old.start_beat, new.start_beat))
+                return self._elements[row]
+        self.add(new)
+        return new
 
     def clear(self, beat: float) -> None:
-        """Let every element fade out from `beat` on."""
-        end = beat + FADE_BEATS
+        """Let every element fade out from `beat` on, from the level it has; those yet to come never begin."""
         self._elements = [
-            Element(e.kind, e.x, e.z, e.strength, min(e.start_beat, beat - FADE_BEATS), min(e.end_beat, end))
+            replace(
+                e, start_beat=e.start_beat - FADE_BEATS, end_beat=min(e.end_beat, beat + e.level(beat) * FADE_BEATS)
+            )
             for e in self._elements
+            if e.level(beat) > 0.0
         ]
 
     @property

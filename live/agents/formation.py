@@ -12,7 +12,7 @@ def formation_grid(count: int, *, centre: tuple[float, float], size: tuple[float
     """Staggered rows that fill a rectangle `size` (width, depth) [m] around `centre`, shape (count, 2)."""
     if count == 0:
         return np.zeros((0, 2))
-    rows = max(1, round(math.sqrt(count * size[1] / max(size[0], 1e-6))))
+    rows = min(max(1, round(math.sqrt(count * size[1] / max(size[0], 1e-6)))), count)
     per_row = [count // rows + (1 if row < count % rows else 0) for row in range(rows)]
     places: list[tuple[float, float]] = []
     widest = max(per_row)

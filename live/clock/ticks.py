@@ -21,7 +21,9 @@ class Ticks:
     Thread: the show's only.
     """
 
-    def __init__(self, index: int = 0) -> None:
+    def __init__(self, index: int = 0, *, stall: float = STALL) -> None:
+        """`stall`: the gap [s] that counts as one; infinite where no tick may be left out (offline)."""
+        self._stall = stall
         self.index = index
         """Index of the last tick that was due (the simulation stands there)."""
         self.skipped = 0
@@ -33,9 +35,9 @@ class Ticks:
         return self.index * TICK
 
     def stalled(self, target: float) -> int:
-        """How many ticks to skip because `target` [s] lies more than STALL ahead; 0 as a rule."""
+        """How many ticks to skip because `target` [s] lies more than a stall ahead; 0 as a rule."""
         behind = target - self.time
-        return math.floor(behind / TICK) - 1 if behind > STALL else 0
+        return math.floor(behind / TICK) - 1 if behind > self._stall else 0
 
     def skip(self, count: int) -> None:
         """Jump over `count` ticks that will never be run."""

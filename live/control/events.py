@@ -24,6 +24,8 @@ class Attract(ControlEvent):
     z: float
     strength: float = 1.0
     measures: float = 4.0
+    drag: bool = False
+    """True if this moves the one that the same source set last, instead of adding another."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,6 +36,8 @@ class Repel(ControlEvent):
     z: float
     strength: float = 1.0
     measures: float = 4.0
+    drag: bool = False
+    """True if this moves the one that the same source set last, instead of adding another."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -116,8 +116,11 @@ def largest_component(allowed: Bool) -> Bool:
     from scipy.sparse.csgraph import connected_components
 
     _, label = connected_components(csr_array(allowed), directed=True, connection="strong")
-    biggest = np.argmax(np.bincount(label))
-    return np.asarray(label == biggest, np.bool_)
+    size = np.bincount(label)
+    source, target = np.nonzero(allowed)
+    lives = np.zeros(len(size), np.bool_)  # a lone node without an edge to itself is a component, but no dance
+    lives[label[source[label[source] == label[target]]]] = True
+    return np.asarray(label == np.argmax(size + lives * len(label)), np.bool_)
 
 
 def _hops(library: StepLibrary, allowed: Bool, alive: Bool) -> Int32:

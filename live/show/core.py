@@ -35,8 +35,6 @@ FADE_HALFLIFE = 0.06
 """Half-life of a blackout's fade [s]: dark within a fifth of a second, without a flash."""
 SHORTEST_RETIME = 0.5
 """A measure is never re-timed to end within fewer beats than this."""
-DRAG_GAP = 0.5
-"""Pointer events of one kind that follow within this time [s] move one element instead of adding another."""
 LINES_PER_TICK = 4
 """Measure lines crossed in one tick at most, should the tempo ever run away."""
 
@@ -88,8 +86,8 @@ class Show:
         self.time = 0.0
         self.refused = 0
         """Events that asked for something the show does not have (a step that is not there)."""
-        self._dragged = (-1, -math.inf)
-        self._begin_measure(self.timeline.beat_at(0.0))
+        self._last_of: dict[str, Element] = {}
+        self._begin_measure(self.span.end - self.timeline.beats_per_measure)
 
     def _starting_state(self) -> AgentState:
         places = [
@@ -113,8 +111,13 @@ class Show:
 
     # -- events ------------------------------------------------------------------------------------------------
 
-    def apply(self, event: ControlEvent) -> None:
-        """Let an event act; it takes effect at the next tick. Unknown steps are counted, nothing stops."""
+    def apply(self, event: ControlEvent) -> bool:
+        """Let an event act, from the next tick on; False if it asked for what is not there (which is counted)."""
+        before = self.refused + self.follower.rejected
+        self._act_on(event)
+        return self.refused + self.follower.rejected == before
+
+    def _act_on(self, event: ControlEvent) -> None:
         match event:
             case events.BeatHeard():
                 self.follower.heard(event.beat_time, event.period, event.confidence, event.time)
@@ -155,12 +158,12 @@ class Show:
             x, z, strength = event.x, event.z, event.strength
         end = beat + event.measures * self.timeline.beats_per_measure
         element = Element(kind, x, z, strength, beat, end)
-        dragged = event.source == "pointer" and kind == self._dragged[0] and event.time - self._dragged[1] < DRAG_GAP
-        if dragged:
-            self.elements.replace_last(element)
+        last = self._last_of.get(event.source)
+        if not isinstance(event, events.Spread) and event.drag and last is not None and last.kind == kind:
+            self._last_of[event.source] = self.elements.move(last, element)
         else:
             self.elements.add(element)
-        self._dragged = (kind, event.time) if event.source == "pointer" else (-1, -math.inf)
+            self._last_of[event.source] = element
 
     def _call_step(self, event: events.CallStep) -> None:
         try:
@@ -169,7 +172,7 @@ class Show:
             self.refused += 1
             return
         for programme in self.scheduler.programmes:
-            programme.call(step, measure=self.span.number + 1, measures=event.measures)
+            programme.call(step, measures=event.measures)
 
     # -- time --------------------------------------------------------------------------------------------------
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from live.base.inbox import Inbox
 from live.base.stage_view import StageView
 from live.clock.source import Clock
-from live.clock.ticks import TICK, Ticks
+from live.clock.ticks import STALL, TICK, Ticks
 from live.control.events import ControlEvent, TicksSkipped
 from live.show.core import Show
 from live.show.journal import JournalWriter
@@ -34,15 +34,19 @@ class Engine:
         status: Status,
         journal: JournalWriter | None = None,
         lead: float = TICK,
+        stall: float = STALL,
     ) -> None:
-        """`lead` [s]: how far ahead of the clock the picture is, so that dancers land on the beat when it is seen."""
+        """`lead` [s]: how far ahead of the clock the picture is, so that dancers land on the beat when it is seen.
+
+        `stall` [s]: after a longer gap ticks are left out; infinite offline, where every tick is run.
+        """
         self.show = show
         self._clock = clock
         self._inbox = inbox
         self._status = status
         self._journal = journal
         self._lead = lead
-        self.ticks = Ticks()
+        self.ticks = Ticks(stall=stall)
         self.view = show.view()
         self.overlay = False
         """Whether the operator's overlay is shown."""
@@ -71,17 +75,16 @@ class Engine:
         return now
 
     def apply(self, event: ControlEvent) -> None:
-        """Write an event to the journal and let it act from the next tick on."""
+        """Write an event to the journal and let it act from the next tick on; the show counts what it refuses."""
         if self._journal is not None:
             self._journal.event(self.ticks.index, event)
-        self.show.apply(event)
-        self._status.events_accepted += 1
+        if self.show.apply(event) and not isinstance(event, TicksSkipped):
+            self._status.events_accepted += 1
 
     def _run_ticks(self, now: float, target: float) -> None:
         lost = self.ticks.stalled(target)
         if lost:
             self.apply(TicksSkipped(time=now, source="engine", count=lost))
-            self._status.events_accepted -= 1  # the engine's own note, nobody's event
             self.ticks.skip(lost)
             self._status.skipped_ticks = self.ticks.skipped
         for time in self.ticks.due(target):

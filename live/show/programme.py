@@ -3,9 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from live.graph.motion_graph import NEVER, MotionGraph
 from live.show.patch import GroupSection, parse_entry
+
+Nodes = npt.NDArray[np.int32]
 
 HOLD_MEASURES = 2
 """Measures for which a step drawn by chance is danced at least."""
@@ -34,14 +37,18 @@ def find_step(graph: MotionGraph, name: str) -> int:
 
 @dataclass(slots=True)
 class _Call:
-    """A step called from outside, and the first measure in which it is over."""
+    """A step called from outside, and how many measures of it are still to come."""
 
     step: int
-    until: int
+    left: int
 
 
 class GroupProgramme:
-    """The wishes of one group, measure after measure. Seeded: the same seed and calls give the same dance."""
+    """The wishes of one group, measure after measure. Seeded: the same seed and calls give the same dance.
+
+    A called step interrupts the sequence, which then goes on where it was; a step of several measures that was cut
+    short is begun anew.
+    """
 
     def __init__(self, graph: MotionGraph, group: GroupSection, *, seed: int, index: int) -> None:
         """Raises UnknownStep if the group names a step that is not there."""
@@ -50,43 +57,72 @@ class GroupProgramme:
         self._random = group.choose == "random"
         entries = [parse_entry(entry) for entry in group.steps]
         self._steps = [find_step(graph, name) for name, _ in entries]
-        library = graph.library
-        self._measures: list[int] = []
-        for step, (_, times) in zip(self._steps, entries, strict=True):
-            length = int(library.node_measures[library.node_step == step].max())
-            self._measures += [step] * (length * times)
+        self._slots = [step for step, (_, times) in zip(self._steps, entries, strict=True) for _ in range(times)]
         self.travel_step = None if group.travel_step is None else find_step(graph, group.travel_step)
         """The step for ways too far for the step in turn, or None."""
-        self._drawn = self._steps[0]
-        self._drawn_until = 0
+        self._asked: tuple[int, int] | None = None
+        self._slot, self._into = 0, 0
+        self._drawn, self._drawn_left = self._steps[0], 0
         self._call: _Call | None = None
 
-    def call(self, step: int, *, measure: int, measures: float) -> None:
-        """Dance `step` from `measure` on for a number of measures (rounded up to whole ones)."""
-        self._call = _Call(step, measure + max(1, int(np.ceil(measures))))
+    def call(self, step: int, *, measures: float) -> None:
+        """Dance `step` from the next measure on that is not chosen yet, for a number of measures (rounded up)."""
+        self._call = _Call(step, max(1, int(np.ceil(measures))))
 
     def release(self) -> None:
         """Forget a called step."""
         self._call = None
 
-    def wanted(self, measure: int, nodes: np.ndarray[tuple[int], np.dtype[np.int32]]) -> int:
-        """The step to dance in `measure` by dancers who are in `nodes` now; to be asked once per measure."""
-        if self._call is not None:
-            if measure < self._call.until:
-                return self._call.step
-            self._call = None
-        if not self._random:
-            return self._measures[measure % len(self._measures)]
-        if measure >= self._drawn_until:
+    def wanted(self, measure: int, nodes: Nodes) -> int:
+        """The step to dance in `measure`, asked in the order of the measures by dancers who were in `nodes` before it.
+
+        Asked again for the same measure it gives the same answer. Before the first downbeat (measures below 0) it is
+        the first step.
+        """
+        if self._asked is not None and self._asked[0] == measure:
+            return self._asked[1]
+        step = self._slots[0] if measure < 0 and not self._random else self._next(measure, nodes)
+        self._asked = (measure, step)
+        return step
+
+    def _next(self, measure: int, nodes: Nodes) -> int:
+        library = self._graph.library
+        # whoever is within a step of several measures finishes it: a call waits until somebody is free to follow it
+        within = library.node_measure[nodes] < library.node_measures[nodes] - 1
+        if self._call is not None and not within.all():
+            self._call.left -= 1
+            step = self._call.step
+            if self._call.left <= 0:
+                self._call = None
+            self._into = 0
+            self._drawn_left = 0
+            return step
+        return self._draw_next(measure, nodes) if self._random else self._sequence_next()
+
+    def _sequence_next(self) -> int:
+        """The slot's step, and one measure further."""
+        step = self._slots[self._slot]
+        self._into += 1
+        if self._into >= self._length(step):
+            self._slot, self._into = (self._slot + 1) % len(self._slots), 0
+        return step
+
+    def _draw_next(self, measure: int, nodes: Nodes) -> int:
+        """The drawn step until its measures are over, then another."""
+        if self._drawn_left <= 0:
             self._drawn = self._draw(measure, nodes)
-            library = self._graph.library
-            length = int(library.node_measures[library.node_step == self._drawn].max())
-            self._drawn_until = measure + length * -(-HOLD_MEASURES // length)
+            length = self._length(self._drawn)
+            self._drawn_left = length * -(-HOLD_MEASURES // length)
+        self._drawn_left -= 1
         return self._drawn
 
-    def _draw(self, measure: int, nodes: np.ndarray[tuple[int], np.dtype[np.int32]]) -> int:
+    def _length(self, step: int) -> int:
+        library = self._graph.library
+        return int(library.node_measures[library.node_step == step].max())
+
+    def _draw(self, measure: int, nodes: Nodes) -> int:
         """Draw among the group's steps, evenly; not the last one again, and reachable at once if any is."""
-        chance = np.random.default_rng([*self._seed, measure])
+        chance = np.random.default_rng([*self._seed, max(measure, 0)])
         hops = self._graph.hops[self._steps][:, nodes]
         near = [s for s, h in zip(self._steps, hops, strict=True) if (h <= 1).all()]
         far = [s for s, h in zip(self._steps, hops, strict=True) if (h < NEVER).all()]

@@ -85,16 +85,19 @@ class Scheduler:
             return
         beat = timeline.beat_at(time)
         left = span.end - beat
+        # a measure that "this is the one" has stretched reaches its blend more than a beat before its end
+        blends = span.fraction(timeline.beat_at(time + TICK)) >= 1.0 - self._dancers.graph.window
+        if left <= DECIDE_BEATS or blends:
+            self.decide(span, timeline, time, state, field)
+            return
         if not self._looking and left <= max(LOOK_BEATS, DECIDE_BEATS + 2.0 * TICK):
             seconds = max(0.0, (left + timeline.beats_per_measure) * 60.0 / timeline.tempo)
             self._look.begin(state, time=time, seconds=seconds)
             self._looking = True
             ticks = max(1.0, (left - DECIDE_BEATS) * 60.0 / timeline.tempo / TICK)
             self._share = math.ceil(seconds / LookAhead.STEP / ticks)
-        if self._looking and left > DECIDE_BEATS:
+        if self._looking:
             self._look.work(self._share, speed=self.speed, field=field)
-        elif left <= DECIDE_BEATS:
-            self.decide(span, timeline, time, state, field)
 
     def decide(
         self, span: MeasureSpan, timeline: Timeline, time: float, state: AgentState, field: ElementField
@@ -175,6 +178,8 @@ class Scheduler:
         anchor = np.ascontiguousarray(end, np.float32)
         place = np.ascontiguousarray(end + error, np.float32)
         self._part(place, anchor, limits.correction_m)
+        edge = np.array([self._patch.stage.width / 2, self._patch.stage.depth / 2], np.float32)
+        np.clip(place, -edge, edge, out=place)
         error = place.astype(np.float64) - anchor
         off = heading - yaw - graph.node_facing[node]
         off = np.arctan2(np.sin(off), np.cos(off))

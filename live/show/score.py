@@ -15,6 +15,8 @@ class Score:
 
     def beginning(self, measure: int) -> list[ElementSection]:
         """Elements whose first measure is `measure` (from 0); the fraction of a start is left to `placed`."""
+        if measure < 0:  # before the music's first downbeat
+            return []
         place = measure if self._loop is None else measure % self._loop
         return [section for section in self._sections if int(section.measure) - 1 == place]
 

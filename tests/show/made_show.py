@@ -37,6 +37,6 @@ def made_graph(threshold=0.2):
 GRAPH = made_graph()
 
 
-def made_show(extra="", **options):
-    """A fresh show of PATCH with `extra` TOML at its end."""
-    return Show(parse_patch(PATCH + extra, "test.toml"), GRAPH, **options)
+def made_show(extra="", *, top=False, **options):
+    """A fresh show of PATCH with `extra` TOML at its end (`top`: at its beginning)."""
+    return Show(parse_patch(extra + PATCH if top else PATCH + extra, "test.toml"), GRAPH, **options)

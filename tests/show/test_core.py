@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.base.stage_view import ATTRACTOR
+from live.base.stage_view import ATTRACTOR, SPREADER
 from live.clock.ticks import TICK
 from live.control import events
 from tests.show.made_show import made_show
@@ -186,15 +186,70 @@ def test_the_score_places_elements_at_their_measures():
     assert view.element_kind[0] == ATTRACTOR
 
 
-def test_a_dragged_pointer_is_one_attractor():
+def test_a_dragged_attractor_stays_one_and_leaves_the_others_alone():
+    show = made_show('[[element]]\nkind = "spread"\nmeasure = 2\nmeasures = 4\n')
+    show.apply(events.Attract(time=0.0, source="pointer", x=0.0, z=0.0))
+    for tick in range(1, 64 * 4):  # over a measure line, at which the score adds a spreader
+        show.tick(tick * TICK)
+        if tick % 60 == 0:
+            show.apply(events.Attract(time=tick * TICK, source="pointer", x=0.01 * tick, z=0.0, drag=True))
+    kinds = [element.kind for element in show.elements.elements]
+    assert kinds == [ATTRACTOR, SPREADER]
+    assert show.elements.elements[0].x == pytest.approx(2.4)
+    show.apply(at(events.Attract, show, x=0.0, z=0.0, drag=True))  # another source: nothing to move yet
+    show.apply(events.Attract(time=9.0, source="pointer", x=0.0, z=0.0))
+    assert len(show.elements.elements) == 4
+
+
+@pytest.mark.parametrize("press", [3.75, 3.9, 4.05, 5.5, 6.9])
+def test_the_one_makes_no_joint_jump(press):
+    """Whenever it is pressed, also where the stretched measure reaches its blend long before its end."""
     show = made_show()
-    for k in range(20):
-        show.apply(events.Attract(time=0.1 * k, source="pointer", x=0.1 * k, z=0.0))
-    assert len(show.elements.elements) == 1
-    assert show.elements.elements[0].x == pytest.approx(1.9)
-    show.apply(events.Attract(time=5.0, source="pointer", x=0.0, z=0.0))
-    show.apply(events.Attract(time=5.1, source="osc", x=0.0, z=0.0))
-    assert len(show.elements.elements) == 3
+    run(show, press * 0.5)
+    show.apply(at(events.One, show))
+    view, before, fastest = show.view(), None, 0.0
+    for tick in range(round(press * 32) + 1, round(press * 32) + 64 * 5):
+        show.tick(tick * TICK)
+        show.fill(view, tick * TICK)
+        if before is not None:
+            fastest = max(fastest, float(np.linalg.norm(view.joint_position - before, axis=2).max()))
+        before = view.joint_position.copy()
+    assert fastest < 0.16  # a metre of arm in a tick is 60 m/s; the made steps reach 0.07 at twice their speed
+
+
+@pytest.mark.parametrize("beat", [1.0, 3.2, 3.9])
+def test_a_step_called_for_one_measure_is_danced_for_one_whenever_it_is_called(beat):
+    show = made_show()
+    library = show.graph.library
+    run(show, beat * 0.5)
+    show.apply(at(events.CallStep, show, name="spin", measures=1.0))
+    danced = []
+    for tick in range(round(beat * 32) + 1, 64 * 9):
+        if show.tick(tick * TICK):
+            danced.append([library.steps[library.node_step[n]] for n in show.dancers.node[:5]].count("spin"))
+    assert danced.count(5) >= 1
+
+
+def test_nobody_is_sent_off_the_stage():
+    show = made_show()
+    show.apply(at(events.Attract, show, x=100.0, z=100.0, strength=10.0, measures=40.0))
+    for tick in range(1, 64 * 30):
+        show.tick(tick * TICK)
+    ends = show.dancers.end_position()
+    assert (np.abs(ends) <= np.array([6.0, 4.0]) + 1e-4).all()
+
+
+def test_music_whose_downbeat_comes_later_begins_with_the_first_step_and_no_element():
+    top = "loop_measures = 3\nmusic = {one_at_s = 1.5, bpm = 120}\n"
+    show = made_show(top + 'element = [{kind = "spread", measure = 3}]\n', top=True)
+    assert show.span.number == -1
+    assert not show.elements.elements
+    library = show.graph.library
+    danced = {}
+    for tick in range(1, 64 * 6):
+        show.tick(tick * TICK)
+        danced.setdefault(show.span.number, library.steps[library.node_step[show.dancers.node[0]]])
+    assert (danced[-1], danced[0], danced[1]) == ("sway", "sway", "glide")
 
 
 def test_a_wild_tempo_and_many_elements_leave_everything_finite():

@@ -51,14 +51,45 @@ def test_draws_are_seeded_held_and_never_the_same_twice_in_a_row():
     assert min(counts) > 30
 
 
-def test_a_call_holds_for_its_measures_and_can_be_released():
-    programme = made(["sway"])
+def test_a_call_holds_for_its_measures_and_the_sequence_goes_on_where_it_was():
+    programme = made(["sway", "glide x2"])
     spin = find_step(GRAPH, "spin")
-    programme.call(spin, measure=2, measures=1.5)
-    assert names(programme, 6) == ["spin", "spin", "spin", "spin", "sway", "sway"]
-    programme.call(spin, measure=7, measures=100)
+    assert names(programme, 2) == ["sway", "glide"]
+    programme.call(spin, measures=1.5)
+    assert [GRAPH.library.steps[programme.wanted(m, NOBODY)] for m in range(2, 6)] == ["spin", "spin", "glide", "sway"]
+    programme.call(spin, measures=100)
     programme.release()
-    assert programme.wanted(7, NOBODY) != spin
+    assert programme.wanted(6, NOBODY) != spin
+
+
+def test_asking_again_changes_nothing():
+    programme = made(["sway", "glide", "spin"])
+    twice = [programme.wanted(m, NOBODY) for m in range(6) for _ in range(2)]
+    assert twice[::2] == twice[1::2]
+    assert [GRAPH.library.steps[s] for s in twice[::2]] == ["sway", "glide", "spin"] * 2
+
+
+def test_a_call_waits_for_dancers_within_a_longer_step():
+    """In the first measure of the phrase nobody can follow a call: it is not used up, and the phrase begins anew."""
+    programme = made(["phrase", "sway"])
+    phrase = GRAPH.library.steps.index("phrase")
+    first, second = np.flatnonzero(GRAPH.library.node_step == phrase).astype(np.int32)
+    spin = find_step(GRAPH, "spin")
+    assert programme.wanted(0, NOBODY) == phrase
+    programme.call(spin, measures=1)
+    assert programme.wanted(1, np.array([first])) == phrase
+    assert programme.wanted(2, np.array([second])) == spin
+    assert GRAPH.library.steps[programme.wanted(3, NOBODY)] == "sway"
+
+
+def test_before_the_first_downbeat_it_is_the_first_step():
+    programme = made(["glide", "sway"])
+    assert [GRAPH.library.steps[programme.wanted(m, NOBODY)] for m in (-2, -1, 0, 1)] == [
+        "glide",
+        "glide",
+        "glide",
+        "sway",
+    ]
 
 
 def test_an_unknown_step_names_its_neighbours():
