@@ -27,8 +27,10 @@ def check(
     if graph.missing:
         raise PersonError("; ".join(graph.missing), "raise locomotion.threshold_m, or change those steps' ends")
     console.print(
-        f"[green]ok[/] {loaded.path}: {loaded.patch.name!r}, {loaded.patch.dancer_count} dancers in "
+        f"ok {loaded.path}: {loaded.patch.name!r}, {loaded.patch.dancer_count} dancers in "
         f"{len(loaded.patch.group)} groups, {len(library.steps)} steps, {library.node_count} measures, "
         f"{graph.edge_count} transitions",
+        style="green",
         soft_wrap=True,
+        markup=False,
     )

@@ -1,7 +1,9 @@
 """A show as a film, offline: the same engine on a clock that is set frame by frame, faster or slower than life."""
 
+import contextlib
 import json
 import math
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +15,7 @@ from live.base.errors import PersonError
 from live.base.inbox import Inbox
 from live.base.stage_view import StageView
 from live.cli.recording import film_writer
-from live.cli.session import Sound, Wish, start_tempo
+from live.cli.session import Sound, Wish, resident_megabytes, start_tempo
 from live.clock.source import ManualClock
 from live.control.events import ControlEvent
 from live.control.music_file import OfflineMusic
@@ -21,11 +23,12 @@ from live.render.film import FilmError
 from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context
 from live.render.quality import CARD
 from live.render.renderer import Renderer
+from live.show.core import Show
 from live.show.engine import Engine
 from live.show.journal import JournalError, JournalWriter
 from live.show.load import LoadedShow, scene_of
 from live.show.report import FrameReport
-from live.show.status import Status
+from live.show.status import Status, StatusFile
 
 
 def film_show(
@@ -41,33 +44,33 @@ def film_show(
 ) -> None:
     """Render `seconds` of the show to `path`; with `report`, the figures of what was danced as JSON.
 
-    `fine`: draw as on a graphics card even without one; a picture then takes some five times as long.
+    `fine`: draw as on a graphics card even without one; a picture then takes some five times as long. A film that is
+    broken off is closed properly and plays as far as it goes.
     """
     tempo = start_tempo(wish, loaded, sound)
     show = loaded.start(seed=wish.seed, tempo=tempo)
     clock = ManualClock()
     inbox: Inbox[ControlEvent] = Inbox()
-    status = Status(show, rejected=_nothing_rejected, memory=lambda: 0.0)
-    journal = _journal(wish, loaded, show, tempo)
-    engine = Engine(show, clock=clock, inbox=inbox, status=status, journal=journal)
+    status = Status(show, rejected=Counter, memory=resident_megabytes())
+    engine = Engine(show, clock=clock, inbox=inbox, status=status, stall=math.inf)
     one_at = loaded.patch.music.one_at_s if sound.known else None
     music = None if sound.music is None else OfflineMusic(sound.music, loop=True, one_at=one_at)
-    try:
-        ctx = create_headless_context()
-    except NoOpenGL as error:
-        raise PersonError(str(error)) from None
-    target = OffscreenTarget(ctx, wish.size)
-    renderer = Renderer(ctx, scene_of(loaded.patch), size=wish.size, quality=CARD if fine else None)
     frames = max(1, math.ceil(seconds * wish.film_fps))
     figures = FrameReport(show) if report is not None else None
+    with contextlib.ExitStack() as stack:
+        target, renderer = _canvas(stack, wish, loaded, fine)
+        writer = stack.enter_context(
+            film_writer(path, size=wish.size, fps=wish.film_fps, music=sound.music, live=False)
+        )
+        engine.journal = _journal(stack, wish, loaded, show, tempo, engine)
+        lines = _status_file(stack, wish, status, clock)
 
-    def draw(view: StageView) -> None:
-        renderer.draw(view, target.framebuffer)
+        def draw(view: StageView) -> None:
+            renderer.draw(view, target.framebuffer)
 
-    try:
-        writer = film_writer(path, size=wish.size, fps=wish.film_fps, music=sound.music, live=False)
-        with _progress(console) as progress:
-            task = progress.add_task("", total=frames)
+        progress = stack.enter_context(_progress(console))
+        task = progress.add_task("", total=frames)
+        try:
             for frame in range(frames):
                 now = frame / wish.film_fps
                 clock.set(now)
@@ -76,6 +79,8 @@ def film_show(
                 engine.frame(draw)
                 if figures is not None:
                     figures.frame(engine.view)
+                if lines is not None:
+                    lines.frame(now)
                 picture = target.push()
                 if picture is not None:
                     writer.write(picture)
@@ -84,31 +89,50 @@ def film_show(
             if last is not None:
                 writer.write(last)
             writer.close()
-    except FilmError as error:
-        raise PersonError(str(error)) from None
-    finally:
-        if journal is not None:
-            journal.close(engine.ticks.index)
-        renderer.release()
-        target.release()
-        ctx.release()
+        except FilmError as error:
+            raise PersonError(str(error)) from None
     if report is not None and figures is not None:
         _write_report(report, figures.result() | {"status": status.snapshot(frames / wish.film_fps)})
 
 
-def _nothing_rejected() -> Any:
-    from collections import Counter
+def _canvas(
+    stack: contextlib.ExitStack, wish: Wish, loaded: LoadedShow, fine: bool
+) -> tuple[OffscreenTarget, Renderer]:
+    """What is drawn into, and what draws; released with the stack."""
+    try:
+        ctx = create_headless_context()
+    except NoOpenGL as error:
+        raise PersonError(str(error)) from None
+    stack.callback(ctx.release)
+    target = OffscreenTarget(ctx, wish.size)
+    stack.callback(target.release)
+    renderer = Renderer(ctx, scene_of(loaded.patch), size=wish.size, quality=CARD if fine else None)
+    stack.callback(renderer.release)
+    return target, renderer
 
-    return Counter()
 
-
-def _journal(wish: Wish, loaded: LoadedShow, show: Any, tempo: float | None) -> JournalWriter | None:
+def _journal(
+    stack: contextlib.ExitStack, wish: Wish, loaded: LoadedShow, show: Show, tempo: float | None, engine: Engine
+) -> JournalWriter | None:
     if wish.journal is None:
         return None
     try:
-        return JournalWriter(wish.journal, loaded.header(show, tempo=tempo))
+        journal = JournalWriter(wish.journal, loaded.header(show, tempo=tempo))
     except JournalError as error:
         raise PersonError(str(error)) from None
+    stack.callback(lambda: journal.close(engine.ticks.index))
+    return journal
+
+
+def _status_file(stack: contextlib.ExitStack, wish: Wish, status: Status, clock: ManualClock) -> StatusFile | None:
+    if wish.status_json is None:
+        return None
+    try:
+        lines = StatusFile(wish.status_json, status)
+    except OSError as error:
+        raise PersonError(f"cannot write --status-json {wish.status_json}: {error.strerror}") from None
+    stack.callback(lambda: lines.close(clock.now()))
+    return lines
 
 
 def _progress(console: Console) -> Progress:

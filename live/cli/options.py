@@ -1,5 +1,6 @@
 """Options that several commands share: how they are written, and what is said when they are written wrongly."""
 
+import os
 import re
 from pathlib import Path
 
@@ -38,5 +39,7 @@ def writable_file(path: Path | None, name: str) -> None:
         return
     if path.is_dir():
         raise PersonError(f"{name} {path}: that is a folder; give the name of a file")
+    if path.exists() and not os.access(path, os.W_OK):
+        raise PersonError(f"{name} {path}: it must not be written to")
     if not path.parent.is_dir():
         raise PersonError(f"{name} {path}: there is no folder {path.parent}", f"mkdir -p {path.parent}")

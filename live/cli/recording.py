@@ -48,7 +48,7 @@ class LiveRecording:
         try:
             for _ in range(min(due - self._written, CATCH_UP)):
                 self._writer.write(picture)
-            self._written = max(self._written, due)
+                self._written += 1
         except FilmError as error:  # a full disk ends the film, not the show
             self._failed = error
 
@@ -60,9 +60,9 @@ class LiveRecording:
             self._failed = error
         self._reader.release()
         if self._failed is not None:
-            console.print(f"the film is not complete: {self._failed}", style="red")
+            console.print(f"the film is not complete: {self._failed}", style="red", markup=False)
             return
         for note in self._writer.notes:
-            console.print(f"note: {note}", style="yellow")
+            console.print(f"note: {note}", style="yellow", markup=False)
         dropped = f", {self._writer.dropped} pictures left out" if self._writer.dropped else ""
-        console.print(f"the film is here: [bold]{self._writer.path.resolve()}[/]{dropped}", soft_wrap=True)
+        console.print(f"the film is here: {self._writer.path.resolve()}{dropped}", soft_wrap=True, markup=False)

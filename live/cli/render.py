@@ -49,4 +49,4 @@ def render(
         raise PersonError(f"--audio {audio!r} is an input device: `live render` needs a music file")
     length = seconds or (60.0 if sound.music is None else sound.music.duration)
     film_show(wish, loaded, sound, path=out, seconds=length, console=console, report=report, fine=fine)
-    console.print(f"the film is here: [bold]{out.resolve()}[/]", soft_wrap=True)
+    console.print(f"the film is here: {out.resolve()}", soft_wrap=True, markup=False)

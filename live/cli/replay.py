@@ -59,5 +59,7 @@ def replay(
         )
         for measure, tick, then, now in result.differences[:10]:
             console.print(f"  measure {measure}, tick {tick}: {then} then, {now} now")
-    if verify and (result.differences or not result.measures):
+    if verify and not result.measures:
+        raise PersonError(f"{journal}: nothing to compare: no measure was finished in it")
+    if verify and result.differences:
         raise typer.Exit(1)

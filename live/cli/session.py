@@ -3,7 +3,7 @@
 import contextlib
 import gc
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -13,6 +13,7 @@ import psutil
 from live.base.errors import PersonError
 from live.base.inbox import Inbox
 from live.clock.source import SystemClock
+from live.clock.ticks import STALL
 from live.control.events import ControlEvent
 from live.control.music_file import Music, MusicFileError, read_music
 from live.control.osc import CannotListen, OscInput
@@ -20,7 +21,7 @@ from live.show.core import Show
 from live.show.engine import Engine
 from live.show.journal import JournalError, JournalWriter
 from live.show.load import LoadedShow, load_show
-from live.show.patch_file import find_patch
+from live.show.patch_file import find_patch, is_file
 from live.show.status import Status, StatusFile
 
 
@@ -81,7 +82,7 @@ def choose_sound(wish: Wish, loaded: LoadedShow) -> Sound:
             return Sound()
         return Sound(music=_music(path), known=True)
     path = Path(wish.audio)
-    if path.is_file():
+    if is_file(path):
         return Sound(music=_music(path))
     from live.control.sound_devices import SoundUnavailable, UnknownDevice, find_device
 
@@ -108,6 +109,12 @@ def start_tempo(wish: Wish, loaded: LoadedShow, sound: Sound) -> float | None:
     return None if sound.known else loaded.patch.clock.bpm
 
 
+def resident_megabytes() -> Callable[[], float]:
+    """A function that tells this process' resident memory [MB]."""
+    process = psutil.Process()
+    return lambda: float(process.memory_info().rss / 1e6)
+
+
 class Session:
     """A running show: engine, inputs, journal, status."""
 
@@ -122,17 +129,18 @@ class Session:
         self.clock = SystemClock()
         self.inbox: Inbox[ControlEvent] = Inbox()
         self.osc = OscInput(*wish.osc, self.inbox, self.clock)
-        process = psutil.Process()
         self._audio = self._make_audio()
         self.status = Status(
             show,
             rejected=self._rejected,
-            memory=lambda: process.memory_info().rss / 1e6,
+            memory=resident_megabytes(),
             level=lambda: getattr(self._audio, "level", None),
             refusal=self._last_refusal,
         )
-        self._journal = self._open_journal(tempo)
-        self.engine = Engine(show, clock=self.clock, inbox=self.inbox, status=self.status, journal=self._journal)
+        self._tempo = tempo
+        self._journal: JournalWriter | None = None
+        stall = max(STALL, 3.0 / wish.film_fps)  # a slow rate is no stall
+        self.engine = Engine(show, clock=self.clock, inbox=self.inbox, status=self.status, stall=stall)
         self._status_file: StatusFile | None = None
 
     def _last_refusal(self) -> str:
@@ -148,28 +156,31 @@ class Session:
             counts["lost before it was read"] = self.osc.lost
         return counts
 
-    def _open_journal(self, tempo: float | None) -> JournalWriter | None:
+    def _open_journal(self) -> None:
+        """Begin the journal, once everything else that may be refused was not: an old one of its name is gone then."""
         if self.wish.journal is None:
-            return None
+            return
         try:
-            return JournalWriter(self.wish.journal, self.loaded.header(self.show, tempo=tempo))
+            self._journal = JournalWriter(self.wish.journal, self.loaded.header(self.show, tempo=self._tempo))
         except JournalError as error:
             raise PersonError(str(error)) from None
+        self.engine.journal = self._journal
 
     @contextlib.contextmanager
     def running(self) -> Iterator["Session"]:
         """Start everything; stop it again whatever happens. Automatic garbage collection rests meanwhile."""
         try:
+            self.clock.origin = SystemClock().origin  # the show's time begins now
             try:
                 self.osc.start()
             except CannotListen as error:
                 raise PersonError(str(error)) from None
             self._open_status()
+            self._start_audio()
+            self._open_journal()
             gc.collect()
             gc.freeze()
             gc.disable()
-            self.clock.origin = SystemClock().origin  # the show's time begins now
-            self._start_audio()
             yield self
         finally:
             gc.enable()

@@ -19,7 +19,7 @@ def play_show(wish: Wish, *, monitor: str | None, fullscreen: bool, headless: bo
     warm_kernels(console)
     loaded = wish.load()
     for note in loaded.graph.missing:
-        console.print(f"note: {note}", style="yellow")
+        console.print(f"note: {note}", style="yellow", markup=False)
     sound = choose_sound(wish, loaded)
     chosen = _monitor(monitor)
     if headless:
@@ -28,7 +28,7 @@ def play_show(wish: Wish, *, monitor: str | None, fullscreen: bool, headless: bo
         from live.cli.window_show import play_in_window
 
         session = Session(wish, loaded, sound)
-        console.print("\n".join([_welcome(session), *help_lines()]), style="dim", soft_wrap=True)
+        console.print("\n".join([_welcome(session), *help_lines()]), style="dim", soft_wrap=True, markup=False)
         play_in_window(session, scene_of(loaded.patch), monitor=chosen, fullscreen=fullscreen, console=console)
     elif fullscreen:
         raise PersonError(f"--fullscreen: {screen_problem()}", "leave it out to make a film")
@@ -62,8 +62,10 @@ def _film(wish: Wish, loaded: LoadedShow, sound: Sound, console: Console) -> Non
     seconds = wish.seconds or FILM_SECONDS
     path = wish.record or Path(FILM_NAME)
     console.print(f"{screen_problem()}; {seconds:g} s of the show become a film", style="dim", soft_wrap=True)
+    if wish.osc != Wish().osc:
+        console.print("note: a film takes no OSC; use --headless to play in real time", style="yellow", markup=False)
     film_show(wish, loaded, sound, path=path, seconds=seconds, console=console)
-    console.print(f"the film is here: [bold]{path.resolve()}[/]", soft_wrap=True)
+    console.print(f"the film is here: {path.resolve()}", soft_wrap=True, markup=False)
 
 
 def _welcome(session: Session) -> str:

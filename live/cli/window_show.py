@@ -1,6 +1,7 @@
 """The show in a window: the frame loop, the operator's keys and pointer, and a film of it if asked for."""
 
 import time
+from dataclasses import replace
 from typing import Any
 
 from rich.console import Console
@@ -9,9 +10,10 @@ from live.base.errors import PersonError
 from live.base.stage_view import Scene, StageView
 from live.cli.recording import LiveRecording
 from live.cli.session import Session
+from live.control.events import Attract, Repel
 from live.control.keys import KEYS, event_for_key, event_for_pointer
 from live.render.camera import floor_point
-from live.render.monitors import Monitor
+from live.render.monitors import Monitor, UnknownMonitor
 from live.render.pacing import Pacer
 from live.render.renderer import Renderer
 from live.render.window import NoWindow, Window
@@ -47,9 +49,9 @@ class Operator:
                 self._key(value, now)
             case PointerPressed():
                 self._pressed = True
-                self._point(value.x, value.y, value.shift, now)
+                self._point(value, now, drag=False)
             case PointerMoved() if self._pressed:
-                self._point(value.x, value.y, value.shift, now)
+                self._point(value, now, drag=True)
             case PointerReleased():
                 self._pressed = False
             case CloseRequested():
@@ -71,13 +73,13 @@ class Operator:
         if event is not None:
             self._session.inbox.put(event)
 
-    def _point(self, x: float, y: float, shift: bool, now: float) -> None:
-        place = floor_point(self._scene.camera, self._window.size, (x, y))
+    def _point(self, value: PointerPressed | PointerMoved, now: float, *, drag: bool) -> None:
+        place = floor_point(self._scene.camera, self._window.size, (value.x, value.y))
         if place is None:
             return
-        event = event_for_pointer(place[0], place[1], shift, now)
-        if event is not None:
-            self._session.inbox.put(event)
+        event = event_for_pointer(place[0], place[1], value.shift, now)
+        if isinstance(event, Attract | Repel):
+            self._session.inbox.put(replace(event, drag=drag))
 
 
 def play_in_window(
@@ -87,7 +89,7 @@ def play_in_window(
     wish = session.wish
     try:
         window = Window(TITLE, monitor=monitor, fullscreen=fullscreen, size=wish.size)
-    except NoWindow as error:
+    except (NoWindow, UnknownMonitor) as error:
         raise PersonError(str(error)) from None
     renderer: Renderer | None = None
     recording: LiveRecording | None = None
@@ -96,7 +98,9 @@ def play_in_window(
         if wish.record is not None:
             recording = LiveRecording(wish.record, window.ctx, window.size, wish.film_fps, session.sound.music)
         operator = Operator(session, window, scene)
-        session.engine.on_error = lambda error: console.print(f"a frame could not be drawn: {error}", style="red")
+        session.engine.on_error = lambda error: console.print(
+            f"a frame could not be drawn: {error}", style="red", markup=False
+        )
         with session.running():
             _loop(session, window, renderer, operator, recording)
     finally:

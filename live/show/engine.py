@@ -44,7 +44,8 @@ class Engine:
         self._clock = clock
         self._inbox = inbox
         self._status = status
-        self._journal = journal
+        self.journal = journal
+        """Where events and measures are noted; None: nowhere."""
         self._lead = lead
         self.ticks = Ticks(stall=stall)
         self.view = show.view()
@@ -76,8 +77,8 @@ class Engine:
 
     def apply(self, event: ControlEvent) -> None:
         """Write an event to the journal and let it act from the next tick on; the show counts what it refuses."""
-        if self._journal is not None:
-            self._journal.event(self.ticks.index, event)
+        if self.journal is not None:
+            self.journal.event(self.ticks.index, event)
         if self.show.apply(event) and not isinstance(event, TicksSkipped):
             self._status.events_accepted += 1
 
@@ -90,5 +91,5 @@ class Engine:
         for time in self.ticks.due(target):
             crossed = self.show.tick(time)
             self._status.ticks += 1
-            if crossed and self._journal is not None:
-                self._journal.measure(self.ticks.index, self.show.span.number + 1, self.show.state_hash())
+            if crossed and self.journal is not None:
+                self.journal.measure(self.ticks.index, self.show.span.number + 1, self.show.state_hash())

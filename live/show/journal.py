@@ -100,7 +100,7 @@ def read_journal(path: Path) -> Journal:
 def _parse(row: str, path: Path, number: int) -> dict[str, Any]:
     try:
         value = json.loads(row)
-    except ValueError:
+    except (ValueError, RecursionError):
         raise JournalError(f"{path}, line {number}: not a JSON object") from None
     if not isinstance(value, dict):
         raise JournalError(f"{path}, line {number}: a JSON object expected")
@@ -124,6 +124,9 @@ def _lines(rows: list[str], path: Path) -> Iterator[JournalLine]:
                 raise JournalError(f"{path}, line {number}: the event's time is not a number")
             yield JournalLine(tick, event=event)
         elif "measure" in value:
-            yield JournalLine(tick, measure=int(value["measure"]), state=str(value.get("hash")))
+            measure = value["measure"]
+            if not isinstance(measure, int) or isinstance(measure, bool):
+                raise JournalError(f"{path}, line {number}: 'measure' must be a whole number, found {measure!r}")
+            yield JournalLine(tick, measure=measure, state=str(value.get("hash")))
         else:
             yield JournalLine(tick, end=bool(value.get("end")))

@@ -14,7 +14,7 @@ from live.graph.motion_graph import MotionGraph, build_graph
 from live.motion.skeleton import JOINT_COUNT
 from live.motion.step_clip import StepClip
 from live.show.core import Show
-from live.show.patch import Patch
+from live.show.patch import Patch, parse_entry
 from live.show.patch_file import find_beside, read_patch
 from live.show.programme import UnknownStep
 from live.show.steps_folder import load_steps
@@ -50,9 +50,9 @@ class LoadedShow:
     def header(self, show: Show, *, tempo: float | None) -> dict[str, Any]:
         """What a journal must hold so that the show can be run again."""
         return {
-            "patch_path": str(self.path),
+            "patch_path": str(self.path.resolve()),
             "patch": self.patch.model_dump(mode="json"),
-            "recordings": None if self.recordings is None else str(self.recordings),
+            "recordings": None if self.recordings is None else str(self.recordings.resolve()),
             "seed": show.seed,
             "tempo": tempo,
             "steps_hash": library_hash(self.graph.library),
@@ -73,20 +73,38 @@ def show_of(patch: Patch, path: Path, *, recordings: Path | None = None) -> Load
         clips = load_steps(folder)
     else:
         clips = _recorded(recordings)
-        patch = with_steps_of(patch, clips)
-    clips = [clip for clip in clips if clip.beats_per_measure == patch.clock.beats_per_measure]
-    if not clips:
+        patch = for_recordings(patch, clips)
+    fitting = [clip for clip in clips if clip.beats_per_measure == patch.clock.beats_per_measure]
+    if not fitting:
+        metres = ", ".join(str(beats) for beats in sorted({clip.beats_per_measure for clip in clips}))
         raise PersonError(
-            f"{path}: no step has {patch.clock.beats_per_measure} beats a measure",
-            "change clock.beats_per_measure or add such steps",
+            f"{path}: no step has {patch.clock.beats_per_measure} beats a measure; those there are have {metres}",
+            "change clock.beats_per_measure, or add such steps",
         )
     limits = patch.locomotion
     window = min(1.0, limits.transition_beats / patch.clock.beats_per_measure)
     try:
-        graph = build_graph(build_library(clips), window=window, threshold=limits.threshold_m)
+        graph = build_graph(build_library(fitting), window=window, threshold=limits.threshold_m)
     except ValueError as error:
         raise PersonError(f"{path}: {error}") from None
+    if recordings is not None:
+        patch = with_steps_of(patch, graph)
+    _refuse_other_metres(patch, path, clips)
     return LoadedShow(path, patch, graph, recordings)
+
+
+def _refuse_other_metres(patch: Patch, path: Path, clips: list[StepClip]) -> None:
+    """PersonError if a group names a step that is there, but of another metre."""
+    beats = patch.clock.beats_per_measure
+    others = {clip.step.casefold(): clip.beats_per_measure for clip in clips if clip.beats_per_measure != beats}
+    for group in patch.group:
+        for entry in group.steps:
+            name = parse_entry(entry)[0]
+            if name.casefold() in others:
+                raise PersonError(
+                    f"{path}: step {name!r} of group {group.name!r} has {others[name.casefold()]} beats a measure, "
+                    f"this show has {beats}"
+                )
 
 
 def _recorded(folder: Path) -> list[StepClip]:
@@ -98,16 +116,22 @@ def _recorded(folder: Path) -> list[StepClip]:
         raise PersonError(str(error)) from None
 
 
-def with_steps_of(patch: Patch, clips: list[StepClip]) -> Patch:
-    """The patch with every group drawing from all steps of `clips`, as `--steps` asks for; metre as recorded."""
-    names = tuple(dict.fromkeys(clip.step for clip in clips))
+def for_recordings(patch: Patch, clips: list[StepClip]) -> Patch:
+    """The patch with the metre that most of the recordings have, and room for poses that differ more than sketches'."""
+    metres = [clip.beats_per_measure for clip in clips]
+    clock = patch.clock.model_copy(update={"beats_per_measure": max(metres, key=metres.count)})
+    limits = patch.locomotion.model_copy(update={"threshold_m": max(patch.locomotion.threshold_m, 0.35)})
+    return patch.model_copy(update={"clock": clock, "locomotion": limits})
+
+
+def with_steps_of(patch: Patch, graph: MotionGraph) -> Patch:
+    """The patch with every group drawing from all steps that connect, as `--steps` asks for."""
+    library = graph.library
+    names = tuple(f"{name} x1" for step, name in enumerate(library.steps) if len(graph.entries(step)))
     groups = tuple(
         group.model_copy(update={"steps": names, "choose": "random", "travel_step": None}) for group in patch.group
     )
-    clock = patch.clock.model_copy(update={"beats_per_measure": clips[0].beats_per_measure})
-    # recorded measures seldom end as they began: poses may be farther apart than in sketches, and dancers turn
-    limits = patch.locomotion.model_copy(update={"threshold_m": max(patch.locomotion.threshold_m, 0.35)})
-    return patch.model_copy(update={"group": groups, "clock": clock, "locomotion": limits})
+    return patch.model_copy(update={"group": groups})
 
 
 def library_hash(library: StepLibrary) -> str:

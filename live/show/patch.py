@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
-Finite = Annotated[float, Field(allow_inf_nan=False)]
+Far = Annotated[float, Field(ge=-1000, le=1000, allow_inf_nan=False)]
 Place = tuple[
     Annotated[float, Field(ge=-100, le=100, allow_inf_nan=False)],
     Annotated[float, Field(ge=-100, le=100, allow_inf_nan=False)],
@@ -62,9 +62,9 @@ class StageSection(Section):
 class CameraSection(Section):
     """`[camera]`: where the picture is seen from [m], vertical field of view [degrees]."""
 
-    eye: tuple[Finite, Finite, Finite] = (0.0, 3.4, 11.5)
+    eye: tuple[Far, Far, Far] = (0.0, 3.4, 11.5)
     """Where the camera stands: x, y (up), z [m]."""
-    target: tuple[Finite, Finite, Finite] = (0.0, 0.9, 0.0)
+    target: tuple[Far, Far, Far] = (0.0, 0.9, 0.0)
     """What it looks at [m]."""
     field_of_view_deg: Annotated[float, Field(ge=5, le=120)] = 40.0
     """Vertical angle of view."""
@@ -179,6 +179,16 @@ class Patch(Section):
     def dancer_count(self) -> int:
         """Dancers of all groups together."""
         return sum(group.dancers for group in self.group)
+
+    @model_validator(mode="after")
+    def _elements_come(self) -> "Patch":
+        for number, element in enumerate(self.element, start=1):
+            if self.loop_measures is not None and element.measure >= self.loop_measures + 1:
+                raise ValueError(
+                    f"element {number} begins in measure {element.measure:g}, but the score begins again after "
+                    f"{self.loop_measures} (loop_measures): it would never come"
+                )
+        return self
 
     @model_validator(mode="after")
     def _names_differ(self) -> "Patch":

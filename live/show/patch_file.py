@@ -1,5 +1,6 @@
 """Reading a patch: from a TOML file, or a folder with show.toml, to a frozen Patch, with errors that name the line."""
 
+import contextlib
 import tomllib
 from pathlib import Path
 from typing import Any, Final
@@ -35,19 +36,29 @@ def find_patch(name: str | None) -> Path:
         return DEFAULT_PATCH
     given = Path(name)
     for path in (given, given / "show.toml", PATCHES / name, PATCHES / f"{name}.toml"):
-        if path.is_file():
+        if is_file(path):
             return path
     known = ", ".join(sorted(path.stem for path in PATCHES.glob("*.toml"))) or "none"
     raise PatchError(
-        f"there is no patch {name!r}", f"give a TOML file, a folder with show.toml, or one of the project's: {known}"
+        f"there is no patch {name[:200]!r}",
+        f"give a TOML file, a folder with show.toml, or one of the project's: {known}",
     )
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; a name that no file can have (too long, a zero byte) is none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
 
 
 def find_beside(name: str, patch_path: Path) -> Path | None:
     """A file or folder that a patch names: in the patch's folder first, then in the project's patches."""
     for folder in (patch_path.parent, PATCHES):
-        if (folder / name).exists():
-            return folder / name
+        with contextlib.suppress(OSError, ValueError):  # a name that no file can have
+            if (folder / name).exists():
+                return folder / name
     return None
 
 
@@ -70,6 +81,8 @@ def parse_patch(text: str, file: str) -> Patch:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise PatchError(f"{file}, line {error_line(str(error), text)}: not valid TOML: {error}") from None
+    except RecursionError:
+        raise PatchError(f"{file}: not a patch: its brackets are nested too deep") from None
     try:
         return Patch.model_validate(data)
     except ValidationError as error:

@@ -16,6 +16,13 @@ def test_places(shape, count):
     assert count < 2 or apart.min() > 0.6
 
 
+def test_a_deep_and_narrow_grid_is_filled_and_centred():
+    places = FORMATIONS["grid"](2, centre=(0.0, 0.0), size=(1.0, 4.0))
+    assert places[:, 1].tolist() == [2.0, -2.0]
+    places = FORMATIONS["grid"](5, centre=(0.0, 0.0), size=(1.0, 100.0))
+    assert places[:, 1].mean() == pytest.approx(0.0)
+
+
 def test_the_first_of_a_circle_stands_nearest_to_the_public():
     places = FORMATIONS["circle"](9, centre=(0.0, 0.0), size=(6.0, 4.0))
     assert places[:, 1].argmax() == 0

@@ -2,7 +2,11 @@
 
 import json
 import os
+import signal
 import socket
+import subprocess
+import sys
+import time
 
 import av
 import pytest
@@ -126,3 +130,54 @@ def test_a_busy_port_is_named_with_the_remedy():
     assert result.returncode == 2
     assert f"127.0.0.1:{port}" in result.stderr
     assert "--osc" in result.stderr
+
+
+def test_names_may_hold_anything(tmp_path):
+    """Square brackets are markup to the console, and no business of a choreographer's."""
+    show = tmp_path / "[b] show.toml"
+    show.write_text('name = "Act [/b]"\n[[group]]\nname = "[red]"\ndancers = 1\nsteps = ["groove"]\n')
+    result = run_live("check", str(show))
+    assert result.returncode == 0, result.stderr
+    assert "Act [/b]" in result.stdout
+
+
+def test_a_journal_replays_from_another_folder_and_a_refused_start_leaves_the_old_one(tmp_path):
+    (tmp_path / "mine" / "steps").mkdir(parents=True)
+    sway = 'name = "sway"\n[pelvis]\n"1" = "left 4"\n"3" = "right 4"\n'
+    (tmp_path / "mine" / "steps" / "sway.toml").write_text(sway)
+    (tmp_path / "mine" / "show.toml").write_text('name = "x"\n[[group]]\nname = "a"\ndancers = 2\nsteps = ["sway"]\n')
+    played = run_live(
+        "play", "mine", "--headless", "--seconds", "3", "--bpm", "200", "--osc", "127.0.0.1:0", "--journal", "j.jsonl",
+        cwd=tmp_path, **NO_SCREEN,
+    )  # fmt: skip
+    assert played.returncode == 0, played.stderr
+    verified = run_live("replay", str(tmp_path / "j.jsonl"), "--verify", cwd=tmp_path.parent)
+    assert verified.returncode == 0, verified.stdout + verified.stderr
+    before = (tmp_path / "j.jsonl").read_bytes()
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("127.0.0.1", 0))
+        busy = f"127.0.0.1:{taken.getsockname()[1]}"
+        refused = run_live(
+            "play", "--headless", "--seconds", "1", "--osc", busy, "--journal", str(tmp_path / "j.jsonl"), **NO_SCREEN
+        )  # fmt: skip
+    assert refused.returncode == 2
+    assert (tmp_path / "j.jsonl").read_bytes() == before
+
+
+def test_a_film_that_is_broken_off_plays_as_far_as_it_goes(tmp_path):
+    gl_or_skip()
+    film = tmp_path / "a.mp4"
+    process = subprocess.Popen(
+        [sys.executable, "-m", "live", "render", "--seconds", "600", "--size", "160x90", "--out", str(film),
+         "--journal", str(tmp_path / "j")],
+        stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    deadline = time.monotonic() + 60
+    while not (tmp_path / "j").exists() or (tmp_path / "j").stat().st_size < 4000:
+        assert process.poll() is None, process.communicate()[1]
+        assert time.monotonic() < deadline
+    process.send_signal(signal.SIGINT)
+    _, told = process.communicate(timeout=30)
+    assert process.returncode == 130, told
+    with av.open(str(film)) as container:
+        assert sum(1 for _ in container.decode(video=0)) > 30

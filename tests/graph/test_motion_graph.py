@@ -68,6 +68,12 @@ def test_the_largest_component_is_strongly_connected(count, seed, density):
     assert together[np.ix_(alive, alive)].all()
 
 
+def test_a_step_that_repeats_itself_lives_and_a_lone_one_without_an_edge_does_not():
+    allowed = np.zeros((3, 3), np.bool_)
+    allowed[2, 2] = True
+    assert largest_component(allowed).tolist() == [False, False, True]
+
+
 def test_hops_count_measures_to_a_step(graph):
     """Against a walk along the edges, node by node."""
     library = graph.library

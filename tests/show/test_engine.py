@@ -1,11 +1,13 @@
 """The frame loop: ticks, events, stalls; the same states at any frame rate."""
 
+import math
+
 import pytest
 
 from live.base.inbox import Inbox
 from live.clock.source import ManualClock
 from live.clock.ticks import TICK
-from live.control.events import Attract, Blackout
+from live.control.events import Attract, Blackout, CallStep
 from live.show.engine import EVENTS_PER_FRAME, Engine
 from live.show.status import Status
 from tests.show.made_show import made_show
@@ -99,3 +101,27 @@ def test_the_picture_is_a_tick_ahead_of_the_clock():
     engine.frame(lambda view: seen.append((view.time, view.beat)))
     assert seen[0][0] == pytest.approx(1 / 60 + TICK)
     assert seen[0][1] == pytest.approx(2.0 * seen[0][0])
+
+
+def test_offline_no_tick_is_left_out_at_any_rate():
+    """Two frames a second are a slow film of the same dance."""
+    states = []
+    for fps in (2, 50):
+        engine, clock, _, status = made_engine(stall=math.inf, lead=0.0)
+        for frame in range(1, 6 * fps + 1):
+            clock.set(frame / fps)
+            engine.frame(nothing)
+        states.append(engine.show.state_hash())
+        assert status.ticks == 6 * 64
+        assert status.skipped_ticks == 0
+    assert states[0] == states[1]
+
+
+def test_what_the_show_refuses_is_not_counted_as_accepted():
+    engine, clock, inbox, status = made_engine()
+    inbox.put(CallStep(time=0.0, source="osc", name="moonwalk"))
+    inbox.put(CallStep(time=0.0, source="osc", name="spin"))
+    clock.set(0.02)
+    engine.frame(nothing)
+    assert status.events_accepted == 1
+    assert status.snapshot(0.02)["events_rejected"] == {"unknown step": 1}

@@ -87,6 +87,8 @@ def test_a_journal_cut_off_in_its_last_line_counts_up_to_there(tmp_path):
         ('{"journal": 99}\n', "format 99"),
         ('{"journal": 1}\n{"tick": 3, "end": true}\n{"tick": 2, "end": true}\n', "line 3: 'tick' must be"),
         ('{"journal": 1}\n{"tick": true}\n', "line 2: 'tick'"),
+        ('{"journal": 1}\n{"tick": 1, "measure": "x", "hash": "a"}\n', "'measure' must be a whole number"),
+        ("[" * 50_000 + "\n", "line 1: not a JSON object"),
         ('{"journal": 1}\nnonsense\n', "line 2: not a JSON object"),
         ('{"journal": 1}\n{"tick": 1, "event": {"type": "Nuke"}}\n', "unknown event type 'Nuke'"),
         ('{"journal": 1}\n{"tick": 1, "event": 5}\n', "line 2"),

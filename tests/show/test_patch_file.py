@@ -24,6 +24,8 @@ from tests.show.made_show import PATCH
         ('[[group]]\nname = "b"\ndancers = 2\nsteps = []', "line 5: group.1.steps", "at least 1 item"),
         ('[[group]]\nname = "b"\ndancers = 2\nsteps = [" "]', "line 5: group.1.steps", "names no step"),
         ("name 3", "line 2: not valid TOML", ""),
+        ("[camera]\neye = [1e200, 0, 0]", "line 3: camera.eye.1", "less than or equal to 1000"),
+        ('loop_measures = 2\n[[element]]\nkind = "spread"\nmeasure = 3', "line 1: the patch", "it would never come"),
         ("[look]\nfloor = [2.0, 0, 0]", "line 3: look.floor.1", "less than or equal to 1"),
     ],
 )
@@ -71,6 +73,14 @@ def test_patches_are_found_by_path_folder_and_name(tmp_path):
     assert find_patch(None) == DEFAULT_PATCH
     with pytest.raises(PatchError, match=r"no patch 'nothing'.*first_show"):
         find_patch("nothing")
+
+
+def test_brackets_without_end_and_names_that_no_file_can_have():
+    with pytest.raises(PatchError, match="nested too deep"):
+        parse_patch("a = " + "[" * 20_000, "p")
+    for name in ("x" * 3000, "a\0b"):
+        with pytest.raises(PatchError, match="there is no patch"):
+            find_patch(name)
 
 
 def test_files_that_are_no_text_or_too_large(tmp_path):
