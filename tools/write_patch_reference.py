@@ -14,8 +14,8 @@ OUT = Path(__file__).resolve().parents[1] / "docs" / "patch.md"
 HEAD = """# Patch files
 
 A patch is a TOML file, or a folder with `show.toml`. Positions are stage metres (x, z): the origin is the centre of the
-stage, +x to the right as the audience sees it, +z towards the audience. Measures count from 1. Files and folders are
-looked up beside the patch first, then in the project's `patches/`. `live check PATCH` says what is wrong, and where.
+stage, +x to the right as the audience sees it, +z towards the audience. Measures count from 1. Files, folders
+and steps are looked up beside the patch first, then in the project's `patches/`. `live check PATCH` says what is wrong, and where.
 """
 
 

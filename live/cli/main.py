@@ -4,6 +4,7 @@ Every command is a function in a module of its own. Those modules hold the optio
 so that `live --help` needs neither numba nor OpenGL; what a command works with is imported when it runs.
 """
 
+import signal
 import sys
 from typing import Annotated
 
@@ -61,8 +62,29 @@ def show_person_error(error: PersonError) -> None:
         console.print(Text.assemble(("  try: ", "bold"), error.remedy))
 
 
+def _end_cleanly() -> None:
+    """Closed terminals, `kill` and a second Ctrl-C must not cost the film and the end of the journal.
+
+    Scripts start what runs behind `&` with Ctrl-C ignored; here it always counts.
+    """
+
+    def interrupt(_number: int, _frame: object) -> None:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # closing takes a moment: let it
+        raise KeyboardInterrupt
+
+    def leave(number: int, _frame: object) -> None:
+        signal.signal(number, signal.SIG_IGN)
+        raise SystemExit(128 + number)
+
+    signal.signal(signal.SIGINT, interrupt)
+    for name in ("SIGTERM", "SIGHUP"):
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), leave)
+
+
 def main() -> None:
     """Run the command line and exit: 0 done, 1 a check failed, 2 an error of use, 130 Ctrl-C."""
+    _end_cleanly()
     try:
         app()
     except PersonError as error:

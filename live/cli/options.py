@@ -33,6 +33,17 @@ def parse_number(value: float | None, name: str, low: float, high: float) -> Non
         raise PersonError(f"{name} {value:g}: {low:g} to {high:g} expected")
 
 
+def film_file(path: Path | None, name: str, *, never: list[str | None]) -> None:
+    """PersonError unless `path` is None or names an mp4 file that is none of the files in `never` (what is read)."""
+    if path is None:
+        return
+    if path.suffix.lower() != ".mp4":
+        raise PersonError(f"{name} {path}: a film's name ends in .mp4", f"{name} {path.with_suffix('.mp4')}")
+    for other in never:
+        if other is not None and path.exists() and Path(other).exists() and path.samefile(other):
+            raise PersonError(f"{name} {path}: that is a file the show is made from", "give the film another name")
+
+
 def writable_file(path: Path | None, name: str) -> None:
     """PersonError unless `path` is None or could be written: its folder is there and it is not a folder itself."""
     if path is None:

@@ -23,7 +23,10 @@ def play(
         ),
     ] = None,
     bpm: Annotated[
-        float | None, typer.Option(help="No audio: the internal clock at this tempo.", rich_help_panel=PANEL_TIME)
+        float | None,
+        typer.Option(
+            help="The tempo to begin with; without --audio the internal clock keeps it.", rich_help_panel=PANEL_TIME
+        ),
     ] = None,
     seconds: Annotated[
         float | None, typer.Option(help="End after so many seconds.", rich_help_panel=PANEL_TIME)
@@ -72,9 +75,10 @@ def play(
     """Play a show: music in, dancers on the projector.
 
     Keys: Space tap, 1 this is the one, B blackout, F full screen, O overlay, S spread; click or drag = attractor,
-    with shift = repulsor. Without a screen, 20 s of the show become a film, first-show.mp4.
+    with shift = repulsor. Closing the window, Esc in a window or Ctrl-C here ends the show; music from a file begins
+    again at its end. Without a screen, 20 s of the show become a film, first-show.mp4.
     """
-    from live.cli.options import parse_endpoint, parse_number, parse_size, writable_file
+    from live.cli.options import film_file, parse_endpoint, parse_number, parse_size, writable_file
     from live.cli.session import Wish
     from live.cli.stage import play_show
 
@@ -83,6 +87,7 @@ def play(
     parse_number(fps, "--fps", 1, 480)
     for path, name in ((record, "--record"), (journal, "--journal"), (status_json, "--status-json")):
         writable_file(path, name)
+    film_file(record, "--record", never=[audio, patch])
     play_show(
         Wish(
             patch=patch,

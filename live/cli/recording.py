@@ -11,9 +11,6 @@ from live.render.film import FilmError, FilmWriter
 from live.render.film_sound import FilmSound
 from live.render.readback import FrameReader
 
-CATCH_UP = 600
-"""Pictures repeated at once at most, should the show have stood still."""
-
 
 def film_writer(path: Path, *, size: tuple[int, int], fps: float, music: Music | None, live: bool) -> FilmWriter:
     """A film with the music that is played (from its beginning, again and again); PersonError if it cannot be made."""
@@ -46,9 +43,9 @@ class LiveRecording:
         if picture is None or self._failed is not None:
             return
         try:
-            for _ in range(min(due - self._written, CATCH_UP)):
-                self._writer.write(picture)
-                self._written += 1
+            if due > self._written:
+                self._writer.write(picture, due - self._written)
+                self._written = due
         except FilmError as error:  # a full disk ends the film, not the show
             self._failed = error
 
@@ -64,5 +61,7 @@ class LiveRecording:
             return
         for note in self._writer.notes:
             console.print(f"note: {note}", style="yellow", markup=False)
-        dropped = f", {self._writer.dropped} pictures left out" if self._writer.dropped else ""
+        dropped = ""
+        if self._writer.dropped:
+            dropped = f"; {self._writer.dropped} pictures were left out: a lower --fps or --size leaves out fewer"
         console.print(f"the film is here: {self._writer.path.resolve()}{dropped}", soft_wrap=True, markup=False)

@@ -29,7 +29,7 @@ def render(
 
     from live.base.errors import PersonError
     from live.cli.film_show import film_show
-    from live.cli.options import parse_number, parse_size, writable_file
+    from live.cli.options import film_file, parse_number, parse_size, writable_file
     from live.cli.session import Wish, choose_sound
     from live.cli.warm import warm_kernels
 
@@ -38,6 +38,7 @@ def render(
     parse_number(fps, "--fps", 1, 480)
     for path, name in ((out, "--out"), (journal, "--journal"), (report, "--report")):
         writable_file(path, name)
+    film_file(out, "--out", never=[audio, patch])
     console = Console(stderr=True, highlight=False)
     warm_kernels(console)
     wish = Wish(

@@ -32,7 +32,10 @@ def replay(
     except (JournalError, ReplayError) as error:
         raise PersonError(str(error)) from None
     begin = time.perf_counter()
-    result = replay(show, recorded)
+    try:
+        result = replay(show, recorded)
+    except ReplayError as error:
+        raise PersonError(f"{journal}: {error}") from None
     seconds = time.perf_counter() - begin
     length = result.ticks * TICK
     if as_json:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Protocol
 
 import psutil
+from rich.console import Console
 
 from live.base.errors import PersonError
 from live.base.inbox import Inbox
@@ -218,6 +219,17 @@ class Session:
                 "see `live devices`, or give another --audio",
             ) from None
 
+    def warnings(self) -> list[str]:
+        """What went wrong and did not stop the show, in words."""
+        told = []
+        if self._journal is not None and self._journal.kept is not None:
+            told.append(f"the journal that was there is now {self._journal.kept}")
+        if self._journal is not None and self._journal.dropped:
+            told.append(f"{self._journal.dropped} lines of the journal could not be written: it will not replay")
+        if self._status_file is not None and self._status_file.dropped:
+            told.append(f"{self._status_file.dropped} status lines could not be written")
+        return told
+
     def _stop(self) -> None:
         if self._audio is not None:
             self._audio.stop()
@@ -226,6 +238,9 @@ class Session:
             self._journal.close(self.engine.ticks.index)
         if self._status_file is not None:
             self._status_file.close(self.clock.now())
+        console = Console(stderr=True, highlight=False)
+        for warning in self.warnings():
+            console.print(f"note: {warning}", style="yellow", markup=False)
 
     def after_frame(self, started: float, previous: float) -> None:
         """Housekeeping after a frame: figures, the status line, and garbage of the youngest generation."""

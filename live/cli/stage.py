@@ -51,7 +51,9 @@ def _monitor(name: str | None) -> Monitor | None:
 def _headless(wish: Wish, loaded: LoadedShow, sound: Sound, console: Console) -> None:
     from live.cli.headless_show import play_headless
 
-    play_headless(Session(wish, loaded, sound), scene_of(loaded.patch), console)
+    session = Session(wish, loaded, sound)
+    console.print(f"{_welcome(session)}; Ctrl-C ends it", style="dim", soft_wrap=True, markup=False)
+    play_headless(session, scene_of(loaded.patch), console)
 
 
 def _film(wish: Wish, loaded: LoadedShow, sound: Sound, console: Console) -> None:

@@ -174,7 +174,8 @@ REGISTRY: Final = Registry(
         Control(
             "/dance/clock/tempo", events.SetTempo,
             (Argument("tempo", "float", "the new tempo", "bpm", TEMPO_MIN_BPM, TEMPO_MAX_BPM),),
-            "Sets the tempo; the beat goes on without a jump.", "musician",
+            "Sets the tempo; the beat goes on without a jump. Music that is heard takes over again after 8 s.",
+            "musician",
         ),
         Control(
             "/dance/blackout", events.Blackout,

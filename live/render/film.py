@@ -93,8 +93,11 @@ class FilmWriter:
         ready.wait()
         self._check()
 
-    def write(self, picture: Picture) -> None:
-        """Add one picture, uint8 RGB of shape (height, width, 3), top row first; it is copied."""
+    def write(self, picture: Picture, count: int = 1) -> None:
+        """Add one picture, uint8 RGB of shape (height, width, 3), top row first; it is copied.
+
+        It stands for `count` frames: what is shown longer costs hardly more.
+        """
         if picture.shape != self._input_shape or picture.dtype != np.uint8:
             raise ValueError(
                 f"a picture of shape {picture.shape}, {picture.dtype}: {self._input_shape}, uint8 is needed"
@@ -102,10 +105,10 @@ class FilmWriter:
         self._check()
         if self._closed or self._failure is not None:
             return
-        self.frames += 1
+        self.frames += count
         if self._live and self._free.empty():
             self.dropped += 1
-            self._repeats += 1
+            self._repeats += count
             return
         slot = self._free.get()
         if slot == _FAILED:
@@ -114,7 +117,7 @@ class FilmWriter:
         width, height = self.size
         np.copyto(self._pixels[slot], picture[:height, :width])
         self._jobs.put(_Job(slot, self._repeats))
-        self._repeats = 0
+        self._repeats = count - 1
 
     def close(self) -> None:
         """Finish the film: wait for the encoder and complete the file; a second call does nothing."""

@@ -94,10 +94,14 @@ class Show:
             FORMATIONS[section.formation](section.dancers, centre=section.centre, size=section.size)
             for section in self.patch.group
         ]
-        position = np.concatenate(places)
         steering = self.model.steering
-        edge = np.array([steering.half_width - 0.3, steering.half_depth - 0.3])
-        return AgentState.at(np.clip(position, -edge, edge))
+        edge = np.array([steering.half_width - 0.3, steering.half_depth - 0.3], np.float32)
+        position = np.clip(np.concatenate(places).astype(np.float32), -edge, edge)
+        wanted, part = position.copy(), Parting(self.model, DANCER_GAP)
+        for _ in range(8):  # formations of two groups may lie on each other
+            part(position, wanted, float(edge.max()))
+            np.clip(position, -edge, edge, out=position)
+        return AgentState.at(position)
 
     def _start_dancers(self) -> None:
         """Everybody begins with her group's first step, on the spot if the step has such a variation."""

@@ -6,7 +6,7 @@ from live.base.inbox import Inbox
 from live.base.stage_view import StageView
 from live.clock.source import Clock
 from live.clock.ticks import STALL, TICK, Ticks
-from live.control.events import ControlEvent, TicksSkipped
+from live.control.events import BeatHeard, ControlEvent, SourceChanged, TicksSkipped
 from live.show.core import Show
 from live.show.journal import JournalWriter
 from live.show.status import Status
@@ -79,7 +79,7 @@ class Engine:
         """Write an event to the journal and let it act from the next tick on; the show counts what it refuses."""
         if self.journal is not None:
             self.journal.event(self.ticks.index, event)
-        if self.show.apply(event) and not isinstance(event, TicksSkipped):
+        if self.show.apply(event) and not isinstance(event, TicksSkipped | BeatHeard | SourceChanged):
             self._status.events_accepted += 1
 
     def _run_ticks(self, now: float, target: float) -> None:

@@ -22,6 +22,17 @@ class JournalError(Exception):
     """A journal cannot be written or read; the message names file and line."""
 
 
+def keep_aside(path: Path) -> Path | None:
+    """Move a file that is there to the first free of path.1, path.2 …; None if there is none worth keeping."""
+    if not path.is_file() or path.stat().st_size == 0:
+        return None
+    number = 1
+    while (kept := path.with_name(f"{path.name}.{number}")).exists():
+        number += 1
+    path.replace(kept)
+    return kept
+
+
 class JournalWriter:
     """Notes what enters the show; the lines are written by a thread of their own (`LineWriter`).
 
@@ -31,6 +42,8 @@ class JournalWriter:
     def __init__(self, path: Path, header: dict[str, Any]) -> None:
         """`header`: what is needed to run the show again. Raises JournalError if the file cannot be made."""
         try:
+            self.kept = keep_aside(path)
+            """Where a journal of the same name was moved to; None if there was none."""
             self._writer = LineWriter(path, name="journal")
         except OSError as error:
             raise JournalError(f"cannot write the journal {path}: {error.strerror}") from None

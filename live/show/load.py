@@ -15,7 +15,7 @@ from live.motion.skeleton import JOINT_COUNT
 from live.motion.step_clip import StepClip
 from live.show.core import Show
 from live.show.patch import Patch, parse_entry
-from live.show.patch_file import find_beside, read_patch
+from live.show.patch_file import PATCHES, find_beside, read_patch
 from live.show.programme import UnknownStep
 from live.show.steps_folder import load_steps
 
@@ -67,10 +67,7 @@ def load_show(path: Path, *, recordings: Path | None = None) -> LoadedShow:
 def show_of(patch: Patch, path: Path, *, recordings: Path | None = None) -> LoadedShow:
     """The show of a patch that was read already; `path` is where its names are looked up."""
     if recordings is None:
-        folder = find_beside(patch.steps, path)
-        if folder is None or not folder.is_dir():
-            raise PersonError(f"{path}: there is no folder {patch.steps!r} of steps", "correct 'steps' in the patch")
-        clips = load_steps(folder)
+        clips = _sketched(patch, path)
     else:
         clips = _recorded(recordings)
         patch = for_recordings(patch, clips)
@@ -86,7 +83,8 @@ def show_of(patch: Patch, path: Path, *, recordings: Path | None = None) -> Load
     try:
         graph = build_graph(build_library(fitting), window=window, threshold=limits.threshold_m)
     except ValueError as error:
-        raise PersonError(f"{path}: {error}") from None
+        remedy = "locomotion.threshold_m in the patch" if recordings is None else "fps, drop_frames and bpm in the TOML"
+        raise PersonError(f"{path}: {error}", f"look at {remedy}") from None
     if recordings is not None:
         patch = with_steps_of(patch, graph)
     _refuse_other_metres(patch, path, clips)
@@ -105,6 +103,19 @@ def _refuse_other_metres(patch: Patch, path: Path, clips: list[StepClip]) -> Non
                     f"{path}: step {name!r} of group {group.name!r} has {others[name.casefold()]} beats a measure, "
                     f"this show has {beats}"
                 )
+
+
+def _sketched(patch: Patch, path: Path) -> list[StepClip]:
+    """The steps of the patch's own folder, and the project's for every name that it does not have."""
+    folder = find_beside(patch.steps, path)
+    if folder is None or not folder.is_dir():
+        raise PersonError(f"{path}: there is no folder {patch.steps!r} of steps", "correct 'steps' in the patch")
+    clips = load_steps(folder)
+    common = PATCHES / "steps"
+    if common.is_dir() and not common.samefile(folder):
+        own = {clip.step.casefold() for clip in clips}
+        clips += [clip for clip in load_steps(common) if clip.step.casefold() not in own]
+    return clips
 
 
 def _recorded(folder: Path) -> list[StepClip]:

@@ -135,8 +135,9 @@ class GroupSection(Section):
     @classmethod
     def _known_form(cls, steps: tuple[str, ...]) -> tuple[str, ...]:
         for entry in steps:
-            if not parse_entry(entry)[0]:
-                raise ValueError(f"{entry!r} names no step: write a step's name, or 'groove x4' to repeat it")
+            name, times = parse_entry(entry)
+            if not name or times < 1:
+                raise ValueError(f"{entry!r} is no step: write a step's name, or 'groove x4' to repeat it")
         return steps
 
 
@@ -204,4 +205,4 @@ def parse_entry(entry: str) -> tuple[str, int]:
     match = _REPEATED.match(entry.strip())
     if match is None:
         return entry.strip(), 1
-    return match["step"].strip(), max(1, int(match["times"] or 1))
+    return match["step"].strip(), int(match["times"] or 1)

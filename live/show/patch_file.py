@@ -1,6 +1,7 @@
 """Reading a patch: from a TOML file, or a folder with show.toml, to a frozen Patch, with errors that name the line."""
 
 import contextlib
+import os
 import tomllib
 from pathlib import Path
 from typing import Any, Final
@@ -38,6 +39,8 @@ def find_patch(name: str | None) -> Path:
     for path in (given, given / "show.toml", PATCHES / name, PATCHES / f"{name}.toml"):
         if is_file(path):
             return path
+    if os.path.isdir(name):
+        raise PatchError(f"the folder {name!r} holds no show.toml", "put one there, or name a TOML file")
     known = ", ".join(sorted(path.stem for path in PATCHES.glob("*.toml"))) or "none"
     raise PatchError(
         f"there is no patch {name[:200]!r}",

@@ -56,10 +56,13 @@ class GroupProgramme:
         self._seed = (seed, index)
         self._random = group.choose == "random"
         entries = [parse_entry(entry) for entry in group.steps]
-        self._steps = [find_step(graph, name) for name, _ in entries]
+        try:
+            self._steps = [find_step(graph, name) for name, _ in entries]
+            self.travel_step = None if group.travel_step is None else find_step(graph, group.travel_step)
+            """The step for ways too far for the step in turn, or None."""
+        except UnknownStep as error:
+            raise UnknownStep(f"group {group.name!r}: {error}") from None
         self._slots = [step for step, (_, times) in zip(self._steps, entries, strict=True) for _ in range(times)]
-        self.travel_step = None if group.travel_step is None else find_step(graph, group.travel_step)
-        """The step for ways too far for the step in turn, or None."""
         self._asked: tuple[int, int] | None = None
         self._slot, self._into = 0, 0
         self._drawn, self._drawn_left = self._steps[0], 0

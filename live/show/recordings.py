@@ -21,6 +21,8 @@ Float = npt.NDArray[np.floating]
 Float32 = npt.NDArray[np.float32]
 
 MAX_BYTES: Final = 256_000_000
+FRAMES_OFF: Final = 1
+"""Programs that count frames wrongly are off by one; a file with fewer than that was cut off."""
 TAIL_SAMPLES: Final = 8
 """Samples after the last measure, so that reading at its very end needs no special case."""
 _Y: Final = np.array((0.0, 1.0, 0.0))
@@ -78,9 +80,16 @@ class _ClipReader:
             except (OSError, ValueError) as error:
                 raise RecordingError(entry.problem("file", f"cannot be read: {error}")) from None
             try:
-                self._motions[path] = parse_bvh(text, str(path))
+                motion = parse_bvh(text, str(path))
             except MotionFileError as error:
                 raise RecordingError(entry.problem("file", str(error))) from None
+            if motion.frame_count < motion.frames_declared - FRAMES_OFF:
+                words = (
+                    f"{path} is cut off: it says {motion.frames_declared} frames and holds {motion.frame_count}; "
+                    "copy it again, or correct its line 'Frames:' if this is all"
+                )
+                raise RecordingError(entry.problem("file", words))
+            self._motions[path] = motion
         return self._motions[path]
 
     @staticmethod

@@ -12,6 +12,9 @@ from live.show.journal import Journal
 from live.show.load import library_hash, show_of
 from live.show.patch import Patch
 
+LONGEST_GAP = 64 * 600
+"""Ticks between two lines at most: a measure is noted at least once in ten minutes."""
+
 
 class ReplayError(Exception):
     """A journal that cannot be run here; the message says what is missing or different."""
@@ -54,7 +57,9 @@ def replay(show: Show, journal: Journal, *, on_tick: Callable[[int], None] | Non
     now: dict[int, str] = {}
     compared = 0
     differences: list[tuple[int, int, str, str]] = []
-    for line in journal.lines:
+    for number, line in enumerate(journal.lines, start=2):
+        if line.tick - tick > LONGEST_GAP:
+            raise ReplayError(f"line {number} of the journal is damaged: its tick {line.tick} lies far after {tick}")
         while tick < line.tick:
             tick += 1
             if show.tick(tick * TICK):

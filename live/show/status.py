@@ -75,7 +75,7 @@ class Status:
     def snapshot(self, time: float) -> dict[str, Any]:
         """All figures at `time` [s]; counters are totals since the start. Measures and beats count from 1."""
         show = self._show
-        moment = show.moment(time)
+        danced = show.span.fraction(show.timeline.beat_at(time)) * show.timeline.beats_per_measure
         p50, p99, p999 = self.frame_times.percentiles(50, 99, 99.9)
         cpu50, cpu99 = self.work_times.percentiles(50, 99)
         rejected = Counter(self._rejected())
@@ -88,7 +88,7 @@ class Status:
         return {
             "time": round(time, 3),
             "measure": show.span.number + 1,
-            "beat": int(moment.phase) + 1,
+            "beat": min(int(danced) + 1, show.timeline.beats_per_measure),
             "bpm": round(show.follower.tempo, 2),
             "source": show.follower.source,
             "clock_state": show.follower.state,
@@ -154,6 +154,7 @@ class StatusFile:
         self._writer.put(json.dumps(self._status.snapshot(time)))
 
     def close(self, time: float) -> None:
-        """Note the last figures and close the file."""
-        self._writer.put(json.dumps(self._status.snapshot(time)))
+        """Note the last figures, if they are not just noted, and close the file."""
+        if time > self._next - 0.9:
+            self._writer.put(json.dumps(self._status.snapshot(time)))
         self._writer.close()

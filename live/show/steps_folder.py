@@ -53,12 +53,12 @@ def _build(texts: dict[str, str]) -> list[StepClip]:
     for file, text in texts.items():
         try:
             sketch = parse_sketch(text, file)
+            if sketch.name in owner:
+                raise StepsError(f"{file}: the step {sketch.name!r} is already in {owner[sketch.name]}")
+            owner[sketch.name] = file
+            clips += step_clips(sketch)
         except SketchError as error:
             raise StepsError(str(error)) from None
-        if sketch.name in owner:
-            raise StepsError(f"{file}: the step {sketch.name!r} is already in {owner[sketch.name]}")
-        owner[sketch.name] = file
-        clips += step_clips(sketch)
     return clips
 
 

@@ -181,3 +181,60 @@ def test_a_film_that_is_broken_off_plays_as_far_as_it_goes(tmp_path):
     assert process.returncode == 130, told
     with av.open(str(film)) as container:
         assert sum(1 for _ in container.decode(video=0)) > 30
+
+
+def test_what_is_read_is_never_written_over(tmp_path):
+    music = tmp_path / "song.mp4"
+    music.write_bytes(b"precious")
+    result = run_live("render", "--audio", str(music), "--out", str(music), "--seconds", "1")
+    assert result.returncode == 2
+    assert "a file the show is made from" in result.stderr
+    assert music.read_bytes() == b"precious"
+    result = run_live("render", "--out", str(tmp_path / "film.avi"), "--seconds", "1")
+    assert result.returncode == 2
+    assert "ends in .mp4" in result.stderr
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
+def test_a_show_that_is_told_to_end_ends_its_journal(tmp_path, number):
+    journal, status = tmp_path / "j", tmp_path / "s"
+    process = subprocess.Popen(
+        [sys.executable, "-m", "live", "play", "--headless", "--bpm", "120", "--osc", "127.0.0.1:0", "--journal",
+         str(journal), "--status-json", str(status)],
+        stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    deadline = time.monotonic() + 60
+    while not status.exists() or not status.read_text():
+        assert process.poll() is None, process.communicate()[1]
+        assert time.monotonic() < deadline
+    process.send_signal(number)
+    _, told = process.communicate(timeout=30)
+    assert process.returncode == 128 + number
+    assert "Traceback" not in told
+    assert journal.read_text().endswith('"end":true}\n')
+
+
+def test_a_full_disk_is_told_at_the_end():
+    if not os.path.exists("/dev/full"):
+        pytest.skip("this system has no /dev/full")
+    result = run_live(
+        "play", "--headless", "--bpm", "120", "--seconds", "3", "--osc", "127.0.0.1:0", "--journal", "/dev/full"
+    )  # fmt: skip
+    assert result.returncode == 0, result.stderr
+    assert "of the journal could not be written" in result.stderr
+
+
+def test_own_steps_stand_beside_the_projects(tmp_path):
+    (tmp_path / "steps").mkdir()
+    sway = 'name = "sway"\n[pelvis]\n"1" = "left 4"\n"3" = "right 4"\n'
+    (tmp_path / "steps" / "sway.toml").write_text(sway)
+    (tmp_path / "show.toml").write_text(
+        'name = "x"\n[[group]]\nname = "a"\ndancers = 2\nsteps = ["sway", "groove"]\ntravel_step = "walk"\n'
+    )
+    result = run_live("check", str(tmp_path))
+    assert result.returncode == 0, result.stderr
+    (tmp_path / "steps" / "sway.toml").write_text(sway.replace("left 4", "right 8, down 160"))
+    result = run_live("check", str(tmp_path))
+    assert result.returncode == 2
+    assert "Traceback" not in result.stderr
+    assert "sway.toml" in result.stderr

@@ -6,7 +6,9 @@ import pytest
 from live.base.stage_view import ATTRACTOR, SPREADER
 from live.clock.ticks import TICK
 from live.control import events
-from tests.show.made_show import made_show
+from live.show.core import Show
+from live.show.patch_file import parse_patch
+from tests.show.made_show import GRAPH, made_show
 
 
 def at(kind, show, **values):
@@ -264,3 +266,10 @@ def test_a_wild_tempo_and_many_elements_leave_everything_finite():
         assert np.isfinite(show.state.position).all()
     assert np.isfinite(hips(show)).all()
     assert (np.abs(show.state.position) <= np.array([6.0, 4.0]) + 1e-4).all()
+
+
+def test_groups_that_begin_on_one_place_stand_apart():
+    patch = "".join(f'[[group]]\nname = "g{k}"\ndancers = 5\nsteps = ["sway"]\n' for k in range(2))
+    show = Show(parse_patch('name = "x"\n' + patch, "x"), GRAPH)
+    apart = np.hypot(*(show.state.position[:, None] - show.state.position[None]).transpose(2, 0, 1))
+    assert apart[np.triu_indices(10, 1)].min() > 0.6

@@ -9,7 +9,7 @@ from live.clock.source import ManualClock
 from live.control import events
 from live.show.engine import Engine
 from live.show.journal import JournalError, JournalWriter, read_journal
-from live.show.replay import replay
+from live.show.replay import ReplayError, replay
 from live.show.status import Status
 from tests.show.made_show import made_show
 
@@ -130,3 +130,21 @@ def test_every_event_survives_the_journal_bit_by_bit():
         data = json.loads(json.dumps(events.event_to_json(event)))
         assert data["type"] == name
         assert events.event_from_json(data) == event
+
+
+def test_a_journal_of_the_same_name_is_kept(tmp_path):
+    path = tmp_path / "night.jsonl"
+    for night in range(3):
+        writer = JournalWriter(path, {"night": night})
+        writer.close(0)
+    nights = [json.loads(p.read_text().splitlines()[0])["night"] for p in (path, path.with_name("night.jsonl.1"))]
+    assert nights == [2, 0]
+    assert writer.kept == path.with_name("night.jsonl.2")
+
+
+def test_a_tick_out_of_all_proportion_is_told_and_not_waited_for(tmp_path):
+    path = tmp_path / "a.jsonl"
+    recorded(path, seconds=4.0)
+    path.write_text(path.read_text() + '{"tick":100000000000,"end":true}\n')
+    with pytest.raises(ReplayError, match="damaged"):
+        replay(made_show(), read_journal(path))

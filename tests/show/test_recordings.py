@@ -196,6 +196,15 @@ def test_problems_of_the_recording_itself_are_named(tmp_path: Path) -> None:
     assert "a BVH file begins with HIERARCHY" in problems_of(directory)
 
 
+def test_a_recording_cut_off_between_two_lines_is_told_and_one_frame_is_forgiven(tmp_path: Path) -> None:
+    directory = folder(tmp_path, ONE)
+    lines = (directory / "dance.bvh").read_text().splitlines(keepends=True)
+    (directory / "dance.bvh").write_text("".join(lines[:-1]))
+    assert len(load_recordings(directory)) == 1
+    (directory / "dance.bvh").write_text("".join(lines[:-40]))
+    assert "is cut off: it says 601 frames and holds 561" in problems_of(directory)
+
+
 def test_several_problems_are_told_at_once(tmp_path: Path) -> None:
     toml = '[[step]]\nfile = "no.bvh"\nname = ""\n[[step]]\nname = "b"\nbpm = 3\ncolour = 1\n'
     message = problems_of(folder(tmp_path, toml))
