@@ -15,9 +15,9 @@ def play_headless(session: Session, scene: Scene, console: Console) -> None:
     """Run until the seconds are over or Ctrl-C; draws only if the film is recorded."""
     if session.wish.record is None:
         with session.running():
-            _loop(session, lambda view: None)
+            _loop(session, lambda view: None, session.wish.film_fps)
         return
-    from live.cli.recording import LiveRecording
+    from live.cli.recording import LiveRecording, live_rate
     from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context
     from live.render.renderer import Renderer
 
@@ -29,7 +29,8 @@ def play_headless(session: Session, scene: Scene, console: Console) -> None:
         raise PersonError(str(error)) from None
     target = OffscreenTarget(ctx, wish.size)
     renderer = Renderer(ctx, scene, size=wish.size)
-    recording = LiveRecording(wish.record, ctx, wish.size, wish.film_fps, session.sound.music)
+    rate = live_rate(wish, ctx)
+    recording = LiveRecording(wish.record, ctx, wish.size, rate, session.sound.music)
 
     def draw(view: StageView) -> None:
         renderer.draw(view, target.framebuffer)
@@ -37,7 +38,7 @@ def play_headless(session: Session, scene: Scene, console: Console) -> None:
 
     try:
         with session.running():
-            _loop(session, draw)
+            _loop(session, draw, rate)
     finally:
         recording.close(console)
         renderer.release()
@@ -45,8 +46,8 @@ def play_headless(session: Session, scene: Scene, console: Console) -> None:
         ctx.release()
 
 
-def _loop(session: Session, draw: Callable[[StageView], None]) -> None:
-    pacer = Pacer(session.wish.film_fps, session.clock.now, time.sleep)
+def _loop(session: Session, draw: Callable[[StageView], None], rate: float) -> None:
+    pacer = Pacer(rate, session.clock.now, time.sleep)
     previous = session.clock.now()
     while True:
         started = pacer.wait()

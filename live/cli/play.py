@@ -59,7 +59,7 @@ def play(
     ] = "1280x720",
     fps: Annotated[
         float | None,
-        typer.Option(help="Frames per second. Default: the monitor's, or 60.", rich_help_panel=PANEL_PICTURE),
+        typer.Option(help="Default: the monitor's; 30 without a graphics card.", rich_help_panel=PANEL_PICTURE),
     ] = None,
     record: Annotated[
         Path | None,

@@ -6,10 +6,14 @@ import moderngl
 from rich.console import Console
 
 from live.base.errors import PersonError
+from live.cli.session import Wish
 from live.control.music_file import Music
 from live.render.film import FilmError, FilmWriter
 from live.render.film_sound import FilmSound
+from live.render.headless import is_software
 from live.render.readback import FrameReader
+
+SOFTWARE_FPS = 30.0
 
 
 def film_writer(path: Path, *, size: tuple[int, int], fps: float, music: Music | None, live: bool) -> FilmWriter:
@@ -19,6 +23,16 @@ def film_writer(path: Path, *, size: tuple[int, int], fps: float, music: Music |
         return FilmWriter(path, size=size, fps=fps, sound=sound, live=live)
     except FilmError as error:
         raise PersonError(str(error)) from None
+
+
+def live_rate(wish: Wish, ctx: moderngl.Context, refresh_hz: float = 0.0) -> float:
+    """Frames per second of a live show: as wished, else the display's, but 30 where the processor draws.
+
+    A processor that draws as fast as it can leaves no time to the threads that listen and film, and stutters besides.
+    """
+    if wish.fps is not None:
+        return wish.fps
+    return SOFTWARE_FPS if is_software(ctx) else refresh_hz or wish.film_fps
 
 
 class LiveRecording:

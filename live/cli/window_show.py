@@ -8,7 +8,7 @@ from rich.console import Console
 
 from live.base.errors import PersonError
 from live.base.stage_view import Scene, StageView
-from live.cli.recording import LiveRecording
+from live.cli.recording import LiveRecording, live_rate
 from live.cli.session import Session
 from live.control.events import Attract, Repel
 from live.control.keys import KEYS, event_for_key, event_for_pointer
@@ -96,7 +96,8 @@ def play_in_window(
     try:
         renderer = Renderer(window.ctx, scene, size=window.size)
         if wish.record is not None:
-            recording = LiveRecording(wish.record, window.ctx, window.size, wish.film_fps, session.sound.music)
+            fps = live_rate(wish, window.ctx)
+            recording = LiveRecording(wish.record, window.ctx, window.size, fps, session.sound.music)
         operator = Operator(session, window, scene)
         session.engine.on_error = lambda error: console.print(
             f"a frame could not be drawn: {error}", style="red", markup=False
@@ -124,7 +125,7 @@ def _loop(
         target: Any = window.target
         renderer.draw(view, target)
 
-    rate = session.wish.fps or window.monitor.refresh_hz or session.wish.film_fps
+    rate = live_rate(session.wish, window.ctx, window.monitor.refresh_hz)
     pacer = Pacer(min(rate * PACE_ABOVE, 1000.0), session.clock.now, time.sleep)
     previous = session.clock.now()
     while not operator.leaving:
