@@ -15,7 +15,8 @@ HEAD = """# Patch files
 
 A patch is a TOML file, or a folder with `show.toml`. Positions are stage metres (x, z): the origin is the centre of the
 stage, +x to the right as the audience sees it, +z towards the audience. Measures count from 1. Files, folders
-and steps are looked up beside the patch first, then in the project's `patches/`. `live check PATCH` says what is wrong, and where.
+and steps are looked up beside the patch first, then in the project's `patches/`. `live check PATCH` says what is wrong,
+and where.
 """
 
 
