@@ -117,15 +117,13 @@ def steer_sources(
 def steer_spread(
     x: float, z: float, population: Int32, agents: int, params: Float64, seed: int, agent: int, turn: int
 ) -> tuple[float, float]:
-    """Wish of one spreader (T109): from the centre of an over-populated cell, to that of the nearest empty-ish one.
+    """Wish while spreading (T109), as a share of the top speed: out of an over-populated cell, to the nearest free one.
 
     `population` (cells,) counts the agents of each cell. The agents that leave first are drawn by seeded chance, so
     that a crowd does not empty its cell all at once.
     """
-    columns, rows = (
-        cell_count(2.0 * params[_HALF_WIDTH], params[_CELL]),
-        cell_count(2.0 * params[_HALF_DEPTH], params[_CELL]),
-    )
+    columns = cell_count(2.0 * params[_HALF_WIDTH], params[_CELL])
+    rows = cell_count(2.0 * params[_HALF_DEPTH], params[_CELL])
     size_x, size_z = 2.0 * params[_HALF_WIDTH] / columns, 2.0 * params[_HALF_DEPTH] / rows
     mean = agents / (columns * rows)
     angle = 2.0 * math.pi * hash_unit(seed, agent, turn)

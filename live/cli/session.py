@@ -158,7 +158,7 @@ class Session:
         return counts
 
     def _open_journal(self) -> None:
-        """Begin the journal, once everything else that may be refused was not: an old one of its name is gone then."""
+        """Begin the journal, last of all: a start that is refused leaves an old one of its name where it is."""
         if self.wish.journal is None:
             return
         try:

@@ -28,7 +28,7 @@ from live.render.window_input import (
 
 TITLE = "ChoreoGraphics Live"
 PACE_ABOVE = 1.05
-"""The loop's own pace lies so much above the wished rate, so that vertical synchronisation sets it where it works."""
+"""At the display's own rate the loop's pace lies so much above it, so that vertical synchronisation sets it."""
 
 
 class Operator:
@@ -126,7 +126,9 @@ def _loop(
         renderer.draw(view, target)
 
     rate = live_rate(session.wish, window.ctx, window.monitor.refresh_hz)
-    pacer = Pacer(min(rate * PACE_ABOVE, 1000.0), session.clock.now, time.sleep)
+    if rate == window.monitor.refresh_hz:
+        rate = min(rate * PACE_ABOVE, 1000.0)
+    pacer = Pacer(rate, session.clock.now, time.sleep)
     previous = session.clock.now()
     while not operator.leaving:
         started = pacer.wait()

@@ -54,8 +54,8 @@ class Engine:
         self.on_error: Callable[[Exception], None] | None = None
         """Told once when drawing fails; the show goes on. None (in tests and offline): the error is raised."""
 
-    def frame(self, picture: Picture) -> float:
-        """One frame; returns the show time [s] at its start."""
+    def frame(self, picture: Picture) -> None:
+        """One frame: events, ticks that are due, drawing."""
         now = self._clock.now()
         for event in self._inbox.drain(EVENTS_PER_FRAME):
             self.apply(event)
@@ -73,7 +73,6 @@ class Engine:
             if not self._status.faults:
                 self.on_error(error)
             self._status.faults += 1
-        return now
 
     def apply(self, event: ControlEvent) -> None:
         """Write an event to the journal and let it act from the next tick on; the show counts what it refuses."""

@@ -1,6 +1,5 @@
 """Replay: run a journal again, and compare the state hash of every measure."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -51,7 +50,7 @@ class Replayed:
     differences: tuple[tuple[int, int, str, str], ...]
 
 
-def replay(show: Show, journal: Journal, *, on_tick: Callable[[int], None] | None = None) -> Replayed:
+def replay(show: Show, journal: Journal) -> Replayed:
     """Run `show` (fresh, of the journal's patch and seed) through the journal, as fast as the machine can."""
     tick = 0
     now: dict[int, str] = {}
@@ -64,8 +63,6 @@ def replay(show: Show, journal: Journal, *, on_tick: Callable[[int], None] | Non
             tick += 1
             if show.tick(tick * TICK):
                 now[tick] = show.state_hash()
-            if on_tick is not None:
-                on_tick(tick)
         if line.event is not None:
             show.apply(line.event)
             if isinstance(line.event, TicksSkipped):

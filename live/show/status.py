@@ -75,7 +75,8 @@ class Status:
     def snapshot(self, time: float) -> dict[str, Any]:
         """All figures at `time` [s]; counters are totals since the start. Measures and beats count from 1."""
         show = self._show
-        danced = show.span.fraction(show.timeline.beat_at(time)) * show.timeline.beats_per_measure
+        moment = show.moment(time)
+        danced = show.span.fraction(moment.beat) * show.timeline.beats_per_measure
         p50, p99, p999 = self.frame_times.percentiles(50, 99, 99.9)
         cpu50, cpu99 = self.work_times.percentiles(50, 99)
         rejected = Counter(self._rejected())
@@ -92,7 +93,7 @@ class Status:
             "bpm": round(show.follower.tempo, 2),
             "source": show.follower.source,
             "clock_state": show.follower.state,
-            "confidence": round(show.follower.confidence, 3),
+            "confidence": round(moment.confidence, 3),
             "frames": self.frames,
             "late_frames": self.late_frames,
             "ticks": self.ticks,
