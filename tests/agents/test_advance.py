@@ -55,16 +55,29 @@ def test_nobody_is_no_problem():
 
 @settings(max_examples=50, deadline=None)
 @given(st.integers(0, 40), st.integers(0, 2**32 - 1), st.floats(0.0, 1.0))
-def test_places_part_as_far_as_they_may(count, seed, most):
+def test_nobody_is_moved_farther_than_allowed_or_without_need(count, seed, most):
     chance = np.random.default_rng(seed)
     model = AgentModel(np.full(count, 0.25, np.float32), Steering(), 1)
     anchor = chance.uniform(-3, 3, (count, 2)).astype(np.float32)
     place = anchor.copy()
-    part = Parting(model, 0.7)
-    part(place, anchor, most)
+    Parting(model, 0.7)(place, anchor, most)
     assert np.isfinite(place).all()
     assert (np.hypot(*(place - anchor).T) <= most + 1e-5).all()
-    assert _nearest(place) >= _nearest(anchor) - 1e-5 or _nearest(place) >= 0.5
+    apart = anchor * 10.0  # the same crowd with room for everybody, where there is any
+    if _nearest(apart) > 0.7:
+        place = apart.copy()
+        Parting(model, 0.7)(place, apart, most)
+        assert (place == apart).all()
+
+
+def test_crowds_have_more_room_afterwards():
+    """A single pair may come nearer while others part; what all pairs together lack of the gap shrinks each time."""
+    model = AgentModel(np.full(24, 0.25, np.float32), Steering(), 1)
+    for seed in range(100):
+        anchor = np.random.default_rng(seed).uniform(-3, 3, (24, 2)).astype(np.float32)
+        place = anchor.copy()
+        Parting(model, 0.7)(place, anchor, 0.35)
+        assert _lack(place) < 0.5 * _lack(anchor)
 
 
 def test_a_crowd_in_one_place_parts_when_it_may():
@@ -80,3 +93,9 @@ def test_a_crowd_in_one_place_parts_when_it_may():
 def _nearest(place):
     apart = np.hypot(*(place[:, None] - place[None]).transpose(2, 0, 1)) + 9 * np.eye(len(place))
     return apart.min() if len(place) > 1 else 9.0
+
+
+def _lack(place):
+    """By how much all pairs together are nearer than 0.7 m [m]."""
+    apart = np.hypot(*(place[:, None] - place[None]).transpose(2, 0, 1))[np.triu_indices(len(place), 1)]
+    return np.maximum(0.7 - apart, 0.0).sum()
