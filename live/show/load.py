@@ -17,7 +17,7 @@ from live.show.core import Show
 from live.show.patch import Patch, parse_entry
 from live.show.patch_file import PATCHES, find_beside, read_patch
 from live.show.programme import UnknownStep
-from live.show.steps_folder import load_steps
+from live.steps.sketch_folder import load_steps
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,7 +119,7 @@ def _sketched(patch: Patch, path: Path) -> list[StepClip]:
 
 
 def _recorded(folder: Path) -> list[StepClip]:
-    from live.show.recordings import RecordingError, load_recordings
+    from live.steps.recordings import RecordingError, load_recordings
 
     try:
         return load_recordings(folder)

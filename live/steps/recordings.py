@@ -13,7 +13,7 @@ from live.motion.clip import Clip
 from live.motion.mirror import mirror_step
 from live.motion.retarget import retarget
 from live.motion.step_clip import StepClip
-from live.show.recording_file import Recording, RecordingEntry, RecordingError, error_of, read_recordings
+from live.steps.recording_file import Recording, RecordingEntry, RecordingError, error_of, read_recordings
 
 __all__ = ["RecordingError", "cut_step", "load_recordings"]
 

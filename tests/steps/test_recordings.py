@@ -10,8 +10,8 @@ import pytest
 from live.motion import quaternion
 from live.motion.mirror import mirror_step
 from live.motion.step_clip import StepClip
-from live.show.recording_file import RecordingError, read_recordings
-from live.show.recordings import load_recordings
+from live.steps.recording_file import RecordingError, read_recordings
+from live.steps.recordings import load_recordings
 from tests.motion.made_bvh import body_bvh, column, danced, still
 from tests.motion.mocap import MOCAP, mocap_file
 
@@ -236,7 +236,7 @@ def test_folders_without_anything_usable(tmp_path: Path) -> None:
 
 
 def test_a_file_is_read_once_for_all_its_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from live.show import recordings
+    from live.steps import recordings
 
     read: list[str] = []
     parse = recordings.parse_bvh
