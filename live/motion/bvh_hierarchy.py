@@ -20,11 +20,14 @@ _CHANNELS: Final = {
 
 
 class MotionFileError(ValueError):
-    """A motion file that cannot be used; the message is one line with file, line, problem and what is expected."""
+    """A motion file that cannot be used; the message is one line with file, line, problem and what is expected.
 
-    def __init__(self, file: str, line: int, problem: str, expected: str) -> None:
+    `line` is None for files that have no lines (glTF, npz): the problem then names the place.
+    """
+
+    def __init__(self, file: str, line: int | None, problem: str, expected: str) -> None:
         self.file, self.line, self.problem, self.expected = file, line, problem, expected
-        super().__init__(f"{file}, line {line}: {problem}; {expected}")
+        super().__init__(f"{file}{'' if line is None else f', line {line}'}: {problem}; {expected}")
 
 
 @dataclass(slots=True)
