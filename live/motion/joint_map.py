@@ -9,8 +9,8 @@ import re
 from dataclasses import dataclass
 from typing import Final
 
-from live.motion.bvh import BvhMotion
 from live.motion.skeleton import SKELETON
+from live.motion.source_motion import SourceMotion
 
 _TOKEN: Final = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", re.ASCII)
 _SIDES: Final = {"left": "left", "l": "left", "right": "right", "r": "right"}
@@ -39,7 +39,7 @@ _REQUIRED: Final = tuple(
 
 @dataclass(frozen=True, slots=True)
 class SourceBody:
-    """The joints of a recording that make up its body, as indices into `BvhMotion.names`."""
+    """The joints of a recording that make up its body, as indices into `SourceMotion.names`."""
 
     joints: dict[str, int | None]
     """For each of the engine's 22 joints the source's, or None."""
@@ -61,12 +61,12 @@ class SourceBody:
         return index
 
 
-def map_joints(motion: BvhMotion) -> dict[str, str | None]:
+def map_joints(motion: SourceMotion) -> dict[str, str | None]:
     """For each of the engine's joints the name of the source's joint, or None."""
     return {name: None if j is None else motion.names[j] for name, j in find_body(motion).joints.items()}
 
 
-def find_body(motion: BvhMotion) -> SourceBody:
+def find_body(motion: SourceMotion) -> SourceBody:
     """Find the body in a recording's skeleton; what is not there is None (see `SourceBody.missing`)."""
     return _BodyFinder(motion).find()
 
@@ -93,7 +93,7 @@ def split_name(name: str) -> tuple[str, str]:
 
 
 class _BodyFinder:
-    def __init__(self, motion: BvhMotion) -> None:
+    def __init__(self, motion: SourceMotion) -> None:
         self._parents = [int(parent) for parent in motion.parents]
         self._by_name: dict[tuple[str, str], list[int]] = {}
         for joint, name in enumerate(motion.names):

@@ -16,21 +16,21 @@ from live.motion.alignment import (
     reference_rotations,
     standing_frame,
 )
-from live.motion.bvh import BvhMotion, MotionFileError
-from live.motion.bvh_pose import LocalPose, WorldPose, end_positions, rest_positions, world_pose
 from live.motion.clip import Clip
 from live.motion.contact import TOES_OVER_SOLE, find_contacts
+from live.motion.file_error import MotionFileError
 from live.motion.forward import forward_kinematics
 from live.motion.joint_map import SourceBody, find_body
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
 from live.motion.source_axes import (
     BODY_HEIGHT_RANGE,
     ENGINE_LEG,
-    UpAxis,
     body_height,
     leg_length,
     standing_pose,
 )
+from live.motion.source_motion import SourceMotion, UpAxis
+from live.motion.source_pose import LocalPose, WorldPose, end_positions, rest_pose, world_pose
 from live.motion.trunk import neck_rotation, spine_rotations
 
 Float = npt.NDArray[np.floating]
@@ -53,7 +53,7 @@ _HIP_MIDDLE: Final = SKELETON.offsets[SKELETON.index("leftUpperLeg")].astype(np.
 
 
 def retarget(
-    motion: BvhMotion,
+    motion: SourceMotion,
     *,
     name: str,
     fps: float | None = None,
@@ -78,12 +78,13 @@ def retarget(
     """
     body = find_body(motion)
     _check(motion, body, fps, drop_frames, sample_rate)
-    local, _, axis = standing_pose(motion, body, up)
-    local = _resampled(local, drop_frames, (fps or motion.header_fps) / sample_rate)
-    points = _points(motion, body, world_pose(motion, local), axis)
+    _, axis = standing_pose(motion, body, up)
+    recorded = LocalPose(motion.translation, motion.rotation)
+    local = _resampled(recorded, drop_frames, (fps or motion.header_fps) / sample_rate)
+    points = _points(motion, body, world_pose(motion.parents, local), axis)
     leg = leg_length(body, points.positions)
     if not leg > 1e-6 or not np.isfinite(leg):
-        raise MotionFileError(motion.file, 1, "the legs have no length", "OFFSETs of a body expected")
+        raise MotionFileError(motion.file, None, "the legs have no length", "OFFSETs of a body expected")
     _check_unit(motion, body_height(leg), unit_m)
     world = _world_rotations(points, _rest_points(motion, body, axis))
     rotation = quaternion.continuous(_local_rotations(world))
@@ -103,7 +104,7 @@ def retarget(
     )
 
 
-def _check(motion: BvhMotion, body: SourceBody, fps: float | None, drop_frames: int, sample_rate: float) -> None:
+def _check(motion: SourceMotion, body: SourceBody, fps: float | None, drop_frames: int, sample_rate: float) -> None:
     if fps is not None and not 1.0 <= fps <= 10_000.0:
         raise ValueError(f"fps {fps}: 1 to 10000 expected")
     if not 1.0 <= sample_rate <= 1000.0:
@@ -113,11 +114,14 @@ def _check(motion: BvhMotion, body: SourceBody, fps: float | None, drop_frames: 
     if body.missing:
         found = ", ".join(motion.names[:8]) + (", ..." if motion.joint_count > 8 else "")
         raise MotionFileError(
-            motion.file, 1, f"no joints found for {', '.join(body.missing)} among {found}", "names of a body expected"
+            motion.file,
+            None,
+            f"no joints found for {', '.join(body.missing)} among {found}",
+            "names of a body expected",
         )
 
 
-def _check_unit(motion: BvhMotion, height: float, unit_m: float | None) -> None:
+def _check_unit(motion: SourceMotion, height: float, unit_m: float | None) -> None:
     low, high = BODY_HEIGHT_RANGE
     if unit_m is not None and not low <= height * unit_m <= high:
         raise ValueError(
@@ -144,7 +148,7 @@ def _resampled(local: LocalPose, drop: int, frames_per_sample: float) -> LocalPo
     )
 
 
-def _points(motion: BvhMotion, body: SourceBody, world: WorldPose, axis: UpAxis) -> SourcePoints:
+def _points(motion: SourceMotion, body: SourceBody, world: WorldPose, axis: UpAxis) -> SourcePoints:
     """The body in Y-up axes, with the tips of hands and feet."""
     ends = end_positions(motion, world)
     positions, rotations = world.positions, world.rotations
@@ -161,12 +165,12 @@ def _points(motion: BvhMotion, body: SourceBody, world: WorldPose, axis: UpAxis)
                     tips[side + child] = tip
         if not (body.joints[side + "Hand"] is not None or side + "Hand" in tips):
             raise MotionFileError(
-                motion.file, 1, f"nothing ends the {side} lower arm", "a hand or an End Site expected"
+                motion.file, None, f"nothing ends the {side} lower arm", "a hand or an End Site expected"
             )
     return SourcePoints(body, positions, rotations, tips)
 
 
-def _tip(motion: BvhMotion, joint: int, positions: Float, ends: Float) -> Float | None:
+def _tip(motion: SourceMotion, joint: int, positions: Float, ends: Float) -> Float | None:
     """Mean of what hangs on a joint (thumbs left out), (T, 3); None if nothing does or if it is the joint itself."""
     children = [c for c in np.flatnonzero(motion.parents == joint) if "thumb" not in motion.names[c].lower()]
     places = [positions[:, c] for c in children] + [ends[:, e] for e in np.flatnonzero(motion.end_parents == joint)]
@@ -174,10 +178,8 @@ def _tip(motion: BvhMotion, joint: int, positions: Float, ends: Float) -> Float 
     return np.mean(distant, axis=0) if distant else None
 
 
-def _rest_points(motion: BvhMotion, body: SourceBody, axis: UpAxis) -> SourcePoints:
-    rotations = np.zeros((1, motion.joint_count, 4))
-    rotations[..., 0] = 1.0
-    return _points(motion, body, WorldPose(rest_positions(motion)[None], rotations), axis)
+def _rest_points(motion: SourceMotion, body: SourceBody, axis: UpAxis) -> SourcePoints:
+    return _points(motion, body, rest_pose(motion), axis)
 
 
 def _world_rotations(points: SourcePoints, rest: SourcePoints) -> Float:

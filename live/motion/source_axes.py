@@ -1,21 +1,20 @@
-"""What a motion file does not say: which axis is up, how long a unit is, what the root's OFFSET is for.
+"""What a motion file may not say: which axis is up, how long a unit is.
 
-All three are decided by plausibility: people mostly stand upright, are 1.2 to 2.2 m tall and keep a foot on the floor.
+Both are decided by plausibility: people mostly stand upright, and are 1.2 to 2.2 m tall.
 """
 
 import math
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.bvh import BvhMotion
-from live.motion.bvh_pose import LocalPose, WorldPose, local_pose, world_pose
 from live.motion.joint_map import SourceBody
 from live.motion.skeleton import BODY_HEIGHT, SKELETON
+from live.motion.source_motion import SourceMotion, UpAxis
+from live.motion.source_pose import LocalPose, WorldPose, world_pose
 
 Float = npt.NDArray[np.floating]
-UpAxis = Literal["Y", "Z"]
 
 ENGINE_LEG: Final = float(
     np.linalg.norm(SKELETON.offsets[SKELETON.index("leftLowerLeg")])
@@ -64,32 +63,7 @@ def find_up(body: SourceBody, positions: Float) -> UpAxis | None:
     return "Y" if mean[1] >= mean[2] else "Z"
 
 
-def find_root_offset(
-    motion: BvhMotion, body: SourceBody, positions: Float, up: UpAxis
-) -> Literal["zero", "add", "replace"] | None:
-    """Whether the root's OFFSET is to be added to its position channels, or is already in them.
-
-    `positions` (T, J, 3) are those with the OFFSET added, as the format says (T164). The reading that brings the
-    lowest joint nearer to zero height wins; one frame alone is no evidence (None: then add).
-    """
-    if not motion.offsets[0].any() or not any(letter.islower() for letter in motion.channels[0]):
-        return "zero"
-    if motion.frame_count < 2:
-        return None
-    axis = "XYZ".index(up)
-    floor = float(np.median(positions[:, :, axis].min(axis=1)))
-    raised = float(motion.offsets[0, axis])
-    if abs(raised) < 0.05 * leg_length(body, positions):
-        return None  # both readings stand equally well
-    return "add" if abs(floor) <= abs(floor - raised) else "replace"
-
-
-def standing_pose(motion: BvhMotion, body: SourceBody, up: UpAxis | None) -> tuple[LocalPose, WorldPose, UpAxis]:
-    """Local and world pose with the root's OFFSET used as it should be, and the up axis (found unless given)."""
-    local = local_pose(motion)
-    world = world_pose(motion, local)
-    axis: UpAxis = up or find_up(body, world.positions) or "Y"
-    if find_root_offset(motion, body, world.positions, axis) == "replace":
-        local = local_pose(motion, "replace")
-        world = world_pose(motion, local)
-    return local, world, axis
+def standing_pose(motion: SourceMotion, body: SourceBody, up: UpAxis | None) -> tuple[WorldPose, UpAxis]:
+    """World pose in file units and axes, and the axis that points up: `up`, or what the format says, or found."""
+    world = world_pose(motion.parents, LocalPose(motion.translation, motion.rotation))
+    return world, up or motion.up or find_up(body, world.positions) or "Y"

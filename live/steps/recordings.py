@@ -8,11 +8,13 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion import quaternion
-from live.motion.bvh import BvhMotion, MotionFileError, parse_bvh
 from live.motion.clip import Clip
+from live.motion.file_error import MotionFileError
 from live.motion.mirror import mirror_step
 from live.motion.retarget import retarget
+from live.motion.source_motion import SourceMotion
 from live.motion.step_clip import StepClip
+from live.steps.motion_file import read_motion
 from live.steps.recording_file import Recording, RecordingEntry, RecordingError, error_of, read_recordings
 
 __all__ = ["RecordingError", "cut_step", "load_recordings"]
@@ -20,7 +22,6 @@ __all__ = ["RecordingError", "cut_step", "load_recordings"]
 Float = npt.NDArray[np.floating]
 Float32 = npt.NDArray[np.float32]
 
-MAX_BYTES: Final = 256_000_000
 FRAMES_OFF: Final = 1
 """Programs that count frames wrongly are off by one; a file with fewer than that was cut off."""
 TAIL_SAMPLES: Final = 8
@@ -56,7 +57,7 @@ class _ClipReader:
     """Reads every file once and retargets it once for each way in which steps ask for it."""
 
     def __init__(self) -> None:
-        self._motions: dict[Path, BvhMotion] = {}
+        self._motions: dict[tuple[Path, object], SourceMotion] = {}
         self._clips: dict[tuple[object, ...], Clip] = {}
 
     def read(self, entry: RecordingEntry) -> Clip:
@@ -67,20 +68,11 @@ class _ClipReader:
             self._clips[key] = self._retarget(entry, self._motion(entry, path))
         return self._clips[key]
 
-    def _motion(self, entry: RecordingEntry, path: Path) -> BvhMotion:
-        if path not in self._motions:
+    def _motion(self, entry: RecordingEntry, path: Path) -> SourceMotion:
+        key = (path, entry.recording.up)
+        if key not in self._motions:
             try:
-                if not path.is_file():
-                    there = ", ".join(sorted(p.name for p in path.parent.glob("*.bvh"))[:12]) or "no BVH file"
-                    words = f"there is no file {entry.recording.file!r}; beside the TOML file: {there}"
-                    raise RecordingError(entry.problem("file", words))
-                if path.stat().st_size > MAX_BYTES:
-                    raise RecordingError(entry.problem("file", f"more than {MAX_BYTES} bytes; cut it into pieces"))
-                text = path.read_bytes().decode("utf-8", errors="replace")
-            except (OSError, ValueError) as error:
-                raise RecordingError(entry.problem("file", f"cannot be read: {error}")) from None
-            try:
-                motion = parse_bvh(text, str(path))
+                motion = read_motion(path, up=entry.recording.up)
             except MotionFileError as error:
                 raise RecordingError(entry.problem("file", str(error))) from None
             if motion.frame_count < motion.frames_declared - FRAMES_OFF:
@@ -89,11 +81,11 @@ class _ClipReader:
                     "copy it again, or correct its line 'Frames:' if this is all"
                 )
                 raise RecordingError(entry.problem("file", words))
-            self._motions[path] = motion
-        return self._motions[path]
+            self._motions[key] = motion
+        return self._motions[key]
 
     @staticmethod
-    def _retarget(entry: RecordingEntry, motion: BvhMotion) -> Clip:
+    def _retarget(entry: RecordingEntry, motion: SourceMotion) -> Clip:
         recording = entry.recording
         if recording.drop_frames >= motion.frame_count:
             words = f"{recording.drop_frames}, but the recording has {motion.frame_count} frames"

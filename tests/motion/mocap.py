@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from live.motion.bvh import BvhMotion, parse_bvh
+from live.motion.bvh import BvhMotion, parse_bvh, source_of_bvh
+from live.motion.source_motion import SourceMotion
 
 MOCAP = Path(__file__).resolve().parents[3] / "shared" / "mocap"
 
@@ -30,10 +31,16 @@ def _parsed(name: str) -> BvhMotion:
     return parse_bvh(mocap_text(name), name)
 
 
-def mocap_motion(name: str) -> BvhMotion:
-    """A recording, parsed once per test run."""
+def mocap_bvh(name: str) -> BvhMotion:
+    """A BVH file as it is written, parsed once per test run."""
     mocap_file(name)
     return _parsed(name)
+
+
+@cache
+def mocap_motion(name: str) -> SourceMotion:
+    """The motion of a BVH file."""
+    return source_of_bvh(mocap_bvh(name))
 
 
 def mocap_index() -> list[dict[str, Any]]:

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from live.motion.bvh import MotionFileError, parse_bvh
-from live.motion.bvh_pose import local_pose, world_pose
+from live.motion.bvh.pose import local_pose
 from live.motion.joint_map import find_body
-from live.motion.source_axes import find_root_offset, find_unit, find_up, leg_length
-from tests.motion.mocap import mocap_index, mocap_motion, mocap_text
+from live.motion.source_axes import find_unit, leg_length, standing_pose
+from live.motion.source_pose import world_pose
+from tests.motion.mocap import mocap_bvh, mocap_index, mocap_motion, mocap_text
 
 pytestmark = pytest.mark.shared
 ROWS = [row for row in mocap_index() if row.get("joints") is not None]
@@ -28,7 +29,7 @@ def test_there_are_recordings_of_all_kinds() -> None:
 
 @pytest.mark.parametrize("row", ROWS, ids=name_of)
 def test_counts_and_rates(row: dict[str, Any]) -> None:
-    motion = mocap_motion(row["file"])
+    motion = mocap_bvh(row["file"])
     assert (motion.joint_count, motion.end_parents.size) == (row["joints"], row["end_sites"])
     assert motion.values.shape[1] == row["channels"]
     assert motion.frames_declared == row["frames_declared"]
@@ -47,15 +48,13 @@ def test_up_axis_unit_and_root_offset(row: dict[str, Any]) -> None:
     motion = mocap_motion(row["file"])
     body = find_body(motion)
     assert body.missing == ()
-    positions = world_pose(motion, local_pose(motion)).positions
-    up = find_up(body, positions)
+    world, up = standing_pose(motion, body, None)
     if row["up_axis"] is not None:
         assert up == row["up_axis"]
-    offset = find_root_offset(motion, body, positions, up or "Y")
     if row["root_offset"] != "unclear":
-        assert offset == ("zero" if row["root_offset"] == "none" else row["root_offset"])
+        assert motion.root_offset == ("zero" if row["root_offset"] == "none" else row["root_offset"])
     if row["unit_cm"] is not None and row["unit_cm"] != 128:  # 1.28 m is nobody's unit: nothing tells it from 1 m
-        assert find_unit(leg_length(body, positions)) == pytest.approx(row["unit_cm"] / 100.0, rel=1e-3)
+        assert find_unit(leg_length(body, world.positions)) == pytest.approx(row["unit_cm"] / 100.0, rel=1e-3)
 
 
 def test_a_file_without_motion_says_so() -> None:
@@ -67,8 +66,8 @@ def test_a_file_without_motion_says_so() -> None:
 
 def test_the_scaled_copy_is_the_same_motion() -> None:
     """salsa_60_05_scaled.bvh is salsa/60_05.bvh in units of 1.28 m without its first frame."""
-    one, other = mocap_motion("salsa/60_05.bvh"), mocap_motion("edge/salsa_60_05_scaled.bvh")
-    here, there = (world_pose(motion, local_pose(motion)).positions for motion in (one, other))
+    one, other = mocap_bvh("salsa/60_05.bvh"), mocap_bvh("edge/salsa_60_05_scaled.bvh")
+    here, there = (world_pose(motion.parents, local_pose(motion)).positions for motion in (one, other))
     np.testing.assert_allclose(here[1:], there * 128.0, atol=0.02)
 
 

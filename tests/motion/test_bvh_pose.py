@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from live.motion import quaternion
-from live.motion.bvh import BvhMotion, parse_bvh
-from live.motion.bvh_pose import end_positions, local_pose, rest_positions, world_pose
+from live.motion.bvh import BvhMotion, parse_bvh, source_of_bvh
+from live.motion.bvh.pose import local_pose
 from live.motion.forward import forward_kinematics
 from live.motion.skeleton import Skeleton
-from tests.motion.mocap import mocap_motion
+from live.motion.source_pose import end_positions, rest_pose, world_pose
+from tests.motion.mocap import mocap_bvh
 
 ARM = """HIERARCHY
 ROOT A
@@ -38,10 +39,10 @@ Frame Time: 0.040000
 def test_the_example_of_t164() -> None:
     """B and C = End Site in the three frames, as printed (row T164 of Schulz 2011, appendix B)."""
     motion = parse_bvh(ARM, "arm.bvh")
-    world = world_pose(motion, local_pose(motion))
+    world = world_pose(motion.parents, local_pose(motion))
     np.testing.assert_allclose(world.positions[:, 0], [(30, 80, 20)] * 3)
     np.testing.assert_allclose(world.positions[:, 1], [(40, 80, 20), (35, 88.6603, 20), (35, 88.6603, 20)], atol=5e-5)
-    ends = end_positions(motion, world)[:, 0]
+    ends = end_positions(source_of_bvh(motion), world)[:, 0]
     np.testing.assert_allclose(ends, [(40, 60, 20), (52.3205, 78.6603, 20), (45, 71.3397, 20)], atol=5e-5)
 
 
@@ -91,8 +92,8 @@ def matrices(motion: BvhMotion, frame: int) -> np.ndarray:
     ],
 )
 def test_real_files_agree_with_matrices(name: str) -> None:
-    motion = mocap_motion(name)
-    world = world_pose(motion, local_pose(motion))
+    motion = mocap_bvh(name)
+    world = world_pose(motion.parents, local_pose(motion))
     size = np.abs(world.positions).max()
     for frame in np.unique(np.linspace(0, motion.frame_count - 1, 7).astype(int)):
         expected = matrices(motion, int(frame))
@@ -105,8 +106,8 @@ def test_real_files_agree_with_matrices(name: str) -> None:
 @pytest.mark.shared
 @pytest.mark.parametrize("name", ["walk/figure8_MS2_8Walk_M.bvh", "edge/blender_rigify_metres_freemocap.bvh"])
 def test_positions_on_every_joint_do_not_stretch_the_body(name: str) -> None:
-    motion = mocap_motion(name)
-    world = world_pose(motion, local_pose(motion))
+    motion = mocap_bvh(name)
+    world = world_pose(motion.parents, local_pose(motion))
     for joint in range(1, motion.joint_count):
         length = np.linalg.norm(world.positions[:, joint] - world.positions[:, motion.parents[joint]], axis=-1)
         np.testing.assert_allclose(length, np.linalg.norm(motion.offsets[joint]), atol=0.012)
@@ -127,15 +128,15 @@ def test_random_layouts_agree_with_matrices() -> None:
             text += f"{'JOINT' if joint else 'ROOT'} j{joint} {{ OFFSET {offset} CHANNELS {len(letters)} {channels}\n"
         rows = "\n".join(" ".join(map(str, row)) for row in rng.uniform(-400, 400, (3, total)))
         motion = parse_bvh(f"{text}{'}' * count}\nMOTION\nFrames: 3\nFrame Time: 0.1\n{rows}\n", "random")
-        world = world_pose(motion, local_pose(motion))
+        world = world_pose(motion.parents, local_pose(motion))
         for frame in range(3):
             np.testing.assert_allclose(world.positions[frame], matrices(motion, frame)[:, :3, 3], atol=1e-9)
 
 
 def test_a_root_whose_channels_hold_the_whole_place() -> None:
     motion = parse_bvh(ARM.replace("OFFSET 0.000000 0.000000 0.000000", "OFFSET 30 80 20", 1), "arm.bvh")
-    added = world_pose(motion, local_pose(motion))
-    replaced = world_pose(motion, local_pose(motion, "replace"))
+    added = world_pose(motion.parents, local_pose(motion))
+    replaced = world_pose(motion.parents, local_pose(motion, "replace"))
     assert added.positions[0, 0].tolist() == [60, 160, 40]
     assert replaced.positions[0, 0].tolist() == [30, 80, 20]
     np.testing.assert_allclose(added.rotations, replaced.rotations)
@@ -154,18 +155,18 @@ Frame Time: 0.1
 0 0 0 {moved}
 """
     motion = parse_bvh(text, "x")
-    assert world_pose(motion, local_pose(motion)).positions[0, 1].tolist() == [expected, 0, 0]
+    assert world_pose(motion.parents, local_pose(motion)).positions[0, 1].tolist() == [expected, 0, 0]
 
 
 @pytest.mark.shared
 def test_the_engines_own_forward_kinematics_agrees() -> None:
-    motion = mocap_motion("salsa/60_01.bvh")
+    motion = mocap_bvh("salsa/60_01.bvh")
     local = local_pose(motion)
     skeleton = Skeleton(motion.names, motion.parents, motion.offsets.astype(np.float32))
     positions, _ = forward_kinematics(local.translation[:100, 0], local.rotation[:100], skeleton)
-    np.testing.assert_allclose(positions, world_pose(motion, local).positions[:100], atol=1e-4)
+    np.testing.assert_allclose(positions, world_pose(motion.parents, local).positions[:100], atol=1e-4)
 
 
 def test_rest_pose_is_the_sum_of_offsets() -> None:
     motion = parse_bvh(ARM, "arm.bvh")
-    assert rest_positions(motion).tolist() == [[0, 0, 0], [10, 0, 0]]
+    assert rest_pose(source_of_bvh(motion)).positions[0].tolist() == [[0, 0, 0], [10, 0, 0]]

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from live.motion import quaternion
-from live.motion.bvh import BvhMotion, MotionFileError, parse_bvh
-from live.motion.bvh_pose import local_pose, world_pose
+from live.motion.bvh import MotionFileError, parse_bvh, source_of_bvh
 from live.motion.clip import Clip
 from live.motion.forward import forward_kinematics
 from live.motion.joint_map import find_body
 from live.motion.retarget import find_floor, retarget
 from live.motion.skeleton import SKELETON
 from live.motion.source_axes import standing_pose
+from live.motion.source_motion import SourceMotion
 from tests.motion.made_bvh import STANDING_CM, body_bvh, column, danced, still
 from tests.motion.mocap import mocap_motion
 
@@ -42,8 +42,8 @@ REAL = {
 }
 
 
-def made(values: np.ndarray, **how: object) -> BvhMotion:
-    return parse_bvh(body_bvh(values, **how), "made.bvh")  # type: ignore[arg-type]
+def made(values: np.ndarray, **how: object) -> SourceMotion:
+    return source_of_bvh(parse_bvh(body_bvh(values, **how), "made.bvh"))  # type: ignore[arg-type]
 
 
 def positions_of(clip: Clip) -> np.ndarray:
@@ -100,7 +100,7 @@ def test_the_rest_pose_of_the_file_does_not_matter(arms: str) -> None:
     np.testing.assert_allclose(second, first, atol=1e-4)
 
 
-def scrambled(text_values: np.ndarray) -> BvhMotion:
+def scrambled(text_values: np.ndarray) -> SourceMotion:
     """A body whose rest pose means nothing (all bones along x, as some programs write), dancing the same dance.
 
     Every joint gets a random turn of its own in the rest pose, undone in the motion.
@@ -108,7 +108,7 @@ def scrambled(text_values: np.ndarray) -> BvhMotion:
     motion = made(text_values)
     rng = np.random.default_rng(2)
     turns = quaternion.unit(rng.normal(size=(motion.joint_count, 4)))
-    world = world_pose(motion, local_pose(motion))
+    world, _ = standing_pose(motion, find_body(motion), None)
     rotations = quaternion.mul(world.rotations, turns)  # world rotations of the new joints' axes
     offsets = motion.offsets.copy()
     values = np.empty((motion.frame_count, 3 + 3 * motion.joint_count))
@@ -236,7 +236,7 @@ def test_a_believable_unit_passes() -> None:
 def test_what_is_no_body_is_refused() -> None:
     text = "HIERARCHY\nROOT base { OFFSET 0 0 0 CHANNELS 1 Xrotation }\nMOTION\nFrames: 1\nFrame Time: 1\n0\n"
     with pytest.raises(MotionFileError, match=r"no joints found for leftUpperLeg, .* among base"):
-        retarget(parse_bvh(text, "x.bvh"), name="x")
+        retarget(source_of_bvh(parse_bvh(text, "x.bvh")), name="x")
 
 
 def test_legs_without_length_are_refused() -> None:
@@ -276,7 +276,7 @@ def test_real_limbs_point_where_the_sources_do(name: str) -> None:
     rate = float(how.get("fps", motion.header_fps))
     clip = retarget(motion, name=name, sample_rate=rate, **how)  # type: ignore[arg-type]
     body = find_body(motion)
-    _, world, up = standing_pose(motion, body, None)
+    world, up = standing_pose(motion, body, None)
     source = world.positions[int(how.get("drop_frames", 0)) :]
     if up == "Z":
         source = np.stack((source[..., 0], source[..., 2], -source[..., 1]), axis=-1)
@@ -295,7 +295,7 @@ def test_real_feet_stand_on_the_floor_and_slide_little_more_than_recorded(name: 
     rate = float(how.get("fps", motion.header_fps))
     clip = retarget(motion, name=name, sample_rate=rate, **how)  # type: ignore[arg-type]
     positions = positions_of(clip)
-    _, world, up = standing_pose(motion, body := find_body(motion), None)
+    world, up = standing_pose(motion, body := find_body(motion), None)
     source = world.positions[int(how.get("drop_frames", 0)) :]
     if up == "Z":
         source = np.stack((source[..., 0], source[..., 2], -source[..., 1]), axis=-1)

@@ -3,24 +3,24 @@
 import numpy as np
 import pytest
 
-from live.motion.bvh import BvhMotion, parse_bvh
-from live.motion.bvh_pose import local_pose, world_pose
+from live.motion.bvh import parse_bvh, source_of_bvh
 from live.motion.joint_map import SourceBody, find_body
 from live.motion.source_axes import (
     ENGINE_LEG,
     body_height,
-    find_root_offset,
     find_unit,
     find_up,
     leg_length,
     standing_pose,
 )
+from live.motion.source_motion import SourceMotion
 from tests.motion.made_bvh import STANDING_CM, body_bvh, column, danced, still
 
 
-def read(values: np.ndarray, **how: object) -> tuple[BvhMotion, SourceBody, np.ndarray]:
-    motion = parse_bvh(body_bvh(values, **how), "made")  # type: ignore[arg-type]
-    return motion, find_body(motion), world_pose(motion, local_pose(motion)).positions
+def read(values: np.ndarray, **how: object) -> tuple[SourceMotion, SourceBody, np.ndarray]:
+    motion = source_of_bvh(parse_bvh(body_bvh(values, **how), "made"))  # type: ignore[arg-type]
+    body = find_body(motion)
+    return motion, body, standing_pose(motion, body, None)[0].positions
 
 
 def test_the_engines_leg_is_805_mm_and_its_body_170_cm() -> None:
@@ -62,18 +62,15 @@ def test_root_offset_that_is_added_or_already_there(use: str, z_up: bool) -> Non
     values = danced()
     if use == "add":
         values[:, 1] -= STANDING_CM
-    motion, body, positions = read(values, offsets={"Hips": (3.0, STANDING_CM, 7.0)}, z_up=z_up)
-    assert find_root_offset(motion, body, positions, "Z" if z_up else "Y") == use
-    _, world, up = standing_pose(motion, body, None)
+    motion, body, _ = read(values, offsets={"Hips": (3.0, STANDING_CM, 7.0)}, z_up=z_up)
+    assert motion.root_offset == use
+    world, up = standing_pose(motion, body, None)
     assert up == ("Z" if z_up else "Y")
     lowest = world.positions[..., 2 if z_up else 1].min(axis=1)
     assert abs(np.median(lowest)) < 30.0
 
 
 def test_root_offset_that_is_zero_or_cannot_be_told() -> None:
-    motion, body, positions = read(danced())
-    assert find_root_offset(motion, body, positions, "Y") == "zero"
-    motion, body, positions = read(still(1), offsets={"Hips": (0.0, STANDING_CM, 0.0)})
-    assert find_root_offset(motion, body, positions, "Y") is None
-    motion, body, positions = read(danced(), offsets={"Hips": (50.0, 0.0, 0.0)})
-    assert find_root_offset(motion, body, positions, "Y") is None
+    assert read(danced())[0].root_offset == "zero"
+    assert read(still(1), offsets={"Hips": (0.0, STANDING_CM, 0.0)})[0].root_offset is None
+    assert read(danced(), offsets={"Hips": (50.0, 0.0, 0.0)})[0].root_offset is None

@@ -165,7 +165,7 @@ def test_several_files_come_in_the_order_of_their_names_and_pairs_are_passed_ove
         ("bpm = 120", "bpm = nan", "line 4: bpm: "),
         ("bpm = 120", "bpm = 1e9", "line 4: bpm: input should be less than or equal to 400"),
         ("bpm = 120", "bmp = 120", "line 4: bmp: unknown key; did you mean 'bpm'? allowed are file, name"),
-        ('"dance.bvh"', '"dnace.bvh"', "line 2: file: there is no file 'dnace.bvh'; beside the TOML file: dance.bvh"),
+        ('"dance.bvh"', '"dnace.bvh"', "dnace.bvh: there is no such file; there are: dance.bvh"),
         ('"dance.bvh"', '"steps.toml"', "line 2: file: "),
         ('"dance.bvh"', '"a\\u0000b"', "line 2: file: "),
         ("measures = 2", "drop_frames = 601", "line 6: drop_frames: 601, but the recording has 601 frames"),
@@ -238,9 +238,9 @@ def test_folders_without_anything_usable(tmp_path: Path) -> None:
 def test_a_file_is_read_once_for_all_its_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from live.steps import recordings
 
-    read: list[str] = []
-    parse = recordings.parse_bvh
-    monkeypatch.setattr(recordings, "parse_bvh", lambda text, file: read.append(file) or parse(text, file))
+    read: list[Path] = []
+    read_motion = recordings.read_motion
+    monkeypatch.setattr(recordings, "read_motion", lambda path, up: read.append(path) or read_motion(path, up=up))
     toml = 'file = "dance.bvh"\nbpm = 120\nfirst_beat_s = 0\n' + '[[step]]\nname = "a"\n' * 5
     assert len(load_recordings(folder(tmp_path, toml))) == 5
     assert len(read) == 1

@@ -11,16 +11,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.bvh_hierarchy import (
-    MAGNITUDE_LIMIT,
-    Hierarchy,
-    MotionFileError,
-    parse_hierarchy,
-    read_number,
-    shown,
-)
-
-__all__ = ["VALUE_LIMIT", "BvhMotion", "MotionFileError", "parse_bvh"]
+from live.motion.bvh.hierarchy import Hierarchy, parse_hierarchy
+from live.motion.file_error import MAGNITUDE_LIMIT, MotionFileError, read_number, shown
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
