@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion import quaternion
-from live.motion.source_motion import Float64, Int32, SourceMotion
+from live.motion.source_motion import Int32, SourceMotion
 
 Float = npt.NDArray[np.floating]
 
@@ -45,10 +45,10 @@ def world_pose(parents: Int32, local: LocalPose) -> WorldPose:
     return WorldPose(np.ascontiguousarray(positions.swapaxes(0, 1)), np.ascontiguousarray(rotations.swapaxes(0, 1)))
 
 
-def end_positions(motion: SourceMotion, world: WorldPose) -> Float64:
+def end_positions(motion: SourceMotion, world: WorldPose) -> Float:
     """World positions of the End Sites [file units], shape (T, E, 3)."""
     turned = quaternion.rotate(world.rotations[:, motion.end_parents], motion.end_offsets)
-    return np.asarray(world.positions[:, motion.end_parents] + turned, np.float64)
+    return np.asarray(world.positions[:, motion.end_parents] + turned)
 
 
 def rest_pose(motion: SourceMotion) -> WorldPose:

@@ -69,7 +69,7 @@ def _format_of(data: bytes, path: Path) -> str:
 
 def _source_of_gltf(data: bytes, file: str) -> SourceMotion:
     try:
-        from live.motion.gltf_reader import parse_gltf  # type: ignore[import-not-found,unused-ignore]
+        from live.motion.gltf_reader import parse_gltf  # type: ignore[import-not-found,import-untyped,unused-ignore]
     except ModuleNotFoundError:
         raise MotionFileError(file, None, "glTF files are not read yet", "a BVH file expected") from None
     motion: SourceMotion = parse_gltf(data, file)
@@ -78,7 +78,7 @@ def _source_of_gltf(data: bytes, file: str) -> SourceMotion:
 
 def _source_of_amass(data: bytes, file: str) -> SourceMotion:
     try:
-        from live.motion.amass import parse_amass  # type: ignore[import-not-found,unused-ignore]
+        from live.motion.amass import parse_amass  # type: ignore[import-not-found,import-untyped,unused-ignore]
     except ModuleNotFoundError:
         raise MotionFileError(file, None, "npz files are not read yet", "a BVH file expected") from None
     motion: SourceMotion = parse_amass(data, file)
