@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.library import StepLibrary
+from live.graph.structure import may_follow, unmatched_poses
 from live.graph.transition import Transitions, all_pairs, transition_windows
 from live.motion.skeleton import SKELETON
 
@@ -60,16 +61,18 @@ def build_graph(library: StepLibrary, *, window: float = 0.1875, threshold: floa
     """Connect the measures of a library.
 
     `window`: length of a transition as a share of the measure (T036); `threshold` [m]: largest distance (T034) of an
-    edge. Within a step of several measures each one leads to the next alone, without cost (T039). ValueError if no two
-    measures connect.
+    edge. Within a step of several measures each one leads to the next alone, without cost (T039). Poses in which steps
+    begin and end must agree where they are named (T136), and a step that transfers the weight is repeated on the other
+    side (T135). ValueError if no two measures connect.
     """
     transitions = all_pairs(*transition_windows(library, window))
-    allowed = _allowed(library, transitions, threshold)
+    allowed = allowed_edges(library, transitions, threshold)
     alive = largest_component(allowed)
     if not allowed[np.ix_(alive, alive)].any():
         raise ValueError(
             f"no step of {', '.join(library.steps)} leads to another within {threshold} m: "
             "raise the threshold or make their beginnings and ends more alike"
+            + "".join(f"; {name} {why}" for name, why in unmatched_poses(library).items())
         )
     allowed &= alive[:, None] & alive[None]
     source, target = np.nonzero(allowed)
@@ -79,8 +82,9 @@ def build_graph(library: StepLibrary, *, window: float = 0.1875, threshold: floa
     transform[inner] = 0.0
     cost = np.where(inner, 0.0, transitions.distance[source, target])
     facing_start, facing_end = _facing(library, window)
+    poses = unmatched_poses(library)
     dead = [
-        f"{name}: nothing leads to it and away again within {threshold:g} m"
+        f"{name}: {poses.get(name, f'nothing leads to it and away again within {threshold:g} m')}"
         for step, name in enumerate(library.steps)
         if not alive[library.node_step == step].any()
     ]
@@ -100,11 +104,11 @@ def build_graph(library: StepLibrary, *, window: float = 0.1875, threshold: floa
     )
 
 
-def _allowed(library: StepLibrary, transitions: Transitions, threshold: float) -> Bool:
-    """Which ordered pairs of nodes may follow each other, shape (N, N)."""
+def allowed_edges(library: StepLibrary, transitions: Transitions, threshold: float) -> Bool:
+    """Which ordered pairs of nodes may follow each other, before dead ends are pruned, shape (N, N)."""
     leaves = library.node_measure == library.node_measures - 1
     enters = library.node_measure == 0
-    allowed = (transitions.distance <= threshold) & leaves[:, None] & enters[None]
+    allowed = (transitions.distance <= threshold) & leaves[:, None] & enters[None] & may_follow(library)
     inside = np.flatnonzero(~leaves)
     allowed[inside, inside + 1] = True  # the measures of one clip are neighbours in the library
     return np.asarray(allowed, np.bool_)

@@ -1,13 +1,17 @@
 """The other side of the body: what the right does, the left does (T042)."""
 
+import re
 from dataclasses import replace
+from typing import Final
 
 import numpy as np
 
 from live.motion.clip import Clip
 from live.motion.skeleton import MIRROR
-from live.motion.step_clip import StepClip
+from live.motion.step_clip import LeadingFoot, StepClip
 
+_OTHER_FOOT: Final[dict[LeadingFoot, LeadingFoot]] = {"": "", "left": "right", "right": "left"}
+_SIDE: Final = re.compile(r"\b(left|right)\b", re.IGNORECASE)
 _REFLECTION = np.array((-1.0, 1.0, 1.0), np.float32)
 _ROTATION_REFLECTION = np.array((1.0, 1.0, -1.0, -1.0), np.float32)
 
@@ -23,14 +27,30 @@ def mirror_clip(clip: Clip, name: str | None = None) -> Clip:
     )
 
 
+def other_side(words: str) -> str:
+    """The words with left and right exchanged: "left foot in front" becomes "right foot in front"."""
+
+    def exchange(found: re.Match[str]) -> str:
+        word = "right" if found[0].lower() == "left" else "left"
+        return word.upper() if found[0].isupper() else word.capitalize() if found[0][0].isupper() else word
+
+    return _SIDE.sub(exchange, words)
+
+
 def mirror_step(step: StepClip) -> StepClip:
-    """The step danced on the other side: mirrored motion, the other direction, `mirrored` turned over (T042)."""
-    direction = step.direction
-    if "left" in direction:
-        direction = direction.replace("left", "right")
-    else:
-        direction = direction.replace("right", "left")
+    """The step danced on the other side (T042): mirrored motion, and left and right exchanged in what is said of it.
+
+    That is the direction, the leading foot and the names of the poses; `mirrored` is turned over.
+    """
     name = step.clip.name.removesuffix(" (mirrored)")
     if not step.mirrored:
         name += " (mirrored)"
-    return replace(step, clip=mirror_clip(step.clip, name), direction=direction, mirrored=not step.mirrored)
+    return replace(
+        step,
+        clip=mirror_clip(step.clip, name),
+        direction=other_side(step.direction),
+        mirrored=not step.mirrored,
+        leading_foot=_OTHER_FOOT[step.leading_foot],
+        begin_pose=other_side(step.begin_pose),
+        end_pose=other_side(step.end_pose),
+    )

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from live.base.toml_lines import KeyPath, error_line, line_of, toml_lines
+from live.motion.sketch_attributes import ATTRIBUTES, read_attributes
 from live.motion.sketch_words import PAIRS, PARTS, WordError, Words, read_counts, read_phrases
 
 MAX_BEATS: Final = 16
@@ -65,6 +66,8 @@ class Sketch:
     """How far the pelvis goes down on each beat [m] where no line of [pelvis] says up or down."""
     swing: float = 0.7
     """How long a foot is in the air at most on its way to the next place [beats]."""
+    attributes: Mapping[str, Any] = field(default_factory=dict)
+    """What else is said of the step, by the names of StepClip's fields (see `sketch_attributes`)."""
     parts: Mapping[str, tuple[Key, ...]] = field(default_factory=dict)
     """Part → its keys in the order of their beats."""
     lines: Mapping[KeyPath, int] = field(default_factory=dict)
@@ -109,7 +112,8 @@ class _Reader:
     def sketch(self) -> Sketch:
         for name, value in self.table.items():
             self._known(name, value)
-        sketch = Sketch(name=self._name(), file=self.file, lines=self.lines, **self._fields())
+        attributes = read_attributes(self.table, self._error)
+        sketch = Sketch(name=self._name(), file=self.file, lines=self.lines, attributes=attributes, **self._fields())
         if sketch.beats % sketch.beats_per_measure:
             remedy = f"make beats a multiple of beats_per_measure ({sketch.beats_per_measure})"
             raise self._error(("beats",), f"{sketch.beats} beats are not whole measures", remedy)
@@ -131,7 +135,7 @@ class _Reader:
         return SketchError(self.file, line_of(self.lines, path), name, problem, remedy)
 
     def _known(self, name: str, value: object) -> None:
-        fields = ["name", *_WHOLES, *_SWITCHES, *_NUMBERS]
+        fields = ["name", *_WHOLES, *_SWITCHES, *_NUMBERS, *ATTRIBUTES]
         tables = [*PARTS, *PAIRS]
         if name not in fields and name not in tables:
             raise self._error((name,), "unknown", f"fields: {', '.join(fields)}; parts: {', '.join(tables)}")

@@ -1,5 +1,6 @@
 """From a sketch to step clips: every direction of T131, and the other side of the body (T042)."""
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -14,6 +15,7 @@ from live.motion.sketch_feet import Path, keep_apart, placed, track
 from live.motion.sketch_pose import Ground
 from live.motion.sketch_stances import balance, flights, stances, supported
 from live.motion.step_clip import DIRECTIONS, StepClip
+from live.motion.step_figures import measured_distance
 
 Float = npt.NDArray[np.floating]
 
@@ -81,7 +83,7 @@ def step_clip(sketch: Sketch, direction: str = "in place") -> StepClip:
         sample_rate=SAMPLES_PER_BEAT * sketch.bpm / 60.0,
         contact=contact,
     )
-    return StepClip(
+    step = StepClip(
         step=sketch.name,
         clip=clip,
         first=float(first),
@@ -90,7 +92,9 @@ def step_clip(sketch: Sketch, direction: str = "in place") -> StepClip:
         beats_per_measure=sketch.beats_per_measure,
         bpm=sketch.bpm,
         direction=direction,
+        **sketch.attributes,
     )
+    return replace(step, distance_m=measured_distance(step))
 
 
 def _check_reach(sketch: Sketch, direction: str, beats: Float, short: Float) -> None:

@@ -1,7 +1,7 @@
 """StepClip: a clip that holds one danced step of whole measures, with the lead-in before it (T039, T040, T042)."""
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 from live.motion.clip import Clip
 
@@ -17,6 +17,9 @@ DIRECTIONS: Final = (
     "long back",
 )
 """The nine directions of T131, as the dancer sees them: her right, not the audience's."""
+
+LeadingFoot = Literal["", "left", "right"]
+"""The foot that begins a step; "" where nobody has said."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,9 +37,24 @@ class StepClip:
     bpm: float = 120.0
     """Tempo at which the clip plays at its own speed."""
     direction: str = "in place"
-    """One of DIRECTIONS for sketches; "" where nobody has said."""
+    """One of DIRECTIONS: as written, else as measured."""
+    distance_m: float = 0.0
+    """Length of the way from the first to the last measure line [m], as written, else as measured."""
     mirrored: bool = False
     """True if this is the mirror image of what was recorded or sketched (T042)."""
+    leading_foot: LeadingFoot = ""
+    """Structural variation (T042, T046)."""
+    begin_pose: str = ""
+    """Name of the pose in which it begins (T136); "" follows any."""
+    end_pose: str = ""
+    """Name of the pose in which it ends (T136); "" leads to any."""
+    weight_transfer: bool = False
+    """True if the weight ends on the other foot, so that a repeat must be danced on the other side (T135)."""
+    author: str = ""
+    """Who danced or wrote it."""
+    style: str = ""
+    """Stylistic variation in a word: how it is danced."""
+    tags: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         end = self.first + self.measures * self.samples_per_measure

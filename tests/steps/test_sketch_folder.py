@@ -5,6 +5,7 @@ import pytest
 
 from live.show.patch_file import PATCHES
 from live.steps import sketch_folder
+from live.steps.clip_cache import ClipCache
 from live.steps.sketch_folder import StepsError, load_steps
 
 SWAY = 'name = "sway"\n[pelvis]\n"1" = "left 4"\n"3" = "right 4"\n'
@@ -53,7 +54,7 @@ def test_a_broken_cache_is_no_problem(folder, tmp_path):
 
 
 def test_old_caches_are_removed(folder, tmp_path, monkeypatch):
-    monkeypatch.setattr(sketch_folder, "KEPT_CACHES", 2)
+    monkeypatch.setattr(sketch_folder, "CACHE", ClipCache("steps", kept=2))
     for size in (3, 4, 5, 6):
         (folder / "sway.toml").write_text(SWAY.replace("left 4", f"left {size}"))
         load_steps(folder)

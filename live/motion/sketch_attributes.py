@@ -1,0 +1,40 @@
+"""What a sketch says about its step beside the motion: structure (T135, T136), author, style, tags (T040)."""
+
+from collections.abc import Callable, Mapping
+from typing import Any, Final
+
+from live.base.toml_lines import KeyPath
+
+WORDS: Final = ("begin_pose", "end_pose", "author", "style")
+ATTRIBUTES: Final = ("leading_foot", "weight_transfer", "begin_pose", "end_pose", "author", "style", "tags")
+MAX_WORD: Final = 64
+MAX_TAGS: Final = 64
+
+
+def read_attributes(table: Mapping[str, Any], error: Callable[[KeyPath, str, str], Exception]) -> dict[str, Any]:
+    """The attributes in the TOML `table` of a sketch, ready for StepClip; raises what `error` makes of a wrong one.
+
+    `error` takes the path of the field, the problem and the remedy.
+    """
+    values: dict[str, Any] = {}
+    for name in ATTRIBUTES:
+        value = table.get(name)
+        if value is None:
+            continue
+        if name == "leading_foot" and value not in ("left", "right"):
+            raise error((name,), f"read {value!r:.40}", 'write "left" or "right"')
+        if name == "weight_transfer" and not isinstance(value, bool):
+            raise error((name,), f"read {value!r:.40}", "true or false is needed")
+        if name in WORDS and not _is_word(value):
+            raise error((name,), f"read {value!r:.40}", f"a text of 1 to {MAX_WORD} characters is needed")
+        if name == "tags":
+            if not isinstance(value, list) or len(value) > MAX_TAGS or not all(map(_is_word, value)):
+                remedy = f'write at most {MAX_TAGS} words in brackets: tags = ["slow", "low"]'
+                raise error((name,), f"read {value!r:.40}", remedy)
+            value = tuple(value)
+        values[name] = value
+    return values
+
+
+def _is_word(value: object) -> bool:
+    return isinstance(value, str) and len(value.strip()) > 0 and len(value) <= MAX_WORD and value.isprintable()

@@ -1,0 +1,119 @@
+"""A cache of step clips on disk, beside the other caches: it follows what the clips were made from, and the code.
+
+A cache is named after everything that it depends on, so an old one is never read: it only takes up room until newer
+ones push it out. Without the cache a start takes longer, nothing else; whatever is wrong with it is passed over.
+"""
+
+import contextlib
+import hashlib
+import json
+import os
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields
+from functools import cache
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from live.base.jit import cache_directory
+from live.motion.clip import Clip
+from live.motion.step_clip import StepClip
+
+_STEP_FIELDS: Final = tuple(field.name for field in fields(StepClip) if field.name != "clip")
+_PACKAGE: Final = Path(__file__).resolve().parents[1]
+
+
+@dataclass(frozen=True, slots=True)
+class ClipCache:
+    """The caches of one kind: files `kind-KEY.npz`, of which the newest `kept` stay, within `max_bytes` together."""
+
+    kind: str
+    kept: int
+    max_bytes: int = 4_000_000_000
+
+    def clips(self, sources: Iterable[bytes], build: Callable[[], list[StepClip]]) -> list[StepClip]:
+        """What `build` makes of `sources`: out of the cache if there is one, else built and kept.
+
+        `sources` is all that the clips depend on beside the code, in a fixed order. What `build` raises passes through,
+        and nothing is kept.
+        """
+        path = self._path(sources)
+        clips = _read(path)
+        if clips is None:
+            clips = build()
+            if clips:
+                self._write(path, clips)
+        return clips
+
+    def _path(self, sources: Iterable[bytes]) -> Path:
+        digest = hashlib.sha256(_code())
+        for source in sources:
+            digest.update(len(source).to_bytes(8, "little"))
+            digest.update(source)
+        return cache_directory().parent / f"{self.kind}-{digest.hexdigest()[:16]}.npz"
+
+    def _write(self, path: Path, clips: list[StepClip]) -> None:
+        unfinished = path.with_suffix(f".{os.getpid()}.tmp")
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with unfinished.open("wb") as file:
+                np.savez(
+                    file,
+                    root=np.concatenate([c.clip.root_position for c in clips]),
+                    rotation=np.concatenate([c.clip.rotation for c in clips]),
+                    contact=np.concatenate([c.clip.contact for c in clips]),
+                    rows=np.frombuffer(json.dumps([_row(c) for c in clips]).encode(), np.uint8),
+                )
+            unfinished.replace(path)
+            self._make_room(path.parent)
+        except OSError:
+            with contextlib.suppress(OSError):
+                unfinished.unlink()
+
+    def _make_room(self, folder: Path) -> None:
+        caches = [(cache.stat(), cache) for cache in folder.glob(f"{self.kind}-*.npz")]
+        total = 0
+        for number, (state, old) in enumerate(sorted(caches, key=lambda one: one[0].st_mtime_ns, reverse=True)):
+            total += state.st_size
+            if number >= self.kept or (number > 0 and total > self.max_bytes):
+                old.unlink(missing_ok=True)
+
+
+@cache
+def _code() -> bytes:
+    """A digest of the code that turns files into clips."""
+    digest = hashlib.sha256()
+    for package in ("motion", "steps"):
+        for source in sorted((_PACKAGE / package).rglob("*.py")):
+            digest.update(source.read_bytes())
+    return digest.digest()
+
+
+def _row(step: StepClip) -> dict[str, Any]:
+    return {
+        "name": step.clip.name,
+        "samples": step.clip.sample_count,
+        "sample_rate": step.clip.sample_rate,
+        "step": {name: getattr(step, name) for name in _STEP_FIELDS},
+    }
+
+
+def _read(path: Path) -> list[StepClip] | None:
+    """The clips kept at `path`, None if they are not there or not readable; one that was read counts as new."""
+    try:
+        if not path.is_file():
+            return None
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as data:
+            root, rotation, contact = data["root"], data["rotation"], data["contact"]
+            rows = json.loads(data["rows"].tobytes())
+        clips, at = [], 0
+        for row in rows:
+            end = at + row["samples"]
+            clip = Clip(row["name"], root[at:end], rotation[at:end], row["sample_rate"], contact[at:end])
+            clips.append(StepClip(clip=clip, **row["step"] | {"tags": tuple(row["step"]["tags"])}))
+            at = end
+        os.utime(path)
+    except Exception:  # a broken file breaks zipfile, numpy, json and our own checks in their own ways
+        return None
+    return clips
