@@ -71,6 +71,21 @@ def from_axis_angle(axis: Float, angle: Float) -> Float:
     return np.concatenate((np.cos(half[..., :1]), np.sin(half) * axis), axis=-1)
 
 
+def from_rotation_vector(vector: Float) -> Float:
+    """Rotation by |vector| [rad] about `vector` (..., 3): the exponential map."""
+    vector = np.asarray(vector)
+    half = 0.5 * np.linalg.norm(vector, axis=-1, keepdims=True)
+    return np.concatenate((np.cos(half), 0.5 * np.sinc(half / np.pi) * vector), axis=-1)
+
+
+def to_rotation_vector(q: Float) -> Float:
+    """Axis times angle [rad], at most pi long, (..., 3), of unit quaternions: the logarithm."""
+    q = np.where(np.asarray(q)[..., :1] < 0.0, -np.asarray(q), q)
+    sine = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)
+    scale = np.where(sine < 1e-9, 2.0, 2.0 * np.arctan2(sine, q[..., :1]) / np.maximum(sine, 1e-9))
+    return np.asarray(scale * q[..., 1:])
+
+
 def from_two_vectors(start: Float, end: Float) -> Float:
     """Shortest rotation that turns the direction `start` (..., 3) into `end`; for opposite ones about any normal."""
     a, b = np.broadcast_arrays(unit(np.asarray(start)), unit(np.asarray(end)))

@@ -69,3 +69,12 @@ def test_signs_become_continuous_and_rotations_stay() -> None:
     smooth = quaternion.continuous(jumping)
     assert same(smooth, jumping)
     assert (np.sum(smooth[1:] * smooth[:-1], axis=1) > 0.9).all()
+
+
+def test_rotation_vectors(random: np.random.Generator) -> None:
+    rotations = Rotation.random(50, random)
+    vectors = rotations.as_rotvec()
+    assert same(quaternion.from_rotation_vector(vectors), wxyz(rotations))
+    assert np.allclose(quaternion.to_rotation_vector(-wxyz(rotations)), vectors, atol=1e-9)
+    small = 1e-10 * vectors
+    assert np.allclose(quaternion.to_rotation_vector(quaternion.from_rotation_vector(small)), small, atol=1e-14)
