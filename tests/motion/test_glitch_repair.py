@@ -1,0 +1,105 @@
+"""Repair of tracking faults: what was lost comes back nearly as it was, and nothing else changes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from live.motion.body_tracks import body_tracks
+from live.motion.glitch_repair import Repair, repair
+from live.motion.glitches import find_glitches
+from live.motion.run_in import find_beginning
+from live.motion.source_motion import SourceMotion
+from tests.motion.made_source import NAMES, lively, source
+from tests.motion.mocap import mocap_motion
+
+
+def repaired(motion: SourceMotion, fps: float | None = None) -> tuple[SourceMotion, list[Repair]]:
+    tracks = body_tracks(motion, fps=fps)
+    start = find_beginning(tracks).drop_frames
+    result, report = repair(motion, find_glitches(tracks, motion.parents, start), fps=fps)
+    after = body_tracks(result, fps=fps)
+    if all(one.done for one in report):
+        assert find_glitches(after, result.parents, start) == []
+    return result, report
+
+
+def largest_turn(a: SourceMotion, b: SourceMotion) -> float:
+    """Largest angle between the rotations of two motions [degrees]."""
+    dot = np.abs(np.sum(a.rotation * b.rotation, axis=-1))
+    return float(np.degrees(2.0 * np.arccos(np.clip(dot, 0.0, 1.0)).max()))
+
+
+def test_a_clean_dance_stays_as_it_is() -> None:
+    motion = source(lively(4.0, 60.0), 60.0)
+    result, report = repaired(motion)
+    assert report == []
+    assert result is motion
+
+
+@pytest.mark.parametrize("length", [1, 3, 6])
+def test_lost_frames_come_back(length: int) -> None:
+    truth = source(lively(6.0, 60.0), 60.0)
+    lost = slice(150, 150 + length)
+    rotation, translation = truth.rotation.copy(), truth.translation.copy()
+    rotation[lost] = (1.0, 0.0, 0.0, 0.0)
+    translation[lost, 0] = 0.0
+    result, (report,) = repaired(replace(truth, rotation=rotation, translation=translation))
+    assert report.done
+    assert (report.first_frame, report.last_frame) == (149, 150 + length)
+    assert largest_turn(result, truth) < 2.5
+    assert np.abs(result.translation - truth.translation).max() < 0.6
+    outside = [frame for frame in range(truth.frame_count) if not 149 <= frame <= 150 + length]
+    np.testing.assert_array_equal(result.rotation[outside], truth.rotation[outside])
+    np.testing.assert_array_equal(result.translation[outside], truth.translation[outside])
+
+
+def test_only_the_limb_at_fault_changes() -> None:
+    truth = source(lively(6.0, 60.0), 60.0)
+    rotation = truth.rotation.copy()
+    arm = NAMES.index("RightArm")
+    turn = Rotation.from_euler("Y", 80.0, degrees=True)
+    rotation[200:202, arm] = (Rotation.from_quat(rotation[200:202, arm][:, [1, 2, 3, 0]]) * turn).as_quat()[
+        :, [3, 0, 1, 2]
+    ]
+    result, (report,) = repaired(replace(truth, rotation=rotation))
+    assert set(report.joints) == {"RightArm", "RightForeArm", "RightHand"}
+    others = [j for j, name in enumerate(NAMES) if name not in report.joints]
+    np.testing.assert_array_equal(result.rotation[:, others], truth.rotation[:, others])
+    assert largest_turn(result, truth) < 2.0
+    np.testing.assert_allclose(np.linalg.norm(result.rotation, axis=-1), 1.0, atol=1e-12)
+
+
+def test_a_long_gap_is_not_invented() -> None:
+    motion = source(lively(6.0, 60.0), 60.0)
+    rotation, translation = motion.rotation.copy(), motion.translation.copy()
+    for joint in ("UpLeg", "Leg", "Foot", "ToeBase"):
+        left, right = NAMES.index("Left" + joint), NAMES.index("Right" + joint)
+        for array in (rotation, translation):
+            array[100:200, [left, right]] = array[100:200, [right, left]]
+    swapped = replace(motion, rotation=rotation, translation=translation)
+    result, (report,) = repaired(swapped)
+    assert not report.done
+    assert result is swapped
+    assert "too long" in report.note
+
+
+def test_a_fault_at_the_end_stays() -> None:
+    motion = source(lively(3.0, 60.0), 60.0)
+    translation = motion.translation.copy()
+    translation[-2:, 0] += (50.0, 0.0, 0.0)
+    _, (report,) = repaired(replace(motion, translation=translation))
+    assert not report.done
+    assert "end" in report.note
+
+
+@pytest.mark.shared
+@pytest.mark.parametrize(("take", "count"), [("03", 1), ("04", 3), ("05", 2), ("06", 1)])
+def test_salsa(take: str, count: int) -> None:
+    motion = mocap_motion(f"salsa/60_{take}.bvh")
+    result, report = repaired(motion, 60.0)
+    assert [one.done for one in report] == [True] * count
+    assert sum(one.last_frame - one.first_frame + 1 for one in report) <= 18
+    assert all(len(one.joints) == motion.joint_count for one in report)
+    assert result.file == motion.file
