@@ -21,7 +21,7 @@ Resolve = Callable[[str], bytes]
 FILE_LIMIT: Final = 4
 """Other files that one may name."""
 _COMPONENTS: Final = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-_WIDTHS: Final = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+_WIDTHS: Final = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 _FAR: Final = 1 << 40
 _DATA_URI: Final = re.compile(r"data:[^,]{0,200};base64,")
 _BARE_NAME: Final = re.compile(r"(?!\.)[^/\\:\0]{1,255}")
@@ -48,7 +48,7 @@ class Accessors:
         return self._root.element("accessors", index).whole("count", below=_FAR)
 
     def read(self, index: int, kind: str) -> Float64:
-        """All elements of an accessor of the given type ("SCALAR", "VEC3", "VEC4"), float64 (count, width).
+        """All elements of an accessor of the given type ("SCALAR", "VEC3", "VEC4", "MAT4"), float64 (count, width).
 
         Normalized integers become -1..1 or 0..1. Raises MotionFileError for NaN and for whatever lies outside.
         """

@@ -24,6 +24,8 @@ class Figure:
     """Their names: the humanoid bones' in a VRM (the engine's own words), else the nodes'."""
     ends: tuple[tuple[int, int], ...]
     """Leaf nodes that only mark where a bone ends, as (joint's place in `joints`, node)."""
+    skin: int | None
+    """The skin whose bind pose is the rest pose; None for a VRM (its nodes rest in T-pose) and without skins."""
     faces_back: bool
     """True for VRM 0.x, whose models face -z."""
     warnings: tuple[str, ...]
@@ -36,10 +38,11 @@ def find_figure(root: JsonPlace, nodes: Nodes, animated: set[int]) -> Figure:
     """
     warnings: list[str] = []
     bones, faces_back = _humanoid(root, nodes)
+    skin: int | None = None
     if bones:
         chosen = set(bones)
     else:
-        chosen = _skeleton(root, nodes, animated, warnings)
+        chosen, skin = _skeleton(root, nodes, animated, warnings)
     top = nodes.common(sorted(chosen))
     if top is None:
         raise root.error("nodes", "with motion do not hang together", "one figure (armature) expected")
@@ -54,7 +57,7 @@ def find_figure(root: JsonPlace, nodes: Nodes, animated: set[int]) -> Figure:
         for child in nodes.children[node]
         if child not in chosen and not nodes.children[child] and _marks_end(nodes, child)
     )
-    return Figure(tuple(joints), tuple(names), ends[:JOINT_LIMIT], faces_back, tuple(warnings))
+    return Figure(tuple(joints), tuple(names), ends[:JOINT_LIMIT], skin, faces_back, tuple(warnings))
 
 
 def _marks_end(nodes: Nodes, node: int) -> bool:
@@ -80,12 +83,12 @@ def _humanoid(root: JsonPlace, nodes: Nodes) -> tuple[dict[int, str], bool]:
     return {}, False
 
 
-def _skeleton(root: JsonPlace, nodes: Nodes, animated: set[int], warnings: list[str]) -> set[int]:
-    """Joints of the skin with most animated joints and of all skins below it; without skins all that moves."""
+def _skeleton(root: JsonPlace, nodes: Nodes, animated: set[int], warnings: list[str]) -> tuple[set[int], int | None]:
+    """Joints of the skin with most animated joints (and its number) and of all below; without skins all that moves."""
     skins = [skin.wholes("joints", below=nodes.count) for skin in root.elements("skins")]
     scores = [len(animated.intersection(joints)) for joints in skins]
     if not any(scores):
-        return _moving_tree(root, nodes, animated)
+        return _moving_tree(root, nodes, animated), None
     best = int(np.argmax(scores))
     chosen = set(skins[best])
     top = nodes.common(sorted(chosen))
@@ -101,7 +104,7 @@ def _skeleton(root: JsonPlace, nodes: Nodes, animated: set[int], warnings: list[
             f"{others + 1} skeletons move in the file: the one with most moving joints is read, the one of "
             f"{nodes.name(skins[best][0])!r}"
         )
-    return chosen
+    return chosen, best
 
 
 def _moving_tree(root: JsonPlace, nodes: Nodes, animated: set[int]) -> set[int]:

@@ -9,6 +9,7 @@ from live.motion import quaternion
 from live.motion.file_error import MAGNITUDE_LIMIT, MotionFileError, shown
 from live.motion.gltf.accessors import Accessors, Resolve
 from live.motion.gltf.animation import Animation, Channel, CurveReader, Frames, list_animations
+from live.motion.gltf.bind_pose import bind_rotations, rest_rotations
 from live.motion.gltf.container import GltfFile, open_gltf
 from live.motion.gltf.figure import Figure, find_figure
 from live.motion.gltf.json_place import JsonPlace
@@ -31,7 +32,7 @@ def parse_gltf(data: bytes, file: str, resolve: Resolve | None = None) -> Source
     Units are metres and Y is up by the format. Joints are the humanoid bones of a VRM (under their VRM names, so that
     nothing has to be guessed), else the joints of the skin that moves most, else the nodes that move. What lies between
     and above them is folded in, with its scale; VRM 0.x is turned about, for its models face -z. All channels are read
-    at one rate, that of the keys. The rest pose is that of the nodes.
+    at one rate, that of the keys. The rest pose is that of the skin's inverse bind matrices, else that of the nodes.
 
     `resolve` gives the content of a file beside this one, by its bare name (a .gltf with its .bin); without it one
     file is expected. Raises MotionFileError (and nothing else) for whatever else the data may be; memory is bounded by
@@ -48,7 +49,8 @@ class _Reader:
         self._gltf = gltf
         self._root = JsonPlace(gltf.json, "", gltf.file)
         self._nodes = Nodes(self._root)
-        self._curves = CurveReader(Accessors(gltf, resolve), gltf.size)
+        self._accessors = Accessors(gltf, resolve)
+        self._curves = CurveReader(self._accessors, gltf.size)
         self._warnings: list[str] = []
 
     def read(self) -> SourceMotion:
@@ -131,7 +133,7 @@ class _Reader:
             end_offsets=_frozen(np.array(ends, np.float64).reshape(-1, 3)),
             translation=_frozen(moving[0]),
             rotation=_frozen(moving[1]),
-            rest_rotation=_frozen(rest[1][0]),
+            rest_rotation=_frozen(self._rest_rotation(figure, parents, rest[1][0])),
             frame_time=1.0 / frames.rate,
             frames_declared=frames.count,
             channel_count=sum(widths[path] for _, path in channels),
@@ -140,6 +142,13 @@ class _Reader:
             root_offset="replace",
             warnings=tuple(FileWarning(what) for what in self._warnings),
         )
+
+    def _rest_rotation(self, figure: Figure, parents: list[int], nodes: Float64) -> Float64:
+        if figure.skin is None:
+            return nodes
+        skin = self._root.element("skins", figure.skin)
+        bound = bind_rotations(skin, skin.wholes("joints", below=self._nodes.count), self._accessors)
+        return rest_rotations(parents, nodes, [bound.get(joint) for joint in figure.joints])
 
     def _check_size(self, frames: Frames, joints: int) -> None:
         if frames.count * (56 * joints + 400) > _ROOM + 12 * self._gltf.size:
