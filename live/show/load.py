@@ -17,7 +17,7 @@ from live.show.core import Show
 from live.show.patch import Patch, parse_entry
 from live.show.patch_file import PATCHES, find_beside, read_patch
 from live.show.programme import UnknownStep
-from live.steps.sketch_folder import load_steps
+from live.steps.step_folder import load_folder
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,7 +69,7 @@ def show_of(patch: Patch, path: Path, *, recordings: Path | None = None) -> Load
     if recordings is None:
         clips = _sketched(patch, path)
     else:
-        clips = _recorded(recordings)
+        clips = load_folder(recordings)
         patch = for_recordings(patch, clips)
     fitting = [clip for clip in clips if clip.beats_per_measure == patch.clock.beats_per_measure]
     if not fitting:
@@ -110,21 +110,12 @@ def _sketched(patch: Patch, path: Path) -> list[StepClip]:
     folder = find_beside(patch.steps, path)
     if folder is None or not folder.is_dir():
         raise PersonError(f"{path}: there is no folder {patch.steps!r} of steps", "correct 'steps' in the patch")
-    clips = load_steps(folder)
+    clips = load_folder(folder)
     common = PATCHES / "steps"
     if common.is_dir() and not common.samefile(folder):
         own = {clip.step.casefold() for clip in clips}
-        clips += [clip for clip in load_steps(common) if clip.step.casefold() not in own]
+        clips += [clip for clip in load_folder(common) if clip.step.casefold() not in own]
     return clips
-
-
-def _recorded(folder: Path) -> list[StepClip]:
-    from live.steps.recordings import RecordingError, load_recordings
-
-    try:
-        return load_recordings(folder)
-    except RecordingError as error:
-        raise PersonError(str(error)) from None
 
 
 def for_recordings(patch: Patch, clips: list[StepClip]) -> Patch:

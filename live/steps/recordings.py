@@ -1,33 +1,23 @@
-"""Recorded steps: a folder of BVH files and what its TOML files say about them, as step clips (`--steps DIR`)."""
+"""Recorded steps: what TOML files say about recordings, as step clips cut at the measure lines (T019, T039, T040)."""
 
-import math
+from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Final
 
-import numpy as np
-import numpy.typing as npt
-
-from live.motion import quaternion
-from live.motion.clip import Clip
-from live.motion.file_error import MotionFileError
 from live.motion.mirror import mirror_step
-from live.motion.retarget import retarget
-from live.motion.source_motion import SourceMotion
 from live.motion.step_clip import StepClip
-from live.steps.motion_file import read_motion
-from live.steps.recording_file import Recording, RecordingEntry, RecordingError, error_of, read_recordings
+from live.steps.clip_cache import ClipCache
+from live.steps.cut import cut_step
+from live.steps.motion_file import MAX_BYTES
+from live.steps.recording import Problem, RecordingEntry, RecordingError, error_of
+from live.steps.recording_file import StepFiles, nothing_in, read_step_files
+from live.steps.recording_reader import RecordingReader
 
-__all__ = ["RecordingError", "cut_step", "load_recordings"]
+__all__ = ["RecordingError", "cut_step", "load_recordings", "recorded_steps"]
 
-Float = npt.NDArray[np.floating]
-Float32 = npt.NDArray[np.float32]
-
-FRAMES_OFF: Final = 1
-"""Programs that count frames wrongly are off by one; a file with fewer than that was cut off."""
-TAIL_SAMPLES: Final = 8
-"""Samples after the last measure, so that reading at its very end needs no special case."""
-_Y: Final = np.array((0.0, 1.0, 0.0))
-_Z: Final = np.array((0.0, 0.0, 1.0))
+CACHE: Final = ClipCache("recordings", kept=1000)
+"""One for each TOML file, so that a change in one leaves the others as they are."""
 
 
 def load_recordings(directory: Path) -> list[StepClip]:
@@ -35,15 +25,59 @@ def load_recordings(directory: Path) -> list[StepClip]:
 
     Raises RecordingError with all problems found: file, line, field, what was read and what is allowed.
     """
-    clips = _ClipReader()
+    files = read_step_files(directory)
+    if not files.recordings and not files.problems:
+        raise nothing_in(directory)
+    return recorded_steps(files)
+
+
+def recorded_steps(files: StepFiles) -> list[StepClip]:
+    """The same for files that were read already. What was cut before comes out of a cache that follows the files."""
+    problems = list(files.problems)
     steps: list[StepClip] = []
-    problems: list[str] = []
-    for entry in read_recordings(directory):
+    for toml, entries in files.recordings.items():
         try:
-            step = cut_step(entry, clips.read(entry))
+            sources = _sources(files.texts[toml], entries)
+            steps += _build(entries) if sources is None else CACHE.clips(sources, partial(_build, entries))
         except RecordingError as error:
-            if error.message not in problems:
-                problems.append(error.message)
+            problems += error.problems
+    if problems:
+        raise error_of(problems)
+    return steps
+
+
+def _sources(text: str, entries: list[RecordingEntry]) -> Iterator[bytes] | None:
+    """All that the steps of one TOML file depend on; None if a file is missing, so that building them tells it."""
+    paths: set[Path] = set()
+    for entry in entries:
+        paths.add(entry.path)
+        if entry.skeleton is not None:
+            paths.add(entry.skeleton)
+        elif entry.path.suffix.lower() == ".amc":
+            paths.update(entry.path.parent.glob("*.[aA][sS][fF]"))
+    try:
+        if not all(path.is_file() and path.stat().st_size <= MAX_BYTES for path in paths):
+            return None
+        return _contents(text, sorted(paths))
+    except (OSError, ValueError):
+        return None
+
+
+def _contents(text: str, paths: list[Path]) -> Iterator[bytes]:
+    yield text.encode()
+    for path in paths:
+        yield path.read_bytes()
+
+
+def _build(entries: list[RecordingEntry]) -> list[StepClip]:
+    reader = RecordingReader()
+    steps: list[StepClip] = []
+    problems: list[Problem] = []
+    for entry in entries:
+        try:
+            step = cut_step(entry, reader.clip(entry))
+        except RecordingError as error:
+            problems += error.problems
             continue
         steps.append(step)
         if entry.recording.mirror:
@@ -51,120 +85,3 @@ def load_recordings(directory: Path) -> list[StepClip]:
     if problems:
         raise error_of(problems)
     return steps
-
-
-class _ClipReader:
-    """Reads every file once and retargets it once for each way in which steps ask for it."""
-
-    def __init__(self) -> None:
-        self._motions: dict[tuple[Path, object], SourceMotion] = {}
-        self._clips: dict[tuple[object, ...], Clip] = {}
-
-    def read(self, entry: RecordingEntry) -> Clip:
-        recording = entry.recording
-        path = entry.toml.parent / recording.file
-        key = (path, recording.fps, recording.drop_frames, recording.unit_m, recording.up)
-        if key not in self._clips:
-            self._clips[key] = self._retarget(entry, self._motion(entry, path))
-        return self._clips[key]
-
-    def _motion(self, entry: RecordingEntry, path: Path) -> SourceMotion:
-        key = (path, entry.recording.up)
-        if key not in self._motions:
-            try:
-                motion = read_motion(path, up=entry.recording.up)
-            except MotionFileError as error:
-                raise RecordingError(entry.problem("file", str(error))) from None
-            if motion.frame_count < motion.frames_declared - FRAMES_OFF:
-                words = (
-                    f"{path} is cut off: it says {motion.frames_declared} frames and holds {motion.frame_count}; "
-                    "copy it again, or correct its line 'Frames:' if this is all"
-                )
-                raise RecordingError(entry.problem("file", words))
-            self._motions[key] = motion
-        return self._motions[key]
-
-    @staticmethod
-    def _retarget(entry: RecordingEntry, motion: SourceMotion) -> Clip:
-        recording = entry.recording
-        if recording.drop_frames >= motion.frame_count:
-            words = f"{recording.drop_frames}, but the recording has {motion.frame_count} frames"
-            raise RecordingError(entry.problem("drop_frames", words))
-        try:
-            return retarget(
-                motion,
-                name=Path(recording.file).stem,
-                fps=recording.fps,
-                unit_m=recording.unit_m,
-                up=recording.up,
-                drop_frames=recording.drop_frames,
-            )
-        except MotionFileError as error:
-            raise RecordingError(entry.problem("file", str(error))) from None
-        except ValueError as error:
-            field = "unit_m" if recording.unit_m is not None else "file"
-            raise RecordingError(entry.problem(field, str(error))) from None
-
-
-def cut_step(entry: RecordingEntry, clip: Clip) -> StepClip:
-    """The measures of one step, cut out of the whole recording's clip.
-
-    A whole measure of lead-in comes before them (where the recording begins later, its first sample is held). At the
-    first downbeat the hips stand at x = z = 0 and face +z, so that any step can follow any other. Beats fall where
-    they fall between samples: `StepClip.first` is a fraction.
-    """
-    recording = entry.recording
-    measure = recording.beats_per_measure * 60.0 / recording.bpm * clip.sample_rate
-    start = recording.first_beat_s * clip.sample_rate + (recording.start_measure - 1) * measure
-    end = start + recording.measures * measure
-    if end > clip.sample_count - 1 + 1e-6:
-        raise RecordingError(_too_long(entry, clip, measure))
-    begin = math.floor(start) - math.ceil(measure)
-    samples = np.clip(np.arange(begin, math.ceil(end) + TAIL_SAMPLES + 1), 0, clip.sample_count - 1)
-    root, rotation = _placed(clip, samples, start)
-    name = f"{recording.name}, {clip.name} from measure {recording.start_measure}"
-    return StepClip(
-        step=recording.name,
-        clip=Clip(name, root, rotation, clip.sample_rate, clip.contact[samples]),
-        first=start - begin,
-        samples_per_measure=measure,
-        measures=recording.measures,
-        beats_per_measure=recording.beats_per_measure,
-        bpm=recording.bpm,
-        direction=recording.direction or "",
-    )
-
-
-def _too_long(entry: RecordingEntry, clip: Clip, measure: float) -> str:
-    recording: Recording = entry.recording
-    whole = max(0, math.floor((clip.sample_count - 1 - recording.first_beat_s * clip.sample_rate) / measure + 1e-9))
-    last = recording.start_measure + recording.measures - 1
-    field = "first_beat_s" if whole == 0 else "measures" if recording.start_measure <= whole else "start_measure"
-    return entry.problem(
-        field,
-        f"the step ends with measure {last}, but {recording.file} has {whole} whole measures of "
-        f"{recording.beats_per_measure} beats at {recording.bpm:g} bpm after {recording.first_beat_s:g} s "
-        f"(it lasts {clip.seconds:.2f} s)",
-    )
-
-
-def _placed(clip: Clip, samples: npt.NDArray[np.int64], at: float) -> tuple[Float32, Float32]:
-    """Root and rotations of `samples`, moved and turned about y so that the sample `at` stands at 0 facing +z."""
-    before = min(int(at), clip.sample_count - 2) if clip.sample_count > 1 else 0
-    after, part = min(before + 1, clip.sample_count - 1), at - before
-    hips = clip.root_position[before] * (1.0 - part) + clip.root_position[after] * part
-    turned = quaternion.slerp(clip.rotation[before, 0], clip.rotation[after, 0], np.asarray(part))
-    turn = quaternion.from_axis_angle(_Y, np.asarray(-_heading(turned)))
-    root = quaternion.rotate(turn, clip.root_position[samples] - hips * (1.0, 0.0, 1.0))
-    rotation = clip.rotation[samples].astype(np.float64)
-    rotation[:, 0] = quaternion.mul(turn, rotation[:, 0])
-    return np.ascontiguousarray(root, np.float32), np.ascontiguousarray(rotation, np.float32)
-
-
-def _heading(hips: Float) -> float:
-    """Heading [rad] of the hips' forward axis, 0 towards +z, positive towards +x; of their left if that is upright."""
-    x, _, z = quaternion.rotate(hips, _Z)
-    if math.hypot(x, z) < 0.2:
-        left_x, _, left_z = quaternion.rotate(hips, np.array((1.0, 0.0, 0.0)))
-        return math.atan2(-left_z, left_x)
-    return math.atan2(x, z)

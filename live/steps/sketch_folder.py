@@ -30,6 +30,11 @@ def load_steps(folder: Path) -> list[StepClip]:
             raise StepsError(f"{path}: not a text in UTF-8 (byte {error.start})") from None
     if not texts:
         raise StepsError(f"no steps in {folder}", "put step files (*.toml) there, like those in patches/steps")
+    return sketched_steps(texts)
+
+
+def sketched_steps(texts: dict[str, str]) -> list[StepClip]:
+    """The steps written in the `texts` of files; StepsError if one is wrong."""
     sources = (part for name, text in texts.items() for part in (Path(name).name.encode(), text.encode()))
     return CACHE.clips(sources, lambda: _build(texts))
 

@@ -17,8 +17,7 @@ HERE = Path("show.toml")
 
 
 def loaded(monkeypatch, clips, patch=PATCH, recordings=Path("recordings")):
-    monkeypatch.setattr(load, "_recorded", lambda folder: clips)
-    monkeypatch.setattr(load, "load_steps", lambda folder: clips)
+    monkeypatch.setattr(load, "load_folder", lambda folder: clips)
     return show_of(parse_patch(patch, "show.toml"), HERE, recordings=recordings)
 
 

@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 
 from live.motion import quaternion
-from live.motion.mirror import mirror_step
+from live.motion.mirror import mirror_step, other_side
 from live.motion.step_clip import StepClip
-from live.steps.recording_file import RecordingError, read_recordings
+from live.motion.step_figures import measured_direction, measured_distance
+from live.steps import recording_reader, recordings
+from live.steps.recording import RecordingError
+from live.steps.recording_file import read_recordings
 from live.steps.recordings import load_recordings
 from tests.motion.made_bvh import body_bvh, column, danced, still
 from tests.motion.mocap import MOCAP, mocap_file
@@ -22,6 +25,13 @@ bpm = 120
 first_beat_s = 2.5
 measures = 2
 """
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
+    path = tmp_path_factory.mktemp("cache")
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(path))
+    return path
 
 
 def folder(tmp_path: Path, toml: str, values: np.ndarray | None = None) -> Path:
@@ -55,7 +65,8 @@ def test_one_recording_at_the_top_level(tmp_path: Path) -> None:
     assert step.clip.sample_rate == 60.0
     assert step.first >= step.samples_per_measure  # a whole measure of lead-in
     assert step.first + 240.0 <= step.clip.sample_count - 1
-    assert step.direction == ""
+    assert step.direction == measured_direction(step)
+    assert step.distance_m == measured_distance(step) > 0.05
     assert not step.mirrored
 
 
@@ -129,18 +140,25 @@ leading_foot = "left"
 begin_pose = "plie"
 weight_transfer = true
 distance_m = 0.4
+author = "Ana"
+style = "soft"
 [[step]]
 name = "two"
 bpm = 60
 mirror = true
 """
     steps = load_recordings(folder(tmp_path, toml))
-    assert [(s.step, s.bpm, s.mirrored, s.direction) for s in steps] == [
-        ("one", 120.0, False, ""),
-        ("two", 120.0, False, "long left"),
-        ("two", 60.0, False, ""),
-        ("two", 60.0, True, ""),
+    assert [(s.step, s.bpm, s.mirrored) for s in steps] == [
+        ("one", 120.0, False),
+        ("two", 120.0, False),
+        ("two", 60.0, False),
+        ("two", 60.0, True),
     ]
+    two = steps[1]
+    assert (two.direction, two.distance_m, two.leading_foot, two.begin_pose) == ("long left", 0.4, "left", "plie")
+    assert (two.weight_transfer, two.tags, two.author, two.style) == (True, ("slow", "low"), "Ana", "soft")
+    assert (steps[0].weight_transfer, steps[0].tags, steps[0].leading_foot) == (False, (), "")
+    assert steps[3].direction == other_side(measured_direction(steps[2]))
     np.testing.assert_array_equal(steps[3].clip.rotation, mirror_step(steps[2]).clip.rotation)
 
 
@@ -157,13 +175,13 @@ def test_several_files_come_in_the_order_of_their_names_and_pairs_are_passed_ove
         ("measures = 2", "measures = 4", "line 6: measures: the step ends with measure 4, but dance.bvh has 3 whole"),
         ("measures = 2", "start_measure = 9", "line 6: start_measure: the step ends with measure 9"),
         ("first_beat_s = 2.5", "first_beat_s = 9", "line 5: first_beat_s: the step ends with measure 2, but"),
-        ("measures = 2", "measures = 0", "line 6: measures: input should be greater than or equal to 1, found 0"),
+        ("measures = 2", "measures = 0", "line 6: measures: a whole number from 1 to 10,000 expected, found 0"),
         ("measures = 2", "measures = 1.5", "line 6: measures: "),
         ("bpm = 120", "", "line 1: bpm: missing; it must be given, as in file ="),
         ("first_beat_s = 2.5", "", "line 1: first_beat_s: missing"),
-        ("bpm = 120", 'bpm = "fast"', "line 4: bpm: input should be a valid number, found 'fast'"),
+        ("bpm = 120", 'bpm = "fast"', "line 4: bpm: a number from 20 to 400 expected, found 'fast'"),
         ("bpm = 120", "bpm = nan", "line 4: bpm: "),
-        ("bpm = 120", "bpm = 1e9", "line 4: bpm: input should be less than or equal to 400"),
+        ("bpm = 120", "bpm = 1e9", "line 4: bpm: a number from 20 to 400 expected, found 1000000000.0"),
         ("bpm = 120", "bmp = 120", "line 4: bmp: unknown key; did you mean 'bpm'? allowed are file, name"),
         ('"dance.bvh"', '"dnace.bvh"', "line 2: file: "),
         ('"dance.bvh"', '"steps.toml"', "line 2: file: "),
@@ -216,7 +234,7 @@ def test_several_problems_are_told_at_once(tmp_path: Path) -> None:
 
 def test_a_common_key_is_named_where_it_stands(tmp_path: Path) -> None:
     toml = 'file = "dance.bvh"\nfirst_beat_s = 0\nbpm = 9\n[[step]]\nname = "a"\n'
-    assert "line 3: bpm: input should be greater" in problems_of(folder(tmp_path, toml))
+    assert "line 3: bpm: a number from 20 to 400 expected, found 9" in problems_of(folder(tmp_path, toml))
 
 
 def test_folders_without_anything_usable(tmp_path: Path) -> None:
@@ -224,7 +242,7 @@ def test_folders_without_anything_usable(tmp_path: Path) -> None:
     assert "no TOML file" in problems_of(tmp_path)
     (tmp_path / "dance.bvh").write_text(body_bvh(still(3)))
     message = problems_of(tmp_path)
-    assert "which step is where in its 1 BVH files" in message
+    assert "which step is where in its 1 recordings" in message
     assert 'steps.toml with file = "walk.bvh", name = "walk", bpm = 120, first_beat_s = 0.5, measures = 2' in message
     (tmp_path / "deep.toml").write_text("x = " + "[" * 5000 + "]" * 5000)
     assert "deep.toml" in problems_of(tmp_path)
@@ -236,14 +254,61 @@ def test_folders_without_anything_usable(tmp_path: Path) -> None:
 
 
 def test_a_file_is_read_once_for_all_its_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from live.steps import recordings
-
     read: list[Path] = []
-    read_motion = recordings.read_motion
-    monkeypatch.setattr(recordings, "read_motion", lambda path, up: read.append(path) or read_motion(path, up=up))
+    read_motion = recording_reader.read_motion
+    monkeypatch.setattr(
+        recording_reader, "read_motion", lambda path, **options: read.append(path) or read_motion(path, **options)
+    )
     toml = 'file = "dance.bvh"\nbpm = 120\nfirst_beat_s = 0\n' + '[[step]]\nname = "a"\n' * 5
     assert len(load_recordings(folder(tmp_path, toml))) == 5
     assert len(read) == 1
+
+
+def never(entries: object) -> list[StepClip]:
+    pytest.fail("cut anew although nothing changed")
+
+
+def test_what_was_cut_comes_out_of_the_cache_and_follows_every_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    directory = folder(tmp_path, ONE + "mirror = true\n")
+    (directory / "other.bvh").write_text(body_bvh(danced(601, seed=7)))
+    (directory / "other.toml").write_text(ONE.replace("dance.bvh", "other.bvh").replace("sway", "other"))
+    first = load_recordings(directory)
+    with monkeypatch.context() as patched:
+        patched.setattr(recordings, "_build", never)
+        again = load_recordings(directory)
+    assert [step.step for step in again] == ["other", "sway", "sway"]
+    for a, b in zip(first, again, strict=True):
+        np.testing.assert_array_equal(a.clip.rotation, b.clip.rotation)
+        np.testing.assert_array_equal(a.clip.root_position, b.clip.root_position)
+        assert (a.first, a.direction, a.distance_m, a.mirrored) == (b.first, b.direction, b.distance_m, b.mirrored)
+
+    built: list[str] = []
+    build = recordings._build
+    monkeypatch.setattr(recordings, "_build", lambda entries: built.append(entries[0].recording.name) or build(entries))
+    (directory / "dance.bvh").write_text(body_bvh(danced(601, seed=9)))
+    changed = load_recordings(directory)
+    assert built == ["sway"]
+    assert not np.array_equal(changed[1].clip.rotation, first[1].clip.rotation)
+    (directory / "other.toml").write_text((directory / "other.toml").read_text() + 'style = "soft"\n')
+    assert load_recordings(directory)[0].style == "soft"
+    assert built == ["sway", "other"]
+
+
+def test_a_recording_that_is_gone_is_told_although_its_steps_are_cached(tmp_path: Path) -> None:
+    directory = folder(tmp_path, ONE)
+    load_recordings(directory)
+    (directory / "dance.bvh").unlink()
+    assert "line 2: file: " in problems_of(directory)
+
+
+def test_problems_of_all_files_are_told_together(tmp_path: Path) -> None:
+    directory = folder(tmp_path, ONE.replace("measures = 2", "measures = 9"))
+    (directory / "b.toml").write_text(ONE.replace("bpm = 120", "bpm = 1"))
+    message = problems_of(directory)
+    assert "b.toml, line 4: bpm: " in message
+    assert "steps.toml, line 6: measures: " in message
 
 
 def salsa_toml() -> str:

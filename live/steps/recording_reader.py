@@ -1,0 +1,72 @@
+"""Recordings from disk as clips on the engine's skeleton, each file read once for all its steps."""
+
+from pathlib import Path
+from typing import Final
+
+from live.motion.clip import Clip
+from live.motion.file_error import MotionFileError
+from live.motion.retarget import retarget
+from live.motion.source_motion import SourceMotion
+from live.steps.motion_file import read_motion
+from live.steps.recording import RecordingEntry
+
+FRAMES_OFF: Final = 1
+"""Programs that count frames wrongly are off by one; a file with fewer than that was cut off."""
+
+
+class RecordingReader:
+    """Reads every file once and retargets it once for each way in which steps ask for it."""
+
+    def __init__(self) -> None:
+        self._motions: dict[tuple[object, ...], SourceMotion] = {}
+        self._clips: dict[tuple[object, ...], Clip] = {}
+
+    def clip(self, entry: RecordingEntry) -> Clip:
+        """The whole recording on the engine's skeleton; RecordingError that names file, line and field."""
+        recording = entry.recording
+        key = (
+            entry.path, entry.skeleton, recording.fps, recording.drop_frames, recording.unit_m, recording.up,
+            recording.repair,
+        )  # fmt: skip
+        if key not in self._clips:
+            self._clips[key] = _retarget(entry, self.motion(entry))
+        return self._clips[key]
+
+    def motion(self, entry: RecordingEntry) -> SourceMotion:
+        """What the file holds; RecordingError that names file, line and field."""
+        key = (entry.path, entry.skeleton, entry.recording.up)
+        if key not in self._motions:
+            try:
+                motion = read_motion(entry.path, skeleton=entry.skeleton, up=entry.recording.up)
+            except MotionFileError as error:
+                raise entry.error("file", str(error)) from None
+            except ValueError as error:  # names that no file can have
+                raise entry.error("file", f"cannot be read: {error}") from None
+            if motion.frame_count < motion.frames_declared - FRAMES_OFF:
+                words = (
+                    f"{entry.path} is cut off: it says {motion.frames_declared} frames and holds {motion.frame_count}; "
+                    "copy it again, or correct its line 'Frames:' if this is all"
+                )
+                raise entry.error("file", words)
+            self._motions[key] = motion
+        return self._motions[key]
+
+
+def _retarget(entry: RecordingEntry, motion: SourceMotion) -> Clip:
+    recording = entry.recording
+    if recording.drop_frames >= motion.frame_count:
+        words = f"{recording.drop_frames}, but the recording has {motion.frame_count} frames"
+        raise entry.error("drop_frames", words)
+    try:
+        return retarget(
+            motion,
+            name=Path(recording.file).stem,
+            fps=recording.fps,
+            unit_m=recording.unit_m,
+            up=recording.up,
+            drop_frames=recording.drop_frames,
+        )
+    except MotionFileError as error:
+        raise entry.error("file", str(error)) from None
+    except ValueError as error:
+        raise entry.error("unit_m" if recording.unit_m is not None else "file", str(error)) from None
