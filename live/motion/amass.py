@@ -23,6 +23,8 @@ POSE_WIDTHS: Final = {66: "body", 72: "SMPL", 156: "SMPL-H", 159: "SMPL-H", 165:
 """Numbers a frame that `poses` may have, three for each joint; the first 22 joints are the same in all."""
 FPS_RANGE: Final = (1.0, 1000.0)
 _BODY: Final = 22
+_FRAME_BYTES: Final = 4000
+"""Memory that one frame takes on its way."""
 _H: Final = STATURE
 # name, parent, offset from the parent [m] in the T-pose, facing +z with the left at +x
 _JOINTS: Final = (
@@ -33,11 +35,11 @@ _JOINTS: Final = (
     ("left_knee", "left_hip", (0.0, -0.245 * _H, 0.0)),
     ("right_knee", "right_hip", (0.0, -0.245 * _H, 0.0)),
     ("spine2", "spine1", (0.0, 0.075 * _H, 0.0)),
-    ("left_ankle", "left_knee", (0.0, -0.246 * _H, -0.010)),
-    ("right_ankle", "right_knee", (0.0, -0.246 * _H, -0.010)),
+    ("left_ankle", "left_knee", (0.0, -0.246 * _H, 0.0)),
+    ("right_ankle", "right_knee", (0.0, -0.246 * _H, 0.0)),
     ("spine3", "spine2", (0.0, 0.035 * _H, 0.0)),
-    ("left_foot", "left_ankle", (0.010, -0.032 * _H, 0.075 * _H)),
-    ("right_foot", "right_ankle", (-0.010, -0.032 * _H, 0.075 * _H)),
+    ("left_foot", "left_ankle", (0.0, -0.032 * _H, 0.075 * _H)),
+    ("right_foot", "right_ankle", (0.0, -0.032 * _H, 0.075 * _H)),
     ("neck", "spine3", (0.0, 0.105 * _H, -0.010)),
     ("left_collar", "spine3", (0.045 * _H, 0.070 * _H, -0.010)),
     ("right_collar", "spine3", (-0.045 * _H, 0.070 * _H, -0.010)),
@@ -81,7 +83,7 @@ def parse_amass(data: bytes, file: str) -> SourceMotion:
         there = ", ".join(archive.keys[:8]) or "nothing"
         words = f"no motion: there is no array 'poses' among {there}"
         raise MotionFileError(file, None, words, "an AMASS archive with poses, trans and mocap_framerate expected")
-    body = _body_rotations(archive, file)
+    body = _body_rotations(archive, file, len(data))
     frames = len(body)
     warnings: list[FileWarning] = []
     if archive.has("trans"):
@@ -89,7 +91,8 @@ def parse_amass(data: bytes, file: str) -> SourceMotion:
     else:
         trans = np.zeros((frames, 3))
         warnings.append(FileWarning("no array 'trans': the dancer stays in place"))
-    rotation = quaternion.continuous(rotation_vectors(body.reshape(frames, _BODY, 3)))
+    vectors = body.reshape(frames, _BODY, 3)
+    rotation = np.asarray(quaternion.continuous(rotation_vectors(vectors)), np.float64)
     translation = np.broadcast_to(_OFFSETS, (frames, _BODY, 3)).copy()
     translation[:, 0] = trans
     rest = np.tile((1.0, 0.0, 0.0, 0.0), (_BODY, 1))
@@ -122,20 +125,29 @@ def rotation_vectors(vectors: Float64) -> Float64:
     return np.concatenate((np.cos(0.5 * angle), 0.5 * np.sinc(0.5 * angle / np.pi) * vectors), axis=-1)
 
 
-def _body_rotations(archive: Archive, file: str) -> Float64:
+def _body_rotations(archive: Archive, file: str, size: int) -> Float64:
     """Rotation vectors of the 22 body joints, (T, 66) [rad]."""
     if archive.has("poses"):
-        poses = archive.read("poses")
+        poses = archive.array("poses")
         if poses.ndim != 2 or poses.shape[1] not in POSE_WIDTHS:
             widths = " or ".join(map(str, POSE_WIDTHS))
             raise MotionFileError(file, None, f"poses has the shape {poses.shape}", f"(frames, {widths}) expected")
-        body = poses[:, : 3 * _BODY]
+        _check_length(len(poses), size, file)
+        body = poses[:, : 3 * _BODY].astype(np.float64)
     else:
         turned = archive.table("pose_body", 3 * _BODY - 3)
+        _check_length(len(turned), size, file)
         body = np.concatenate((archive.table("root_orient", 3, rows=len(turned)), turned), axis=1)
     if not len(body):
         raise MotionFileError(file, None, "no frames", "at least one expected")
     return _usable(body, "poses", file)
+
+
+def _check_length(frames: int, size: int, file: str) -> None:
+    """What a zip of a few kilobytes unpacks to must not fill the memory."""
+    if frames * _FRAME_BYTES > 48_000_000 + 14 * size:
+        words = f"{frames} frames in a file of {size} bytes"
+        raise MotionFileError(file, None, words, "a shorter motion expected; cut it into pieces")
 
 
 def _usable(array: Float64, key: str, file: str) -> Float64:

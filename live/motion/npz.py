@@ -11,6 +11,7 @@ import numpy.typing as npt
 from live.motion.file_error import MotionFileError, shown
 
 Float64 = npt.NDArray[np.float64]
+Real = npt.NDArray[np.floating] | npt.NDArray[np.integer]
 
 MEMBER_LIMIT: Final = 1000
 _ROOM: Final = 16_000_000
@@ -24,7 +25,7 @@ class Archive:
 
     def __init__(self, data: bytes, file: str) -> None:
         self._file = file
-        self._limit = _ROOM + 4 * len(data)
+        self._limit = _ROOM + 5 * len(data)
         try:
             self._zip = zipfile.ZipFile(io.BytesIO(data))
             members = self._zip.infolist()
@@ -47,21 +48,21 @@ class Archive:
 
     def table(self, key: str, width: int, rows: int | None = None) -> Float64:
         """An array of the shape (rows, width); any number of rows if `rows` is None."""
-        array = self.read(key)
+        array = self.array(key)
         if array.ndim != 2 or array.shape[1] != width or (rows is not None and len(array) != rows):
             expected = f"({'frames' if rows is None else rows}, {width}) expected"
             raise MotionFileError(self._file, None, f"{key} has the shape {array.shape}", expected)
-        return array
+        return array.astype(np.float64)
 
     def number(self, key: str) -> float:
         """An array of one number."""
-        array = self.read(key)
+        array = self.array(key)
         if array.size != 1:
             raise MotionFileError(self._file, None, f"{key} has the shape {array.shape}", "one number expected")
         return float(array.reshape(()))
 
-    def read(self, key: str) -> Float64:
-        """The array as float64; raises MotionFileError if it is not there, or holds anything but real numbers."""
+    def array(self, key: str) -> Real:
+        """The array as it is stored; raises MotionFileError if it is not there, or holds anything but real numbers."""
         if key not in self._members:
             raise MotionFileError(self._file, None, f"there is no array {key!r}", f"arrays there: {self.keys[:8]}")
         content = self._unpack(key, self._members[key])
@@ -86,8 +87,8 @@ class Archive:
         if min(shape, default=0) < 0 or count * dtype.itemsize != left:
             words = f"{key} says {count} numbers of {dtype.itemsize} bytes and holds {left} bytes"
             raise MotionFileError(self._file, None, words, "the whole array expected")
-        array = np.frombuffer(content, dtype, count, stream.tell())
-        return array.reshape(shape, order="F" if columns_first else "C").astype(np.float64)
+        array: Real = np.frombuffer(content, dtype, count, stream.tell())
+        return array.reshape(shape, order="F" if columns_first else "C")
 
     def _unpack(self, key: str, member: zipfile.ZipInfo) -> bytes:
         """The member's bytes; never more than its directory entry says, and that is checked before."""
