@@ -28,7 +28,7 @@ def read_motion(path: Path, *, skeleton: Path | None = None, up: UpAxis | None =
         case "npz":
             return _source_of_amass(data, str(path))
         case _:
-            return source_of_bvh(parse_bvh(data.decode("utf-8", errors="replace"), str(path)), up)
+            return source_of_bvh(parse_bvh(data, str(path)), up)
 
 
 def read_bytes(path: Path) -> bytes:

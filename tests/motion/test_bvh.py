@@ -172,7 +172,7 @@ def test_depth_costs_nothing_and_has_a_limit() -> None:
 
 
 def test_too_many_numbers_are_refused_before_they_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("live.motion.bvh.parse.VALUE_LIMIT", 17)
+    monkeypatch.setattr("live.motion.bvh.numbers.VALUE_LIMIT", 17)
     with pytest.raises(MotionFileError, match="more than 17 numbers"):
         parse_bvh(SMALL, "x")
 

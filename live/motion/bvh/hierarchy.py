@@ -8,6 +8,8 @@ from typing import Final
 from live.motion.file_error import MotionFileError, read_number, shown
 
 JOINT_LIMIT: Final = 1000
+LINE_LIMIT: Final = 100_000
+"""Letters of a line at most."""
 CHANNEL_LIMIT: Final = 9
 """Channels of one joint at most."""
 _COUNT: Final = re.compile(r"\d{1,9}", re.ASCII)
@@ -40,9 +42,16 @@ class _Words:
 
     @staticmethod
     def _split(text: str) -> Iterator[tuple[int, str]]:
-        for number, line in enumerate(text.split("\n"), start=1):
-            for word in line.replace("{", " { ").replace("}", " } ").split():
+        number, place = 0, 0
+        while place <= len(text):
+            end = text.find("\n", place)
+            end = len(text) if end < 0 else end
+            number += 1
+            for word in text[place : min(end, place + LINE_LIMIT)].replace("{", " { ").replace("}", " } ").split():
                 yield number, word
+            if end - place > LINE_LIMIT:
+                yield number, "a line of over 100000 letters"
+            place = end + 1
 
     def peek(self) -> tuple[int, str] | None:
         if self._ahead is None:

@@ -12,21 +12,26 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion.bvh.hierarchy import Hierarchy, parse_hierarchy
-from live.motion.file_error import MAGNITUDE_LIMIT, MotionFileError, read_number, shown
+from live.motion.bvh.numbers import line_at, read_numbers
+from live.motion.file_error import MotionFileError, read_number, shown
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
-Int64 = npt.NDArray[np.int64]
 
-VALUE_LIMIT: Final = 10_000_000
-"""Numbers in the motion part of a file at most: ten minutes of 43 joints at 120 frames per second."""
 FRAME_TIME_RANGE: Final = (1e-4, 10.0)
 """Seconds per frame that are believed."""
 
-_MOTION: Final = re.compile(r"^[ \t]*MOTION[ \t]*$", re.MULTILINE | re.IGNORECASE)
+JOINT_BYTES: Final = 56
+"""Memory that a joint takes in each frame once its channels are applied."""
+MOST_BYTES: Final = 32_000_000
+"""Memory for joints, beside eight times that of the file: a few channels could ask for any number of joints."""
+SKELETON_BYTES: Final = 4_000_000
+"""Length of the first part of a file at most: a thousand joints take less than a tenth of it."""
+
+_MOTION: Final = re.compile(rb"(?:\A|(?<=[\r\n]))[ \t]*MOTION[ \t]*(?=[\r\n]|\Z)", re.IGNORECASE)
+_LINE: Final = re.compile(rb"([^\r\n]*)(\r\n|\r|\n|\Z)")
 _HEADER_LINE: Final = re.compile(r"\s*([A-Za-z][A-Za-z ]*?)\s*:?\s+(\S+)\s*", re.ASCII)
 _FRAMES: Final = re.compile(r"\d{1,15}", re.ASCII)
-_NO_NUMBER: Final = re.compile(r"(?<!\S)(?![+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?(?!\S))\S+", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,30 +75,46 @@ class BvhMotion:
         return 1.0 / self.frame_time
 
 
-def parse_bvh(text: str, file: str) -> BvhMotion:
-    """Read a whole BVH file from its text; `file` is its name for messages.
+def parse_bvh(data: bytes | str, file: str) -> BvhMotion:
+    """Read a whole BVH file from its bytes (or text); `file` is its name for messages.
 
-    Raises MotionFileError (and nothing else) for whatever else the text may be. Time is linear in its length.
+    Raises MotionFileError (and nothing else) for whatever else the bytes may be. Time is linear in their length.
     """
-    text = text.removeprefix("\ufeff")
-    if "\r" in text:
-        text = text.replace("\r\n", "\n").replace("\r", "\n")
-    motion = _MOTION.search(text)
+    if isinstance(data, str):
+        data = data.encode("utf-8", errors="replace")
+    data = data.removeprefix(b"\xef\xbb\xbf")
+    motion = _MOTION.search(data, 0, SKELETON_BYTES)
     if motion is None:
-        _refuse_what_is_no_bvh(text, file)
-        parse_hierarchy(text, file)  # a broken skeleton is the better message
-        raise MotionFileError(file, text.count("\n") + 1, "no MOTION section", "a file with recorded frames expected")
-    hierarchy = parse_hierarchy(text[: motion.start()], file)
-    line = text.count("\n", 0, motion.start()) + 1
-    frames, frame_time, start, line = _read_motion_header(text, motion.end(), line, file)
+        raise _no_motion(data, file)
+    hierarchy = parse_hierarchy(_text(data[: motion.start()]), file)
+    frames, frame_time, start = _read_motion_header(data, motion.end(), file)
     columns = sum(map(len, hierarchy.channels))
     if columns == 0:
-        raise MotionFileError(file, line, "no joint has channels", "CHANNELS with rotations expected")
-    values = _NumberBlock(text[start:], line, file).read(columns, frames)
+        raise MotionFileError(file, line_at(data, start), "no joint has channels", "CHANNELS with rotations expected")
+    values = read_numbers(data, start, columns, frames, file)
+    if len(values) * len(hierarchy.names) * JOINT_BYTES > MOST_BYTES + 8 * len(data):
+        problem = f"{len(values)} frames of {len(hierarchy.names)} joints with {columns} channels in all"
+        raise MotionFileError(file, None, problem, "channels for most joints expected, or fewer frames")
     warnings = []
     if values.shape[0] != frames:
         warnings.append(f"says {frames} frames, holds {values.shape[0]} data lines: all of these are used")
     return _build(hierarchy, file, values, frame_time, frames, tuple(warnings))
+
+
+def _text(data: bytes) -> str:
+    return data.decode("utf-8", errors="replace").replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _no_motion(data: bytes, file: str) -> MotionFileError:
+    text = _text(data[:SKELETON_BYTES])
+    start = text[:1000].lstrip()
+    if start[:9].upper() != "HIERARCHY":
+        return MotionFileError(file, 1, f"{shown(start[:20])} was read", "a BVH file begins with HIERARCHY")
+    parse_hierarchy(text, file)  # a broken skeleton is the better message
+    if len(data) > SKELETON_BYTES:
+        text = f"no MOTION within the first {SKELETON_BYTES} bytes"
+        return MotionFileError(file, None, text, "a file with recorded frames expected")
+    return MotionFileError(file, text.count("\n") + 1, "no MOTION section", "a file with recorded frames expected")
 
 
 def _build(
@@ -123,36 +144,37 @@ def _build(
     )
 
 
-def _refuse_what_is_no_bvh(text: str, file: str) -> None:
-    start = text[:1000].lstrip()
-    if not start[:9].upper() == "HIERARCHY":
-        raise MotionFileError(file, 1, f"{shown(start[:20])} was read", "a BVH file begins with HIERARCHY")
-
-
-def _read_motion_header(text: str, start: int, line: int, file: str) -> tuple[int, float, int, int]:
-    """Frames, frame time [s], where the numbers begin in the text, and the line of that place."""
+def _read_motion_header(data: bytes, place: int, file: str) -> tuple[int, float, int]:
+    """Frames, frame time [s], and the byte from which on there are numbers; `place` is the end of the word MOTION."""
     frames: int | None = None
     frame_time: float | None = None
-    start = min(text.find("\n", start) + 1 or len(text), len(text))
+    line = line_at(data, place)
+    place = _next_line(data, place)
     while frames is None or frame_time is None:
-        line += 1
-        end = text.find("\n", start)
-        content = text[start : min(end if end >= 0 else len(text), start + 500)]
         missing = "Frames: COUNT" if frames is None else "Frame Time: SECONDS"
-        if not content.strip():
-            if end < 0:
-                raise MotionFileError(file, text.count("\n") + 1, "the file ends here", f"{missing} expected")
+        if place >= len(data):
+            raise MotionFileError(file, line_at(data, place), "the file ends here", f"{missing} expected")
+        line += 1
+        following = _next_line(data, place)
+        content = _text(data[place : min(following, place + 500)]).strip()
+        place = following
+        if not content:
+            continue
+        match = _HEADER_LINE.fullmatch(content)
+        key = match.group(1).lower().replace(" ", "") if match else ""
+        if match is None or key not in ("frames", "frametime"):
+            raise MotionFileError(file, line, f"{shown(content)} was read", f"{missing} expected")
+        if key == "frames":
+            frames = _read_frame_count(match.group(2), file, line)
         else:
-            match = _HEADER_LINE.fullmatch(content)
-            key = match.group(1).lower().replace(" ", "") if match else ""
-            if match is None or key not in ("frames", "frametime"):
-                raise MotionFileError(file, line, f"{shown(content.strip())} was read", f"{missing} expected")
-            if key == "frames":
-                frames = _read_frame_count(match.group(2), file, line)
-            else:
-                frame_time = _read_frame_time(match.group(2), file, line)
-        start = end + 1 if end >= 0 else len(text)
-    return frames, frame_time, start, line + 1
+            frame_time = _read_frame_time(match.group(2), file, line)
+    return frames, frame_time, place
+
+
+def _next_line(data: bytes, place: int) -> int:
+    """Where the line after this one begins."""
+    match = _LINE.match(data, place)
+    return match.end() if match else len(data)
 
 
 def _read_frame_count(text: str, file: str, line: int) -> int:
@@ -166,69 +188,3 @@ def _read_frame_time(text: str, file: str, line: int) -> float:
     if not FRAME_TIME_RANGE[0] <= seconds <= FRAME_TIME_RANGE[1]:
         raise MotionFileError(file, line, f"Frame Time {shown(text)}", "0.0001 to 10 seconds expected")
     return seconds
-
-
-class _NumberBlock:
-    """The numbers after the header: one parse by numpy, and the lines they stand in for messages."""
-
-    def __init__(self, text: str, line: int, file: str) -> None:
-        self._text, self._line, self._file = text, line, file
-
-    def read(self, columns: int, frames: int) -> Float64:
-        """All frames, shape (T, columns); `frames` is only what the file claims."""
-        starts = self._find_numbers()
-        if starts.size == 0:
-            raise self._error(0, "no frames", f"{frames} lines of {columns} numbers expected")
-        values = self._parse(starts)
-        strange = np.flatnonzero(~(np.abs(values) <= MAGNITUDE_LIMIT))  # catches NaN too
-        if strange.size:
-            place = int(starts[strange[0]])
-            raise self._error(place, f"the number {self._word(place)} is not usable", "finite, at most 1e7 expected")
-        self._check_lines(starts, columns)
-        return values.reshape(-1, columns)
-
-    def _find_numbers(self) -> Int64:
-        """Where in the text each word begins."""
-        if not self._text.isascii():
-            place = next(i for i, letter in enumerate(self._text) if ord(letter) > 127)
-            raise self._error(place, f"{shown(self._text[place])} among the numbers", "decimal numbers expected")
-        self._bytes = np.frombuffer(self._text.encode("ascii"), np.uint8)
-        inside = np.concatenate(([False], self._bytes > 32))
-        begins = inside[1:] & ~inside[:-1]
-        if np.count_nonzero(begins) > VALUE_LIMIT:
-            raise self._error(0, f"more than {VALUE_LIMIT} numbers", "a shorter recording expected")
-        return np.flatnonzero(begins)
-
-    def _parse(self, starts: Int64) -> Float64:
-        try:
-            values = np.fromstring(self._text, np.float64, sep=" ")
-        except (ValueError, DeprecationWarning):  # what numpy says depends on its version; what is wrong we find
-            values = np.empty(0)
-        if values.size != starts.size:
-            bad = _NO_NUMBER.search(self._text)
-            place = bad.start() if bad else int(starts[min(values.size, starts.size - 1)])
-            raise self._error(place, f"{self._word(place)} is not a number", "decimal numbers expected")
-        return values
-
-    def _check_lines(self, starts: Int64, columns: int) -> None:
-        """Every frame must end where a line ends, so that a lost number cannot shift all that follow."""
-        ends = np.append(np.flatnonzero(self._bytes == 10), self._bytes.size)
-        total = np.searchsorted(starts, ends)
-        counts = np.diff(total, prepend=0)
-        filled = counts > 0
-        if (counts[filled] % columns == 0).all():
-            return
-        if starts.size % columns == 0 and np.isin(np.arange(columns, starts.size + 1, columns), total).all():
-            return  # frames that run over several lines
-        wrong = np.flatnonzero(filled & (counts % columns != 0))[0]
-        last = wrong == np.flatnonzero(filled)[-1]
-        problem = f"{counts[wrong]} numbers in this line" + (", the last one: the file is cut off" if last else "")
-        place = int(starts[total[wrong] - 1])
-        raise self._error(place, problem, f"{columns} numbers (one per channel) expected")
-
-    def _word(self, place: int) -> str:
-        return shown(self._text[place : place + 60].split()[0])
-
-    def _error(self, place: int, problem: str, expected: str) -> MotionFileError:
-        line = self._line + self._text.count("\n", 0, place)
-        return MotionFileError(self._file, line, problem, expected)

@@ -4,8 +4,8 @@ from typing import Literal
 
 import numpy as np
 
+from live.motion.bvh.kernels import pose_channels
 from live.motion.bvh.parse import BvhMotion
-from live.motion.euler import euler_to_quaternion
 from live.motion.source_motion import Float64
 from live.motion.source_pose import LocalPose
 
@@ -17,27 +17,19 @@ def local_pose(motion: BvhMotion, root_offset: Literal["add", "replace"] = "add"
     into them instead: for the root `root_offset` says which it is, for the other joints it is seen from the values
     (whether they lie about zero or about OFFSET).
     """
-    frames, joints = motion.frame_count, motion.joint_count
-    rotation = np.zeros((frames, joints, 4))
-    rotation[..., 0] = 1.0
-    translation = np.broadcast_to(motion.offsets, (frames, joints, 3)).copy()
-    columns: dict[str, list[tuple[int, list[int]]]] = {}
-    first = 0
+    base = np.array(motion.offsets, np.float64)
+    kinds: list[tuple[int, int]] = []
     for joint, letters in enumerate(motion.channels):
-        turns = [first + place for place, letter in enumerate(letters) if letter.isupper()]
-        columns.setdefault("".join(filter(str.isupper, letters)), []).append((joint, turns))
-        moves = {"xyz".index(letter): first + place for place, letter in enumerate(letters) if letter.islower()}
+        moves = {"xyz".index(letter): len(kinds) + n for n, letter in enumerate(letters) if letter.islower()}
         if moves:
-            moved = motion.values[:, list(moves.values())]
             axes = list(moves)
-            replace = root_offset == "replace" if joint == 0 else _holds_offset(moved, motion.offsets[joint, axes])
-            translation[:, joint, axes] = moved if replace else moved + motion.offsets[joint, axes]
-        first += len(letters)
-    for order, places in columns.items():
-        if order:
-            turned = [joint for joint, _ in places]
-            angles = np.radians(motion.values[:, [turns for _, turns in places]])
-            rotation[:, turned] = euler_to_quaternion(angles, order)
+            moved = motion.values[:, list(moves.values())]
+            if root_offset == "replace" if joint == 0 else _holds_offset(moved, base[joint, axes]):
+                base[joint, axes] = 0.0
+        kinds += [(joint, "xyzXYZ".index(letter)) for letter in letters]
+    frames, joints = motion.frame_count, motion.joint_count
+    translation, rotation = np.empty((frames, joints, 3)), np.empty((frames, joints, 4))
+    pose_channels(motion.values, np.array(kinds, np.int32).reshape(-1, 2), base, translation, rotation)
     return LocalPose(translation, rotation)
 
 

@@ -1,0 +1,183 @@
+"""Kernels that read BVH: numbers out of bytes, and channels into translations and rotations."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel
+
+UInt8 = npt.NDArray[np.uint8]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Int64 = npt.NDArray[np.int64]
+
+_HIGHEST = 44
+"""10^44 = 2^44 · 5^44 is the last power of ten that two doubles hold exactly."""
+_POWERS = np.array([float(10**n) for n in range(_HIGHEST + 1)])
+_POWERS_REST = np.array([float(10**n - int(float(10**n))) for n in range(_HIGHEST + 1)])
+_EXACT = 22
+"""10^22 is the last power of ten that one double holds exactly."""
+_LARGE = np.uint64(1 << 53)  # as an int it would be compared as a double
+"""Whole numbers up to here are exact as doubles."""
+_SPLIT = 134217729.0  # 2^27 + 1 (Veltkamp)
+_DIGITS = 19
+"""So many digits always fit into 64 bits."""
+_LONGEST = 1000
+"""Letters of a number at most: reading one takes the square of its length."""
+_ZERO, _ONE, _TEN, _NOUGHT = np.uint64(0), np.uint64(1), np.uint64(10), np.uint64(48)
+
+COUNT, BAD, STRANGE, HARD, WRONG_COUNT, WRONG_PLACE, WRONG_LAST, WRAPPED = range(8)
+"""Entries of `found` in `scan_numbers`."""
+
+
+@kernel("f8(u8, i8)")
+def scaled(mantissa: np.uint64, exponent: np.int64) -> float:
+    """mantissa · 10^exponent as the nearest double, or NaN where this needs more than a few doubles can tell.
+
+    Up to 2^53 and 10^22 both factors are exact, so one operation rounds once (Clinger 1990). Beyond, the quotient is
+    corrected by its exact remainder (Dekker), and taken if a little more or less would not round otherwise (Ziv).
+    """
+    if mantissa == 0:
+        return 0.0
+    if exponent < -_HIGHEST or exponent > _EXACT:
+        return math.nan
+    high = float(mantissa)
+    if mantissa <= _LARGE and exponent >= -_EXACT:
+        return float(high * _POWERS[exponent] if exponent >= 0 else high / _POWERS[-exponent])
+    if exponent >= 0:
+        return math.nan
+    power = _POWERS[-exponent]
+    quotient = high / power
+    a = quotient * _SPLIT
+    a = a - (a - quotient)
+    b = power * _SPLIT
+    b = b - (b - power)
+    product = quotient * power
+    error = ((a * b - product) + a * (power - b) + (quotient - a) * b) + (quotient - a) * (power - b)
+    lower = float(np.int64(mantissa - np.uint64(high)))
+    rest = (((high - product) - error) + (lower - quotient * _POWERS_REST[-exponent])) / power
+    doubt = 1e-14 * abs(rest) + 1e-29 * quotient
+    less, more = quotient + (rest - doubt), quotient + (rest + doubt)
+    return float(less) if less == more else math.nan
+
+
+@kernel("Tuple((u8, u8))(u1[::1], u8, u8)")
+def _read_digits(text: UInt8, place: np.uint64, mantissa: np.uint64) -> tuple[np.uint64, np.uint64]:
+    """The mantissa with the digits from `place` on (right for 19 of them), and where they end."""
+    while text[place] >= 48 and text[place] <= 57:  # a chained comparison takes twice as long
+        mantissa = mantissa * _TEN + (np.uint64(text[place]) - _NOUGHT)
+        place += _ONE
+    return mantissa, place
+
+
+@kernel("Tuple((f8, u8))(u1[::1], u8)")
+def read_word(text: UInt8, begin: np.uint64) -> tuple[float, np.uint64]:
+    """The number that begins at `begin` and where it ends; NaN if only more precision can tell.
+
+    It ends at `begin` where no number stands. The last byte of `text` must not belong to a word.
+    """
+    place = begin
+    negative = text[place] == 45
+    if negative or text[place] == 43:
+        place += _ONE
+    mantissa, end = _read_digits(text, place, _ZERO)
+    digits, exponent = np.int64(end - place), np.int64(0)
+    if text[end] == 46:
+        place = end + _ONE
+        mantissa, end = _read_digits(text, place, mantissa)
+        exponent = -np.int64(end - place)
+        digits -= exponent
+    hard = bool(digits > _DIGITS)
+    if digits > 0 and (text[end] == 101 or text[end] == 69):
+        place = end + _ONE
+        minus = text[place] == 45
+        if minus or text[place] == 43:
+            place += _ONE
+        power, end = _read_digits(text, place, _ZERO)
+        digits = np.int64(end - place)
+        hard = hard or bool(digits > _DIGITS or power > 1000)
+        exponent += -np.int64(power) if minus else np.int64(power)
+    if digits == 0 or not (text[end] == 32 or 9 <= text[end] <= 13) or end - begin > _LONGEST:
+        return 0.0, begin
+    value = math.nan if hard else scaled(mantissa, exponent)
+    return (-value if negative else value), end
+
+
+@kernel("void(u1[::1], i8, f8[::1], i8[:,::1], i8[::1])")
+def scan_numbers(text: UInt8, columns: int, values: Float64, hard: Int64, found: Int64) -> None:
+    """Read all numbers of `text` into `values`, as far as they fit, and see whether lines hold whole frames.
+
+    Lines end with LF, CR or both, and `text` with one. In `found`: COUNT of numbers, place of a BAD word (-1: none;
+    reading ends there), of a STRANGE number (not within 1e7), how many HARD ones there are (index and place go to
+    `hard` (n, 2), as far as they fit); WRONG_COUNT, WRONG_PLACE (of its last word), WRONG_LAST (nothing follows) of
+    the first line whose numbers are no multiple of `columns`; WRAPPED = 1 if all the same every frame begins a line.
+    """
+    place, last_word = _ZERO, _ZERO
+    count, in_line, in_frame, hards = 0, 0, 0, 0
+    found[:] = 0
+    found[BAD] = found[STRANGE] = -1
+    found[WRAPPED] = 1
+    size = np.uint64(text.size)
+    while place < size:
+        letter = text[place]
+        if letter == 32 or 9 <= letter <= 13:
+            place += _ONE
+            if letter == 10 or letter == 13:
+                if in_line % columns != 0 and found[WRONG_COUNT] == 0:
+                    found[WRONG_COUNT], found[WRONG_PLACE], found[WRONG_LAST] = in_line, last_word, 1
+                in_line = 0
+            continue
+        found[WRONG_LAST] = 0
+        if in_frame == columns:
+            in_frame = 0
+            if in_line > 0:
+                found[WRAPPED] = 0
+        value, end = read_word(text, place)
+        if end == place:
+            found[BAD] = place
+            break
+        if value != value:
+            if hards < len(hard):
+                hard[hards, 0], hard[hards, 1] = count, place
+            hards += 1
+        elif abs(value) > 1e7 and found[STRANGE] < 0:
+            found[STRANGE] = place
+        if count < values.size:
+            values[count] = value
+        last_word, place = place, end
+        count += 1
+        in_line += 1
+        in_frame += 1
+    found[COUNT], found[HARD] = count, hards
+
+
+@kernel('void(Array(f8, 2, "C", True), i4[:,::1], f8[:,::1], f8[:,:,::1], f8[:,:,::1])')
+def pose_channels(values: Float64, channels: Int32, base: Float64, translation: Float64, rotation: Float64) -> None:
+    """Channels of every frame (T, C) as translations (T, J, 3) and unit quaternions (T, J, 4).
+
+    `channels` (C, 2) holds each one's joint and kind: 0-2 a position along x, y, z that is added to `base` (J, 3), 3-5
+    a rotation about x, y, z [degrees], applied in file order: R = R1 R2 R3 (T163).
+    """
+    for frame in range(len(values)):
+        for joint in range(len(base)):
+            for axis in range(3):
+                translation[frame, joint, axis] = base[joint, axis]
+                rotation[frame, joint, axis + 1] = 0.0
+            rotation[frame, joint, 0] = 1.0
+        for channel in range(len(channels)):
+            joint, kind = channels[channel, 0], channels[channel, 1]
+            value = values[frame, channel]
+            if kind < 3:
+                translation[frame, joint, kind] = base[joint, kind] + value
+                continue
+            half = math.radians(value) * 0.5
+            c, s = math.cos(half), math.sin(half)
+            q = rotation[frame, joint]
+            k = kind - 2
+            i, j = k % 3 + 1, (k + 1) % 3 + 1
+            w, along, first, second = q[0], q[k], q[i], q[j]
+            q[0] = w * c - along * s
+            q[k] = along * c + w * s
+            q[i] = first * c + second * s
+            q[j] = second * c - first * s
