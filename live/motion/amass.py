@@ -92,7 +92,7 @@ def parse_amass(data: bytes, file: str) -> SourceMotion:
         trans = np.zeros((frames, 3))
         warnings.append(FileWarning("no array 'trans': the dancer stays in place"))
     vectors = body.reshape(frames, _BODY, 3)
-    rotation = np.asarray(quaternion.continuous(rotation_vectors(vectors)), np.float64)
+    rotation = np.asarray(quaternion.continuous(quaternion.from_rotation_vector(vectors)), np.float64)
     translation = np.broadcast_to(_OFFSETS, (frames, _BODY, 3)).copy()
     translation[:, 0] = trans
     rest = np.tile((1.0, 0.0, 0.0, 0.0), (_BODY, 1))
@@ -117,12 +117,6 @@ def parse_amass(data: bytes, file: str) -> SourceMotion:
         root_offset="zero",
         warnings=tuple(warnings),
     )
-
-
-def rotation_vectors(vectors: Float64) -> Float64:
-    """Unit quaternions (..., 4) of rotation vectors (axis times angle [rad]), (..., 3)."""
-    angle = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.concatenate((np.cos(0.5 * angle), 0.5 * np.sinc(0.5 * angle / np.pi) * vectors), axis=-1)
 
 
 def _body_rotations(archive: Archive, file: str, size: int) -> Float64:

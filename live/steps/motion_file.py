@@ -3,12 +3,14 @@
 from pathlib import Path
 from typing import Final
 
+from live.motion.amass import parse_amass
 from live.motion.bvh import parse_bvh, source_of_bvh
 from live.motion.file_error import MotionFileError
+from live.motion.gltf import parse_gltf
 from live.motion.source_motion import SourceMotion, UpAxis
 
 MAX_BYTES: Final = 256_000_000
-MOTION_ENDINGS: Final = (".bvh", ".amc", ".glb", ".gltf", ".vrm", ".npz")
+MOTION_ENDINGS: Final = (".bvh", ".amc", ".glb", ".gltf", ".vrm", ".vrma", ".npz")
 """Endings of the files that `read_motion` takes."""
 _MARKERS: Final = "solve the markers onto a skeleton in the capture program and export BVH"
 _CONVERT: Final = "open it in Blender (File, Import, FBX) and export glTF 2.0 (.glb) with its animation"
@@ -24,9 +26,9 @@ def read_motion(path: Path, *, skeleton: Path | None = None, up: UpAxis | None =
     data = read_bytes(path)
     match _format_of(data, path):
         case "glTF":
-            return _source_of_gltf(data, str(path))
+            return parse_gltf(data, str(path), lambda name: read_bytes(path.parent / name))
         case "npz":
-            return _source_of_amass(data, str(path))
+            return parse_amass(data, str(path))
         case _:
             return source_of_bvh(parse_bvh(data, str(path)), up)
 
@@ -56,7 +58,7 @@ def _beside(path: Path) -> str:
 def _format_of(data: bytes, path: Path) -> str:
     ending = path.suffix.lower()
     start = data[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
-    if data[:4] == b"glTF" or ending in (".gltf", ".glb", ".vrm"):
+    if data[:4] == b"glTF" or ending in (".gltf", ".glb", ".vrm", ".vrma"):
         return "glTF"
     if data[:18] == b"Kaydara FBX Binary" or ending == ".fbx":
         raise MotionFileError(str(path), None, "FBX files are not read", _CONVERT)
@@ -65,21 +67,3 @@ def _format_of(data: bytes, path: Path) -> str:
     if data[:4] == b"PK\3\4" or ending == ".npz":
         return "npz"
     return "BVH"
-
-
-def _source_of_gltf(data: bytes, file: str) -> SourceMotion:
-    try:
-        from live.motion.gltf_reader import parse_gltf  # type: ignore[import-not-found,import-untyped,unused-ignore]
-    except ModuleNotFoundError:
-        raise MotionFileError(file, None, "glTF files are not read yet", "a BVH file expected") from None
-    motion: SourceMotion = parse_gltf(data, file)
-    return motion
-
-
-def _source_of_amass(data: bytes, file: str) -> SourceMotion:
-    try:
-        from live.motion.amass import parse_amass  # type: ignore[import-not-found,import-untyped,unused-ignore]
-    except ModuleNotFoundError:
-        raise MotionFileError(file, None, "npz files are not read yet", "a BVH file expected") from None
-    motion: SourceMotion = parse_amass(data, file)
-    return motion
