@@ -13,6 +13,7 @@ from live.motion.editing.feet import Feet, find_feet
 from live.motion.editing.support import find_supports
 from live.motion.editing.support_turns import MAX_SEGMENTS, SupportTurns, soft_progress
 from live.motion.step_clip import StepClip
+from live.motion.step_figures import measured_direction, measured_distance
 
 Float = npt.NDArray[np.floating]
 
@@ -58,7 +59,8 @@ def insert_rotation(
         edges = np.linspace(0.0, 1.0, stretch.stop - stretch.start + 1)
         increment[stretch.start : stretch.stop] += angle * stretch.weight * np.diff(soft_progress(edges, softness))
         pivot[stretch.start : stretch.stop] = stretch.pivot
-    return replace(step, clip=turn_about(step.clip, increment, pivot))
+    turned = replace(step, clip=turn_about(step.clip, increment, pivot))
+    return replace(turned, direction=measured_direction(turned), distance_m=measured_distance(turned))
 
 
 def turn_about(clip: Clip, increment: Float, pivot: Float) -> Clip:
@@ -147,7 +149,7 @@ def _range(step: StepClip, measure: int, window: float) -> tuple[int, int, int]:
 
 def _supports(step: StepClip, feet: Feet, measure: int, window: float) -> list[tuple[int, int, int]]:
     first, last, stop = _range(step, measure, window)
-    found = find_supports(feet, step.clip.sample_rate, first, stop, last=last)
+    found = find_supports(feet, step.clip.sample_rate, first, stop, last=last, contact=step.clip.contact)
     kept = sorted(found, key=lambda support: -support.samples)[:MAX_SEGMENTS]
     return [(s.start, s.stop, s.foot) for s in sorted(kept, key=lambda support: support.start)]
 

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from live.motion.editing.feet import Feet
 
 Float = npt.NDArray[np.floating]
+Bool = npt.NDArray[np.bool_]
 
 LIFTED: Final = 0.20
 """One foot carries where the feet's heights differ by more than this share of the largest difference (T048)."""
@@ -43,12 +44,16 @@ def height_difference(feet: Feet) -> Float:
     return np.asarray(np.abs(height[:, 1] - height[:, 0]))
 
 
-def find_supports(feet: Feet, sample_rate: float, start: int, stop: int, *, last: int | None = None) -> list[Support]:
+def find_supports(
+    feet: Feet, sample_rate: float, start: int, stop: int, *, last: int | None = None, contact: Bool | None = None
+) -> list[Support]:
     """The single supports among the samples `start` to `stop` (exclusive), in order (T048).
 
     The bar is 20 % of the largest d(t) in that range, which is one measure: "we are editing the motions at each
     measure". Samples from `last` on (the blend window, T050) count for the bar but are not selected. A stretch in
     which the feet change over (one lands before the other's lift is seen) is cut where the lower foot changes.
+    Where `contact` (T, 2), the clip's own annotation, has both feet on the floor, neither carries alone: a low foot
+    that drags differs in height from the other and would be swept along.
     """
     difference = height_difference(feet)[start:stop]
     if difference.size == 0 or difference.max() < LEAST_LIFT:
@@ -56,6 +61,8 @@ def find_supports(feet: Feet, sample_rate: float, start: int, stop: int, *, last
     chosen = difference > LIFTED * difference.max()
     if last is not None:
         chosen[max(last - start, 0) :] = False
+    if contact is not None:
+        chosen &= ~contact[start:stop].all(axis=1)
     lower = np.argmin(feet.height[start:stop], axis=1)
     state = np.where(chosen, 1 + lower, 0)
     edges = np.flatnonzero(np.diff(state, prepend=0, append=0))

@@ -1,0 +1,77 @@
+"""Interpolation of two clips of one step: a diagonal walk from side and front, any length from short and long."""
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.editing.feet import ANKLES, BALLS
+from live.motion.editing.legs import reach_with_feet
+from live.motion.editing.same_step import check_same_structure, samples_in
+from live.motion.editing.sampling import read_clip
+from live.motion.forward import forward_kinematics
+from live.motion.skeleton import SKELETON
+from live.motion.step_clip import StepClip
+from live.motion.step_figures import measured_direction, measured_distance
+
+Float = npt.NDArray[np.floating]
+
+_ALL_ROUND: Final = -0.98
+"""Below this cosine (on S³) the arc is nearly a full turn and badly defined: the shorter one is taken after all."""
+
+
+def interpolate(a: StepClip, b: StepClip, weight: float, *, hold_feet: bool = True) -> StepClip:
+    """The clip that is `a` at weight 0 and `b` at 1: SLERP per joint, the root linear, no alignment in time (T045).
+
+    The arc between two rotations is the shorter one where the step begins; from there it is followed, so that it
+    never jumps to the other side when dancers turn away from each other. A foot is in contact where it is in both
+    clips. Interpolated joints alone let standing feet slide, so with `hold_feet` the legs are then bent until the
+    balls of the feet are where they are when interpolated as places: a foot that stands in both clips stands.
+    Without it the legs are plain SLERP, too.
+
+    Between the ends the result has the tempo and the samples of `a`, and direction and distance as they come out
+    (T047). ValueError for clips of different steps or different structural variations (T046), or a weight outside
+    [0, 1].
+    """
+    if not 0.0 <= weight <= 1.0:
+        raise ValueError(f"weight {weight}: 0 to 1 expected")
+    check_same_structure(a, b)
+    if weight in (0.0, 1.0):
+        return b if weight else a
+    root_a, rotation_a = a.clip.root_position.astype(np.float64), a.clip.rotation.astype(np.float64)
+    root_b, rotation_b, contact = read_clip(b.clip, samples_in(b, a))
+    begin = round(a.first)
+    root = (1.0 - weight) * root_a + weight * root_b
+    rotation = follow_arc(rotation_a, rotation_b, weight, begin)
+    if hold_feet:
+        poses = [forward_kinematics(*pose) for pose in ((root_a, rotation_a), (root_b, rotation_b))]
+        feet = follow_arc(poses[0][1][:, ANKLES], poses[1][1][:, ANKLES], weight, begin)
+        balls = (1.0 - weight) * poses[0][0][:, BALLS] + weight * poses[1][0][:, BALLS]
+        soles = quaternion.rotate(feet, SKELETON.offsets[list(BALLS)].astype(np.float64))
+        rotation = reach_with_feet(root, rotation, balls - soles, feet)
+    clip = replace(
+        a.clip,
+        name=f"{a.clip.name} + {weight:.0%} {b.clip.name}",
+        root_position=root.astype(np.float32),
+        rotation=np.ascontiguousarray(rotation, np.float32),
+        contact=a.clip.contact & contact,
+    )
+    step = replace(a, clip=clip)
+    return replace(step, direction=measured_direction(step), distance_m=measured_distance(step))
+
+
+def follow_arc(a: Float, b: Float, weight: float, begin: int) -> Float:
+    """SLERP from `a` to `b` (T, ..., 4) along arcs that change continuously in time and are the shorter at `begin`."""
+    a, b = quaternion.continuous(a), quaternion.continuous(b)
+    begin = min(max(begin, 0), len(a) - 1)
+    b = b * np.where(np.sum(a[begin] * b[begin], axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
+    cosine = np.sum(a * b, axis=-1, keepdims=True)
+    b = np.where(cosine < _ALL_ROUND, -b, b)
+    angle = np.arccos(np.clip(np.where(cosine < _ALL_ROUND, -cosine, cosine), -1.0, 1.0))
+    near = angle < 1e-4  # the chord is the arc, and the sine too small to divide by
+    sine = np.where(near, 1.0, np.sin(angle))
+    weight_a = np.where(near, 1.0 - weight, np.sin((1.0 - weight) * angle) / sine)
+    weight_b = np.where(near, weight, np.sin(weight * angle) / sine)
+    return quaternion.unit(weight_a * a + weight_b * b)
