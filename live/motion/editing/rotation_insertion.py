@@ -84,16 +84,18 @@ def turn_about(clip: Clip, increment: Float, pivot: Float) -> Clip:
     )
 
 
-def support_turns(step: StepClip, measure: int, *, window: float = BLEND_WINDOW, softness: float = 0.0) -> SupportTurns:
+def support_turns(
+    step: StepClip, measure: int, *, window: float = BLEND_WINDOW, softness: float = 0.0, feet: Feet | None = None
+) -> SupportTurns:
     """Where and about which points one measure (from 0) of a step can be turned by any angle; arrays of shape (8,).
 
     The same as `insert_rotation` does sample by sample, as a function of the fraction of the measure; the ball of a
     carrying foot goes straight from where it stands first to where it stands last. Measures without single support
     get eight stretches outside the blend window, weighted by how fast the feet move, about the middle between the
-    feet (softness 0). ValueError as for `insert_rotation`.
+    feet (softness 0). `feet` are those of the clip, where the caller has them. ValueError as for `insert_rotation`.
     """
     _check(step, measure, window, softness)
-    feet = find_feet(step.clip)
+    feet = find_feet(step.clip) if feet is None else feet
     stretches = _stretches(step, feet, measure, window)
     single = bool(_supports(step, feet, measure, window))
     columns = np.zeros((8, MAX_SEGMENTS))
