@@ -14,7 +14,7 @@ from rich.text import Text
 
 from live import __version__
 from live.base.errors import PersonError
-from live.cli import bench, check, devices, doctor, play, render, replay, warm
+from live.cli import bench, check, devices, doctor, export, play, render, replay, steps, warm
 
 EXIT_PERSON_ERROR = 2
 EXIT_INTERRUPTED = 130
@@ -36,7 +36,9 @@ app.command("check")(check.check)
 app.command("devices")(devices.devices)
 app.command("doctor")(doctor.doctor)
 app.command("bench")(bench.bench)
+app.command("export")(export.export)
 app.command("warm")(warm.warm)
+app.add_typer(steps.app, name="steps")
 
 
 def _print_version(wanted: bool) -> None:
