@@ -108,16 +108,16 @@ def test_turn_about_is_the_loop_of_the_thesis_sample_by_sample() -> None:
 
 
 def hips_by_closed_form(
-    step: StepClip, measure: int, angle: float, **options: float
+    step: StepClip, measure: int, angle: float, *, softness: float = 0.0
 ) -> tuple[Clip, npt.NDArray[np.floating]]:
     """The edited clip and where the closed form puts the hips at the samples of the measure, (n, 2)."""
-    turns = support_turns(step, measure, **options)
+    turns = support_turns(step, measure, softness=softness)
     begin = step.first + measure * step.samples_per_measure
     samples = np.arange(int(np.ceil(begin)), int(begin + step.samples_per_measure) + 1)
     fraction = (samples - begin) / step.samples_per_measure
     hips = step.clip.root_position[samples].astype(np.float64)
     place = [turned(p, yaw)[[0, 2]] for p, yaw in zip(hips, angle * turns.share(fraction), strict=True)]
-    edited = insert_rotation(step, angle, measure=measure, **options)
+    edited = insert_rotation(step, angle, measure=measure, softness=softness)
     expected = edited.clip.root_position[samples][:, (0, 2)]
     return edited.clip, np.abs(place + turns.displacement(fraction, angle) - expected)
 

@@ -1,0 +1,152 @@
+"""Time warp of one measure: a half wave of haste or delay somewhere in it, so that no two dancers move as one (T055).
+
+Phases are fractions of the measure, 0 to 1, and amplitudes shares of it: the thesis' A_max = 7 and f_max = 2 for
+N = 100 frames are 0.07 and 2 here.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion.clip import Clip
+from live.motion.editing.rotation_insertion import BLEND_WINDOW
+from live.motion.editing.sampling import read_clip
+from live.motion.step_clip import StepClip
+
+Float64 = npt.NDArray[np.float64]
+
+A_MAX: Final = 0.07
+F_MAX: Final = 2.0
+F_MIN: Final = 0.5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeasureWarps:
+    """The warps of n measures or dancers, each array of shape (n,)."""
+
+    amplitude: Float64
+    """A: how far the clip is ahead or behind at most [share of the measure]."""
+    frequency: Float64
+    """f: the half wave takes 1 / (2 f) of the measure."""
+    start: Float64
+    """x0: fraction of the measure at which it begins."""
+    sign: Float64
+    """1 to go ahead, -1 to stay behind."""
+
+    def take(self, rows: npt.NDArray[np.integer]) -> "MeasureWarps":
+        """The rows that `rows` names."""
+        return MeasureWarps(self.amplitude[rows], self.frequency[rows], self.start[rows], self.sign[rows])
+
+    def phase(self, x: npt.ArrayLike, window: float = BLEND_WINDOW) -> Float64:
+        """`measure_warp` with these parameters; `x` broadcasts against (n,)."""
+        return measure_warp(x, self.amplitude, self.frequency, self.start, self.sign, window)
+
+
+def measure_warp(
+    x: npt.ArrayLike,
+    amplitude: npt.ArrayLike,
+    frequency: npt.ArrayLike,
+    start: npt.ArrayLike,
+    sign: npt.ArrayLike,
+    window: npt.ArrayLike = BLEND_WINDOW,
+) -> Float64:
+    """Phase of the clip w(x) at phase `x` of the measure, all arguments broadcast (T055 as corrected).
+
+    x + sign · A · sin(2πf (x - x0)) during the half wave from x0 to x0 + 1 / (2f), else x. The half wave lies before
+    the blend `window` (share of the measure, T052): where `start` or a low `frequency` would have it reach into the
+    window, it begins earlier or is shortened. Increasing while 2πf·A < 1 (`steepness`).
+    """
+    x = np.asarray(x, np.float64)
+    f, x0 = _half_wave(frequency, start, window)
+    wave = np.sin(2.0 * np.pi * f * np.clip(x - x0, 0.0, 0.5 / f))
+    inside = (x > x0) & (x < x0 + 0.5 / f)
+    return np.asarray(np.where(inside, x + np.asarray(sign) * np.asarray(amplitude) * wave, x))
+
+
+def measure_warp_slope(
+    x: npt.ArrayLike,
+    amplitude: npt.ArrayLike,
+    frequency: npt.ArrayLike,
+    start: npt.ArrayLike,
+    sign: npt.ArrayLike,
+    window: npt.ArrayLike = BLEND_WINDOW,
+) -> Float64:
+    """w'(x), the speed at which the clip is played: 1 + sign · A 2πf cos(2πf (x - x0)) in the half wave, else 1 (T054).
+
+    At the ends of the half wave the speed jumps; there the value is that inside.
+    """
+    x = np.asarray(x, np.float64)
+    f, x0 = _half_wave(frequency, start, window)
+    cosine = np.cos(2.0 * np.pi * f * (x - x0))
+    inside = (x >= x0) & (x <= x0 + 0.5 / f)
+    return np.asarray(np.where(inside, 1.0 + np.asarray(sign) * steepness(amplitude, f) * cosine, 1.0))
+
+
+def steepness(amplitude: npt.ArrayLike, frequency: npt.ArrayLike) -> Float64:
+    """A · 2πf: how much the speed may deviate from 1; below 1 nothing is played backwards (T054).
+
+    A = 7 frames of 100 and f = 2 give 0.8796.
+    """
+    return np.asarray(2.0 * np.pi * np.asarray(frequency, np.float64) * np.asarray(amplitude, np.float64))
+
+
+def draw_measure_warps(
+    rng: np.random.Generator,
+    count: int,
+    *,
+    a_max: float = A_MAX,
+    f_max: float = F_MAX,
+    window: float = BLEND_WINDOW,
+) -> MeasureWarps:
+    """Random warps for `count` measures: A ~ U[0, a_max], f ~ U[0.5, f_max], x0 ~ U, the sign of y ~ U(-1, 1) (T055).
+
+    f begins where the half wave fits before the blend `window`, and x0 lies between 0 and the last place where it
+    does. ValueError for values with which a clip could be played backwards or the half wave would not fit.
+    """
+    lowest = max(F_MIN, 0.5 / (1.0 - window)) if 0.0 <= window < 1.0 else np.inf
+    if not f_max >= lowest:
+        raise ValueError(f"f_max {f_max} with a window of {window}: at least {lowest:.3g} expected")
+    if not 0.0 <= steepness(a_max, f_max) < 1.0:
+        raise ValueError(
+            f"a_max {a_max} with f_max {f_max}: 0 to {1.0 / (2.0 * np.pi * f_max):.3f} expected, or time would run back"
+        )
+    amplitude = rng.uniform(0.0, a_max, count)
+    frequency = rng.uniform(lowest, f_max, count)
+    start = rng.uniform(0.0, 1.0, count) * (1.0 - window - 0.5 / frequency)
+    sign = np.where(rng.uniform(-1.0, 1.0, count) < 0.0, -1.0, 1.0)
+    return MeasureWarps(amplitude, frequency, start, sign)
+
+
+def warp_step(step: StepClip, warps: MeasureWarps, *, window: float = BLEND_WINDOW) -> StepClip:
+    """The step with each of its measures warped by a row of `warps`; lead-in, blend windows and lines as they were.
+
+    ValueError unless there is one row for each measure.
+    """
+    if warps.amplitude.shape != (step.measures,):
+        raise ValueError(f"{warps.amplitude.size} warps for the {step.measures} measures of the step {step.step!r}")
+    place = (np.arange(step.clip.sample_count) - step.first) / step.samples_per_measure
+    measure = np.clip(np.floor(place).astype(np.int64), 0, step.measures - 1)
+    inside = (place >= 0.0) & (place < step.measures)
+    warped = measure + warps.take(measure).phase(place - measure, window)
+    samples = step.first + np.where(inside, warped, place) * step.samples_per_measure
+    return replace(step, clip=warp_clip(step.clip, samples))
+
+
+def warp_clip(clip: Clip, samples: npt.NDArray[np.floating]) -> Clip:
+    """The clip whose sample n is what `clip` is at the fractional sample `samples[n]`, (T,); ends are held."""
+    root, rotation, contact = read_clip(clip, samples)
+    return replace(
+        clip,
+        root_position=root.astype(np.float32),
+        rotation=np.ascontiguousarray(rotation, np.float32),
+        contact=contact,
+    )
+
+
+def _half_wave(frequency: npt.ArrayLike, start: npt.ArrayLike, window: npt.ArrayLike) -> tuple[Float64, Float64]:
+    """f and x0 such that the half wave ends before the window."""
+    room = 1.0 - np.asarray(window, np.float64)
+    f = np.maximum(np.asarray(frequency, np.float64), 0.5 / room)
+    return f, np.clip(np.asarray(start, np.float64), 0.0, np.maximum(room - 0.5 / f, 0.0))
