@@ -1,0 +1,54 @@
+"""MusicReference: where the beats lie in a recording (T017, T018), and how well that is known."""
+
+from dataclasses import dataclass, replace
+from typing import Final, Literal
+
+ReferenceSource = Literal["hand", "click", "claps", "song", "feet"]
+
+BPM_RANGE: Final = (20.0, 400.0)
+"""Tempi that a recording may have [bpm]."""
+
+
+@dataclass(frozen=True, slots=True)
+class MusicReference:
+    """beat(t) = (t - first_beat_s) · bpm / 60, from 0; times count from the first frame that is kept."""
+
+    first_beat_s: float
+    """When the first beat of the first measure falls [s]; not negative."""
+    bpm: float
+    """Tempo [beats per minute]."""
+    confidence: float
+    """0 to 1. Of claps: 1 would be a clap within a millisecond of every beat of a long count, 0.5 is usable, below 0.3
+    the claps contradict each other. A guess from the feet is never above 0.6: nobody heard the music. By hand: 1."""
+    source: ReferenceSource
+    """What it rests on: an anchor set by hand, claps to a click, claps alone, claps to a song, or the feet."""
+    note: str
+    """One line for people: what was found, and what is in doubt."""
+
+    @property
+    def period_s(self) -> float:
+        """Seconds per beat."""
+        return 60.0 / self.bpm
+
+
+def set_by_hand(
+    reference: MusicReference | None, *, anchor_s: float | None = None, bpm: float | None = None
+) -> MusicReference | None:
+    """What was found, with what a person has set put over it: a hand-set anchor or tempo always wins.
+
+    An anchor is the first beat of the first measure. A tempo alone keeps the first beat that was found; an anchor
+    alone needs a tempo that was found. None if that leaves one of the two unknown.
+    """
+    if anchor_s is None and bpm is None:
+        return reference
+    if reference is None:
+        if anchor_s is None or bpm is None:
+            return None
+        return MusicReference(anchor_s, bpm, 1.0, "hand", "first beat and tempo set by hand")
+    if anchor_s is not None and bpm is not None:
+        return MusicReference(anchor_s, bpm, 1.0, "hand", "first beat and tempo set by hand")
+    if anchor_s is not None:
+        note = f"first beat set by hand; tempo: {reference.note}"
+        return replace(reference, first_beat_s=anchor_s, source="hand", note=note)
+    assert bpm is not None
+    return replace(reference, bpm=bpm, source="hand", note=f"tempo set by hand; first beat: {reference.note}")
