@@ -3,8 +3,11 @@
 from pathlib import Path
 from typing import Final
 
+from live.motion.body_tracks import body_tracks
 from live.motion.clip import Clip
 from live.motion.file_error import MotionFileError
+from live.motion.glitch_repair import repair
+from live.motion.glitches import Glitch, find_glitches
 from live.motion.retarget import retarget
 from live.motion.source_motion import SourceMotion
 from live.steps.motion_file import read_motion
@@ -20,17 +23,38 @@ class RecordingReader:
     def __init__(self) -> None:
         self._motions: dict[tuple[object, ...], SourceMotion] = {}
         self._clips: dict[tuple[object, ...], Clip] = {}
+        self._glitches: dict[tuple[object, ...], list[Glitch]] = {}
 
     def clip(self, entry: RecordingEntry) -> Clip:
         """The whole recording on the engine's skeleton; RecordingError that names file, line and field."""
-        recording = entry.recording
-        key = (
-            entry.path, entry.skeleton, recording.fps, recording.drop_frames, recording.unit_m, recording.up,
-            recording.repair,
-        )  # fmt: skip
+        key = _key(entry)
         if key not in self._clips:
-            self._clips[key] = _retarget(entry, self.motion(entry))
+            motion = self.motion(entry)
+            if entry.recording.repair:
+                _check_frames(entry, motion)
+                motion, _ = repair(motion, self._faults(entry, motion), fps=entry.recording.fps)
+            self._clips[key] = _retarget(entry, motion)
         return self._clips[key]
+
+    def glitches(self, entry: RecordingEntry) -> list[Glitch]:
+        """Tracking faults that remain after a repair, if one is asked for; frames count from the file's first."""
+        motion = self.motion(entry)
+        faults = self._faults(entry, motion)
+        if not entry.recording.repair:
+            return faults
+        _, repairs = repair(motion, faults, fps=entry.recording.fps)
+        return [one.glitch for one in repairs if not one.done]
+
+    def _faults(self, entry: RecordingEntry, motion: SourceMotion) -> list[Glitch]:
+        key = _key(entry)
+        if key not in self._glitches:
+            recording = entry.recording
+            try:
+                tracks = body_tracks(motion, fps=recording.fps, up=recording.up, unit_m=recording.unit_m)
+            except MotionFileError as error:
+                raise entry.error("file", str(error)) from None
+            self._glitches[key] = find_glitches(tracks, motion.parents, recording.drop_frames)
+        return self._glitches[key]
 
     def motion(self, entry: RecordingEntry) -> SourceMotion:
         """What the file holds; RecordingError that names file, line and field."""
@@ -52,11 +76,21 @@ class RecordingReader:
         return self._motions[key]
 
 
+def _key(entry: RecordingEntry) -> tuple[object, ...]:
+    recording = entry.recording
+    read = (recording.fps, recording.drop_frames, recording.unit_m, recording.up, recording.repair)
+    return (entry.path, entry.skeleton, *read)
+
+
+def _check_frames(entry: RecordingEntry, motion: SourceMotion) -> None:
+    if entry.recording.drop_frames >= motion.frame_count:
+        words = f"{entry.recording.drop_frames}, but the recording has {motion.frame_count} frames"
+        raise entry.error("drop_frames", words)
+
+
 def _retarget(entry: RecordingEntry, motion: SourceMotion) -> Clip:
     recording = entry.recording
-    if recording.drop_frames >= motion.frame_count:
-        words = f"{recording.drop_frames}, but the recording has {motion.frame_count} frames"
-        raise entry.error("drop_frames", words)
+    _check_frames(entry, motion)
     try:
         return retarget(
             motion,

@@ -1,0 +1,172 @@
+"""`live steps`: the library of steps: add a recording, list, show, check, play."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+app = typer.Typer(
+    help="The library of steps: recordings and sketches, what is said of them, and what they look like.",
+    no_args_is_help=True,
+    rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+PANEL_FILE = "How the file is read"
+PANEL_MUSIC = "Where the music is"
+PANEL_STEP = "What is said of the step"
+
+Library = Annotated[
+    Path | None,
+    typer.Option(
+        "--library", help="A folder of steps. Default: your own, and the project's.", metavar="DIR", file_okay=False
+    ),
+]
+JsonOut = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+
+
+@app.command("add")
+def add(
+    file: Annotated[Path, typer.Argument(help="A recording: BVH, AMC, glTF, GLB, VRM or AMASS npz.")],
+    name: Annotated[str, typer.Option(help="The step's name; steps of one name are variations.")],
+    bpm: Annotated[float | None, typer.Option(help="Tempo of the recorded dance.", rich_help_panel=PANEL_MUSIC)] = None,
+    anchor: Annotated[
+        float | None,
+        typer.Option(help="When measure 1 begins [s].", metavar="SECONDS", rich_help_panel=PANEL_MUSIC),
+    ] = None,
+    beats_per_measure: Annotated[int | None, typer.Option(help="Default: 4.", rich_help_panel=PANEL_MUSIC)] = None,
+    start: Annotated[
+        int | None,
+        typer.Option(help="Measure in which the step begins. Default: 1.", rich_help_panel=PANEL_MUSIC),
+    ] = None,
+    measures: Annotated[int | None, typer.Option(help="Its length. Default: 1.", rich_help_panel=PANEL_MUSIC)] = None,
+    fps: Annotated[
+        float | None, typer.Option(help="True frame rate where the file lies.", rich_help_panel=PANEL_FILE)
+    ] = None,
+    unit: Annotated[
+        float | None, typer.Option(help="Metres per unit, to be checked.", rich_help_panel=PANEL_FILE)
+    ] = None,
+    up: Annotated[
+        Literal["Y", "Z"] | None, typer.Option(help="The axis that points up.", rich_help_panel=PANEL_FILE)
+    ] = None,
+    skeleton: Annotated[
+        Path | None, typer.Option(help="The ASF file of an AMC file.", rich_help_panel=PANEL_FILE)
+    ] = None,
+    drop_frames: Annotated[
+        int | None, typer.Option(help="Leading frames to leave out.", rich_help_panel=PANEL_FILE)
+    ] = None,
+    repair: Annotated[
+        bool, typer.Option("--repair", help="Mend tracking faults where that is safe.", rich_help_panel=PANEL_FILE)
+    ] = False,
+    leading_foot: Annotated[
+        Literal["left", "right"] | None,
+        typer.Option(help="The foot that begins.", rich_help_panel=PANEL_STEP),
+    ] = None,
+    begin_pose: Annotated[
+        str | None, typer.Option(help="Name of the pose in which it begins.", rich_help_panel=PANEL_STEP)
+    ] = None,
+    end_pose: Annotated[
+        str | None, typer.Option(help="Name of the pose in which it ends.", rich_help_panel=PANEL_STEP)
+    ] = None,
+    weight_transfer: Annotated[
+        bool,
+        typer.Option(
+            "--weight-transfer",
+            help="It ends on the other foot: repeats alternate the sides.",
+            rich_help_panel=PANEL_STEP,
+        ),
+    ] = False,
+    direction: Annotated[
+        str | None, typer.Option(help='Like "long left". Default: as measured.', rich_help_panel=PANEL_STEP)
+    ] = None,
+    distance: Annotated[
+        float | None, typer.Option(help="Metres. Default: as measured.", rich_help_panel=PANEL_STEP)
+    ] = None,
+    author: Annotated[str | None, typer.Option(help="Who danced it.", rich_help_panel=PANEL_STEP)] = None,
+    style: Annotated[str | None, typer.Option(help="How it is danced.", rich_help_panel=PANEL_STEP)] = None,
+    tag: Annotated[
+        list[str] | None, typer.Option(help="A tag; may be given often.", rich_help_panel=PANEL_STEP)
+    ] = None,
+    mirror: Annotated[
+        bool, typer.Option("--mirror", help="Its mirror image is a variation, too.", rich_help_panel=PANEL_STEP)
+    ] = False,
+    library: Library = None,
+) -> None:
+    """Cut a step out of a recording and put it into the library.
+
+    The recording is copied there, and a [[step]] joins the TOML file of its name. Nothing is written before the step
+    was cut, and nothing that is there is written over.
+    """
+    from live.cli.steps_add import add_to_library
+
+    given = {
+        "name": name, "skeleton": None if skeleton is None else str(skeleton), "fps": fps, "unit_m": unit, "up": up,
+        "drop_frames": drop_frames, "repair": repair or None, "bpm": bpm, "first_beat_s": anchor,
+        "beats_per_measure": beats_per_measure, "start_measure": start, "measures": measures,
+        "leading_foot": leading_foot, "begin_pose": begin_pose, "end_pose": end_pose,
+        "weight_transfer": weight_transfer or None, "direction": direction, "distance_m": distance, "author": author,
+        "style": style, "tags": tag or None, "mirror": mirror or None,
+    }  # fmt: skip
+    add_to_library(file, {key: value for key, value in given.items() if value is not None}, library)
+
+
+@app.command("list")
+def list_(library: Library = None, json_out: JsonOut = False) -> None:
+    """List the steps: name, variations, length, tempo, ways, feet, poses, tags."""
+    from live.cli.steps_list import print_list
+
+    print_list(library, json_out)
+
+
+@app.command("show")
+def show(
+    step: Annotated[str, typer.Argument(help="The step's name.")], library: Library = None, json_out: JsonOut = False
+) -> None:
+    """Show a step: all that is said of it, its variations, contacts on the beats, and what can follow it."""
+    from live.cli.steps_show import print_step
+
+    print_step(step, library, json_out)
+
+
+@app.command("check")
+def check(library: Library = None, json_out: JsonOut = False) -> None:
+    """Find what is wrong or doubtful in a library. Exit 1 if something in it cannot be danced."""
+    from live.cli.steps_check import print_findings
+
+    print_findings(library, json_out)
+
+
+@app.command("play")
+def play(
+    step: Annotated[str, typer.Argument(help="The step's name.")],
+    library: Library = None,
+    variation: Annotated[int | None, typer.Option(min=1, help="Only this variation (see `live steps show`).")] = None,
+    tempo: Annotated[float | None, typer.Option(help="Beats per minute. Default: the step's own.")] = None,
+    seconds: Annotated[float | None, typer.Option(help="End after so many seconds.")] = None,
+    travel: Annotated[
+        bool, typer.Option("--travel", help="Let them get away; without it they dance on the spot.")
+    ] = False,
+    headless: Annotated[
+        bool, typer.Option("--headless", help="No window: run in real time without a picture.")
+    ] = False,
+    film: Annotated[Path | None, typer.Option(help="Render a film instead.", metavar="OUT.mp4")] = None,
+    monitor: Annotated[str | None, typer.Option(help="Monitor by number or name.", metavar="N|NAME")] = None,
+    fullscreen: Annotated[bool, typer.Option("--fullscreen", help="Full screen.")] = False,
+    size: Annotated[str, typer.Option(help="Size of the window or film.", metavar="WxH")] = "1280x720",
+    fps: Annotated[float | None, typer.Option(help="Frames per second.")] = None,
+) -> None:
+    """Play a step again and again, a dancer for each variation, on the stage."""
+    from live.cli.options import film_file, parse_number, parse_size, writable_file
+    from live.cli.steps_play import Preview, play_step
+
+    parse_number(tempo, "--tempo", 20, 400)
+    parse_number(seconds, "--seconds", 0.1, 7 * 86400)
+    parse_number(fps, "--fps", 1, 480)
+    writable_file(film, "--film")
+    film_file(film, "--film", never=[])
+    play_step(
+        Preview(
+            step=step, library=library, variation=variation, tempo=tempo, seconds=seconds, travel=travel,
+            headless=headless, film=film, monitor=monitor, fullscreen=fullscreen, size=parse_size(size), fps=fps,
+        )
+    )  # fmt: skip
