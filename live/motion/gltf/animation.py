@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.motion import quaternion
 from live.motion.file_error import shown
 from live.motion.gltf.accessors import Accessors
 from live.motion.gltf.curves import Curve, Interpolation, key_rate
@@ -115,7 +116,7 @@ class CurveReader:
             if (lengths < 1e-6).any():
                 raise sampler.error("output", f"holds a zero rotation at key {np.argmin(lengths)}", "unit quaternions")
             if tangents is None:
-                values = values / lengths[:, None]
+                values = np.asarray(quaternion.continuous(values / lengths[:, None]), np.float64)
         return Curve(times, values, way, is_rotation, tangents)
 
     def _key_times(self, channel: Channel) -> Float64:

@@ -1,4 +1,4 @@
-"""A figure of bones for files: a spindle of eight faces from each joint to the next, so that a viewer shows something."""
+"""A figure of bones for files: a spindle from each joint to the next, so that a viewer shows something."""
 
 from dataclasses import dataclass
 from typing import Final
