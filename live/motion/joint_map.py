@@ -17,19 +17,25 @@ _SIDES: Final = {"left": "left", "l": "left", "right": "right", "r": "right"}
 _HELPERS: Final = ("end", "nub", "tip", "site", "twist", "roll", "effector", "ik", "pole")
 
 # per engine joint the words that may mean it, the surest first
-_LEG: Final = {
+_LEG: Final[dict[str, tuple[str, ...]]] = {
     "UpperLeg": ("thigh", "upleg", "upperleg", "femur", "hip"),
     "LowerLeg": ("shin", "calf", "lowerleg", "lowleg", "loleg", "knee", "tibia", "leg"),
     "Foot": ("ankle", "foot"),
 }
-_ARM: Final = {
+_ARM: Final[dict[str, tuple[str, ...]]] = {
     "UpperArm": ("upperarm", "uparm", "shldr", "humerus", "arm", "shoulder"),
-    "LowerArm": ("forearm", "lowerarm", "lowarm", "loarm", "elbow"),
+    "LowerArm": ("forearm", "lowerarm", "lowarm", "loarm", "elbow", "radius"),
 }
 _HAND: Final = ("wrist", "hand")
+_HAND_OF_RADIUS: Final = ("hand", "wrist")
+"""Acclaim skeletons split the forearm: the bone `lwrist` is its last third, and `lhand` begins at the wrist."""
 _TOES: Final = ("toebase", "toes", "toe", "ball", "foot")
 _CLAVICLE: Final = ("clavicle", "collar", "scapula", "shoulder")
 _HEAD: Final = ("head", "face", "skull")
+_ACCLAIM: Final = (
+    "hipjoint", "femur", "tibia", "foot", "toes", "clavicle", "humerus", "radius", "wrist", "hand", "fingers", "thumb",
+)  # fmt: skip
+"""Bones that the Acclaim format names in small letters after an l or r: lfemur."""
 _TRIES: Final = 4
 """Joints of one name that are tried: a file may hold hundreds, and chains of them would take forever."""
 _REQUIRED: Final = tuple(
@@ -80,6 +86,9 @@ def split_name(name: str) -> tuple[str, str]:
         glued = next((word for word in ("left", "right") if token.startswith(word)), "")
         if not side and token in _SIDES:
             side = _SIDES[token]
+        elif not side and place == 0 and token[:1] in _SIDES and token[1:] in _ACCLAIM:
+            side = _SIDES[token[:1]]
+            stem.append(token[1:])
         elif not side and place == 0 and glued:
             side = glued
             stem.append(token.removeprefix(glued))
@@ -105,7 +114,8 @@ class _BodyFinder:
             self._find_limb(joints, side, _LEG)
             self._find_limb(joints, side, _ARM)
             joints[side + "Toes"] = self._below(joints[side + "Foot"], side, _TOES)
-            joints[side + "Hand"] = self._below(joints[side + "LowerArm"], side, _HAND)
+            radius = joints[side + "LowerArm"] in self._by_name.get((side, "radius"), [])
+            joints[side + "Hand"] = self._below(joints[side + "LowerArm"], side, _HAND_OF_RADIUS if radius else _HAND)
             joints[side + "Shoulder"] = self._clavicle(joints[side + "UpperArm"], side)
         hips = self._common(joints["leftUpperLeg"], joints["rightUpperLeg"])
         joints["hips"] = hips

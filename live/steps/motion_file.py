@@ -19,7 +19,8 @@ _CONVERT: Final = "open it in Blender (File, Import, FBX) and export glTF 2.0 (.
 def read_motion(path: Path, *, skeleton: Path | None = None, up: UpAxis | None = None) -> SourceMotion:
     """The motion in a file; its first bytes decide the format, then its ending.
 
-    `skeleton` is the .asf file of an .amc file (default: the only one beside it that fits). `up` is the axis that
+    `skeleton` is the .asf file of an .amc file (default: the one beside it that has its name or the name's beginning,
+    as 49.asf for 49_10.amc, or the only one there is). `up` is the axis that
     points up, if a person has said so. Raises MotionFileError with file, line, problem and remedy for whatever
     cannot be used, also for what is not there, cannot be read, or is longer than 256 MB.
     """

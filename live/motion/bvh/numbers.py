@@ -19,12 +19,11 @@ from live.motion.bvh.kernels import (
     scan_numbers,
 )
 from live.motion.file_error import MAGNITUDE_LIMIT, MotionFileError, shown
+from live.motion.motion_size import VALUE_LIMIT
 
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
-VALUE_LIMIT: Final = 10_000_000
-"""Numbers in the motion part of a file at most: ten minutes of 43 joints at 120 frames per second."""
 HARD_LIMIT: Final = 1 << 14
 """So many numbers are read one by one where the kernel cannot tell the nearest double; more: all of them by numpy."""
 

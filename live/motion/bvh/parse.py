@@ -14,6 +14,7 @@ import numpy.typing as npt
 from live.motion.bvh.hierarchy import Hierarchy, parse_hierarchy
 from live.motion.bvh.numbers import line_at, read_numbers
 from live.motion.file_error import MotionFileError, read_number, shown
+from live.motion.motion_size import refuse_too_large
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
@@ -21,10 +22,6 @@ Int32 = npt.NDArray[np.int32]
 FRAME_TIME_RANGE: Final = (1e-4, 10.0)
 """Seconds per frame that are believed."""
 
-JOINT_BYTES: Final = 56
-"""Memory that a joint takes in each frame once its channels are applied."""
-MOST_BYTES: Final = 32_000_000
-"""Memory for joints, beside eight times that of the file: a few channels could ask for any number of joints."""
 SKELETON_BYTES: Final = 4_000_000
 """Length of the first part of a file at most: a thousand joints take less than a tenth of it."""
 
@@ -92,9 +89,7 @@ def parse_bvh(data: bytes | str, file: str) -> BvhMotion:
     if columns == 0:
         raise MotionFileError(file, line_at(data, start), "no joint has channels", "CHANNELS with rotations expected")
     values = read_numbers(data, start, columns, frames, file)
-    if len(values) * len(hierarchy.names) * JOINT_BYTES > MOST_BYTES + 8 * len(data):
-        problem = f"{len(values)} frames of {len(hierarchy.names)} joints with {columns} channels in all"
-        raise MotionFileError(file, None, problem, "channels for most joints expected, or fewer frames")
+    refuse_too_large(file, len(values), len(hierarchy.names), columns, len(data))
     warnings = []
     if values.shape[0] != frames:
         warnings.append(f"says {frames} frames, holds {values.shape[0]} data lines: all of these are used")
