@@ -31,8 +31,8 @@ class PlacedClap:
     clap: Clap
     beat: int | None
     """Number of its beat, from 1 for the first beat of the count (or of the song); None if it is none of them."""
-    residual_ms: float
-    """How late it is against the nearest beat [ms]."""
+    residual_ms: float | None
+    """How late it is against the nearest beat [ms]; None without beats."""
 
 
 @dataclass(frozen=True, slots=True)

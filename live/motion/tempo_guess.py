@@ -59,8 +59,11 @@ class TempoGuess:
     """Tempi that fit nearly as well, the best first."""
 
 
-def guess_tempo(clip: Clip, beats_per_measure: int = 4) -> TempoGuess | None:
-    """Tempo, first beat and how sure they are; None where a clip is too short or stands still."""
+def guess_tempo(clip: Clip, beats_per_measure: int = 4, bpm: float | None = None) -> TempoGuess | None:
+    """Tempo, first beat and how sure they are; None where a clip is too short or stands still.
+
+    Where the tempo is known (`bpm`, of a click nobody clapped to) only the first beat is guessed.
+    """
     if clip.sample_count < SHORTEST * clip.sample_rate:
         return None
     rhythm = rhythm_of(clip)
@@ -71,10 +74,10 @@ def guess_tempo(clip: Clip, beats_per_measure: int = 4) -> TempoGuess | None:
     peaks = _peaks(scores)
     if not peaks:
         return None
-    best = _octave(periods, peaks)
-    period, landing, phase = _landed(rhythm, best)
+    best = _octave(periods, peaks) if bpm is None else 60.0 / bpm
+    period, landing, phase = _landed(rhythm, best, FINE if bpm is None else 0.0)
     first, contrast = _first_beat(rhythm, period, phase, beats_per_measure)
-    repetition = float(scores[peaks[0]])
+    repetition = float(scores[peaks[0]] if bpm is None else np.interp(best, periods, scores))
     confidence = CERTAIN * float(np.clip(repetition / 0.4, 0.0, 1.0)) ** 0.5 * (0.5 + 0.5 * landing)
     others = tuple(round(60.0 / float(periods[p]), 1) for p in peaks if abs(periods[p] / best - 1.0) > OCTAVE_SLACK)[:3]
     note = (
@@ -132,26 +135,27 @@ def _octave(periods: Float64, peaks: list[int]) -> float:
     return min(related, key=lambda period: abs(np.log2(60.0 / period / USUAL_BPM)))
 
 
-def _landed(rhythm: Rhythm, period: float) -> tuple[float, float, float]:
+def _landed(rhythm: Rhythm, period: float, fine: float) -> tuple[float, float, float]:
     """Period corrected by what lands when, how well that fits (0 to 1), and the phase of the beats [s].
 
+    The correction is by a share of `fine` at most.
     Feet are braked before they stand: where the landings agree, they say when the beat is.
     """
     time = np.arange(rhythm.falls.size) / rhythm.rate
-    tries = period * (1.0 + np.linspace(-FINE, FINE, 81))
+    tries = period * (1.0 + np.linspace(-fine, fine, 81 if fine else 1))
     vectors = np.array([np.exp(-2j * np.pi * time / one) @ rhythm.falls for one in tries])
     vectors /= max(float(rhythm.falls.sum()), 1e-9)
     lengths = np.abs(vectors)
     best = int(np.argmax(lengths))
     if lengths[best] < TELLING:
         best = tries.size // 2
-    fine, landing = float(tries[best]), float(np.abs(vectors[best]))
-    phase = (BRAKED - float(np.angle(vectors[best])) / (2.0 * np.pi)) * fine
+    exact, landing = float(tries[best]), float(np.abs(vectors[best]))
+    phase = (BRAKED - float(np.angle(vectors[best])) / (2.0 * np.pi)) * exact
     if rhythm.plants.size >= 4:
-        mean = complex(np.mean(np.exp(2j * np.pi * (rhythm.plants - phase) / fine)))
+        mean = complex(np.mean(np.exp(2j * np.pi * (rhythm.plants - phase) / exact)))
         if abs(mean) >= AGREEING:
-            phase += float(np.angle(mean)) / (2.0 * np.pi) * fine
-    return fine, landing, phase % fine
+            phase += float(np.angle(mean)) / (2.0 * np.pi) * exact
+    return exact, landing, phase % exact
 
 
 def _first_beat(rhythm: Rhythm, period: float, phase: float, beats_per_measure: int) -> tuple[float, float]:

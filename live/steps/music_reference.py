@@ -12,9 +12,9 @@ from live.control.music_file import Music, MusicFileError, read_music
 from live.motion.source_motion import Float64
 
 BLOCK: Final = 65536
-EVEN: Final = 0.035
+EVEN: Final = 0.025
 """Beats of which most lie this near [s] to an even grid are from music that keeps its tempo: then that is meant."""
-MOST: Final = 0.6
+MOST: Final = 0.7
 PERIODS: Final = (0.25, 1.5)
 """Seconds per beat that are looked for: 240 to 40 bpm."""
 LISTENED: Final = 240.0
