@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from live.motion import quaternion
 from live.motion.file_error import MAGNITUDE_LIMIT, MotionFileError
-from live.motion.npz import Archive
+from live.motion.npz import Archive, as_float64
 from live.motion.source_motion import FileWarning, SourceMotion
 
 Float64 = npt.NDArray[np.float64]
@@ -127,7 +127,7 @@ def _body_rotations(archive: Archive, file: str, size: int) -> Float64:
             widths = " or ".join(map(str, POSE_WIDTHS))
             raise MotionFileError(file, None, f"poses has the shape {poses.shape}", f"(frames, {widths}) expected")
         _check_length(len(poses), size, file)
-        body = poses[:, : 3 * _BODY].astype(np.float64)
+        body = as_float64(poses[:, : 3 * _BODY])
     else:
         turned = archive.table("pose_body", 3 * _BODY - 3)
         _check_length(len(turned), size, file)

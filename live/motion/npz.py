@@ -20,6 +20,12 @@ _HEADER_LIMIT: Final = 10_000
 _PLAIN: Final = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
+def as_float64(array: Real) -> Float64:
+    """A copy as float64; NaN of every kind is kept and raises nothing."""
+    with np.errstate(invalid="ignore"):
+        return array.astype(np.float64)
+
+
 class Archive:
     """The arrays of one archive by name; each is unpacked only when it is read, within bounds."""
 
@@ -52,7 +58,7 @@ class Archive:
         if array.ndim != 2 or array.shape[1] != width or (rows is not None and len(array) != rows):
             expected = f"({'frames' if rows is None else rows}, {width}) expected"
             raise MotionFileError(self._file, None, f"{key} has the shape {array.shape}", expected)
-        return array.astype(np.float64)
+        return as_float64(array)
 
     def number(self, key: str) -> float:
         """An array of one number."""

@@ -68,7 +68,8 @@ class Accessors:
             values = np.zeros((count, width), stored)
         if accessor.has("sparse"):
             values = self._replaced(accessor.object("sparse"), values, stored)
-        result = values.astype(np.float64)
+        with np.errstate(invalid="ignore"):  # some NaNs complain when they are cast; they are refused below
+            result = values.astype(np.float64)
         if accessor.flag("normalized") and stored.kind in "iu":
             result = np.maximum(result / float(np.iinfo(stored).max), -1.0)
         strange = np.flatnonzero(~(np.abs(result) <= MAGNITUDE_LIMIT).all(axis=1))
