@@ -14,7 +14,7 @@ from rich.text import Text
 
 from live import __version__
 from live.base.errors import PersonError
-from live.cli import bench, check, devices, doctor, export, play, render, replay, steps, sync, warm
+from live.cli import bench, bvh, check, devices, doctor, export, play, render, replay, steps, sync, warm
 
 EXIT_PERSON_ERROR = 2
 EXIT_INTERRUPTED = 130
@@ -36,6 +36,7 @@ app.command("check")(check.check)
 app.command("devices")(devices.devices)
 app.command("doctor")(doctor.doctor)
 app.command("bench")(bench.bench)
+app.command("bvh")(bvh.bvh)
 app.command("export")(export.export)
 app.command("warm")(warm.warm)
 app.command("sync")(sync.sync)

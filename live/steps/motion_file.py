@@ -4,6 +4,8 @@ from pathlib import Path
 from typing import Final
 
 from live.motion.amass import parse_amass
+from live.motion.amc import parse_amc
+from live.motion.asf import parse_asf
 from live.motion.bvh import parse_bvh, source_of_bvh
 from live.motion.file_error import MotionFileError
 from live.motion.gltf import parse_gltf
@@ -20,9 +22,9 @@ def read_motion(path: Path, *, skeleton: Path | None = None, up: UpAxis | None =
     """The motion in a file; its first bytes decide the format, then its ending.
 
     `skeleton` is the .asf file of an .amc file (default: the one beside it that has its name or the name's beginning,
-    as 49.asf for 49_10.amc, or the only one there is). `up` is the axis that
-    points up, if a person has said so. Raises MotionFileError with file, line, problem and remedy for whatever
-    cannot be used, also for what is not there, cannot be read, or is longer than 256 MB.
+    as 49.asf for 49_10.amc, or the only one there is). `up` is the axis that points up, if a person has said so.
+    Raises MotionFileError with file, line, problem and remedy for whatever cannot be used, also for what is not there,
+    cannot be read, or is longer than 256 MB.
     """
     data = read_bytes(path)
     match _format_of(data, path):
@@ -30,6 +32,9 @@ def read_motion(path: Path, *, skeleton: Path | None = None, up: UpAxis | None =
             return parse_gltf(data, str(path), lambda name: read_bytes(path.parent / name))
         case "npz":
             return parse_amass(data, str(path))
+        case "AMC":
+            asf = skeleton or _skeleton_beside(path)
+            return parse_amc(data, str(path), parse_asf(read_bytes(asf), str(asf)))
         case _:
             return source_of_bvh(parse_bvh(data, str(path)), up)
 
@@ -67,4 +72,20 @@ def _format_of(data: bytes, path: Path) -> str:
         raise MotionFileError(str(path), None, "C3D files hold markers and no skeleton", _MARKERS)
     if data[:4] == b"PK\3\4" or ending == ".npz":
         return "npz"
+    if ending == ".asf":
+        raise MotionFileError(str(path), None, "a skeleton without motion", "its .amc file expected")
+    if start[:9].upper() != b"HIERARCHY" and (ending == ".amc" or start[:1] in (b":", b"#")):
+        return "AMC"
     return "BVH"
+
+
+def _skeleton_beside(path: Path) -> Path:
+    """The .asf file beside an .amc file that must be its skeleton."""
+    there = sorted(p for p in path.parent.glob("*") if p.suffix.lower() == ".asf")
+    fitting = [p for p in there if path.stem == p.stem] or [p for p in there if path.stem.split("_")[0] == p.stem]
+    if len(fitting or there) != 1:
+        found = ", ".join(p.name for p in there[:12]) or "no .asf file"
+        raise MotionFileError(
+            str(path), None, f"its skeleton is not known; beside it: {found}", "give it: --skeleton FILE.asf"
+        )
+    return (fitting or there)[0]
