@@ -61,6 +61,16 @@ class CallStep(ControlEvent):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SetMotion(ControlEvent):
+    """How dancers vary and how motion is mended: one parameter, for one group or (group "") for all."""
+
+    parameter: str
+    """A field of `live.show.variation.Variety`."""
+    value: float
+    group: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Tap(ControlEvent):
     """A beat was tapped at `time`."""
 

@@ -144,10 +144,60 @@ def _pong(time: float, source: str) -> Reply:
     return Reply("/dance/pong")
 
 
+def _motion(parameter: str) -> Callable[..., ControlEvent]:
+    """The event of one parameter of the motion; its value is called `value` here, `on` where it is a switch."""
+
+    def make(*, time: float, source: str, group: str = "", value: float = 0.0, on: bool = False) -> ControlEvent:
+        return events.SetMotion(
+            time=time, source=source, parameter=parameter, value=float(value or on), group=group.strip()
+        )
+
+    return make
+
+
+_GROUP = Argument("group", "name", "the group's name in the patch; a single * is every group", default="*")
 _X = Argument("x", "float", "to the right as the audience sees it, from the centre of the stage", "m", -100, 100)
 _Z = Argument("z", "float", "towards the audience, from the centre of the stage", "m", -100, 100)
 _STRENGTH = Argument("strength", "float", "how strongly it acts; 1 is the usual strength", "", 0, 10, 1.0)
 _MEASURES = Argument("measures", "float", "how long it acts", "measures", 0.25, 1024, 4.0)
+
+_SHARE = Argument("value", "float", "from none to all", "", 0, 1)
+_MOTION: Final = (
+    (
+        "/dance/motion/warp", "warp_beats", Argument("value", "float", "ahead or behind at most", "beats", 0, 1),
+        "Dancers are ahead of the beat or behind it, each in her own way, from the next decided measure on.",
+    ),
+    (
+        "/dance/motion/warp_sequence", "warp_sequence",
+        Argument("on", "bool", "1: over several measures, 0: within each"),
+        "Whether they drift over several measures, or are back on the beat at every measure line.",
+    ),
+    (
+        "/dance/motion/amplitude", "amplitude", Argument("value", "float", "larger or smaller at most", "", 0, 0.5),
+        "The upper body moves more or less than recorded, each dancer in her own way.",
+    ),
+    (
+        "/dance/motion/amplitude_sequence", "amplitude_sequence",
+        Argument("on", "bool", "1: over several measures, 0: anew for each"),
+        "Whether that changes slowly over several measures, or anew for each.",
+    ),
+    ("/dance/motion/mix", "mix", _SHARE, "How far another take of the same step is mixed into the body at most."),
+    ("/dance/motion/arms", "arms", _SHARE, "Share of the dancers whose upper body dances another take of the step."),
+    ("/dance/motion/head", "head", _SHARE, "How far heads turn to the public, as far as necks allow."),
+    (
+        "/dance/motion/foot_lock", "lock", Argument("on", "bool", "1: hold them, 0: let them slide"),
+        "Whether feet that carry stay where they are.",
+    ),
+    (
+        "/dance/motion/turn_on_support", "on_support", Argument("on", "bool", "1: on that foot, 0: evenly"),
+        "Whether dancers turn on the foot that carries, or evenly over the measure.",
+    ),
+    (
+        "/dance/motion/face_average", "face_average", Argument("on", "bool", "1: on the average, 0: at their ends"),
+        "Whether measures face the wanted way on the average, or when they end.",
+    ),
+)  # fmt: skip
+"""Address, parameter of SetMotion, its argument, description."""
 
 REGISTRY: Final = Registry(
     (
@@ -168,6 +218,10 @@ REGISTRY: Final = Registry(
             "/dance/step", events.CallStep,
             (Argument("name", "name", "the step's name in the show's library"), _MEASURES),
             "All dancers dance this step from the next free measure on.", "musician",
+        ),
+        *(
+            Control(address, _motion(parameter), (argument, _GROUP), description, "operator")
+            for address, parameter, argument, description in _MOTION
         ),
         Control("/dance/clock/tap", events.Tap, (), "A beat is now; taps in a row give the tempo.", "musician"),
         Control("/dance/clock/one", events.One, (), '"This is the one": a measure begins now.', "musician"),

@@ -6,6 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from live.motion import quaternion
+from live.motion.legs.lock import LEG_JOINTS
+from live.motion.posing.pipeline import ClipStore, mean_pose
 from live.motion.step_clip import StepClip
 
 Float32 = npt.NDArray[np.float32]
@@ -27,6 +30,10 @@ class StepLibrary:
     """Local rotations of all clips, shape (S, J, 4)."""
     clip_contact: Bool
     """Left and right foot on the floor, shape (S, 2)."""
+    store: ClipStore
+    """The same clips, and the mean pose of each node, as the pose pipeline reads them."""
+    leg_store: ClipStore
+    """Of them the joints that the foot lock watches."""
     node_clip: Int32
     """Which of `clips` each node belongs to, shape (N,)."""
     node_step: Int32
@@ -103,14 +110,19 @@ def build_library(clips: Sequence[StepClip]) -> StepLibrary:
             rows.append((index, steps.index(clip.step), measure, clip.measures, first, last, float(total)))
         total += clip.clip.sample_count
     root = np.concatenate([clip.clip.root_position for clip in clips]).astype(np.float32)
+    # neighbours of one sign: the pose pipeline goes straight from one sample to the next
+    rotation = np.concatenate([quaternion.continuous(clip.clip.rotation) for clip in clips]).astype(np.float32)
     node = np.array(rows, np.float64).T
     starts, ends = np.ascontiguousarray(node[4]), np.ascontiguousarray(node[5])
+    mean = np.stack([mean_pose(rotation[int(a) : int(b) + 1]) for a, b in zip(starts, ends, strict=True)])
     return StepLibrary(
         steps=tuple(steps),
         clips=tuple(clips),
         clip_root=root,
-        clip_rotation=np.concatenate([clip.clip.rotation for clip in clips]).astype(np.float32),
+        clip_rotation=rotation,
         clip_contact=np.concatenate([clip.clip.contact for clip in clips]),
+        store=ClipStore.of(root, rotation, mean),
+        leg_store=ClipStore.of(root, rotation[:, LEG_JOINTS]),
         node_clip=node[0].astype(np.int32),
         node_step=node[1].astype(np.int32),
         node_measure=node[2].astype(np.int32),

@@ -5,9 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.library import StepLibrary
+from live.graph.library import StepLibrary, window_samples
 from live.graph.structure import may_follow, unmatched_poses
-from live.graph.transition import Transitions, all_pairs, transition_windows
+from live.graph.takes import Takes, find_takes
+from live.graph.transition import WINDOW_SAMPLES, Transitions, all_pairs, clouds, transition_windows
+from live.motion.editing.feet import ANKLES, BALLS, Feet
+from live.motion.editing.rotation_insertion import support_turns
+from live.motion.posing.pipeline import PosePipeline, PoseSkeleton
 from live.motion.skeleton import SKELETON
 
 Float64 = npt.NDArray[np.float64]
@@ -16,6 +20,8 @@ Bool = npt.NDArray[np.bool_]
 
 NEVER = 1 << 20
 """Hops to a step that cannot be reached."""
+TURN_SOFTNESS = 0.3
+"""Share of a support over which a live turn speeds up, and slows down: a body cannot turn at once."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,6 +44,15 @@ class MotionGraph:
     """Heading of the body at the end of each measure, in its clip's axes [rad], shape (N,)."""
     node_facing_start: Float64
     """The same at its beginning, shape (N,)."""
+    node_facing_mean: Float64
+    """Mean heading over the whole measure, a circular mean (T122), shape (N,)."""
+    node_start: Float64
+    """Hips at the beginning of each measure, in its clip's axes (x, z) [m], shape (N, 2)."""
+    node_turns: Float64
+    """Where in each measure a dancer can turn on a carrying foot, shape (N, 8, 8): per segment start, stop, weight,
+    x, z [m] of the foot at both ends, softness (T048-T050)."""
+    takes: Takes
+    """The other takes of each node's measure (T044-T047)."""
     alive: Bool
     """Whether a node is in the largest strongly connected component, shape (N,)."""
     window: float
@@ -81,7 +96,7 @@ def build_graph(library: StepLibrary, *, window: float = 0.1875, threshold: floa
     transform = np.column_stack([shift, yaw])
     transform[inner] = 0.0
     cost = np.where(inner, 0.0, transitions.distance[source, target])
-    facing_start, facing_end = _facing(library, window)
+    facing_start, facing_end, facing_mean = _facing(library, window)
     poses = unmatched_poses(library)
     dead = [
         f"{name}: {poses.get(name, f'nothing leads to it and away again within {threshold:g} m')}"
@@ -98,6 +113,10 @@ def build_graph(library: StepLibrary, *, window: float = 0.1875, threshold: floa
         node_end=_root_at(library, library.node_last),
         node_facing=facing_end,
         node_facing_start=facing_start,
+        node_facing_mean=facing_mean,
+        node_start=_root_at(library, library.node_first),
+        node_turns=_turns(library, window),
+        takes=find_takes(library),
         alive=alive,
         window=window,
         missing=tuple(dead),
@@ -140,6 +159,34 @@ def _hops(library: StepLibrary, allowed: Bool, alive: Bool) -> Int32:
     return hops
 
 
+def _turns(library: StepLibrary, window: float) -> Float64:
+    """Support turns of every node, shape (N, 8, 8)."""
+    feet = _feet(library)
+    rows = []
+    for clip, measure in zip(library.node_clip, library.node_measure, strict=True):
+        turns = support_turns(
+            library.clips[clip], int(measure), window=min(window, 0.9), softness=TURN_SOFTNESS, feet=feet[clip]
+        )
+        columns = (turns.start, turns.stop, turns.weight, *turns.point.T, *turns.point_stop.T, turns.softness)
+        rows.append(np.stack(columns, axis=1))
+    return np.ascontiguousarray(np.stack(rows))
+
+
+def _feet(library: StepLibrary) -> list[Feet]:
+    """The feet of every clip, by one run of the pose pipeline over all samples."""
+    skeleton, joints = PoseSkeleton.legs_only()
+    pipeline = PosePipeline(len(library.clip_root), skeleton)
+    pipeline.sample[0] = np.arange(len(library.clip_root))
+    position = pipeline.run(library.leg_store)[0].astype(np.float64)
+    ankles, balls = (np.searchsorted(joints, names) for names in (ANKLES, BALLS))
+    feet, begin = [], 0
+    for clip in library.clips:
+        own = position[begin : begin + clip.clip.sample_count]
+        feet.append(Feet(own[:, ankles], own[:, balls]))
+        begin += clip.clip.sample_count
+    return feet
+
+
 def _root_at(library: StepLibrary, sample: Float64) -> Float64:
     low = np.clip(np.floor(sample).astype(np.int64), 0, len(library.clip_root) - 1)
     high = np.minimum(low + 1, len(library.clip_root) - 1)
@@ -148,13 +195,14 @@ def _root_at(library: StepLibrary, sample: Float64) -> Float64:
     return np.ascontiguousarray(root[:, (0, 2)], np.float64)
 
 
-def _facing(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
-    """Heading of the body around the beginning and the end of each measure, averaged over the window [rad].
+def _facing(library: StepLibrary, window: float) -> tuple[Float64, Float64, Float64]:
+    """Heading of the body around the beginning and the end of each measure, and over all of it [rad], (N,) each.
 
     The line from the right to the left upper leg and that between the shoulders are averaged: hips alone sway with
     every step. Means of angles are taken as means of unit vectors.
     """
     end, start = transition_windows(library, window)
+    whole = clouds(library, window_samples(library.node_first, library.node_last, 4 * WINDOW_SAMPLES))
     pairs = (("leftUpperLeg", "rightUpperLeg"), ("leftUpperArm", "rightUpperArm"))
 
     def mean(cloud: Float64) -> Float64:
@@ -166,4 +214,4 @@ def _facing(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
         # facing +z the left side is at +x: heading 0 is direction 1 + 0i, and yaw turns it by exp(-i yaw)
         return np.ascontiguousarray(-np.angle(total), np.float64)
 
-    return mean(start), mean(end)
+    return mean(start), mean(end), mean(whole)

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.library import StepLibrary, window_samples
-from live.motion.pose import PoseBuffer
+from live.motion.posing.pipeline import PosePipeline
 from live.motion.skeleton import SKELETON
 
 Float64 = npt.NDArray[np.float64]
@@ -54,19 +54,10 @@ def window_weights(count: int = WINDOW_SAMPLES) -> Float64:
 def clouds(library: StepLibrary, samples: Float64) -> Float64:
     """World positions of the joints at fractional samples (N, K) of the library, shape (N, K, J, 3) [m]."""
     flat = np.ascontiguousarray(samples.reshape(-1))
-    buffer = PoseBuffer(len(flat))
-    place = np.zeros((len(flat), 4))
-    nothing = np.zeros(len(flat))
-    buffer.sample(
-        library.clip_root,
-        library.clip_rotation,
-        sample_a=flat,
-        sample_b=flat,
-        weight=nothing,
-        placement_a=place,
-        placement_b=place,
-    )
-    return np.asarray(buffer.world_position.reshape(*samples.shape, SKELETON.joint_count, 3), np.float64)
+    pipeline = PosePipeline(len(flat))
+    pipeline.sample[0] = flat
+    position, _ = pipeline.run(library.store)
+    return np.asarray(position.reshape(*samples.shape, SKELETON.joint_count, 3), np.float64)
 
 
 def transition_windows(library: StepLibrary, window: float) -> tuple[Float64, Float64]:

@@ -27,6 +27,7 @@ from live.show.patch import Patch
 from live.show.programme import GroupProgramme, UnknownStep, find_step
 from live.show.scheduler import Scheduler
 from live.show.score import Score, placed
+from live.show.variation import Variation, Variety, variety_of
 
 AGENT_RADIUS = 0.25
 DANCER_GAP = 0.7
@@ -72,7 +73,12 @@ class Show:
         self._spare = AgentState.at(self.state.position.copy())
         self._advance = Advance(self.model)
         self.elements = ElementField()
-        self.dancers = Dancers(graph, count)
+        self._group_names = {section.name.casefold(): index for index, section in enumerate(patch.group)}
+        varieties = [variety_of(patch.motion_of(section)) for section in patch.group]
+        self.variation = Variation(
+            varieties, self.group, seed=self.seed, beats_per_measure=patch.clock.beats_per_measure, window=graph.window
+        )
+        self.dancers = Dancers(graph, self.variation, count)
         programmes = [
             GroupProgramme(graph, section, seed=self.seed, index=index) for index, section in enumerate(patch.group)
         ]
@@ -123,16 +129,8 @@ class Show:
 
     def _act_on(self, event: ControlEvent) -> None:
         match event:
-            case events.BeatHeard():
-                self.follower.heard(event.beat_time, event.period, event.confidence, event.time)
-            case events.SourceChanged():
-                self._source_changed(event)
-            case events.Tap():
-                self.follower.tap(event.time)
-            case events.One():
-                self.follower.one(event.time)
-            case events.SetTempo():
-                self.follower.set_tempo(event.tempo, event.time)
+            case events.BeatHeard() | events.SourceChanged() | events.Tap() | events.One() | events.SetTempo():
+                self._follow(event)
             case events.Attract() | events.Repel() | events.Spread():
                 self._add_element(event)
             case events.Clear():
@@ -141,18 +139,31 @@ class Show:
                     programme.release()
             case events.CallStep():
                 self._call_step(event)
+            case events.SetMotion():
+                self._set_motion(event)
             case events.Blackout():
                 self.blackout = event.on
             case events.TicksSkipped():
                 self.time += event.count * TICK
 
-    def _source_changed(self, event: events.SourceChanged) -> None:
-        if event.state == "lost":
-            self.follower.lost(event.time)
-        elif event.state == "silent":
-            self.follower.silent(event.time)
-        elif event.state == "found":
-            self.follower.found(event.time)
+    def _follow(
+        self, event: events.BeatHeard | events.SourceChanged | events.Tap | events.One | events.SetTempo
+    ) -> None:
+        match event:
+            case events.BeatHeard():
+                self.follower.heard(event.beat_time, event.period, event.confidence, event.time)
+            case events.Tap():
+                self.follower.tap(event.time)
+            case events.One():
+                self.follower.one(event.time)
+            case events.SetTempo():
+                self.follower.set_tempo(event.tempo, event.time)
+            case events.SourceChanged(state="lost"):
+                self.follower.lost(event.time)
+            case events.SourceChanged(state="silent"):
+                self.follower.silent(event.time)
+            case events.SourceChanged(state="found"):
+                self.follower.found(event.time)
 
     def _add_element(self, event: events.Attract | events.Repel | events.Spread) -> None:
         beat = self.timeline.beat_at(self.time)
@@ -177,6 +188,14 @@ class Show:
             return
         for programme in self.scheduler.programmes:
             programme.call(step, measures=event.measures)
+
+    def _set_motion(self, event: events.SetMotion) -> None:
+        name = event.group.casefold()
+        group = None if name in ("", "*") else self._group_names.get(name, -1)
+        if group == -1 or event.parameter not in Variety.names():
+            self.refused += 1
+        else:
+            self.variation.set(event.parameter, event.value, group)
 
     # -- time --------------------------------------------------------------------------------------------------
 
@@ -204,6 +223,7 @@ class Show:
             dt=TICK,
         )
         self.state, self._spare = self._spare, self.state
+        self.dancers.tick(self.span.fraction(beat), time, TICK)
         self.brightness = damper(self.brightness, 0.0 if self.blackout else 1.0, FADE_HALFLIFE, TICK)
         return crossed
 
@@ -216,6 +236,7 @@ class Show:
         self._begin_measure(line)
 
     def _begin_measure(self, beat: float) -> None:
+        self.variation.begin_measure(self.span.number)
         self.scheduler.set_speed(self.span.number, self.timeline)
         for section in self._score.beginning(self.span.number):
             self.elements.add(placed(section, measure_beat=beat, beats_per_measure=self.timeline.beats_per_measure))
@@ -236,7 +257,7 @@ class Show:
         """Fill the snapshot for `time` [s]: poses at the exact beat, at most a tick after the last one."""
         beat = self.timeline.beat_at(time)
         fraction = self.span.fraction(beat)
-        self.dancers.pose(fraction, out=(view.joint_position, view.joint_rotation))
+        self.dancers.pose(fraction, time, out=(view.joint_position, view.joint_rotation))
         self.elements.show(view)
         view.time, view.beat, view.tempo = time, beat, self.follower.tempo
         view.measure, view.beats_per_measure = self.span.number, self.timeline.beats_per_measure
@@ -248,10 +269,12 @@ class Show:
         digest = hashlib.blake2b(digest_size=8)
         dancers = self.dancers
         beat = self.timeline.beat_at(self.time)
-        position, rotation = dancers.pose(self.span.fraction(beat))
+        position, rotation = dancers.pose(self.span.fraction(beat), self.time)
+        danced = dancers.present
         for array in (
-            self.state.position, self.state.velocity, dancers.node, dancers.placement, dancers.correction,
-            position, rotation, np.array([beat, self.timeline.tempo, self.brightness]),
+            self.state.position, self.state.velocity, danced.node, danced.placement, danced.correction,
+            danced.take, danced.warp, dancers.lock.state, self.variation.phase, position, rotation,
+            np.array([beat, self.timeline.tempo, self.brightness]),
         ):  # fmt: skip
             digest.update(np.ascontiguousarray(array).tobytes())
         return digest.hexdigest()

@@ -1,141 +1,183 @@
-"""Dancers: which measure each dancer is in, where its clip lies on the stage, and the pose at any moment of it."""
+"""Dancers: which measure each dancer is in, and her pose at any moment of it."""
 
 import numpy as np
 import numpy.typing as npt
 
 from live.base.kernels import ease
-from live.graph.library import StepLibrary
 from live.graph.motion_graph import MotionGraph
-from live.motion.pose import PoseBuffer
+from live.motion.editing.time_warp import measure_warp
+from live.motion.legs.lock import FootLock
+from live.motion.posing.kernels import INTO_NEXT, LOWER, NEXT, NEXT_LOWER, PRESENT, PRESENT_TAKE
+from live.motion.posing.pipeline import PosePipeline, PoseSkeleton
+from live.show.danced import UNDECIDED, Danced, turn_vectors
+from live.show.variation import Variation
+
+__all__ = ["UNDECIDED", "Dancers", "turn_vectors"]
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
-
-UNDECIDED = -1
-
-
-def turn_vectors(vectors: Float64, yaw: Float64) -> Float64:
-    """Rotate stage vectors (A, 2) by yaw (A,) about +Y: (0, 1) becomes (sin yaw, cos yaw)."""
-    c, s = np.cos(yaw), np.sin(yaw)
-    x, z = vectors[:, 0], vectors[:, 1]
-    return np.stack([x * c + z * s, z * c - x * s], axis=1)
+Bool = npt.NDArray[np.bool_]
 
 
-def transition_weight(into: float) -> float:
+def transition_weight(into: Float64) -> Float64:
     """Weight of the next clip when the share `into` of the transition has passed: C1, after Kovar (K004)."""
-    return ease(into)
+    into = np.clip(into, 0.0, 1.0)
+    return np.asarray(into * into * (3.0 - 2.0 * into))
 
 
 class Dancers:
-    """The dancing state of A dancers: plain arrays, replaced as a whole at measure lines."""
+    """The dancing state of A dancers: the measure before, the present and the next one; and which feet are held."""
 
-    def __init__(self, graph: MotionGraph, dancer_count: int) -> None:
+    def __init__(self, graph: MotionGraph, variation: Variation, dancer_count: int) -> None:
         self.graph = graph
-        self.node: Int32 = np.zeros(dancer_count, np.int32)
+        self.variation = variation
+        self.past, self.present, self.coming = (Danced(graph, dancer_count) for _ in range(3))
+        self.lock = FootLock(dancer_count)
+        self._locked_at = 0.0
+        self._pipeline = PosePipeline(dancer_count)
+        self._legs = PosePipeline(dancer_count, PoseSkeleton.legs_only()[0])
+        for name in ("sample", "placement", "share"):  # one question, asked of the legs alone at every tick
+            setattr(self._legs, name, getattr(self._pipeline, name))
+        self._everybody = np.arange(dancer_count)
+
+    @property
+    def node(self) -> Int32:
         """Node danced now, shape (A,)."""
-        self.placement: Float64 = np.zeros((dancer_count, 3))
-        """x, z [m], yaw [rad] of the axes of its clip on the stage, shape (A, 3)."""
-        self.correction: Float64 = np.zeros((dancer_count, 3))
-        """What is added over the measure so that it ends where it should: x, z [m], yaw [rad], shape (A, 3)."""
-        self.next_node: Int32 = np.full(dancer_count, UNDECIDED, np.int32)
-        """Node of the next measure, UNDECIDED until a beat before the measure line."""
-        self.next_placement: Float64 = np.zeros((dancer_count, 3))
-        self.next_correction: Float64 = np.zeros((dancer_count, 3))
-        self._buffer = PoseBuffer(dancer_count)
-        self._sample_a, self._sample_b = np.zeros(dancer_count), np.zeros(dancer_count)
-        self._weight = np.zeros(dancer_count)
-        self._place_a, self._place_b = np.zeros((dancer_count, 4)), np.zeros((dancer_count, 4))
+        return self.present.node
 
     @property
     def decided(self) -> bool:
         """Whether the next measure of every dancer is chosen."""
-        return bool((self.next_node >= 0).all())
+        return self.coming.decided
 
     def start(self, node: Int32, position: Float64, heading: Float64) -> None:
         """Put every dancer at the beginning of a node: hips at `position` (A, 2) [m], body facing `heading` (A,)."""
-        library = self.graph.library
-        self.node[:] = node
+        danced = self.present
+        danced.node[:] = node
         yaw = heading - self.graph.node_facing_start[node]
-        first = np.stack([library.clip_root[np.round(library.node_first[node]).astype(int), c] for c in (0, 2)], axis=1)
-        self.placement[:, :2] = position - turn_vectors(first.astype(np.float64), yaw)
-        self.placement[:, 2] = yaw
-        self.correction[:] = 0.0
-        self.next_node[:] = UNDECIDED
-
-    def end_placement(self) -> Float64:
-        """The axes (x, z, yaw) in which each dancer's clip lies when the measure ends, correction included, (A, 3)."""
-        end = self.graph.node_end[self.node]
-        yaw = self.placement[:, 2] + self.correction[:, 2]
-        hips = self.placement[:, :2] + turn_vectors(end, self.placement[:, 2]) + self.correction[:, :2]
-        return np.ascontiguousarray(np.column_stack([hips - turn_vectors(end, yaw), yaw]))
-
-    def end_position(self) -> Float64:
-        """Where the hips of each dancer will be at the measure's end [m], shape (A, 2)."""
-        end = self.graph.node_end[self.node]
-        return self.placement[:, :2] + turn_vectors(end, self.placement[:, 2]) + self.correction[:, :2]
+        danced.placement[:, :2] = position - turn_vectors(self.graph.node_start[node], yaw)
+        danced.placement[:, 2] = yaw
+        danced.correction[:] = 0.0
+        self.past.node[:] = UNDECIDED
+        self.coming.node[:] = UNDECIDED
 
     def hips(self, fraction: float) -> Float32:
         """Where the hips of each dancer are at the share `fraction` of the measure [m], float32, shape (A, 2)."""
-        library = self.graph.library
-        first = library.node_first[self.node]
-        sample = np.floor(first + fraction * (library.node_last[self.node] - first)).astype(np.int64)
+        library, danced = self.graph.library, self.present
+        first = library.node_first[danced.node]
+        sample = np.floor(first + fraction * (library.node_last[danced.node] - first)).astype(np.int64)
         root = library.clip_root[sample][:, (0, 2)].astype(np.float64)
-        place = self.placement[:, :2] + turn_vectors(root, self.placement[:, 2])
-        return np.ascontiguousarray(place + ease(fraction) * self.correction[:, :2], np.float32)
+        place = np.empty((len(root), 4))
+        danced.turned(np.full(len(root), fraction), place)
+        return np.ascontiguousarray(place[:, :2] + turn_vectors(root, place[:, 2]), np.float32)
 
-    def contact(self, fraction: float) -> npt.NDArray[np.bool_]:
-        """Whether the left and right foot are annotated as on the floor in the clip that weighs more, shape (A, 2)."""
-        library = self.graph.library
-        self._fill_samples(library, fraction)
-        sample = np.where(self._weight > 0.5, self._sample_b, self._sample_a)
-        contact = library.clip_contact[np.round(sample).astype(np.int64)]
-        # while two clips are blended a foot counts only if both have it on the floor
-        other = library.clip_contact[np.round(np.where(self._weight > 0.5, self._sample_a, self._sample_b)).astype(int)]
-        blended = (self._weight > 0.0) & (self._weight < 1.0)
-        return np.asarray(np.where(blended[:, None], contact & other, contact), np.bool_)
+    def contact(self, fraction: float) -> Bool:
+        """Whether the left and right foot are annotated as on the floor in the clips that are danced, shape (A, 2).
+
+        While two clips are blended a foot counts only if both have it on the floor.
+        """
+        self._ask(fraction)
+        contact, pipeline = self.graph.library.clip_contact, self._pipeline
+        own = contact[np.round(pipeline.sample[PRESENT]).astype(np.int64)]
+        mixed = pipeline.share[LOWER] > 0.0
+        if mixed.any():
+            own &= contact[np.round(pipeline.sample[PRESENT_TAKE]).astype(np.int64)] | ~mixed[:, None]
+        into = pipeline.share[INTO_NEXT][:, None]
+        coming = contact[np.round(pipeline.sample[NEXT]).astype(np.int64)]
+        return np.asarray((own | (into >= 1.0)) & (coming | (into <= 0.0)), np.bool_)
 
     def cross_measure_line(self) -> None:
-        """The next measure becomes the present one."""
-        self.node[:] = self.next_node
-        self.placement[:] = self.next_placement
-        self.correction[:] = self.next_correction
-        self.next_node[:] = UNDECIDED
+        """The next measure becomes the present one, the present one the past."""
+        self.past.copy_from(self.present)
+        self.present.copy_from(self.coming)
+        self.coming.node[:] = UNDECIDED
 
-    def pose(self, fraction: float, out: tuple[Float32, Float32] | None = None) -> tuple[Float32, Float32]:
+    def tick(self, fraction: float, time: float, dt: float) -> None:
+        """Follow the feet to the tick at `time` [s], `dt` [s] after the last one (foot lock)."""
+        contact = self.contact(fraction) & (self.variation.lock != 0.0)[:, None]
+        position, _ = self._legs.run(self.graph.library.leg_store)
+        self.lock.tick(position, contact, dt)
+        self._locked_at = time
+
+    def pose(self, fraction: float, time: float, out: tuple[Float32, Float32] | None = None) -> tuple[Float32, Float32]:
         """World positions (A, J, 3) and rotations (A, J, 4) when the share `fraction` of the measure has passed.
 
-        Fills `out` if given, else the dancers' own buffer; returns what it filled.
+        `time` [s] is at most a tick after the last one. Fills `out` if given, else the dancers' own arrays; returns
+        what it filled.
         """
-        library = self.graph.library
-        self._fill_samples(library, fraction)
-        share = ease(fraction)
-        self._place_a[:, :3] = self.placement
-        self._place_a[:, :2] += share * self.correction[:, :2]
-        self._place_a[:, 3] = self.placement[:, 2] + share * self.correction[:, 2]
-        self._place_b[:, :3] = self.next_placement
-        self._place_b[:, 3] = self.next_placement[:, 2]
-        self._buffer.sample(
-            library.clip_root,
-            library.clip_rotation,
-            sample_a=self._sample_a,
-            sample_b=self._sample_b,
-            weight=self._weight,
-            placement_a=self._place_a,
-            placement_b=self._place_b,
-            out=out,
-        )
-        return out if out is not None else (self._buffer.world_position, self._buffer.world_rotation)
+        self._ask(fraction)
+        pipeline, variation = self._pipeline, self.variation
+        pipeline.head[:] = variation.head
+        pipeline.lock = bool(variation.lock.any())
+        if pipeline.lock:
+            self.lock.place(pipeline.feet, max(time - self._locked_at, 0.0))
+        return pipeline.run(self.graph.library.store, out)
 
-    def _fill_samples(self, library: StepLibrary, fraction: float) -> None:
-        """Clip time follows the beat: samples of the present clip and of the lead-in of the next one."""
-        first = library.node_first[self.node]
-        self._sample_a[:] = first + fraction * (library.node_last[self.node] - first)
-        window = self.graph.window
-        into = (fraction - (1.0 - window)) / window
-        coming = np.maximum(self.next_node, 0)
+    # -- the question asked of the pose pipeline ---------------------------------------------------------------
+
+    def _ask(self, fraction: float) -> None:
+        """Which samples of which clips, where, how much of each: for everybody at `fraction` of the measure."""
+        variation, present = self.variation, self.present
+        amplitude, frequency, start, sign = present.warp
+        phase = measure_warp(fraction, amplitude, frequency, start, sign, self.graph.window)
+        if variation.warp_sequence.any():
+            phase = phase + variation.sequence_warp(fraction)
+        late = (phase < 0.0) & (self.past.node >= 0)
+        early = (phase > 1.0) & self.decided
+        self._fill(self._everybody, present, self.coming, np.clip(phase, 0.0, 1.0), fraction)
+        if late.any():
+            self._fill(np.flatnonzero(late), self.past, present, phase[late] + 1.0, 1.0)
+        if early.any():
+            self._fill(np.flatnonzero(early), self.coming, None, phase[early] - 1.0, 0.0)
+
+    def _fill(
+        self, rows: npt.NDArray[np.int64], own: Danced, then: Danced | None, phase: Float64, fraction: float
+    ) -> None:
+        """The rows of those dancers who are at `phase` (n,) of the measure `own`, with `then` after it."""
+        pipeline, library = self._pipeline, self.graph.library
+        everybody = len(rows) == len(self._everybody)
+        node = np.maximum(own.node[rows], 0)
+        first = library.node_first[node]
+        pipeline.sample[PRESENT, rows] = first + phase * (library.node_last[node] - first)
+        whole = np.empty((len(self._everybody), 4))
+        at = np.zeros(len(self._everybody))
+        at[rows] = phase
+        own.turned(at, whole)
+        pipeline.placement[PRESENT, rows] = whole[rows]
+        self._mix(rows, own, phase, whole, PRESENT, LOWER)
+        into = np.zeros(len(rows))
+        amplitude = own.amplitude[0, rows] + ease(fraction) * (own.amplitude[1, rows] - own.amplitude[0, rows])
+        if then is not None:
+            window = self.graph.window
+            into = transition_weight((phase - (1.0 - window)) / window) * (then.node[rows] >= 0)
+        pipeline.share[INTO_NEXT, rows] = into
+        pipeline.mean[0, rows] = np.where(own.take_share[1, rows] > 0.5, np.maximum(own.take[rows], 0), node)
+        if then is None or (everybody and not into.any()):
+            pipeline.sample[NEXT, rows] = pipeline.sample[PRESENT, rows]
+            pipeline.amplitude[rows] = amplitude
+            return
+        coming = np.maximum(then.node[rows], 0)
         first = library.node_first[coming]
-        back = (fraction - 1.0) * (library.node_last[coming] - first)
-        self._sample_b[:] = np.maximum(first + back, library.node_lead[coming])
-        self._weight[:] = transition_weight(into) if into > 0.0 else 0.0
-        self._weight[self.next_node < 0] = 0.0
+        back = (phase - 1.0) * (library.node_last[coming] - first)
+        pipeline.sample[NEXT, rows] = np.maximum(first + back, library.node_lead[coming])
+        whole[:, :3] = then.placement
+        whole[:, 3] = then.placement[:, 2]
+        pipeline.placement[NEXT, rows] = whole[rows]
+        self._mix(rows, then, phase - 1.0, whole, NEXT, NEXT_LOWER)
+        pipeline.mean[1, rows] = np.where(then.take_share[1, rows] > 0.5, np.maximum(then.take[rows], 0), coming)
+        pipeline.amplitude[rows] = amplitude + into * (then.amplitude[0, rows] - amplitude)
+
+    def _mix(
+        self, rows: npt.NDArray[np.int64], danced: Danced, phase: Float64, placement: Float64, which: int, share: int
+    ) -> None:
+        """The other take of those dancers, in the pipeline's rows `which` + 1, `share` and `share` + 1."""
+        pipeline, library = self._pipeline, self.graph.library
+        pipeline.share[share : share + 2, rows] = danced.take_share[:, rows]
+        if not danced.take_share[:, rows].any():
+            return
+        take = np.maximum(danced.take[rows], 0)
+        first = library.node_first[take]
+        sample = first + phase * (library.node_last[take] - first)
+        pipeline.sample[which + 1, rows] = np.maximum(sample, library.node_lead[take])
+        pipeline.placement[which + 1, rows] = danced.take_placement(placement)[rows]

@@ -106,6 +106,31 @@ class LocomotionSection(Section):
     """How far she may be turned beyond it within one measure."""
 
 
+class MotionSection(Section):
+    """`[motion]`, or `motion` of a group for that group alone: how much dancers differ, and how motion is mended."""
+
+    warp_beats: Annotated[float, Field(ge=0, le=1)] = 0.1
+    """Dancers are ahead of the beat or behind it by this many beats at most, each in her own way (T055)."""
+    warp_over: Literal["measure", "sequence"] = "measure"
+    """Back on the beat at every measure line, or drifting slowly over several measures (T056)."""
+    amplitude: Annotated[float, Field(ge=0, le=0.5)] = 0.15
+    """The upper body moves more or less than recorded by this share (T058)."""
+    amplitude_over: Literal["measure", "sequence"] = "measure"
+    """Drawn anew for every measure (T060), or changing slowly over several (T059)."""
+    mix: Share = 0.0
+    """How far another take of the same step is mixed into the whole body at most, drawn for every measure (T045)."""
+    arms: Share = 0.0
+    """Share of the dancers whose upper body dances another take of the same step (T044)."""
+    head: Share = 0.0
+    """How far heads turn to the public, as far as necks allow (T123-T125)."""
+    foot_lock: bool = True
+    """Feet that carry stay where they are, and no sole goes below the floor."""
+    turn_on: Literal["support", "measure"] = "support"
+    """Dancers turn on the foot that carries (T048-T050), or evenly over the measure."""
+    face: Literal["end", "average"] = "end"
+    """What is brought to the wanted heading: the end of each measure, or its average (T122)."""
+
+
 class GroupSection(Section):
     """`[[group]]`: some dancers who dance alike."""
 
@@ -130,6 +155,8 @@ class GroupSection(Section):
     """Its middle (x, z) [m]."""
     size: Size = (8.0, 5.0)
     """Width and depth of the formation [m]."""
+    motion: MotionSection | None = None
+    """Keys as in `[motion]`, for this group alone; what is left out is as there."""
 
     @field_validator("steps")
     @classmethod
@@ -173,6 +200,7 @@ class Patch(Section):
     camera: CameraSection = CameraSection()
     look: LookSection = LookSection()
     locomotion: LocomotionSection = LocomotionSection()
+    motion: MotionSection = MotionSection()
     group: Annotated[tuple[GroupSection, ...], Field(min_length=1, max_length=16)]
     element: Annotated[tuple[ElementSection, ...], Field(max_length=20000)] = ()
 
@@ -180,6 +208,15 @@ class Patch(Section):
     def dancer_count(self) -> int:
         """Dancers of all groups together."""
         return sum(group.dancers for group in self.group)
+
+    def motion_of(self, group: GroupSection) -> MotionSection:
+        """The motion section of a group: its own keys over the patch's."""
+        own = group.motion
+        return (
+            self.motion
+            if own is None
+            else self.motion.model_copy(update={k: getattr(own, k) for k in own.model_fields_set})
+        )
 
     @model_validator(mode="after")
     def _elements_come(self) -> "Patch":

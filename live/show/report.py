@@ -58,10 +58,10 @@ class FrameReport:
                     "clip": library.describe(int(node)),
                 }
             )
-        wanted, ends = show.scheduler.last_target, dancers.end_position()
+        wanted, ends = show.scheduler.last_target, dancers.present.end_position()
         if wanted is not None:
             self._path_errors.append(float(np.hypot(*(wanted - ends).T).mean()))
-            yaw = dancers.end_placement()[:, 2] + show.graph.node_facing[dancers.node]
+            yaw = dancers.present.end_placement()[:, 2] + show.graph.node_facing[dancers.node]
             off = yaw - show.scheduler.last_heading
             self._heading_errors.append(float(np.degrees(np.abs(np.arctan2(np.sin(off), np.cos(off)))).mean()))
 

@@ -16,7 +16,8 @@ from live.agents.model import AgentState
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
 from live.graph.kernels import choose_edges
-from live.show.dancers import Dancers, turn_vectors
+from live.show.danced import Danced
+from live.show.dancers import Dancers
 from live.show.measure import MeasureSpan
 from live.show.patch import Patch
 from live.show.programme import GroupProgramme
@@ -109,9 +110,9 @@ class Scheduler:
         self._look.work(1 << 20, speed=self.speed, field=field)
         self._looking = False
         dancers, graph = self._dancers, self._dancers.graph
-        placement = dancers.end_placement()
+        placement = dancers.present.end_placement()
         target = self._look.position.astype(np.float64)
-        heading = self._headings(dancers.end_position(), target)
+        heading = self._headings(dancers.present.end_position(), target)
         self._choose_steps(span.number + 1, target)
         choose_edges(
             dancers.node,
@@ -129,15 +130,15 @@ class Scheduler:
             graph.library.node_step,
             WEIGHTS,
             self._edge,
-            dancers.next_placement,
+            dancers.coming.placement,
         )
-        self._take(placement, target, heading)
+        self._take(span.number + 1, placement, target, heading)
         self.last_target, self.last_heading = target, heading
 
     def _choose_steps(self, measure: int, target: Float64) -> None:
         """The step each dancer should dance: her group's, or its travel step if the way is too far for that."""
         limits = self._patch.locomotion
-        way = np.hypot(*(target - self._dancers.end_position()).T)
+        way = np.hypot(*(target - self._dancers.present.end_position()).T)
         for index, programme in enumerate(self.programmes):
             members = self._group == index
             step = programme.wanted(measure, self._dancers.node[members])
@@ -160,18 +161,21 @@ class Scheduler:
                 heading[members] = np.arctan2(way[:, 0], way[:, 1])
         return heading
 
-    def _take(self, placement: Float64, target: Float64, heading: Float64) -> None:
+    def _take(self, measure: int, placement: Float64, target: Float64, heading: Float64) -> None:
         """Write the chosen measures and what must be added to them to end in place."""
         dancers, graph, limits = self._dancers, self._dancers.graph, self._patch.locomotion
-        stuck = self._edge < 0
+        coming, stuck = dancers.coming, self._edge < 0
         if stuck.any():  # cannot happen in a pruned graph; a dancer who is stuck repeats her measure
             self.dead_ends += int(stuck.sum())
-            dancers.next_placement[stuck] = placement[stuck]
-        dancers.next_node[:] = np.where(stuck, dancers.node, graph.edge_target[np.maximum(self._edge, 0)])
-        node = dancers.next_node
-        self.detours += int(np.count_nonzero(graph.library.node_step[node] != self._wanted))
-        yaw = dancers.next_placement[:, 2]
-        end = dancers.next_placement[:, :2] + turn_vectors(graph.node_end[node], yaw)
+            coming.placement[stuck] = placement[stuck]
+        coming.node[:] = np.where(stuck, dancers.node, graph.edge_target[np.maximum(self._edge, 0)])
+        self.detours += int(np.count_nonzero(graph.library.node_step[coming.node] != self._wanted))
+        dancers.variation.draw(measure, coming)
+        most = math.radians(limits.turn_deg)
+        coming.correction[:] = 0.0
+        off = heading - self._own_heading(coming)
+        coming.correction[:, 2] = np.clip(np.arctan2(np.sin(off), np.cos(off)), -most, most)
+        end = coming.end_position()  # turned on the feet that carry, the hips end elsewhere
         error = target - end
         size = np.maximum(np.hypot(*error.T), 1e-9)
         error *= np.minimum(1.0, limits.correction_m / size)[:, None]
@@ -180,9 +184,11 @@ class Scheduler:
         self._part(place, anchor, limits.correction_m)
         edge = np.array([self._patch.stage.width / 2, self._patch.stage.depth / 2], np.float32)
         np.clip(place, -edge, edge, out=place)
-        error = place.astype(np.float64) - anchor
-        off = heading - yaw - graph.node_facing[node]
-        off = np.arctan2(np.sin(off), np.cos(off))
-        most = math.radians(limits.turn_deg)
-        dancers.next_correction[:, :2] = error
-        dancers.next_correction[:, 2] = np.clip(off, -most, most)
+        coming.correction[:, :2] = place.astype(np.float64) - anchor
+
+    def _own_heading(self, coming: Danced) -> Float64:
+        """Heading that each dancer would end with, or have on the average (T122), if nothing were added, (A,) [rad]."""
+        average = self._dancers.variation.face_average
+        own = coming.own_end()[1]
+        off = self._dancers.graph.node_facing_mean[coming.node] - own
+        return np.asarray(coming.placement[:, 2] + own + average * np.arctan2(np.sin(off), np.cos(off)))

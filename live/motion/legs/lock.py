@@ -1,0 +1,78 @@
+"""Foot lock: feet that carry stay where they are, live for a crowd and offline for a clip."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.clip import Clip
+from live.motion.contact import TOES_OVER_SOLE
+from live.motion.forward import forward_kinematics
+from live.motion.legs.kernels import (
+    FEET_COLUMNS,
+    HELD,
+    LOCK_COLUMNS,
+    SHIFT_X,
+    SHIFT_Z,
+    SPEED_X,
+    SPEED_Z,
+    follow_feet,
+)
+from live.motion.posing.pipeline import ClipStore, PosePipeline, PoseSkeleton
+from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
+
+Float32 = npt.NDArray[np.float32]
+Bool = npt.NDArray[np.bool_]
+
+LEG_JOINTS = PoseSkeleton.legs_only()[1]
+"""The engine's joints that a FootLock watches: hips and both legs, shape (9,)."""
+
+
+class FootLock:
+    """Which feet of A dancers are held, where, and how those let go swing back; advanced once a tick."""
+
+    def __init__(self, dancer_count: int) -> None:
+        self.state: Float32 = np.zeros((dancer_count, 2, LOCK_COLUMNS), np.float32)
+        """Shift, place and speed of each foot as in legs/kernels.py, shape (A, 2, 8)."""
+
+    def tick(self, leg_position: npt.NDArray[Any], contact: Bool, dt: float) -> None:
+        """Follow the unlocked feet: `leg_position` (A, 9, 3) [m] of LEG_JOINTS, `contact` (A, 2), `dt` [s]."""
+        follow_feet(self.state, leg_position, contact, SOLE_BELOW_ANKLE, TOES_OVER_SOLE, dt)
+
+    def place(self, feet: Float32, age: float) -> None:
+        """Write what the pose kernels need, (A, 2, 6), `age` [s] after the last tick: free feet have swung on."""
+        feet[:] = self.state[:, :, :FEET_COLUMNS]
+        free = age * (1.0 - self.state[:, :, HELD])
+        feet[:, :, SHIFT_X] += free * self.state[:, :, SPEED_X]
+        feet[:, :, SHIFT_Z] += free * self.state[:, :, SPEED_Z]
+
+
+def lock_feet(clip: Clip) -> Clip:
+    """The clip with every foot that its `contact` says carries held in place, and no sole below the floor.
+
+    The hips sink by 2 cm at most where a leg is too short; knees bend, feet keep their rotation.
+    """
+    positions, _ = forward_kinematics(clip.root_position, clip.rotation)
+    legs = np.ascontiguousarray(positions[:, LEG_JOINTS], np.float32)
+    lock, count, contact = FootLock(1), clip.sample_count, clip.contact.copy()
+    pipeline = PosePipeline(count)
+    for sample in range(count):
+        lock.tick(legs[sample : sample + 1], contact[sample : sample + 1], 1.0 / clip.sample_rate)
+        pipeline.feet[sample] = lock.state[0, :, :FEET_COLUMNS]
+    pipeline.feet[:, :, HELD] = 0.0  # the shifts are already those of their own samples
+    pipeline.sample[0] = np.arange(count)
+    pipeline.lock = True
+    world_position, world_rotation = pipeline.run(ClipStore.of(clip.root_position, clip.rotation))
+    rotation: npt.NDArray[Any] = world_rotation.astype(np.float64)
+    for joint, parent in enumerate(SKELETON.parents):
+        if parent >= 0:
+            rotation[:, joint] = quaternion.mul(quaternion.inverse(world_rotation[:, parent]), world_rotation[:, joint])
+    rotation = quaternion.continuous(quaternion.unit(rotation))
+    return Clip(
+        name=clip.name,
+        root_position=np.ascontiguousarray(world_position[:, 0]),
+        rotation=np.ascontiguousarray(rotation, np.float32),
+        sample_rate=clip.sample_rate,
+        contact=contact,
+    )

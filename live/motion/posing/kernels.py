@@ -1,0 +1,190 @@
+"""The pose pipeline in one call: all dancers, block after block."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel
+from live.base.kernels import angle_wrap
+from live.motion.legs.kernels import stand_legs
+from live.motion.rows.kernels import BLOCK, forward_rows, gather_samples, place_root, slerp_rows, write_block
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+HEAD_LIMIT = math.radians(60.0)
+"""The head turns this far from the chest at most (T124)."""
+PRESENT, PRESENT_TAKE, NEXT, NEXT_TAKE = range(4)
+"""Rows of `sample` and `placement`: this measure's clip, the other take mixed into it, and the same of the next one."""
+LOWER, UPPER, INTO_NEXT, NEXT_LOWER, NEXT_UPPER = range(5)
+"""Rows of `share`: how much of the other take there is in the lower and the upper body, how far the next clip is in."""
+UPPER_FIRST, UPPER_LAST, CHEST, HEAD = range(4)
+"""Entries of `body`: joints UPPER_FIRST..UPPER_LAST-1 are the upper body; -1 where there is no such joint."""
+_ONE, _TWO = np.float32(1.0), np.float32(2.0)
+
+
+@kernel("f8(f8)")
+def public_turn(chest: float) -> float:
+    """Where the head looks, seen from the chest [rad], when the chest's heading is `chest` and the public at 0.
+
+    It faces the public as long as that takes no more than 60 degrees; through the rest of a turn it swings from one
+    limit to the other evenly, the linear gap of T124 as a function of the body instead of time, so that it is known at
+    once and a spin is spotted. The corners are rounded over 20 degrees, as the Gaussian of T124 rounds them in time.
+    """
+    turned = abs(angle_wrap(chest))
+    far = (math.pi - turned) * HEAD_LIMIT / (math.pi - HEAD_LIMIT)
+    gap, soft = far - turned, math.radians(20.0)
+    blend = min(max(0.5 + 0.5 * gap / soft, 0.0), 1.0)  # smooth minimum of the two lines
+    turn = far + (turned - far) * blend - 0.5 * soft * blend * (1.0 - blend)
+    return -math.copysign(max(turn, 0.0), angle_wrap(chest))
+
+
+@kernel("void(f4[:,:,::1], f4[::1], i8, i8, i8, i8)")
+def face_public(world: Float32, share: Float32, chest: int, head: int, start: int, stop: int) -> None:
+    """Turn heads about the vertical towards the public by `share` (A,) of the way (T123, T125: the head joint only)."""
+    for i in range(min(BLOCK, stop - start)):
+        if share[start + i] <= 0.0:
+            continue
+        w, x, y, z = world[chest, 0, i], world[chest, 1, i], world[chest, 2, i], world[chest, 3, i]
+        body = math.atan2(_TWO * (x * z + w * y), _ONE - _TWO * (x * x + y * y))
+        w, x, y, z = world[head, 0, i], world[head, 1, i], world[head, 2, i], world[head, 3, i]
+        forward_x, forward_z = _TWO * (x * z + w * y), _ONE - _TWO * (x * x + y * y)
+        if forward_x * forward_x + forward_z * forward_z < 0.04:  # she looks at the floor or the sky
+            continue
+        angle = angle_wrap(body + public_turn(body) - math.atan2(forward_x, forward_z))
+        turn = 0.5 * share[start + i] * angle
+        c, s = np.float32(math.cos(turn)), np.float32(math.sin(turn))
+        world[head, 0, i] = c * w - s * y
+        world[head, 1, i] = c * x + s * z
+        world[head, 2, i] = c * y + s * w
+        world[head, 3, i] = c * z - s * x
+
+
+@kernel("b1(f4[::1], i8, i8)")
+def _any(values: Float32, start: int, stop: int) -> bool:
+    for n in range(start, stop):
+        if values[n] != 0.0:
+            return True
+    return False
+
+
+@kernel("b1(f4[::1], i8, i8)")
+def _differ_from_one(values: Float32, start: int, stop: int) -> bool:
+    for n in range(start, stop):
+        if values[n] != _ONE:
+            return True
+    return False
+
+
+@kernel("void(f4[::1], f4[::1], i8, i8)")
+def _row(row: Float32, values: Float32, start: int, stop: int) -> None:
+    for i in range(BLOCK):
+        row[i] = values[min(start + i, stop - 1)]
+
+
+@kernel(
+    "void(f4[:,:,::1], f4[:,::1], f4[:,:,::1], f4[:,::1], f4[:,::1], f4[:,:,::1], f8[:,::1], f8[:,:,::1], f4[:,::1],"
+    " i4[::1], f4[::1], i8, i8, i8)"
+)
+def _take_clip(
+    local: Float32, root: Float32, other: Float32, other_root: Float32, clip_root: Float32, clip_rotation: Float32,
+    sample: Float64, placement: Float64, share: Float32, body: Int32, row: Float32, which: int, start: int, stop: int,
+) -> None:  # fmt: skip
+    """One clip of the block, placed, with another take mixed into lower and upper body (T044, T045)."""
+    gather_samples(local, clip_rotation, sample[which], start, stop)
+    place_root(local, root, clip_root, sample[which], placement[which], start, stop)
+    lower, upper = share[LOWER if which == PRESENT else NEXT_LOWER], share[UPPER if which == PRESENT else NEXT_UPPER]
+    mixes_lower, mixes_upper = _any(lower, start, stop), _any(upper, start, stop)
+    if not mixes_lower and not mixes_upper:
+        return
+    gather_samples(other, clip_rotation, sample[which + 1], start, stop)
+    place_root(other, other_root, clip_root, sample[which + 1], placement[which + 1], start, stop)
+    first, last = body[UPPER_FIRST], body[UPPER_LAST]
+    if mixes_upper:
+        _row(row, upper, start, stop)
+        slerp_rows(local, other, row, first, last)
+    if mixes_lower:
+        _row(row, lower, start, stop)
+        slerp_rows(local, other, row, 0, first)
+        slerp_rows(local, other, row, last, local.shape[0])
+        for c in range(3):
+            for i in range(BLOCK):
+                root[c, i] += row[i] * (other_root[c, i] - root[c, i])
+
+
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], i4[:,::1], f4[::1], f4[::1], f4[::1], i4[::1], i8, i8)")
+def _amplify(
+    local: Float32, other: Float32, mean_rotation: Float32, mean: Int32, into_next: Float32, amplitude: Float32,
+    row: Float32, body: Int32, start: int, stop: int,
+) -> None:  # fmt: skip
+    """Upper body farther from or nearer to its mean pose: q' = q_mean (q_mean^-1 q)^r (T058), a SLERP by r from it.
+
+    Within a transition the mean pose is blended as the clips are (T060).
+    """
+    first, last = body[UPPER_FIRST], body[UPPER_LAST]
+    for i in range(BLOCK):
+        n = min(start + i, stop - 1)
+        a, b, t = mean_rotation[mean[0, n]], mean_rotation[mean[1, n]], into_next[n]
+        for j in range(first, last):
+            for c in range(4):
+                other[j, c, i] = a[j, c] + t * (b[j, c] - a[j, c])
+        row[i] = _ONE - amplitude[n]
+    slerp_rows(local, other, row, first, last)
+
+
+@kernel(
+    "void(f4[:,:,::1], f4[:,:,::1], f4[:,::1], f4[:,:,::1], f4[:,:,::1], f8[:,::1], f8[:,:,::1], f4[:,::1], i4[:,::1],"
+    " f4[::1], f4[::1], f4[:,:,::1], f4[:,::1], i4[::1], i4[::1], i4[::1], f4[::1], i8, i8)"
+)
+def pose_dancers(
+    position: Float32, rotation: Float32,
+    clip_root: Float32, clip_rotation: Float32, mean_rotation: Float32,
+    sample: Float64, placement: Float64, share: Float32, mean: Int32, amplitude: Float32, head: Float32, feet: Float32,
+    offsets: Float32, parents: Int32, body: Int32, legs: Int32, soles: Float32,
+    begin: int, end: int,
+) -> None:  # fmt: skip
+    """Poses of the dancers begin..end-1: two clips sampled, mixed, blended, amplified, placed; heads and feet mended.
+
+    Out: `position` (A, J, 3) world [m], `rotation` (A, J, 4) world. In: all clips as `clip_root` (S, 3) and
+    `clip_rotation` (S, J, 4); `mean_rotation` (N, J, 4) each node's mean pose; `sample` (4, A) fractional samples and
+    `placement` (4, A, 4) x, z [m], yaw of path and body [rad] of the clips PRESENT .. NEXT_TAKE; `share` (5, A) LOWER
+    .. NEXT_UPPER; `mean` (2, A) nodes of the mean poses; `amplitude` (A,) about 1; `head` (A,) how far the head turns
+    to the public; `feet` (A, 2, 6) as in legs/kernels.py (TOES below 0: leave the legs as they are). `soles`: heights
+    [m] of ankle and toe joint of a standing foot.
+    """
+    joints = parents.shape[0]
+    # made here, with rows of a constant length, so that the compiler knows that no two rows overlap
+    present, coming, other = (
+        np.empty((joints, 4, BLOCK), np.float32), np.empty((joints, 4, BLOCK), np.float32),
+        np.empty((joints, 4, BLOCK), np.float32),
+    )  # fmt: skip
+    root, next_root, other_root = (
+        np.empty((3, BLOCK), np.float32), np.empty((3, BLOCK), np.float32), np.empty((3, BLOCK), np.float32),
+    )  # fmt: skip
+    world, row = np.empty((joints, 7, BLOCK), np.float32), np.empty(BLOCK, np.float32)
+    for start in range(begin, end, BLOCK):
+        stop = min(start + BLOCK, end)
+        _take_clip(
+            present, root, other, other_root, clip_root, clip_rotation, sample, placement, share, body, row,
+            PRESENT, start, stop,
+        )  # fmt: skip
+        if _any(share[INTO_NEXT], start, stop):
+            _take_clip(
+                coming, next_root, other, other_root, clip_root, clip_rotation, sample, placement, share, body, row,
+                NEXT, start, stop,
+            )  # fmt: skip
+            _row(row, share[INTO_NEXT], start, stop)
+            slerp_rows(present, coming, row, 0, joints)
+            for c in range(3):
+                for i in range(BLOCK):
+                    root[c, i] += row[i] * (next_root[c, i] - root[c, i])
+        if _differ_from_one(amplitude, start, stop):
+            _amplify(present, coming, mean_rotation, mean, share[INTO_NEXT], amplitude, row, body, start, stop)
+        forward_rows(world, present, root, offsets, parents)
+        if body[HEAD] >= 0 and _any(head, start, stop):
+            face_public(world, head, body[CHEST], body[HEAD], start, stop)
+        if legs.shape[0] == 8 and feet[start, 0, 4] >= 0.0:
+            stand_legs(world, feet, legs, offsets, soles[0], soles[1], start, stop)
+        write_block(position, rotation, world, start, stop)

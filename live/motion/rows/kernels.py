@@ -1,0 +1,153 @@
+"""Rows of dancers: sampling, SLERP, placing and forward kinematics in blocks.
+
+Within a block every number is a row of BLOCK dancers (structure of arrays), so that the compiler turns each loop over
+a row into vector instructions: no branches, no float64, no calls inside such a loop. Lanes beyond the last dancer
+repeat her. `local` is (J, 4, BLOCK): local rotations; `world` is (J, 7, BLOCK): rotations, then positions [m].
+"""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+BLOCK = 32
+"""Dancers per block: rows of 128 bytes, and all rows of a block together stay in the nearest caches."""
+_ZERO, _HALF, _ONE = np.float32(0.0), np.float32(0.5), np.float32(1.0)
+_THREE_HALVES, _TWO = np.float32(1.5), np.float32(2.0)
+# Eberly, "A Fast and Accurate Algorithm for Computing SLERP" (2011), 8 terms: 1/(i(2i+1)), i/(2i+1), the last corrected
+_MU = 1.85298109240830
+_A1, _A2, _A3, _A4, _A5, _A6, _A7 = (np.float32(1.0 / (i * (2 * i + 1))) for i in range(1, 8))
+_B1, _B2, _B3, _B4, _B5, _B6, _B7 = (np.float32(i / (2.0 * i + 1.0)) for i in range(1, 8))
+_A8, _B8 = np.float32(_MU / (8 * 17)), np.float32(_MU * 8 / 17)
+
+
+@kernel("f4(f4,f4)", inline="always")
+def _slerp_share(t: np.float32, off: np.float32) -> np.float32:
+    """sin(t a) / sin(a) for cos(a) = 1 + `off`, by Eberly's polynomial: within 1e-5 up to a right angle."""
+    s = t * t
+    tail = _ONE + (_A7 * s - _B7) * off * (_ONE + (_A8 * s - _B8) * off)
+    tail = _ONE + (_A4 * s - _B4) * off * (_ONE + (_A5 * s - _B5) * off * (_ONE + (_A6 * s - _B6) * off * tail))
+    return t * (_ONE + (_A1 * s - _B1) * off * (_ONE + (_A2 * s - _B2) * off * (_ONE + (_A3 * s - _B3) * off * tail)))
+
+
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[::1], i8, i8)", inline="always")
+def slerp_rows(into: Float32, other: Float32, share: Float32, first: int, last: int) -> None:
+    """SLERP joints first..last-1 of `into` towards `other` by `share` (BLOCK,) along the shorter arc (T035, T045)."""
+    for j in range(first, last):
+        for i in range(BLOCK):
+            aw, ax, ay, az = into[j, 0, i], into[j, 1, i], into[j, 2, i], into[j, 3, i]
+            bw, bx, by, bz = other[j, 0, i], other[j, 1, i], other[j, 2, i], other[j, 3, i]
+            dot = aw * bw + ax * bx + ay * by + az * bz
+            off = abs(dot) - _ONE
+            t = share[i]
+            b = _slerp_share(t, off) * (_ONE if dot >= _ZERO else -_ONE)
+            a = _slerp_share(_ONE - t, off)
+            w, x, y, z = a * aw + b * bw, a * ax + b * bx, a * ay + b * by, a * az + b * bz
+            scale = _THREE_HALVES - _HALF * (w * w + x * x + y * y + z * z)  # Newton: it is nearly unit
+            into[j, 0, i] = w * scale
+            into[j, 1, i] = x * scale
+            into[j, 2, i] = y * scale
+            into[j, 3, i] = z * scale
+
+
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f8[::1], i8, i8)", inline="always")
+def gather_samples(local: Float32, clip_rotation: Float32, sample: Float64, start: int, stop: int) -> None:
+    """Rotations of the block's dancers at fractional samples, linear and made unit between two neighbours."""
+    last = clip_rotation.shape[0] - 1
+    for i in range(BLOCK):
+        at = min(max(sample[min(start + i, stop - 1)], 0.0), float(last))
+        low = int(at)
+        t = np.float32(at - low)
+        a, b = clip_rotation[low], clip_rotation[min(low + 1, last)]
+        for j in range(a.shape[0]):
+            for c in range(4):
+                local[j, c, i] = a[j, c] + t * (b[j, c] - a[j, c])
+    for j in range(local.shape[0]):
+        for i in range(BLOCK):
+            w, x, y, z = local[j, 0, i], local[j, 1, i], local[j, 2, i], local[j, 3, i]
+            scale = _THREE_HALVES - _HALF * (w * w + x * x + y * y + z * z)  # Newton: it is nearly unit
+            local[j, 0, i] = w * scale
+            local[j, 1, i] = x * scale
+            local[j, 2, i] = y * scale
+            local[j, 3, i] = z * scale
+
+
+@kernel("void(f4[:,:,::1], f4[:,::1], f4[:,::1], f8[::1], f8[:,::1], i8, i8)", inline="always")
+def place_root(
+    local: Float32, root: Float32, clip_root: Float32, sample: Float64, placement: Float64, start: int, stop: int
+) -> None:
+    """Hips of the block's dancers at their samples, the clip placed by `placement`: x, z, yaw of path, yaw of body."""
+    last = clip_root.shape[0] - 1
+    for i in range(BLOCK):
+        n = min(start + i, stop - 1)
+        at = min(max(sample[n], 0.0), float(last))
+        low = int(at)
+        t = at - low
+        a, b = clip_root[low], clip_root[min(low + 1, last)]
+        x, y, z = a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])
+        hc, hs = math.cos(0.5 * placement[n, 3]), math.sin(0.5 * placement[n, 3])
+        c, s = hc * hc - hs * hs, 2.0 * hc * hs
+        if placement[n, 2] != placement[n, 3]:
+            c, s = math.cos(placement[n, 2]), math.sin(placement[n, 2])
+        root[0, i] = placement[n, 0] + x * c + z * s
+        root[1, i] = y
+        root[2, i] = placement[n, 1] + z * c - x * s
+        # turned about +Y after everything else: (c, 0, s, 0) times the clip's rotation
+        w, qx, qy, qz = local[0, 0, i], local[0, 1, i], local[0, 2, i], local[0, 3, i]
+        local[0, 0, i] = hc * w - hs * qy
+        local[0, 1, i] = hc * qx + hs * qz
+        local[0, 2, i] = hc * qy + hs * w
+        local[0, 3, i] = hc * qz - hs * qx
+
+
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,::1], f4[:,::1], i4[::1])", inline="always")
+def forward_rows(world: Float32, local: Float32, root: Float32, offsets: Float32, parents: Int32) -> None:
+    """Forward kinematics of a block: B = A + O_B R_A (T164), a parent always before its children."""
+    for i in range(BLOCK):
+        for c in range(4):
+            world[0, c, i] = local[0, c, i]
+        for c in range(3):
+            world[0, 4 + c, i] = root[c, i]
+    above, own, below = (
+        np.empty((7, BLOCK), np.float32), np.empty((4, BLOCK), np.float32), np.empty((7, BLOCK), np.float32)
+    )  # fmt: skip
+    for j in range(1, parents.shape[0]):
+        p = parents[j]
+        ox, oy, oz = offsets[j, 0], offsets[j, 1], offsets[j, 2]
+        for c in range(7):
+            for i in range(BLOCK):
+                above[c, i] = world[p, c, i]
+        for c in range(4):
+            for i in range(BLOCK):
+                own[c, i] = local[j, c, i]
+        for i in range(BLOCK):
+            aw, ax, ay, az = above[0, i], above[1, i], above[2, i], above[3, i]
+            bw, bx, by, bz = own[0, i], own[1, i], own[2, i], own[3, i]
+            below[0, i] = aw * bw - ax * bx - ay * by - az * bz
+            below[1, i] = aw * bx + ax * bw + ay * bz - az * by
+            below[2, i] = aw * by - ax * bz + ay * bw + az * bx
+            below[3, i] = aw * bz + ax * by - ay * bx + az * bw
+            tx, ty, tz = _TWO * (ay * oz - az * oy), _TWO * (az * ox - ax * oz), _TWO * (ax * oy - ay * ox)
+            below[4, i] = above[4, i] + ox + aw * tx + ay * tz - az * ty
+            below[5, i] = above[5, i] + oy + aw * ty + az * tx - ax * tz
+            below[6, i] = above[6, i] + oz + aw * tz + ax * ty - ay * tx
+        for c in range(7):
+            for i in range(BLOCK):
+                world[j, c, i] = below[c, i]
+
+
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], i8, i8)", inline="always")
+def write_block(position: Float32, rotation: Float32, world: Float32, start: int, stop: int) -> None:
+    """The block's joints into the arrays of all dancers, (A, J, 3) and (A, J, 4)."""
+    for i in range(stop - start):
+        for j in range(world.shape[0]):
+            for c in range(4):
+                rotation[start + i, j, c] = world[j, c, i]
+            for c in range(3):
+                position[start + i, j, c] = world[j, 4 + c, i]

@@ -1,0 +1,1 @@
+"""Turning on the supporting foot, for all dancers at any moment."""

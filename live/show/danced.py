@@ -1,0 +1,121 @@
+"""Danced: one measure of every dancer, which clip, where on the stage, and how it is varied."""
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.motion_graph import MotionGraph
+from live.graph.takes import NO_TAKE
+from live.motion.turning.kernels import place_dancers
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+UNDECIDED = -1
+
+
+def turn_vectors(vectors: Float64, yaw: Float64) -> Float64:
+    """Rotate stage vectors (A, 2) by yaw (A,) about +Y: (0, 1) becomes (sin yaw, cos yaw)."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    x, z = vectors[:, 0], vectors[:, 1]
+    return np.stack([x * c + z * s, z * c - x * s], axis=1)
+
+
+class Danced:
+    """Plain arrays over A dancers; `copy_from` replaces them as a whole at a measure line."""
+
+    ARRAYS = ("node", "placement", "correction", "on_support", "take", "take_share", "amplitude", "warp")
+
+    def __init__(self, graph: MotionGraph, count: int) -> None:
+        self.graph = graph
+        self.node: Int32 = np.full(count, UNDECIDED, np.int32)
+        """Node danced, UNDECIDED before it is chosen, shape (A,)."""
+        self.placement: Float64 = np.zeros((count, 3))
+        """x, z [m], yaw [rad] of the axes of its clip on the stage, shape (A, 3)."""
+        self.correction: Float64 = np.zeros((count, 3))
+        """What is added over the measure so that it ends where it should: x, z [m], yaw [rad], shape (A, 3)."""
+        self.on_support: Float64 = np.zeros(count)
+        """1 where the turn happens on the carrying foot (T048-T050), 0 where it is spread over the measure, (A,)."""
+        self.take: Int32 = np.full(count, NO_TAKE, np.int32)
+        """Node of the other take that is mixed in, NO_TAKE if none is, shape (A,)."""
+        self.take_share: Float32 = np.zeros((2, count), np.float32)
+        """How much of it there is in the lower and in the upper body, shape (2, A) (T044, T045)."""
+        self.amplitude: Float64 = np.ones((2, count))
+        """Amplitude of the upper body where the measure begins and where it ends, shape (2, A) (T058-T060)."""
+        self.warp: Float64 = np.zeros((4, count))
+        """Time warp of the measure: amplitude and start as shares of it, frequency, sign, (4, A) (T055)."""
+
+    def copy_from(self, other: "Danced") -> None:
+        """Take over everything; views into the arrays stay valid."""
+        for name in self.ARRAYS:
+            getattr(self, name)[:] = getattr(other, name)
+
+    @property
+    def decided(self) -> bool:
+        """Whether the measure of every dancer is chosen."""
+        return bool((self.node >= 0).all())
+
+    def turned(self, fraction: Float64, out: Float64) -> None:
+        """Placements (A, 4) with the corrections' share in them when `fraction` (A,) of the measure has passed."""
+        place_dancers(
+            out,
+            self.placement,
+            self.correction,
+            fraction,
+            np.maximum(self.node, 0),
+            self.graph.node_turns,
+            self.on_support,
+        )
+
+    def take_placement(self, placement: Float64) -> Float64:
+        """Where the other takes' clips lie, (A, 4), when the dancers' own lie at `placement` (A, 4).
+
+        Both takes have their hips at one place and face the same way when the measure begins.
+        """
+        graph, own, other = self.graph, np.maximum(self.node, 0), np.maximum(self.take, 0)
+        turn = graph.node_facing_start[own] - graph.node_facing_start[other]
+        shift = graph.node_start[own] - turn_vectors(graph.node_start[other], turn)
+        out = placement.copy()
+        out[:, :2] += turn_vectors(shift, placement[:, 2])
+        out[:, 2:] += turn[:, None]
+        return out
+
+    def own_end(self) -> tuple[Float64, Float64]:
+        """Hips (A, 2) [m] and heading (A,) [rad] at the measure's end in the clips' own axes, takes mixed in."""
+        graph, own = self.graph, np.maximum(self.node, 0)
+        end, facing = graph.node_end[own], graph.node_facing[own]
+        share = self.take_share[0].astype(np.float64) * (self.take >= 0)
+        if not share.any():
+            return end, facing
+        other = np.maximum(self.take, 0)
+        turn = graph.node_facing_start[own] - graph.node_facing_start[other]
+        shift = graph.node_start[own] - turn_vectors(graph.node_start[other], turn)
+        other_end = shift + turn_vectors(graph.node_end[other], turn)
+        off = graph.node_facing[other] + turn - facing
+        off = np.arctan2(np.sin(off), np.cos(off))
+        return end + share[:, None] * (other_end - end), facing + share * off
+
+    def end_placement(self) -> Float64:
+        """The axes (x, z, yaw) in which the next clip joins, corrections and takes included, (A, 3).
+
+        The graph's transforms go from this node's own end to the next node's start, so the axes are moved so that the
+        node's own end lies where the dancer really ends.
+        """
+        out = np.empty((len(self.node), 4))
+        self.turned(np.ones(len(self.node)), out)
+        hips, heading = self._end(out)
+        graph, node = self.graph, np.maximum(self.node, 0)
+        yaw = heading - graph.node_facing[node]
+        place: Float64 = hips - turn_vectors(graph.node_end[node], yaw)
+        return np.ascontiguousarray(np.column_stack([place, yaw]))
+
+    def end_position(self) -> Float64:
+        """Where the hips will be at the measure's end [m], shape (A, 2)."""
+        out = np.empty((len(self.node), 4))
+        self.turned(np.ones(len(self.node)), out)
+        return self._end(out)[0]
+
+    def _end(self, placed: Float64) -> tuple[Float64, Float64]:
+        """Hips (A, 2) and heading (A,) on the stage at the end, for the placements `placed` (A, 4) there."""
+        end, facing = self.own_end()
+        return placed[:, :2] + turn_vectors(end, placed[:, 2]), placed[:, 3] + facing

@@ -1,0 +1,175 @@
+"""Variation: how dancers of one group dance the same step each in her own way, drawn for every measure (T051-T060).
+
+Draws depend on the seed and the number of the measure alone, so a show is the same live, offline and replayed.
+"""
+
+from dataclasses import dataclass, fields, replace
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.takes import NO_TAKE
+from live.motion.editing.time_warp import F_MAX, draw_measure_warps
+from live.show.danced import Danced
+from live.show.patch import MotionSection
+
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+STEEPEST: Final = 0.9
+"""A time warp changes the speed of a clip by this share at most (T054: below 1, or it would run backwards)."""
+KNOT_LOW: Final = 0.125
+KNOT_HIGH: Final = 0.5
+"""Cycles per measure of a warp over the whole sequence: dancers drift ahead and behind over two to eight measures."""
+FARTHEST: Final = 0.12
+"""Share of a measure that such a warp is ahead or behind at most: less than the beat by which steps are decided."""
+
+
+@dataclass(frozen=True, slots=True)
+class Variety:
+    """What may be varied, for one group; the live controls `/dance/motion/...` set the same fields."""
+
+    warp_beats: float = 0.0
+    """Largest time warp [beats] (A_max of T055)."""
+    warp_sequence: float = 0.0
+    """1: the warp runs over the whole sequence (T056), 0: it ends with each measure (T055)."""
+    amplitude: float = 0.0
+    """R_max: how much larger or smaller the upper body moves (T058)."""
+    amplitude_sequence: float = 0.0
+    """1: the amplitude changes slowly over the sequence (T059), 0: anew for each measure (T060)."""
+    mix: float = 0.0
+    """How far another take of the same step is mixed into the whole body at most (T045)."""
+    arms: float = 0.0
+    """Share of the dancers whose upper body is that of another take (T044)."""
+    head: float = 0.0
+    """How far heads turn to the public (T123-T125)."""
+    lock: float = 1.0
+    """1: feet that carry stay where they are, and no sole goes below the floor; 0: as the clips have it."""
+    on_support: float = 1.0
+    """1: dancers turn on the foot that carries (T048-T050), 0: evenly over the measure."""
+    face_average: float = 0.0
+    """1: a measure's average heading is brought to where the dancer should face (T122), 0: that at its end."""
+
+    @classmethod
+    def names(cls) -> tuple[str, ...]:
+        """The fields, in order."""
+        return tuple(field.name for field in fields(cls))
+
+
+def variety_of(section: MotionSection) -> Variety:
+    """What a patch says."""
+    return Variety(
+        warp_beats=section.warp_beats,
+        warp_sequence=float(section.warp_over == "sequence"),
+        amplitude=section.amplitude,
+        amplitude_sequence=float(section.amplitude_over == "sequence"),
+        mix=section.mix,
+        arms=section.arms,
+        head=section.head,
+        lock=float(section.foot_lock),
+        on_support=float(section.turn_on == "support"),
+        face_average=float(section.face == "average"),
+    )
+
+
+class Variation:
+    """The varieties of all groups, and what is drawn from them for every dancer and measure."""
+
+    def __init__(
+        self, varieties: list[Variety], group: Int32, *, seed: int, beats_per_measure: int, window: float
+    ) -> None:
+        self._varieties = varieties
+        self._group = group
+        self._seed = seed
+        self._beats = beats_per_measure
+        self._window = window
+        count = len(group)
+        self.phase: Float64 = np.zeros(count)
+        """Phase of each dancer's warp over the sequence when the present measure begins [rad], shape (A,) (T056)."""
+        self._amplitude_knots: Float64 = np.zeros((4, count))
+        self._frequency_knots: Float64 = np.zeros((4, count))
+        self.measure = 0
+        self._refresh()
+
+    def _refresh(self) -> None:
+        for name in Variety.names():
+            values = np.array([getattr(variety, name) for variety in self._varieties], np.float64)
+            setattr(self, name, values[self._group])
+
+    # the fields of Variety for each dancer, shape (A,)
+    warp_beats: Float64
+    warp_sequence: Float64
+    amplitude: Float64
+    amplitude_sequence: Float64
+    mix: Float64
+    arms: Float64
+    head: Float64
+    lock: Float64
+    on_support: Float64
+    face_average: Float64
+
+    def set(self, name: str, value: float, group: int | None) -> None:
+        """Set one field of one group or of all; it acts on what is drawn from now on."""
+        for index, variety in enumerate(self._varieties):
+            if group is None or group == index:
+                self._varieties[index] = replace(variety, **{name: value})
+        self._refresh()
+
+    def draw(self, measure: int, danced: Danced) -> None:
+        """Vary the measure numbered `measure` (from 0), whose nodes are chosen already."""
+        count = len(self._group)
+        chance = np.random.default_rng([self._seed, 1, measure])
+        # everything is drawn for everybody, so that one control never changes another's chances
+        warps = draw_measure_warps(chance, count, window=self._window, a_max=0.0)
+        amplitude, take, mix, arms = chance.uniform(0.0, 1.0, (4, count))
+        most = self.warp_beats / self._beats * (self.warp_sequence == 0.0)
+        frequency = np.minimum(warps.frequency, F_MAX)
+        steep = STEEPEST / (2.0 * np.pi * frequency)
+        danced.warp[0] = np.minimum(most * chance.uniform(0.0, 1.0, count), steep)
+        danced.warp[1:] = frequency, warps.start, warps.sign
+        danced.on_support[:] = self.on_support
+        danced.take[:] = danced.graph.takes.draw(danced.node, take)
+        takes = danced.take != NO_TAKE
+        danced.take_share[0] = takes * self.mix * mix
+        danced.take_share[1] = np.maximum(danced.take_share[0], takes * (arms < self.arms))
+        danced.amplitude[:] = 1.0 + self.amplitude * np.floor(3.0 * amplitude - 1.0)
+        slow = self.amplitude_sequence != 0.0
+        danced.amplitude[0, slow] = self._slow_amplitude(measure)[slow]
+        danced.amplitude[1, slow] = self._slow_amplitude(measure + 1)[slow]
+
+    def _slow_amplitude(self, measure: int) -> Float64:
+        """Amplitude at the line before `measure`, (A,): values repeated two by two (T059).
+
+        Between equal values the monotone cubic (PCHIP) through them is flat, so between unequal ones it is an ease.
+        """
+        chance = np.random.default_rng([self._seed, 2, measure // 2])
+        return np.asarray(1.0 + self.amplitude * (chance.integers(0, 3, len(self._group)) - 1.0))
+
+    # -- the warp over the whole sequence (T056): cubic splines through random values, the phase accumulated --------
+
+    def begin_measure(self, measure: int) -> None:
+        """The measure `measure` (from 0) begins: the phase of the sequence's warp goes on, its splines move on."""
+        weights = np.array([1.0, 11.0, 11.0, 1.0]) / 24.0  # of a uniform cubic B-spline's integral over one span
+        self.phase += 2.0 * np.pi * (weights @ self._frequency_knots)
+        self.measure = measure
+        for n in range(4):
+            chance = np.random.default_rng([self._seed, 3, measure + n])
+            amplitude, frequency = chance.uniform(0.0, 1.0, (2, len(self._group)))
+            self._amplitude_knots[n] = amplitude
+            self._frequency_knots[n] = KNOT_LOW + (KNOT_HIGH - KNOT_LOW) * frequency
+
+    def sequence_warp(self, fraction: float) -> Float64:
+        """How far each dancer is ahead (positive) or behind [share of a measure] at `fraction` of it, (A,).
+
+        A(x) sin φ(x): amplitude and frequency are uniform cubic B-splines, which stay between their random values, so
+        |A'| + A φ' < 1 always holds and no clip runs backwards; φ is the integral of 2πf (T056 as corrected).
+        """
+        t = fraction
+        value = np.array([(1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, -3 * t**3 + 3 * t**2 + 3 * t + 1, t**3]) / 6.0
+        passed = np.array([
+            1 - (1 - t) ** 4, 3 * t**4 - 8 * t**3 + 16 * t, -3 * t**4 + 4 * t**3 + 6 * t**2 + 4 * t, t**4
+        ]) / 24.0  # fmt: skip
+        most = np.minimum(self.warp_beats / self._beats, FARTHEST) * (self.warp_sequence != 0.0)
+        phase = self.phase + 2.0 * np.pi * (passed @ self._frequency_knots)
+        return np.asarray(most * (value @ self._amplitude_knots) * np.sin(phase))
