@@ -51,10 +51,10 @@ def smooth(values: np.ndarray) -> np.ndarray:
 
 
 def clapping(apart_cm: Callable[[np.ndarray], np.ndarray], seconds: float, fps: float) -> np.ndarray:
-    """A standing body whose palms are `apart_cm(time)` apart before its chest, to a tenth of a millimetre.
+    """A standing body whose palms are `apart_cm(time)` apart; 0 to 143 cm can be.
 
-    The arms point ahead and swing symmetrically about the vertical axis; the angle for a distance is found by
-    bisection on the body's own geometry, so the truth does not pass through the code under test.
+    The straight arms swing symmetrically about the vertical axis: by the body's own measures the palms are
+    2 (shoulder + reach cos(angle)) apart, which is solved for the angle.
     """
     time = np.arange(round(seconds * fps)) / fps
     wanted = apart_cm(time)
