@@ -38,8 +38,9 @@ _ACCLAIM: Final = (
 """Bones that the Acclaim format names in small letters after an l or r: lfemur."""
 _TRIES: Final = 4
 """Joints of one name that are tried: a file may hold hundreds, and chains of them would take forever."""
-_REQUIRED: Final = tuple(
-    side + joint for side in ("left", "right") for joint in ("UpperLeg", "LowerLeg", "Foot", "UpperArm", "LowerArm")
+_REQUIRED: Final = (
+    *(side + joint for side in ("left", "right") for joint in ("UpperLeg", "LowerLeg", "Foot", "UpperArm", "LowerArm")),
+    "hips",  # there are none where a leg is the root
 )
 
 
