@@ -49,16 +49,20 @@ def repair(
     `LONGEST_GAP` and faults that cannot be bridged smoothly stay as they are, with a note that says so.
     """
     rate = fps or motion.header_fps
-    limit = SMOOTH * find_shocks(body_tracks(motion, fps=rate)).kick_limit
+    tracks = body_tracks(motion, fps=rate)
+    limit = SMOOTH * find_shocks(tracks).kick_limit
     done: list[Repair] = []
     for glitch in glitches:
-        motion, report = _bridged(motion, glitch, rate, limit)
+        whole = tracks.names[0] in glitch.at_fault  # what carries the hips in some files lies above them
+        joints = list(range(motion.joint_count)) if whole else _below(motion, glitch)
+        motion, report = _bridged(motion, glitch, joints, rate, limit)
         done.append(report)
     return motion, done
 
 
-def _bridged(motion: SourceMotion, glitch: Glitch, rate: float, limit: float) -> tuple[SourceMotion, Repair]:
-    joints = _below(motion, glitch)
+def _bridged(
+    motion: SourceMotion, glitch: Glitch, joints: list[int], rate: float, limit: float
+) -> tuple[SourceMotion, Repair]:
     names = tuple(motion.names[j] for j in joints)
     first, last = glitch.first_frame, glitch.last_frame
     inner = (first + 1, last - 1) if glitch.kind == "jump" else (first, last)
