@@ -18,6 +18,7 @@ from live.motion.step_clip import StepClip
 from live.steps.motion_file import read_motion
 
 SKETCHES = Path(__file__).resolve().parent.parent / "patches" / "steps"
+"""Beats come from beats_estimated.json; where it knows no phase, the first measure begins with the recording."""
 SALSA = tuple(f"salsa/{who}_0{take}.bvh" for take in range(1, 8) for who in (60, 61))
 WALKS = ("walk/cmu_02_01_walk.bvh", "walk/cmu_12_01_walk.bvh", "walk/131_01_styled.bvh", "walk/figure8_MS2_8Walk_M.bvh")
 WALK_BPM = {WALKS[0]: 109.0, WALKS[1]: 94.0, WALKS[2]: 105.0, WALKS[3]: 140.0}
@@ -30,7 +31,7 @@ SOLO = (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Material:
-    """One recording or sketch: its whole clip and its measures as steps (none where the beat is not known)."""
+    """One recording or sketch: its whole clip and its measures as steps."""
 
     name: str
     clip: Clip
@@ -74,11 +75,11 @@ def _recording(mocap: Path, name: str) -> Material:
     )
     if name in WALK_BPM:
         return Material(name, clip, tuple(measures_of(clip, "walk", 0.0, WALK_BPM[name], 1)))
+    beats = _beats(mocap)[name]
     if name in SALSA:
-        beats = _beats(mocap)[name]
         bpm = 240.0 / beats["four_beats_s"]
         return Material(name, clip, tuple(measures_of(clip, "salsa", beats["phase_of_4beats_s"], bpm, 2)))
-    return Material(name, clip, ())
+    return Material(name, clip, tuple(measures_of(clip, "solo", 0.0, beats["bpm"], 1)))
 
 
 def measures_of(clip: Clip, step: str, anchor: float, bpm: float, measures: int) -> list[StepClip]:

@@ -60,16 +60,20 @@ class Row:
 
 
 def bench_names(folder: Path = BENCH_FOLDER) -> list[str]:
-    """The names of the benches in `folder`, sorted; a file whose name starts with _ is a helper."""
-    return sorted(path.stem for path in folder.glob("*.py") if not path.stem.startswith("_"))
+    """The names of the benches in `folder`, sorted: motion_quality.py is "motion-quality"; those with _ are helpers."""
+    return sorted(path.stem.replace("_", "-") for path in folder.glob("*.py") if not path.stem.startswith("_"))
 
 
 def bench_title(name: str, folder: Path = BENCH_FOLDER) -> str:
     """The first line of the bench's docstring, read without running it."""
     import ast
 
-    docstring = ast.get_docstring(ast.parse((folder / f"{name}.py").read_text(encoding="utf-8")))
+    docstring = ast.get_docstring(ast.parse(_bench_file(name, folder).read_text(encoding="utf-8")))
     return (docstring or "").partition("\n")[0]
+
+
+def _bench_file(name: str, folder: Path) -> Path:
+    return folder / f"{name.replace('-', '_')}.py"
 
 
 def load_bench(name: str, folder: Path = BENCH_FOLDER) -> Run:
@@ -77,9 +81,10 @@ def load_bench(name: str, folder: Path = BENCH_FOLDER) -> Run:
     names = bench_names(folder)
     if not names:
         raise PersonError(f"there are no benches in {folder}", "benches come with the source: run this in a checkout")
-    if name not in names:
+    path = _bench_file(name, folder)
+    if name.replace("_", "-") not in names:
         raise PersonError(f"no bench is called {name!r}; there are: {', '.join(names)}")
-    specification = importlib.util.spec_from_file_location(f"bench.{name}", folder / f"{name}.py")
+    specification = importlib.util.spec_from_file_location(f"bench.{path.stem}", path)
     assert specification is not None  # a .py file always has both
     assert specification.loader is not None
     module = importlib.util.module_from_spec(specification)

@@ -124,6 +124,14 @@ def test_a_name_is_not_a_path(folder: Path) -> None:
         load_bench("_helper")
 
 
+@pytest.mark.parametrize("name", ["high-fives", "high_fives"])
+def test_words_are_joined_by_hyphens_or_underscores(folder: Path, name: str) -> None:
+    (folder / "high_fives.py").write_text(SOURCE)
+    assert bench_names() == ["claps", "high-fives"]
+    assert bench_title(name) == "Claps: hands per second."
+    assert load_bench(name)(False, None)[0].value == 2.0
+
+
 def test_the_projects_own_benches_are_documented() -> None:
     assert bench_module.BENCH_FOLDER.is_dir()
     done = run_live("bench", "--list")

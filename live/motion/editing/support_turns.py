@@ -45,6 +45,12 @@ class SupportTurns:
         """The rows of the first axis that `rows` (A,) names: from the nodes of a library to the dancers."""
         return SupportTurns(*(getattr(self, name)[rows] for name in self.__slots__))
 
+    @property
+    def quickest(self) -> Float64:
+        """How fast it turns at most, in whole angles a measure, (...): a turn in one short support is a snap."""
+        span = np.maximum(self.stop - self.start, 1e-12)
+        return np.asarray(np.max(self.weight / span / (1.0 - self.softness), axis=-1))
+
     def share(self, fraction: npt.ArrayLike) -> Float64:
         """Share of the angle that is turned when `fraction` (...) of the measure has passed: 0 to 1, never falling."""
         return np.asarray(np.sum(self.weight * self._progress(fraction), axis=-1))

@@ -105,3 +105,14 @@ def test_soft_progress_starts_and_ends_at_rest() -> None:
     near = soft_progress(np.array((1e-3, 1.0 - 1e-3)), 0.5)
     assert near == pytest.approx([2e-6, 1.0 - 2e-6])
     assert soft_progress(np.array((0.0, 0.3, 1.0)), 0.0) == pytest.approx([0.0, 0.3, 1.0])
+
+
+@given(st.integers(0, 1000))
+def test_the_quickest_turn_is_the_steepest_place_of_the_share(seed: int) -> None:
+    turns = random_turns(seed, rows=1)
+    x = np.linspace(0.0, 1.0, 20_001)
+    steepest = np.diff(turns.share(x)).max() / (x[1] - x[0])
+    assert steepest <= turns.quickest[0] * (1.0 + 1e-6)
+    assert support_turns(sketched("walk"), 0).quickest == pytest.approx(
+        np.diff(support_turns(sketched("walk"), 0).share(x)).max() / (x[1] - x[0])
+    )

@@ -1,0 +1,56 @@
+"""The bench of motion quality on the project's own sketches: every bar is held, and its measures see faults."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench._motion_figures import Figures
+from live.cli.bench import load_bench
+from live.motion.step_clip import StepClip
+from tests.motion.editing.made_steps import sketched
+
+
+def test_every_bar_is_held_on_the_projects_own_sketches(tmp_path: Path) -> None:
+    rows = load_bench("motion-quality")(False, tmp_path)
+    names = [row.name for row in rows]
+    assert len(set(names)) == len(names)
+    assert any(name.startswith("sketches") for name in names)
+    assert [row.name for row in rows if row.ok is False] == []
+    assert sum(row.ok is True for row in rows) >= 12
+
+
+def test_a_foot_that_glides_and_a_body_that_is_pulled_along_slide() -> None:
+    step = sketched("walk")
+    assert Figures(step).slide == pytest.approx(0.0, abs=1e-4)
+    pulled = [pulled_along(step, speed) for speed in (0.3, 0.8)]
+    assert [each.slide for each in pulled] == pytest.approx([0.3, 0.8], abs=1e-3)
+    assert pulled[0].skating < 0.7 < pulled[1].skating
+
+
+def pulled_along(step: StepClip, speed: float) -> Figures:
+    """The step on a floor that moves at `speed` [m/s]."""
+    root = step.clip.root_position.copy()
+    root[:, 0] += np.arange(len(root), dtype=np.float32) * np.float32(speed / step.clip.sample_rate)
+    return Figures(replace(step, clip=replace(step.clip, root_position=root)))
+
+
+def test_a_jump_of_one_joint_is_seen() -> None:
+    step = sketched("samba")
+    rotation = step.clip.rotation.copy()
+    at = round(step.first) + 30
+    rotation[at, 7] = (math.cos(0.5), 0.0, 0.0, math.sin(0.5))
+    jumped = Figures(replace(step, clip=replace(step.clip, rotation=rotation)))
+    assert jumped.velocity_jump > 5.0 * Figures(step).velocity_jump
+    assert jumped.accelerations.max() > 5.0 * Figures(step).accelerations.max()
+
+
+def test_quaternions_that_are_not_unit_make_wrong_bones_and_a_sunk_body_is_below_the_floor() -> None:
+    step = sketched("samba")
+    assert Figures(step).bone_error < 1e-6
+    longer = replace(step, clip=replace(step.clip, rotation=step.clip.rotation * np.float32(1.01)))
+    assert Figures(longer).bone_error > 1e-3
+    sunk = replace(step.clip, root_position=step.clip.root_position - np.array((0.0, 0.03, 0.0), np.float32))
+    assert Figures(replace(step, clip=sunk)).below_floor == pytest.approx(0.03, abs=2e-3)
