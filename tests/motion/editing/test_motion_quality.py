@@ -26,7 +26,7 @@ def test_a_foot_that_glides_and_a_body_that_is_pulled_along_slide() -> None:
     step = sketched("walk")
     assert Figures(step).slide == pytest.approx(0.0, abs=1e-4)
     pulled = [pulled_along(step, speed) for speed in (0.3, 0.8)]
-    assert [each.slide for each in pulled] == pytest.approx([0.3, 0.8], abs=1e-3)
+    assert [each.slide for each in pulled] == pytest.approx([0.3, 0.8], abs=2e-3)
     assert pulled[0].skating < 0.7 < pulled[1].skating
 
 
