@@ -9,10 +9,11 @@ import numpy.typing as npt
 from live.motion import quaternion
 from live.motion.file_error import MotionFileError
 from live.motion.joint_map import SourceBody, find_body
-from live.motion.source_axes import ENGINE_LEG, find_unit, leg_length, standing_pose
+from live.motion.source_axes import BODY_HEIGHT_RANGE, ENGINE_LEG, body_height, find_unit, leg_length, standing_pose
 from live.motion.source_motion import Float64, SourceMotion, UpAxis
 from live.motion.source_pose import end_positions
 
+Float = npt.NDArray[np.floating]
 Int = npt.NDArray[np.int64]
 
 SIDES: Final = ("left", "right")
@@ -71,10 +72,10 @@ def body_tracks(
     leg = leg_length(body, world.positions)
     if not leg > 1e-6 or not np.isfinite(leg):
         raise MotionFileError(motion.file, None, "the legs have no length", "a body expected")
-    unit = unit_m or motion.unit_m or find_unit(leg) or ENGINE_LEG / leg
+    unit = unit_m or _believable(motion.unit_m, leg) or find_unit(leg) or ENGINE_LEG / leg
     ends = end_positions(motion, world)
 
-    def metres(points: Float64) -> Float64:
+    def metres(points: Float) -> Float64:
         turned = quaternion.rotate(_Z_UP_TO_Y_UP, points) if axis == "Z" else points
         return np.asarray(turned * unit, np.float64)
 
@@ -101,19 +102,29 @@ def body_tracks(
     )
 
 
-def _tip(motion: SourceMotion, body: SourceBody, side: str, positions: Float64, ends: Float64) -> Float64:
+def _believable(unit: float | None, leg: float) -> float | None:
+    """The unit that the format fixes, unless it makes a giant or a dwarf: files in centimetres say metres, too."""
+    low, high = BODY_HEIGHT_RANGE
+    return unit if unit is not None and low <= body_height(leg) * unit <= high else None
+
+
+def _tip(motion: SourceMotion, body: SourceBody, side: str, positions: Float, ends: Float) -> Float64:
     """Mean of what hangs on the hand without the thumb, (T, 3); the hand (or lower arm) itself if nothing does."""
     hand = body.joints[side + "Hand"]
     return _hanging(motion, body.joint(side + "LowerArm") if hand is None else hand, positions, ends)
 
 
-def _toes(motion: SourceMotion, body: SourceBody, side: str, positions: Float64, ends: Float64) -> Float64:
+def _toes(motion: SourceMotion, body: SourceBody, side: str, positions: Float, ends: Float) -> Float64:
     toes = body.joints[side + "Toes"]
-    return positions[:, toes] if toes is not None else _hanging(motion, body.joint(side + "Foot"), positions, ends)
+    return (
+        np.asarray(positions[:, toes], np.float64)
+        if toes is not None
+        else _hanging(motion, body.joint(side + "Foot"), positions, ends)
+    )
 
 
-def _hanging(motion: SourceMotion, joint: int, positions: Float64, ends: Float64) -> Float64:
+def _hanging(motion: SourceMotion, joint: int, positions: Float, ends: Float) -> Float64:
     children = [c for c in np.flatnonzero(motion.parents == joint) if "thumb" not in motion.names[c].lower()]
     places = [positions[:, c] for c in children] + [ends[:, e] for e in np.flatnonzero(motion.end_parents == joint)]
     distant = [place for place in places if np.median(np.linalg.norm(place - positions[:, joint], axis=-1)) > 1e-9]
-    return np.asarray(np.mean(distant, axis=0)) if distant else positions[:, joint]
+    return np.asarray(np.mean(distant, axis=0), np.float64) if distant else np.asarray(positions[:, joint], np.float64)

@@ -16,6 +16,8 @@ from live.motion.source_motion import FileWarning, Float64, OffsetUse, SourceMot
 from live.motion.source_pose import LocalPose, WorldPose, end_positions, world_pose
 
 FLOOR_PERCENTILE: Final = 5.0
+FLOATING: Final = 0.08
+"""Where the lowest point is this high [m] over the floor for half of the time, something is wrong with the height."""
 STILL: Final = 0.01
 """A joint that moves less than this part of the leg's length in all stays where it is."""
 _Z_UP_TO_Y_UP: Final = np.array((np.sqrt(0.5), -np.sqrt(0.5), 0.0, 0.0))
@@ -80,6 +82,8 @@ def find_facts(
         warnings += [_glitch_warning(one) for one in find_glitches(tracks, motion.parents, added)]
         warnings += _still_root(motion, body, world, leg)
     points, lowest = _upright(motion, world, axis)
+    if unit is not None:
+        warnings += _floating(lowest[added:] * unit)
     points *= unit or 1.0
     hips = body.joints["hips"] or 0
     facts = MotionFacts(
@@ -157,6 +161,14 @@ def _glitch_warning(glitch: Glitch) -> FileWarning:
     return FileWarning(
         f"{glitch.kind}{frames}: {joints}, off by {100 * glitch.size_m:.0f} cm", frame=glitch.first_frame
     )
+
+
+def _floating(lowest: Float64) -> list[FileWarning]:
+    """A body that hangs over its lowest floor most of the time: recordings from video drift up and down."""
+    over = float(np.median(lowest) - np.percentile(lowest, FLOOR_PERCENTILE))
+    if over < FLOATING:
+        return []
+    return [FileWarning(f"the body is {over:.2f} m over the floor half of the time: it drifts, or hangs and jumps")]
 
 
 def _still_root(motion: SourceMotion, body: SourceBody, world: WorldPose, leg: float) -> list[FileWarning]:

@@ -11,7 +11,7 @@ from live.base.errors import PersonError
 from live.cli import main as main_module
 from tests.cli.command import run_live
 
-COMMANDS = ("play", "render", "replay", "check", "devices", "doctor", "bench", "warm")
+COMMANDS = ("play", "render", "replay", "check", "devices", "doctor", "bench", "warm", "sync")
 
 
 def test_help_lists_every_command() -> None:
