@@ -32,7 +32,16 @@ def add(
     bpm: Annotated[float | None, typer.Option(help="Tempo of the recorded dance.", rich_help_panel=PANEL_MUSIC)] = None,
     anchor: Annotated[
         float | None,
-        typer.Option(help="When measure 1 begins [s].", metavar="SECONDS", rich_help_panel=PANEL_MUSIC),
+        typer.Option(help="When measure 1 begins. Default: as found.", metavar="SECONDS", rich_help_panel=PANEL_MUSIC),
+    ] = None,
+    click: Annotated[
+        float | None, typer.Option(help="The claps are to a click of this tempo.", rich_help_panel=PANEL_MUSIC)
+    ] = None,
+    count: Annotated[
+        int | None, typer.Option(help="So many beats of the click were clapped.", rich_help_panel=PANEL_MUSIC)
+    ] = None,
+    song: Annotated[
+        Path | None, typer.Option(help="The claps are to this audio file.", rich_help_panel=PANEL_MUSIC)
     ] = None,
     beats_per_measure: Annotated[int | None, typer.Option(help="Default: 4.", rich_help_panel=PANEL_MUSIC)] = None,
     start: Annotated[
@@ -94,10 +103,10 @@ def add(
 ) -> None:
     """Cut a step out of a recording and put it into the library.
 
-    The recording is copied there, and a [[step]] joins the TOML file of its name. Nothing is written before the step
-    was cut, and nothing that is there is written over.
+    The recording is copied there, and a table "step" joins the TOML file of its name. Nothing is written before the
+    step was cut, and nothing that is there is written over.
     """
-    from live.cli.steps_add import add_to_library
+    from live.cli.steps_add import Listening, add_to_library
 
     given = {
         "name": name, "skeleton": None if skeleton is None else str(skeleton), "fps": fps, "unit_m": unit, "up": up,
@@ -107,7 +116,8 @@ def add(
         "weight_transfer": weight_transfer or None, "direction": direction, "distance_m": distance, "author": author,
         "style": style, "tags": tag or None, "mirror": mirror or None,
     }  # fmt: skip
-    add_to_library(file, {key: value for key, value in given.items() if value is not None}, library)
+    fields = {key: value for key, value in given.items() if value is not None}
+    add_to_library(file, fields, library, Listening(click=click, count=count, song=song))
 
 
 @app.command("list")

@@ -50,5 +50,6 @@ def _print(findings: list[Finding], steps: int, wrong: int, where: list[Path]) -
         style = "red" if finding.kind == "wrong" else "yellow"
         console.print(f"{finding.kind}: {finding.problem}", style=style, soft_wrap=True, markup=False)
     doubtful = len(findings) - wrong
-    summary = f"{steps} steps in {', '.join(map(str, where))}: {wrong} wrong, {doubtful} doubtful"
+    counted = "1 step" if steps == 1 else f"{steps} steps"
+    summary = f"{counted} in {', '.join(map(str, where))}: {wrong} wrong, {doubtful} doubtful"
     console.print(f"{'ok ' if not findings else ''}{summary}", style="" if findings else "green", soft_wrap=True)

@@ -138,7 +138,7 @@ def preview_show(name: str, clips: list[StepClip], *, travelling: bool) -> Loade
         name=f"Step {name}"[:64],
         clock=ClockSection(bpm=clips[0].bpm, beats_per_measure=clips[0].beats_per_measure),
         stage=StageSection(width=min(width, 200.0), depth=min(depth, 200.0)),
-        camera=_camera(width, depth),
+        camera=_camera(columns * GAP + 2 * room, rows * GAP + 2 * room),
         locomotion=LocomotionSection(
             threshold_m=ANY_POSE, correction_m=0.0 if travelling else 0.1, turn_deg=0.0 if travelling else 10.0
         ),
@@ -163,6 +163,6 @@ def on_the_spot(step: StepClip) -> StepClip:
 
 
 def _camera(width: float, depth: float) -> CameraSection:
-    """A view of the whole floor at 16:9 through a lens of 36 degrees."""
-    far = max(5.0, 0.5 * width / 0.55) + 0.5 * depth
+    """A view of dancers within `width` and `depth` [m] at 16:9 through a lens of 36 degrees."""
+    far = max(4.2, 0.5 * width / 0.55) + 0.5 * depth
     return CameraSection(eye=(0.0, 1.3 + 0.12 * far, far), target=(0.0, 0.85, 0.0), field_of_view_deg=36)

@@ -20,7 +20,7 @@ from live.steps.recording_file import read_step_files
 from live.steps.recording_reader import RecordingReader
 from live.steps.sketch_folder import StepsError, sketched_steps
 
-BELIEVED: Final = 0.4
+BELIEVED: Final = 0.35
 """A tempo guessed from the feet with less confidence says nothing against the tempo that is written."""
 TEMPO_OFF: Final = 0.04
 """Tempi that differ by less than this share are the same."""
@@ -99,9 +99,7 @@ def _glitch_words(glitch: Glitch, seconds: float, repaired: bool) -> str:
     frames = f"frame {glitch.first_frame}"
     if glitch.last_frame > glitch.first_frame:
         frames = f"frames {glitch.first_frame} to {glitch.last_frame}"
-    remedy = (
-        "it could not be mended: choose other measures" if repaired else "write repair = true, or choose other measures"
-    )
+    remedy = "it could not be mended" if repaired else "write repair = true"
     return (
         f"{frames} ({max(seconds, 0.0):.2f} s), inside the step or its lead-in: {glitch.kind} "
         f"({', '.join(glitch.joints[:3])}, off by {100 * glitch.size_m:.0f} cm); {remedy}, or choose other measures"
@@ -113,7 +111,8 @@ def _tempo(entry: RecordingEntry, reader: RecordingReader) -> list[tuple[str, st
     if guess is None or guess.reference.confidence < BELIEVED:
         return []
     bpm, written = guess.reference.bpm, entry.recording.bpm
-    if min(abs(math.log(written * ratio / bpm)) for ratio in _RATIOS) <= math.log(1 + TEMPO_OFF):
+    heard = [bpm * ratio for ratio in _RATIOS] + list(guess.other_bpm)
+    if min(abs(math.log(written / one)) for one in heard) <= math.log(1 + TEMPO_OFF):
         return []
     return [("bpm", f"{written:g}, but the feet say {bpm:.1f} (confidence {guess.reference.confidence:.2f})")]
 

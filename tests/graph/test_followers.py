@@ -1,0 +1,40 @@
+"""What can follow a step, against the edges of the graph."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from live.graph.followers import followers
+from live.graph.library import build_library
+from live.graph.motion_graph import build_graph
+from tests.made_steps import made_clip, made_steps
+
+
+def test_followers_are_those_of_the_graph_with_their_best_cost():
+    library = build_library([*made_steps(), made_clip("arms up", arm=-1.2)])
+    graph = build_graph(library, threshold=0.2)
+    for step in range(len(library.steps)):
+        costs = {}
+        for node in np.flatnonzero(library.node_step == step):
+            for edge in range(graph.edge_start[node], graph.edge_start[node + 1]):
+                target = graph.edge_target[edge]
+                if library.node_measure[target] == 0:
+                    name = library.steps[library.node_step[target]]
+                    costs.setdefault(name, []).append(graph.edge_cost[edge])
+        found = {f.step: f for f in followers(library, step, threshold=0.2)}
+        if costs:  # what is alive in the graph
+            assert found.keys() == costs.keys()
+            for name, own in costs.items():
+                assert found[name].pairs == len(own)
+                assert found[name].distance_m == min(own)
+
+
+def test_the_nearest_comes_first_and_structure_is_kept():
+    library = build_library([made_clip("a"), made_clip("b", arm=1.3), replace(made_clip("c"), begin_pose="x")])
+    names = [f.step for f in followers(library, 0, threshold=0.2)]
+    assert names == ["a", "c", "b"]
+    ends = build_library(
+        [replace(made_clip("a"), end_pose="y"), made_clip("b"), replace(made_clip("c"), begin_pose="x")]
+    )
+    assert [f.step for f in followers(ends, 0, threshold=0.2)] == ["a", "b"]
+    assert followers(library, 0, threshold=-1.0) == []

@@ -1,0 +1,159 @@
+"""Adding a step: cut before anything is written, copied once, never over anything, taken back if it fails."""
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from live.base.errors import PersonError
+from live.steps import adding
+from live.steps.adding import Added, add_step, asked_entry
+from live.steps.recording import RecordingError
+from live.steps.step_folder import load_folder
+from tests.motion.made_bvh import body_bvh, danced
+
+FIELDS = {"name": "sway", "bpm": 120.0, "first_beat_s": 2.5, "measures": 2}
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "cache"))
+
+
+@pytest.fixture
+def take(tmp_path: Path) -> Path:
+    path = tmp_path / "take one.bvh"
+    path.write_text(body_bvh(danced(601)))
+    return path
+
+
+def add(library: Path, take: Path, **fields: object) -> Added:
+    return add_step(library, asked_entry(take, FIELDS | fields))
+
+
+def test_a_new_library_holds_recording_and_description(tmp_path: Path, take: Path) -> None:
+    library = tmp_path / "new" / "library"
+    added = add(library, take, tags=["slow"], leading_foot="left")
+    assert added.copied
+    assert added.file.read_bytes() == take.read_bytes()
+    assert tomllib.loads(added.toml.read_text())["step"] == [
+        {"file": "take one.bvh", **FIELDS, "tags": ["slow"], "leading_foot": "left"}
+    ]
+    (step,) = load_folder(library)
+    assert (step.step, step.measures, step.tags, step.leading_foot) == ("sway", 2, ("slow",), "left")
+    assert (step.clip.rotation == added.step.clip.rotation).all()
+
+
+def test_a_second_step_joins_and_the_recording_is_copied_once(tmp_path: Path, take: Path) -> None:
+    library = tmp_path / "library"
+    first = add(library, take)
+    first.toml.write_text("# mine\n" + first.toml.read_text())
+    second = add(library, take, name="other", start_measure=2)
+    assert second.toml == first.toml
+    assert not second.copied
+    assert first.toml.read_text().startswith("# mine\n")
+    assert sorted(path.name for path in library.iterdir()) == ["take one.bvh", "take one.toml"]
+    assert [step.step for step in load_folder(library)] == ["sway", "other"]
+
+
+def test_a_recording_inside_the_library_is_named_where_it_is(tmp_path: Path, take: Path) -> None:
+    library = tmp_path / "library"
+    (library / "may").mkdir(parents=True)
+    inside = library / "may" / "take.bvh"
+    inside.write_bytes(take.read_bytes())
+    added = add(library, inside)
+    assert not added.copied
+    assert tomllib.loads(added.toml.read_text())["step"][0]["file"] == "may/take.bvh"
+    assert len(load_folder(library)) == 1
+
+
+def test_another_recording_of_that_name_is_not_written_over(tmp_path: Path, take: Path) -> None:
+    library = tmp_path / "library"
+    add(library, take)
+    kept = take.read_bytes()
+    take.write_text(body_bvh(danced(601, seed=8)))
+    added = add(library, take, name="second")
+    assert added.file.name == "take one-2.bvh"
+    assert (library / "take one.bvh").read_bytes() == kept
+    assert [step.step for step in load_folder(library)] == ["sway", "second"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    ['[[pair]]\nleader = { file = "x.bvh" }\n', "not TOML at all", 'name = "bob"\n[pelvis]\n"1" = "down 4"\n', "\xff"],
+)
+def test_a_file_that_cannot_take_it_is_left_alone(tmp_path: Path, take: Path, text: str) -> None:
+    library = tmp_path / "library"
+    library.mkdir()
+    (library / "take one.toml").write_bytes(text.encode("latin-1"))
+    added = add(library, take)
+    assert added.toml.name == "take one-2.toml"
+    assert (library / "take one.toml").read_bytes() == text.encode("latin-1")
+
+
+@pytest.mark.parametrize(
+    ("fields", "words"),
+    [
+        ({"bpm": 1000.0}, "take one.bvh: --bpm: a number from 20 to 400 expected, found 1000.0"),
+        ({"first_beat_s": -1.0}, "--anchor: a number from 0 to 36,000 expected"),
+        ({"start_measure": 40}, "--start: the step ends with measure 41, but"),
+        ({"unit_m": 1.0}, "--unit: unit_m 1.0: the dancer of"),
+        ({"drop_frames": 601}, "--drop-frames: 601, but the recording has 601 frames"),
+        ({"direction": "north"}, "--direction: 'north'; allowed are 'in place'"),
+        ({"name": ""}, "--name: a text in quotes of 1 to 64 characters expected"),
+        ({"tags": [""]}, "--tag: a text in quotes"),
+        ({"distance_m": 1e9}, "--distance: a number from 0 to 100 expected"),
+    ],
+)
+def test_what_is_wrong_is_named_by_its_option_and_nothing_is_written(
+    tmp_path: Path, take: Path, fields: dict[str, object], words: str
+) -> None:
+    library = tmp_path / "library"
+    with pytest.raises(RecordingError) as caught:
+        add(library, take, **fields)
+    assert words in str(caught.value)
+    assert not library.exists()
+
+
+def test_missing_options_and_files_are_named(tmp_path: Path, take: Path) -> None:
+    with pytest.raises(RecordingError, match=r"--bpm: must be given.*--anchor: must be given"):
+        asked_entry(take, {"name": "x"})
+    with pytest.raises(RecordingError, match=r"gone\.bvh: there is no such file"):
+        add(tmp_path / "library", tmp_path / "gone.bvh")
+    (tmp_path / "broken.bvh").write_text(take.read_text()[:5000])
+    with pytest.raises(RecordingError, match=r"broken\.bvh: line \d+: "):
+        add(tmp_path / "library", tmp_path / "broken.bvh")
+    assert not (tmp_path / "library").exists()
+
+
+def test_what_was_begun_is_taken_back(tmp_path: Path, take: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    library = tmp_path / "library"
+    library.mkdir()
+
+    def full(*_: object) -> Path:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(adding, "_described", full)
+    with pytest.raises(PersonError, match=r"cannot write into the library .*No space left"):
+        add(library, take)
+    assert list(library.iterdir()) == []
+
+
+def test_an_interrupted_change_leaves_the_old_text(tmp_path: Path, take: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    library = tmp_path / "library"
+    before = add(library, take).toml.read_text()
+
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(adding.os, "fsync", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        add(library, take, name="other")
+    assert (library / "take one.toml").read_text() == before
+    assert sorted(path.name for path in library.iterdir()) == ["take one.bvh", "take one.toml"]
+
+
+def test_a_library_that_cannot_be_made(tmp_path: Path, take: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(PersonError, match="cannot make the library"):
+        add(tmp_path / "file" / "library", take)
