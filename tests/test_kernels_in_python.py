@@ -9,6 +9,7 @@ ROOT = Path(__file__).resolve().parents[1]
 TESTS = (
     "tests/base/test_kernels.py",
     "tests/motion/test_kernels.py",
+    "tests/motion/test_bvh_numbers.py",
     "tests/graph/test_motion_graph.py",
     "tests/render/test_kernels.py",
     "tests/agents/test_kernels.py",

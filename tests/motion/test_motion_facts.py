@@ -130,7 +130,7 @@ def test_the_gltf_of_a_dancer_is_its_bvh() -> None:
     assert gltf[0].fps == pytest.approx(30.0, rel=1e-3)
     assert bvh[0].mapped == gltf[0].mapped
     order = [gltf[1].names.index(name) for name in bvh[1].names]
-    np.testing.assert_allclose(gltf[1].positions[:, order], bvh[1].positions, atol=5e-3)
+    np.testing.assert_allclose(gltf[1].positions[:, order], bvh[1].positions, atol=1e-4)
     assert (gltf[0].up, gltf[0].tpose_first) == (bvh[0].up, bvh[0].tpose_first)
     assert (gltf[0].height_m, gltf[0].travel_m) == pytest.approx((bvh[0].height_m, bvh[0].travel_m), rel=1e-3)
 

@@ -23,6 +23,8 @@ _LARGE = np.uint64(1 << 53)  # as an int it would be compared as a double
 _SPLIT = 134217729.0  # 2^27 + 1 (Veltkamp)
 _DIGITS = 19
 """So many digits always fit into 64 bits."""
+_ROOM = np.uint64(10 ** (_DIGITS - 1))
+"""A mantissa below takes one more."""
 _LONGEST = 1000
 """Letters of a number at most: reading one takes the square of its length."""
 _ZERO, _ONE, _TEN, _NOUGHT = np.uint64(0), np.uint64(1), np.uint64(10), np.uint64(48)
@@ -55,7 +57,8 @@ def scaled(mantissa: np.uint64, exponent: np.int64) -> float:
     b = b - (b - power)
     product = quotient * power
     error = ((a * b - product) + a * (power - b) + (quotient - a) * b) + (quotient - a) * (power - b)
-    lower = float(np.int64(mantissa - np.uint64(high)))
+    near = np.uint64(high)
+    lower = float(mantissa - near) if mantissa >= near else -float(near - mantissa)
     rest = (((high - product) - error) + (lower - quotient * _POWERS_REST[-exponent])) / power
     doubt = 1e-14 * abs(rest) + 1e-29 * quotient
     less, more = quotient + (rest - doubt), quotient + (rest + doubt)
@@ -66,7 +69,8 @@ def scaled(mantissa: np.uint64, exponent: np.int64) -> float:
 def _read_digits(text: UInt8, place: np.uint64, mantissa: np.uint64) -> tuple[np.uint64, np.uint64]:
     """The mantissa with the digits from `place` on (right for 19 of them), and where they end."""
     while text[place] >= 48 and text[place] <= 57:  # a chained comparison takes twice as long
-        mantissa = mantissa * _TEN + (np.uint64(text[place]) - _NOUGHT)
+        if mantissa < _ROOM:
+            mantissa = mantissa * _TEN + (np.uint64(text[place]) - _NOUGHT)
         place += _ONE
     return mantissa, place
 
