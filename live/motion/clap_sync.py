@@ -18,6 +18,10 @@ FEWEST: Final = 4
 """Fewer claps are no count without a click."""
 FAR: Final = 5.0
 """Claps that follow such a pause [s] are another count, or part of the dance."""
+MOST: Final = 64
+"""Claps of a group, and groups, that are looked at: hands that flutter for an hour must not take an hour."""
+MOST_TO_SONG: Final = 24
+"""Claps that are matched to a song's first beats."""
 FIRST_WINS: Final = 0.75
 """The first count is meant, if it is this good against the best one: people clap before they dance."""
 ODD_TEMPO: Final = 0.03
@@ -79,7 +83,9 @@ def sync_to_claps(claps: list[Clap]) -> ClapSync | None:
 
 
 def _groups(times: Float64, pause: float) -> list[Float64]:
-    return np.split(times, np.flatnonzero(np.diff(times) > pause) + 1) if times.size else []
+    """Claps between pauses; of each group the first ones, for nobody counts longer than that."""
+    groups = np.split(times, np.flatnonzero(np.diff(times) > pause) + 1) if times.size else []
+    return [group[:MOST] for group in groups[:MOST]]
 
 
 def _chosen(fits: list[BeatFit]) -> BeatFit:
@@ -112,9 +118,10 @@ def sync_to_song(claps: list[Clap], beats: Float64, beats_per_measure: int = 4) 
     if not claps or beats.size < 2:
         return None
     times = _times(claps)
-    offset = _song_offset(times, beats)
+    offset = _song_offset(times[:MOST_TO_SONG], beats[: 8 * MOST_TO_SONG + MOST])
     places = beats + offset
-    nearest = np.abs(times[:, None] - places).argmin(axis=1)
+    after = np.clip(np.searchsorted(places, times), 1, places.size - 1)
+    nearest = np.where(times - places[after - 1] < places[after] - times, after - 1, after)
     late = times - places[nearest]
     period = float(np.median(np.diff(beats)))
     belongs = np.abs(late) <= min(NEAR, 0.2 * period)

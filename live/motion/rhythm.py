@@ -11,6 +11,7 @@ from live.motion.forward import forward_kinematics
 from live.motion.skeleton import SKELETON
 from live.motion.source_motion import Float64
 
+Float = npt.NDArray[np.floating]
 Int = npt.NDArray[np.int64]
 
 BLUR: Final = 0.033
@@ -62,12 +63,12 @@ def rhythm_of(clip: Clip) -> Rhythm:
     )
 
 
-def blurred(values: Float64, deviation: float) -> Float64:
+def blurred(values: Float, deviation: float) -> Float64:
     """A signal (T,) smoothed by a Gaussian of `deviation` samples; its ends are held."""
     half = max(1, round(4.0 * deviation))
     kernel = np.exp(-0.5 * (np.arange(-half, half + 1) / max(deviation, 1e-6)) ** 2)
     return np.convolve(np.pad(np.asarray(values, np.float64), half, mode="edge"), kernel / kernel.sum(), mode="valid")
 
 
-def _minima(values: Float64) -> Int:
+def _minima(values: Float) -> Int:
     return np.flatnonzero((values[1:-1] < values[:-2]) & (values[1:-1] <= values[2:])) + 1

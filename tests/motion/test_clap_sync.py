@@ -126,3 +126,11 @@ def test_a_person_wins() -> None:
     assert (tempo.first_beat_s, tempo.bpm, tempo.period_s) == (1.2, 60.0, 1.0)
     assert set_by_hand(None, bpm=60.0) is None
     assert set_by_hand(None, anchor_s=0.0, bpm=60.0) is not None
+
+
+def test_hands_that_flutter_for_an_hour() -> None:
+    random = np.random.default_rng(5)
+    many = claps(np.cumsum(random.uniform(0.13, 0.9, 7000)))
+    beats = 0.5 * np.arange(7000)
+    for found in (sync_to_click(many, 120.0), sync_to_claps(many), sync_to_song(many, beats)):
+        assert found is None or found.reference.confidence < 0.5
