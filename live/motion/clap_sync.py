@@ -4,11 +4,14 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
 
 from live.motion.beat_fit import NEAR, BeatFit, fit_free_period, fit_known_period
 from live.motion.claps import Clap
 from live.motion.music_reference import BPM_RANGE, MusicReference
 from live.motion.source_motion import Float64
+
+Int = npt.NDArray[np.int64]
 
 TIGHT: Final = 0.03
 """Claps that scatter by this [s] about the beat cost a third of the confidence."""
@@ -167,23 +170,23 @@ def _is_even(beats: Float64, count: int) -> bool:
     return bool(some.size < 2 or np.abs(some - some.mean()).sum() < NEAR)
 
 
-def _count(fit: BeatFit, count: int | None) -> tuple[int, Float64]:
+def _count(fit: BeatFit, count: int | None) -> tuple[int, Int]:
     """Number of the first beat of the count, and the beats of it that were clapped."""
     beats = np.unique(fit.numbers[fit.belongs])
     if count is not None:
         held = [int(((beats >= first) & (beats < first + count)).sum()) for first in beats]
         first = int(beats[int(np.argmax(held))])
-        return first, np.asarray(beats[(beats >= first) & (beats < first + count)], np.float64)
+        return first, np.asarray(beats[(beats >= first) & (beats < first + count)])
     runs = np.split(beats, np.flatnonzero(np.diff(beats) > BREAK) + 1)
     run = max(runs, key=len)
-    return int(run[0]), np.asarray(run, np.float64)
+    return int(run[0]), np.asarray(run)
 
 
-def _span(own: Float64) -> int:
+def _span(own: Int) -> int:
     return int(own[-1] - own[0]) + 1 if own.size else 0
 
 
-def _confidence(fit: BeatFit, own: Float64, count: int) -> float:
+def _confidence(fit: BeatFit, own: Int, count: int) -> float:
     """Clapped share of the count, less for scatter, for few claps, and for touches between them that are none."""
     inside = (fit.numbers >= own[0]) & (fit.numbers <= own[-1])
     strays = int((inside & ~fit.belongs).sum())
@@ -200,20 +203,20 @@ def _confidence(fit: BeatFit, own: Float64, count: int) -> float:
     )
 
 
-def _clapped(own: Float64, count: int | None, fit: BeatFit) -> str:
+def _clapped(own: Int, count: int | None, fit: BeatFit) -> str:
     of = f" of {count}" if count is not None else ""
     strays = int((~fit.belongs).sum())
     words = f"{own.size}{of} beats clapped, {1e3 * fit.rms_s:.0f} ms about the beat"
     return words + (f", {strays} other touches left out" if strays else "")
 
 
-def _synced(claps: list[Clap], fit: BeatFit, first: int, own: Float64, reference: MusicReference) -> ClapSync:
+def _synced(claps: list[Clap], fit: BeatFit, first: int, own: Int, reference: MusicReference) -> ClapSync:
     start = max(0.0, fit.offset_s + first * fit.period_s)
     return ClapSync(replace(reference, first_beat_s=float(start)), _placed(claps, fit, first, own))
 
 
-def _placed(claps: list[Clap], fit: BeatFit, first: int, own: Float64) -> tuple[PlacedClap, ...]:
-    beats = set(own.astype(np.int64).tolist())
+def _placed(claps: list[Clap], fit: BeatFit, first: int, own: Int) -> tuple[PlacedClap, ...]:
+    beats = set(own.tolist())
     return tuple(
         PlacedClap(clap, int(number) - first + 1 if belongs and int(number) in beats else None, 1e3 * float(late))
         for clap, number, belongs, late in zip(claps, fit.numbers, fit.belongs, fit.residuals, strict=True)
