@@ -9,6 +9,8 @@ ROOT = Path(__file__).resolve().parents[1]
 TESTS = (
     "tests/base/test_kernels.py",
     "tests/motion/test_kernels.py",
+    "tests/motion/posing/test_pipeline.py",
+    "tests/motion/turning/test_kernels.py",
     "tests/motion/test_bvh_numbers.py",
     "tests/graph/test_motion_graph.py",
     "tests/render/test_kernels.py",
@@ -16,7 +18,7 @@ TESTS = (
     "tests/agents/test_advance.py",
 )
 LONG = (  # seconds of a crowd's motion are minutes of plain Python
-    "spreading_from or order_of_the or waits_for or only_the_nearest or prediction or head_on or repelled_agents"
+    "spreading_from or order_of_the or waits_for or only_the_nearest or prediction or head_on or repelled_agents or every_edit or threads or formula"
 )
 
 

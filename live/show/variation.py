@@ -119,7 +119,7 @@ class Variation:
     def draw(self, measure: int, danced: Danced) -> None:
         """Vary the measure numbered `measure` (from 0), whose nodes are chosen already."""
         count = len(self._group)
-        chance = np.random.default_rng([self._seed, 1, measure])
+        chance = self._chance(1, measure)
         # everything is drawn for everybody, so that one control never changes another's chances
         warps = draw_measure_warps(chance, count, window=self._window, a_max=0.0)
         amplitude, take, mix, arms = chance.uniform(0.0, 1.0, (4, count))
@@ -138,12 +138,16 @@ class Variation:
         danced.amplitude[0, slow] = self._slow_amplitude(measure)[slow]
         danced.amplitude[1, slow] = self._slow_amplitude(measure + 1)[slow]
 
+    def _chance(self, purpose: int, measure: int) -> np.random.Generator:
+        """The generator of one purpose and measure; measures before the first downbeat have numbers below 0."""
+        return np.random.default_rng([self._seed, purpose, measure % (1 << 32)])
+
     def _slow_amplitude(self, measure: int) -> Float64:
         """Amplitude at the line before `measure`, (A,): values repeated two by two (T059).
 
         Between equal values the monotone cubic (PCHIP) through them is flat, so between unequal ones it is an ease.
         """
-        chance = np.random.default_rng([self._seed, 2, measure // 2])
+        chance = self._chance(2, measure // 2)
         return np.asarray(1.0 + self.amplitude * (chance.integers(0, 3, len(self._group)) - 1.0))
 
     # -- the warp over the whole sequence (T056): cubic splines through random values, the phase accumulated --------
@@ -154,7 +158,7 @@ class Variation:
         self.phase += 2.0 * np.pi * (weights @ self._frequency_knots)
         self.measure = measure
         for n in range(4):
-            chance = np.random.default_rng([self._seed, 3, measure + n])
+            chance = self._chance(3, measure + n)
             amplitude, frequency = chance.uniform(0.0, 1.0, (2, len(self._group)))
             self._amplitude_knots[n] = amplitude
             self._frequency_knots[n] = KNOT_LOW + (KNOT_HIGH - KNOT_LOW) * frequency

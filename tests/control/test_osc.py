@@ -324,12 +324,33 @@ def test_liblos_oscsend_sends_every_control(stage):
         "/dance/clock/tap": ([], events.Tap(**STAMP)),
         "/dance/clock/one": (["I"], events.One(**STAMP)),
         "/dance/clock/tempo": (["d", "132.5"], events.SetTempo(tempo=132.5, **STAMP)),
+        **{
+            f"/dance/motion/{name}": (
+                [kind, value],
+                events.SetMotion(parameter=field, value=number, group="*", **STAMP),
+            )
+            for name, kind, value, field, number in (
+                ("warp", "f", "0.25", "warp_beats", 0.25),
+                ("warp_sequence", "i", "1", "warp_sequence", 1.0),
+                ("amplitude", "f", "0.5", "amplitude", 0.5),
+                ("amplitude_sequence", "F", None, "amplitude_sequence", 0.0),
+                ("mix", "f", "0.5", "mix", 0.5),
+                ("arms", "f", "1", "arms", 1.0),
+                ("foot_lock", "i", "0", "lock", 0.0),
+                ("turn_on_support", "T", None, "on_support", 1.0),
+                ("face_average", "i", "1", "face_average", 1.0),
+            )
+        },
+        "/dance/motion/head": (
+            ["fs", "0.75", "left"],
+            events.SetMotion(parameter="head", value=0.75, group="left", **STAMP),
+        ),
         "/dance/blackout": (["T"], events.Blackout(on=True, **STAMP)),
         "/dance/ping": ([], None),
     }
     assert set(sent) == {control.address for control in REGISTRY}
     for count, (address, (arguments, event)) in enumerate(sent.items(), start=1):
-        command = [OSCSEND, "127.0.0.1", str(stage.osc.port), address, *arguments]
+        command = [OSCSEND, "127.0.0.1", str(stage.osc.port), address, *filter(None, arguments)]
         subprocess.run(command, check=True, timeout=DEADLINE_S)
         wait_until(lambda count=count: stage.osc.received == count)
         assert stage.events() == ([] if event is None else [event]), stage.osc.last_rejection

@@ -237,7 +237,7 @@ def test_nobody_is_sent_off_the_stage():
     show.apply(at(events.Attract, show, x=100.0, z=100.0, strength=10.0, measures=40.0))
     for tick in range(1, 64 * 30):
         show.tick(tick * TICK)
-    ends = show.dancers.end_position()
+    ends = show.dancers.present.end_position()
     assert (np.abs(ends) <= np.array([6.0, 4.0]) + 1e-4).all()
 
 

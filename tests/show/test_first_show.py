@@ -30,10 +30,10 @@ def danced():
 
 
 def test_no_joint_pops(danced):
-    """Jumps reach 112 m/s² by themselves; a joint that jumps between two frames shows thousands."""
+    """Jumps reach 112 m/s² by themselves, danced up to a third faster 190; a joint that pops shows thousands."""
     _, frames, _ = danced
     acceleration = np.linalg.norm(np.diff(frames, n=2, axis=0), axis=3) * FPS * FPS
-    assert acceleration.max() < 150.0
+    assert acceleration.max() < 190.0
     assert np.percentile(acceleration.max(axis=(1, 2)), 50) < 30.0
 
 

@@ -1,6 +1,7 @@
 """The pose pipeline in one call: all dancers, block after block."""
 
 import math
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -22,7 +23,9 @@ LOWER, UPPER, INTO_NEXT, NEXT_LOWER, NEXT_UPPER = range(5)
 """Rows of `share`: how much of the other take there is in the lower and the upper body, how far the next clip is in."""
 UPPER_FIRST, UPPER_LAST, CHEST, HEAD = range(4)
 """Entries of `body`: joints UPPER_FIRST..UPPER_LAST-1 are the upper body; -1 where there is no such joint."""
-_ONE, _TWO = np.float32(1.0), np.float32(2.0)
+_ZERO: Any = np.float32(0.0)
+_ONE: Any = np.float32(1.0)
+_TWO: Any = np.float32(2.0)
 
 
 @kernel("f8(f8)")
@@ -37,7 +40,7 @@ def public_turn(chest: float) -> float:
     far = (math.pi - turned) * HEAD_LIMIT / (math.pi - HEAD_LIMIT)
     gap, soft = far - turned, math.radians(20.0)
     blend = min(max(0.5 + 0.5 * gap / soft, 0.0), 1.0)  # smooth minimum of the two lines
-    turn = far + (turned - far) * blend - 0.5 * soft * blend * (1.0 - blend)
+    turn = far + (turned - far) * blend - soft * blend * (1.0 - blend)
     return -math.copysign(max(turn, 0.0), angle_wrap(chest))
 
 
@@ -62,20 +65,13 @@ def face_public(world: Float32, share: Float32, chest: int, head: int, start: in
         world[head, 3, i] = c * z - s * x
 
 
-@kernel("b1(f4[::1], i8, i8)")
-def _any(values: Float32, start: int, stop: int) -> bool:
+@kernel("b1(f4[::1], f4, i8, i8)")
+def _any_but(values: Float32, value: float, start: int, stop: int) -> bool:
+    """Whether one of the block's values is not `value`."""
+    different = False
     for n in range(start, stop):
-        if values[n] != 0.0:
-            return True
-    return False
-
-
-@kernel("b1(f4[::1], i8, i8)")
-def _differ_from_one(values: Float32, start: int, stop: int) -> bool:
-    for n in range(start, stop):
-        if values[n] != _ONE:
-            return True
-    return False
+        different |= values[n] != value
+    return different
 
 
 @kernel("void(f4[::1], f4[::1], i8, i8)")
@@ -96,7 +92,7 @@ def _take_clip(
     gather_samples(local, clip_rotation, sample[which], start, stop)
     place_root(local, root, clip_root, sample[which], placement[which], start, stop)
     lower, upper = share[LOWER if which == PRESENT else NEXT_LOWER], share[UPPER if which == PRESENT else NEXT_UPPER]
-    mixes_lower, mixes_upper = _any(lower, start, stop), _any(upper, start, stop)
+    mixes_lower, mixes_upper = _any_but(lower, _ZERO, start, stop), _any_but(upper, _ZERO, start, stop)
     if not mixes_lower and not mixes_upper:
         return
     gather_samples(other, clip_rotation, sample[which + 1], start, stop)
@@ -114,23 +110,31 @@ def _take_clip(
                 root[c, i] += row[i] * (other_root[c, i] - root[c, i])
 
 
-@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], i4[:,::1], f4[::1], f4[::1], f4[::1], i4[::1], i8, i8)")
+@kernel(
+    "void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], i4[:,::1], f4[::1], f4[::1], f4[::1], i4[::1], i8, i8)"
+)
 def _amplify(
-    local: Float32, other: Float32, mean_rotation: Float32, mean: Int32, into_next: Float32, amplitude: Float32,
-    row: Float32, body: Int32, start: int, stop: int,
+    local: Float32, other: Float32, coming: Float32, mean_rotation: Float32, mean: Int32, into_next: Float32,
+    amplitude: Float32, row: Float32, body: Int32, start: int, stop: int,
 ) -> None:  # fmt: skip
     """Upper body farther from or nearer to its mean pose: q' = q_mean (q_mean^-1 q)^r (T058), a SLERP by r from it.
 
     Within a transition the mean pose is blended as the clips are (T060).
     """
     first, last = body[UPPER_FIRST], body[UPPER_LAST]
+    blends = _any_but(into_next, _ZERO, start, stop)
     for i in range(BLOCK):
         n = min(start + i, stop - 1)
-        a, b, t = mean_rotation[mean[0, n]], mean_rotation[mean[1, n]], into_next[n]
+        a, b = mean_rotation[mean[0, n]], mean_rotation[mean[1, n]]
         for j in range(first, last):
             for c in range(4):
-                other[j, c, i] = a[j, c] + t * (b[j, c] - a[j, c])
-        row[i] = _ONE - amplitude[n]
+                other[j, c, i] = a[j, c]
+                coming[j, c, i] = b[j, c]
+    if blends:
+        _row(row, into_next, start, stop)
+        slerp_rows(other, coming, row, first, last)
+    for i in range(BLOCK):
+        row[i] = _ONE - amplitude[min(start + i, stop - 1)]
     slerp_rows(local, other, row, first, last)
 
 
@@ -170,7 +174,7 @@ def pose_dancers(
             present, root, other, other_root, clip_root, clip_rotation, sample, placement, share, body, row,
             PRESENT, start, stop,
         )  # fmt: skip
-        if _any(share[INTO_NEXT], start, stop):
+        if _any_but(share[INTO_NEXT], _ZERO, start, stop):
             _take_clip(
                 coming, next_root, other, other_root, clip_root, clip_rotation, sample, placement, share, body, row,
                 NEXT, start, stop,
@@ -180,10 +184,10 @@ def pose_dancers(
             for c in range(3):
                 for i in range(BLOCK):
                     root[c, i] += row[i] * (next_root[c, i] - root[c, i])
-        if _differ_from_one(amplitude, start, stop):
-            _amplify(present, coming, mean_rotation, mean, share[INTO_NEXT], amplitude, row, body, start, stop)
+        if _any_but(amplitude, _ONE, start, stop):
+            _amplify(present, other, coming, mean_rotation, mean, share[INTO_NEXT], amplitude, row, body, start, stop)
         forward_rows(world, present, root, offsets, parents)
-        if body[HEAD] >= 0 and _any(head, start, stop):
+        if body[HEAD] >= 0 and _any_but(head, _ZERO, start, stop):
             face_public(world, head, body[CHEST], body[HEAD], start, stop)
         if legs.shape[0] == 8 and feet[start, 0, 4] >= 0.0:
             stand_legs(world, feet, legs, offsets, soles[0], soles[1], start, stop)

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
@@ -168,4 +169,4 @@ def _parts(count: int, threads: int) -> list[tuple[int, int]]:
     """Whole blocks shared out evenly."""
     blocks = -(-count // BLOCK)
     edges = [min(count, BLOCK * (blocks * part // threads)) for part in range(threads + 1)]
-    return [(begin, end) for begin, end in zip(edges[:-1], edges[1:], strict=True) if end > begin]
+    return [(begin, end) for begin, end in pairwise(edges) if end > begin]

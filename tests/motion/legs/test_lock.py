@@ -1,0 +1,156 @@
+"""Foot lock: feet that carry stay, legs stay legs, free feet come back without a jump."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from live.motion.clip import Clip
+from live.motion.contact import TOES_OVER_SOLE
+from live.motion.forward import forward_kinematics
+from live.motion.legs.kernels import FARTHEST, HELD, PELVIS_DROP, SHIFT_X, SHIFT_Z
+from live.motion.legs.lock import LEG_JOINTS, FootLock, lock_feet
+from live.motion.posing.pipeline import ClipStore, PosePipeline
+from live.motion.retarget import retarget
+from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
+from live.steps.sketch_folder import load_steps
+from tests.motion.mocap import mocap_motion
+
+STEPS = Path(__file__).resolve().parents[3] / "patches" / "steps"
+ANKLES, TOES = ([SKELETON.index(side + joint) for side in ("left", "right")] for joint in ("Foot", "Toes"))
+
+
+@pytest.fixture(scope="module")
+def walk():
+    """A sketched walk, dragged to the right by 0.3 m/s: its feet slide."""
+    clip = next(step.clip for step in load_steps(STEPS) if step.step == "walk" and step.direction == "long forward")
+    root = clip.root_position.copy()
+    root[:, 0] += 0.3 * np.arange(clip.sample_count, dtype=np.float32) / clip.sample_rate
+    return Clip(clip.name, root, clip.rotation.copy(), clip.sample_rate, clip.contact.copy())
+
+
+def slide(clip, contact):
+    """Speeds [m/s] of the carrying feet: of ankle and toes the slower, while `contact` says that the foot carries."""
+    positions, _ = forward_kinematics(clip.root_position.astype(float), clip.rotation.astype(float))
+    speeds = []
+    for foot in range(2):
+        on = contact[1:, foot] & contact[:-1, foot]
+        moved = [np.diff(positions[:, joints[foot]][:, (0, 2)], axis=0) for joints in (ANKLES, TOES)]
+        speed = np.min([np.linalg.norm(m, axis=1) for m in moved], axis=0) * clip.sample_rate
+        speeds.append(speed[on])
+    return np.concatenate(speeds)
+
+
+def test_a_dragged_walk_stands(walk):
+    assert slide(walk, walk.contact).mean() > 0.2
+    locked = lock_feet(walk)
+    assert slide(locked, walk.contact).mean() < 0.02
+    sunk = walk.root_position[:, 1] - locked.root_position[:, 1]
+    assert sunk.min() > -1e-5
+    assert sunk.max() <= PELVIS_DROP + 1e-5
+    assert locked.root_position[:, (0, 2)] == pytest.approx(walk.root_position[:, (0, 2)], abs=1e-6)
+
+
+def test_legs_stay_legs_and_the_upper_body_is_untouched(walk):
+    locked = lock_feet(walk)
+    assert np.linalg.norm(locked.rotation, axis=-1) == pytest.approx(1.0, abs=1e-5)
+    upper = [j for j in range(1, SKELETON.joint_count) if j not in LEG_JOINTS]
+    same = np.abs((locked.rotation[:, upper] * walk.rotation[:, upper]).sum(-1))
+    assert same == pytest.approx(1.0, abs=1e-5)
+    before, after = (forward_kinematics(c.root_position, c.rotation)[1] for c in (walk, locked))
+    feet = [*ANKLES, *TOES]  # they keep their rotation in the world
+    assert np.abs((before[:, feet] * after[:, feet]).sum(-1)) == pytest.approx(1.0, abs=1e-4)
+
+
+def test_nothing_pops(walk):
+    """The largest acceleration of any joint grows by little: a foot is let go with the speed it has."""
+    accelerations = []
+    for clip in (walk, lock_feet(walk)):
+        positions, _ = forward_kinematics(clip.root_position.astype(float), clip.rotation.astype(float))
+        acceleration = np.linalg.norm(np.diff(positions, n=2, axis=0), axis=-1) * clip.sample_rate**2
+        accelerations.append(acceleration.max())
+    assert accelerations[1] < accelerations[0] + 60.0
+
+
+def test_a_clip_that_slides_nowhere_is_left_as_it_is():
+    clip = next(step.clip for step in load_steps(STEPS) if step.step == "walk" and step.direction == "long forward")
+    before, after = (forward_kinematics(c.root_position, c.rotation)[0] for c in (clip, lock_feet(clip)))
+    assert np.abs(before - after).max() < 0.01
+
+
+def test_no_sole_below_the_floor(walk):
+    root = walk.root_position.copy()
+    root[:, 1] -= 0.03
+    locked = lock_feet(Clip("sunk", root, walk.rotation.copy(), walk.sample_rate, walk.contact.copy()))
+    positions, _ = forward_kinematics(locked.root_position.astype(float), locked.rotation.astype(float))
+    heel, ball = positions[:, ANKLES, 1] - SOLE_BELOW_ANKLE, positions[:, TOES, 1] - TOES_OVER_SOLE
+    assert min(heel.min(), ball.min()) > -1e-3
+
+
+def standing(count=1):
+    pipeline = PosePipeline(count)
+    rotation = np.zeros((1, SKELETON.joint_count, 4), np.float32)
+    rotation[..., 0] = 1.0
+    return pipeline, ClipStore.of(SKELETON.offsets[:1], rotation)
+
+
+def test_a_straight_leg_bends_forward():
+    pipeline, store = standing()
+    pipeline.lock = True
+    pipeline.feet[0, :, SHIFT_Z] = 0.0
+    store.root[0, 1] -= 0.1  # both soles would be 10 cm in the floor
+    position, _ = pipeline.run(store)
+    knee, hip = (position[0, SKELETON.index(f"left{name}")] for name in ("LowerLeg", "UpperLeg"))
+    assert knee[2] - hip[2] > 0.1
+    assert position[0, SKELETON.index("leftFoot"), 1] == pytest.approx(SOLE_BELOW_ANKLE, abs=1e-4)
+
+
+def test_a_foot_is_never_carried_farther_than_the_limit():
+    pipeline, store = standing()
+    pipeline.lock = True
+    pipeline.feet[0, 0, SHIFT_X] = 5.0
+    position, _ = pipeline.run(store)
+    moved = position[0, SKELETON.index("leftFoot"), 0] - SKELETON.rest_positions()[SKELETON.index("leftFoot"), 0]
+    assert moved <= FARTHEST + 1e-4
+
+
+def test_let_go_too_far_and_held_again_only_when_back():
+    lock, dt = FootLock(1), 1 / 64
+    contact = np.ones((1, 2), np.bool_)
+    place = np.ascontiguousarray(SKELETON.rest_positions()[None, LEG_JOINTS], np.float32)
+    lock.tick(place, contact, dt)
+    for _ in range(64):
+        place[..., 0] += 0.3 * dt
+        lock.tick(place, contact, dt)
+        assert np.abs(lock.state[0, :, SHIFT_X]).max() < 0.21
+    held = []
+    for _ in range(64):
+        lock.tick(place, contact, dt)
+        held.append(lock.state[0, 0, HELD])
+    assert held[-1] == 1.0
+    assert abs(lock.state[0, 0, SHIFT_X]) < 0.2
+
+
+def test_a_jump_of_the_clip_moves_the_foot_at_once():
+    lock = FootLock(1)
+    place = np.ascontiguousarray(SKELETON.rest_positions()[None, LEG_JOINTS], np.float32)
+    contact = np.ones((1, 2), np.bool_)
+    for _ in range(5):
+        lock.tick(place, contact, 1 / 64)
+    place[..., 2] += 3.0
+    lock.tick(place, contact, 1 / 64)
+    assert np.abs(lock.state[0, :, SHIFT_Z]).max() < 0.01
+
+
+@pytest.mark.shared
+@pytest.mark.parametrize(
+    ("name", "fps", "drop"),
+    [("walk/cmu_12_01_walk.bvh", None, 1), ("salsa/60_01.bvh", 60.0, 6), ("salsa/61_01.bvh", 60.0, 6)],
+)
+def test_recorded_feet_slide_and_then_stand(name, fps, drop):
+    """The bar: at most 0.02 m/s on the average, the hips moved by 2 cm at most."""
+    clip = retarget(mocap_motion(name), name=name, fps=fps, drop_frames=drop)
+    locked = lock_feet(clip)
+    assert slide(clip, clip.contact).mean() > 0.1
+    assert slide(locked, clip.contact).mean() <= 0.02
+    assert np.abs(locked.root_position - clip.root_position).max() <= 0.0201

@@ -1,0 +1,73 @@
+"""Placing dancers: the kernel against the closed form of `editing/support_turns.py`, and laws."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from live.base.kernels import ease
+from live.motion.editing.support_turns import SupportTurns, soft_progress
+from live.motion.turning.kernels import place_dancers, soft_share
+
+NODES, DANCERS = 12, 40
+
+
+def made_turns(chance):
+    edges = np.sort(chance.uniform(0, 0.8, (NODES, 6)), axis=1)
+    start, stop, weight = np.ones((NODES, 8)), np.ones((NODES, 8)), np.zeros((NODES, 8))
+    start[:, :3], stop[:, :3], weight[:, :3] = edges[:, ::2], edges[:, 1::2], chance.dirichlet([1, 1, 1], NODES)
+    point = chance.normal(0, 1, (NODES, 8, 2))
+    point_stop, softness = point + chance.normal(0, 0.1, (NODES, 8, 2)), chance.uniform(0, 0.5, (NODES, 8))
+    return SupportTurns(start, stop, weight, point, point_stop, softness)
+
+
+def as_rows(turns):
+    flat = [turns.start[..., None], turns.stop[..., None], turns.weight[..., None], turns.point, turns.point_stop]
+    return np.ascontiguousarray(np.concatenate([*flat, turns.softness[..., None]], axis=-1))
+
+
+def test_the_same_as_the_closed_form():
+    chance = np.random.default_rng(4)
+    turns = made_turns(chance)
+    node, fraction = chance.integers(0, NODES, DANCERS).astype(np.int32), chance.uniform(0, 1, DANCERS)
+    placement, correction = chance.normal(0, 1, (2, DANCERS, 3))
+    out = np.empty((DANCERS, 4))
+    place_dancers(out, placement, correction, fraction, node, as_rows(turns), np.ones(DANCERS))
+    own = turns.take(node)
+    x, z = own.displacement(fraction, correction[:, 2]).T
+    c, s = np.cos(placement[:, 2]), np.sin(placement[:, 2])
+    share = np.array([ease(t) for t in fraction])[:, None] * correction[:, :2]
+    assert out[:, :2] == pytest.approx(placement[:, :2] + share + np.stack([x * c + z * s, z * c - x * s], axis=1))
+    assert out[:, 2] == pytest.approx(placement[:, 2] + correction[:, 2] * own.share(fraction))
+    assert np.array_equal(out[:, 2], out[:, 3])  # path and body turn as one
+
+
+def test_spread_over_the_measure_the_body_alone_turns():
+    placement, correction = np.array([[1.0, 2.0, 0.3]]), np.array([[0.4, -0.2, 1.0]])
+    out, turns = np.empty((1, 4)), as_rows(made_turns(np.random.default_rng(1)))
+    place_dancers(out, placement, correction, np.array([0.5]), np.zeros(1, np.int32), turns, np.zeros(1))
+    assert out[0] == pytest.approx([1.2, 1.9, 0.3, 0.8])
+
+
+@given(st.floats(0, 1), st.floats(0, 0.5))
+def test_a_turn_speeds_up_and_slows_down_as_the_closed_form_says(passed, softness):
+    assert soft_share(passed, softness) == pytest.approx(float(soft_progress(passed, softness)), abs=1e-9)
+
+
+@given(st.floats(-math.pi, math.pi), st.floats(0, 1))
+def test_the_foot_that_carries_stays(angle, passed):
+    """A turn about a foot that does not creep leaves that foot where it was, at every moment of the turn."""
+    row = np.zeros((1, 8, 8))
+    row[0, :, :2] = 1.0
+    row[0, 0] = 0.2, 0.7, 1.0, 0.3, -0.4, 0.3, -0.4, 0.3
+    placement, fraction = np.array([[0.5, 1.0, 0.8]]), np.array([0.2 + 0.5 * passed])
+    out = np.empty((1, 4))
+    place_dancers(out, placement, np.array([[0, 0, angle]]), fraction, np.zeros(1, np.int32), row, np.ones(1))
+
+    def foot(x, z, yaw):
+        c, s = math.cos(yaw), math.sin(yaw)
+        return np.array([x + 0.3 * c - 0.4 * s, z - 0.4 * c - 0.3 * s])
+
+    assert foot(*out[0, :3]) == pytest.approx(foot(*placement[0]), abs=1e-9)
