@@ -4,6 +4,7 @@ import numpy as np
 
 from live.motion import quaternion
 from live.motion.clip import Clip
+from live.motion.editing.sampling import read_clip
 
 
 def resample(clip: Clip, rate: float, *, first: float = 0.0, last: float | None = None) -> Clip:
@@ -20,19 +21,11 @@ def resample(clip: Clip, rate: float, *, first: float = 0.0, last: float | None 
         return clip
     step = clip.sample_rate / rate
     count = int((last - first) / step + 1e-3) + 1
-    place = np.minimum(first + np.arange(count) * step, end)
-    before = np.minimum(place.astype(np.int64), max(clip.sample_count - 2, 0))
-    after = np.minimum(before + 1, clip.sample_count - 1)
-    part = place - before
-    root, rotation = clip.root_position.astype(np.float64), clip.rotation.astype(np.float64)
-    weight = part[:, None]
-    moved = root[before] * (1.0 - weight) + root[after] * weight
-    turned = quaternion.slerp(rotation[before], rotation[after], weight)
-    nearest = np.where(part < 0.5, before, after)
+    root, rotation, contact = read_clip(clip, first + np.arange(count) * step)
     return Clip(
         clip.name,
-        np.ascontiguousarray(moved, np.float32),
-        np.ascontiguousarray(quaternion.continuous(turned), np.float32),
+        np.ascontiguousarray(root, np.float32),
+        np.ascontiguousarray(quaternion.continuous(rotation), np.float32),
         rate,
-        np.ascontiguousarray(clip.contact[nearest]),
+        np.ascontiguousarray(contact),
     )

@@ -241,6 +241,46 @@ def test_names_alone_do_when_there_is_no_humanoid() -> None:
     assert parse_gltf(made.glb(), "avatar.glb").names[:3] == ("mixamorig:Hips", "mixamorig:Spine", "mixamorig:Spine1")
 
 
+@pytest.mark.parametrize("turned", [(1.0, 0.0, 0.0, 0.0), (0.5, -0.5, 0.5, 0.5), (0.0, 0.0, 1.0, 0.0)])
+def test_the_rest_pose_is_the_skins_however_its_space_lies(turned: tuple[float, ...]) -> None:
+    """Nodes that rest in the first frame's pose: the bind pose says how they were, in axes of its own."""
+    made, bones = made_avatar(frames=5)
+    for bone, node in bones.items():
+        made.json["nodes"][node]["name"] = bone
+    joints = list(bones.values())
+    made.json["skins"] = [{"joints": joints}]
+    plain = retarget(parse_gltf(made.glb(), "plain.glb"), name="plain")
+    places = dict(zip(joints, rest_places(made, joints), strict=True))
+    space = np.eye(4)
+    space[:3, :3] = 100.0 * Rotation.from_quat(np.array(turned)[[1, 2, 3, 0]]).as_matrix()
+    matrices = []
+    for joint in joints:
+        world = np.eye(4)
+        world[:3, 3] = places[joint]
+        matrices.append(np.linalg.inv(space @ world).T.ravel())
+    made.json["skins"][0]["inverseBindMatrices"] = made.accessor(np.array(matrices, "<f4"))
+    made.json["skins"][0]["joints"] = joints
+    for joint in joints:
+        made.json["nodes"][joint]["rotation"] = [0.1, 0.2, -0.3, 0.9]
+    bound = parse_gltf(made.glb(), "bound.glb")
+    np.testing.assert_allclose(bound.rest_rotation[1:], np.tile((1.0, 0, 0, 0), (21, 1)), atol=1e-6)
+    again = retarget(bound, name="bound")
+    found = [forward_kinematics(clip.root_position, clip.rotation)[0] for clip in (again, plain)]
+    np.testing.assert_allclose(*found, atol=1e-4)
+
+
+def rest_places(made: MadeGltf, joints: list[int]) -> list[np.ndarray]:
+    """Where joints rest whose nodes have translations alone."""
+    nodes = made.json["nodes"]
+    parents = {child: n for n, node in enumerate(nodes) for child in node.get("children", [])}
+
+    def place(node: int) -> np.ndarray:
+        own = np.array(nodes[node].get("translation", (0.0, 0.0, 0.0)))
+        return own + place(parents[node]) if node in parents else own
+
+    return [place(joint) for joint in joints]
+
+
 def test_leaf_bones_become_ends_and_like_names_are_told_apart() -> None:
     made = two_joints()
     made.node("hand_end", 1, translation=[0.0, 0.2, 0.0])
