@@ -16,7 +16,8 @@ from live.steps.doubts import doubts_about
 from live.steps.recording_reader import RecordingReader
 from live.steps.sync import Sync, SyncWish, find_sync
 
-HEARD = {"click": "from claps to the click", "claps": "from claps", "song": "from claps to the song"}
+HEARD = {"click": "from claps to the click", "song": "from claps to the song"}
+"""What rests on nothing but claps may rest on something else that hands do: it is confirmed, like a guess."""
 DOUBTED = 0.3
 """Claps with less confidence contradict each other: what they say is a guess."""
 

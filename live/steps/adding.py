@@ -1,5 +1,6 @@
 """Adding a step to a library: everything is checked and cut before anything is written; nothing is written over."""
 
+import json
 import os
 import shutil
 import tempfile
@@ -11,8 +12,10 @@ from typing import Any, Final
 from pydantic import ValidationError
 
 from live.base.errors import PersonError
+from live.motion.file_error import MotionFileError
 from live.motion.step_clip import DIRECTIONS, StepClip
 from live.steps.cut import cut_step
+from live.steps.motion_file import skeleton_beside
 from live.steps.recording import Problem, Recording, RecordingEntry, error_of
 from live.steps.recording_file import StepFiles, parse_step_file
 from live.steps.recording_reader import RecordingReader
@@ -75,6 +78,13 @@ def asked_entry(source: Path, fields: Mapping[str, Any]) -> AskedEntry:
             words = "must be given" if one["type"] == "missing" else problem_words(one)
             problems.append(asked_problem(source, str(one["loc"][0]), words))
         raise error_of(problems) from None
+    if recording.skeleton is None and source.suffix.lower() == ".amc" and source.is_file():
+        try:  # it must come into the library, too
+            recording = Recording.model_validate(
+                {"file": str(source), **fields, "skeleton": str(skeleton_beside(source))}
+            )
+        except MotionFileError as error:
+            raise error_of([asked_problem(source, "file", str(error))]) from None
     entry = AskedEntry(recording, source, {}, ())
     if recording.direction is not None and recording.direction not in DIRECTIONS:
         allowed = ", ".join(map(repr, DIRECTIONS))
@@ -96,6 +106,8 @@ def add_step(
     library is as it was.
     """
     step = cut_step(entry, (reader or RecordingReader()).clip(entry))
+    if not entry.path.resolve().is_relative_to(library.resolve()):
+        _refuse_parts(entry)
     try:
         library.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -115,6 +127,17 @@ def add_step(
         _take_back(made)
         raise
     return Added(step, entry, toml, file, copied=file in made)
+
+
+def _refuse_parts(entry: AskedEntry) -> None:
+    """RecordingError for a .gltf file that keeps its motion in other files: they would be left behind."""
+    if entry.path.suffix.lower() != ".gltf":
+        return
+    buffers = json.loads(entry.path.read_bytes()).get("buffers", [])  # it was read before: it is well formed
+    others = [one["uri"] for one in buffers if not one.get("uri", "data:").startswith("data:")]
+    if others:
+        words = f"its motion lies in {others[0]}; export it as one file (.glb), or put both into the library first"
+        raise entry.error("file", words)
 
 
 def _take_back(made: list[Path]) -> None:

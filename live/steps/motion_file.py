@@ -33,7 +33,7 @@ def read_motion(path: Path, *, skeleton: Path | None = None, up: UpAxis | None =
         case "npz":
             return parse_amass(data, str(path))
         case "AMC":
-            asf = skeleton or _skeleton_beside(path)
+            asf = skeleton or skeleton_beside(path)
             return parse_amc(data, str(path), parse_asf(read_bytes(asf), str(asf)))
         case _:
             return source_of_bvh(parse_bvh(data, str(path)), up)
@@ -79,8 +79,8 @@ def _format_of(data: bytes, path: Path) -> str:
     return "BVH"
 
 
-def _skeleton_beside(path: Path) -> Path:
-    """The .asf file beside an .amc file that must be its skeleton."""
+def skeleton_beside(path: Path) -> Path:
+    """The .asf file beside an .amc file that must be its skeleton; MotionFileError if there is none or several."""
     there = sorted(p for p in path.parent.glob("*") if p.suffix.lower() == ".asf")
     fitting = [p for p in there if path.stem == p.stem] or [p for p in there if path.stem.split("_")[0] == p.stem]
     if len(fitting or there) != 1:

@@ -18,6 +18,8 @@ __all__ = ["RecordingError", "cut_step", "load_recordings", "recorded_steps"]
 
 CACHE: Final = ClipCache("recordings", kept=1000)
 """One for each TOML file, so that a change in one leaves the others as they are."""
+_BESIDE: Final = {".amc": ".asf", ".gltf": ".bin"}
+"""What a file of the one ending may read beside it."""
 
 
 def load_recordings(directory: Path) -> list[StepClip]:
@@ -53,8 +55,9 @@ def _sources(text: str, entries: list[RecordingEntry]) -> Iterator[bytes] | None
         paths.add(entry.path)
         if entry.skeleton is not None:
             paths.add(entry.skeleton)
-        elif entry.path.suffix.lower() == ".amc":
-            paths.update(entry.path.parent.glob("*.[aA][sS][fF]"))
+        for ending, other in _BESIDE.items():
+            if entry.path.suffix.lower() == ending:
+                paths.update(path for path in entry.path.parent.iterdir() if path.suffix.lower() == other)
     try:
         if not all(path.is_file() and path.stat().st_size <= MAX_BYTES for path in paths):
             return None

@@ -9,8 +9,10 @@ from live.base.errors import PersonError
 from live.steps import adding
 from live.steps.adding import Added, add_step, asked_entry
 from live.steps.recording import RecordingError
+from live.steps.recording_reader import RecordingReader
 from live.steps.step_folder import load_folder
 from tests.motion.made_bvh import body_bvh, danced
+from tests.motion.mocap import mocap_file
 
 FIELDS = {"name": "sway", "bpm": 120.0, "first_beat_s": 2.5, "measures": 2}
 
@@ -157,3 +159,27 @@ def test_a_library_that_cannot_be_made(tmp_path: Path, take: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(PersonError, match="cannot make the library"):
         add(tmp_path / "file" / "library", take)
+
+
+@pytest.mark.shared
+def test_a_skeleton_comes_along(tmp_path: Path) -> None:
+    source = mocap_file("asfamc/49_10.amc")
+    library = tmp_path / "library"
+    add_step(library, asked_entry(source, {"name": "fold", "bpm": 90.0, "first_beat_s": 0.5}))
+    assert sorted(path.name for path in library.iterdir()) == ["49.asf", "49_10.amc", "49_10.toml"]
+    assert load_folder(library)[0].step == "fold"
+    lonely = tmp_path / "lonely.amc"
+    lonely.write_bytes(source.read_bytes())
+    with pytest.raises(RecordingError, match=r"lonely\.amc: its skeleton is not known"):
+        asked_entry(lonely, {"name": "fold", "bpm": 90.0, "first_beat_s": 0.5})
+
+
+def test_a_recording_in_several_files_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, take: Path) -> None:
+    path = tmp_path / "parts.gltf"
+    path.write_text('{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 4, "uri": "parts.bin"}]}')
+    clip = RecordingReader().clip(asked_entry(take, FIELDS))
+    monkeypatch.setattr(RecordingReader, "clip", lambda self, entry: clip)
+    with pytest.raises(RecordingError, match=r"parts\.gltf: its motion lies in parts\.bin; export it as one file"):
+        add(tmp_path / "library", path)
+    path.write_text(path.read_text().replace("parts.bin", "data:application/octet-stream;base64,AAAA"))
+    assert add(tmp_path / "library", path).copied
