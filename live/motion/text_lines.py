@@ -1,5 +1,6 @@
 """The lines of a text file one after the other, without a copy of the whole; any line ends."""
 
+import re
 from collections.abc import Iterator
 from typing import Final
 
@@ -7,6 +8,9 @@ from live.motion.file_error import MotionFileError
 
 LINE_LIMIT: Final = 100_000
 """Letters of a line at most."""
+_NOTHING: Final = re.compile(rb"(?>\s++|#[^\r\n]*+)*+")
+"""Blanks and comments; possessive, so that none of it is remembered."""
+_END: Final = re.compile(rb"[\r\n]")
 
 
 def words_of_lines(data: bytes, file: str) -> Iterator[tuple[int, list[str]]]:
@@ -14,15 +18,25 @@ def words_of_lines(data: bytes, file: str) -> Iterator[tuple[int, list[str]]]:
 
     Raises MotionFileError for lines of over 100,000 letters.
     """
-    place, number = 0, 0
-    while place < len(data):
-        end = data.find(b"\n", place)
-        end = len(data) if end < 0 else end
+    place, number = 0, 1
+    while True:
+        nothing = _NOTHING.match(data, place)
+        start = nothing.end() if nothing else place
+        number += line_ends(data, place, start)
+        place = start
+        if place == len(data):
+            return
+        following = _END.search(data, place)
+        end = following.start() if following else len(data)
         if end - place > LINE_LIMIT:
-            raise MotionFileError(file, number + 1, f"a line of {end - place} letters", "an ASF or AMC file expected")
-        for line in data[place:end].decode("utf-8", errors="replace").removesuffix("\r").split("\r"):
-            number += 1
-            words = line.split("#", 1)[0].split()
-            if words:
-                yield number, words
-        place = end + 1
+            raise MotionFileError(file, number, f"a line of {end - place} letters", "an ASF or AMC file expected")
+        words = data[place:end].decode("utf-8", errors="replace").split("#", 1)[0].split()
+        if words:
+            yield number, words
+        place = end
+
+
+def line_ends(data: bytes, start: int, end: int) -> int:
+    """How many lines end in data[start:end], with LF, CR or both; a CR LF must not be cut in two."""
+    ends = data.count(b"\n", start, end) + data.count(b"\r", start, end)
+    return ends - data.count(b"\r\n", start, end)

@@ -12,6 +12,7 @@ LINE_LIMIT: Final = 100_000
 """Letters of a line at most."""
 CHANNEL_LIMIT: Final = 9
 """Channels of one joint at most."""
+_NOT_BLANK: Final = re.compile(r"\S")
 _COUNT: Final = re.compile(r"\d{1,9}", re.ASCII)
 _CHANNELS: Final = {
     **{f"{axis}position".lower(): axis.lower() for axis in "XYZ"},
@@ -42,16 +43,17 @@ class _Words:
 
     @staticmethod
     def _split(text: str) -> Iterator[tuple[int, str]]:
-        number, place = 0, 0
-        while place <= len(text):
+        number, place = 1, 0
+        while (start := _NOT_BLANK.search(text, place)) is not None:
+            number += text.count("\n", place, start.start())
+            place = start.start()
             end = text.find("\n", place)
             end = len(text) if end < 0 else end
-            number += 1
             for word in text[place : min(end, place + LINE_LIMIT)].replace("{", " { ").replace("}", " } ").split():
                 yield number, word
             if end - place > LINE_LIMIT:
                 yield number, "a line of over 100000 letters"
-            place = end + 1
+            place = end
 
     def peek(self) -> tuple[int, str] | None:
         if self._ahead is None:

@@ -20,6 +20,7 @@ from live.motion.bvh.kernels import (
 )
 from live.motion.file_error import MAGNITUDE_LIMIT, MotionFileError, shown
 from live.motion.motion_size import VALUE_LIMIT
+from live.motion.text_lines import line_ends
 
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
@@ -112,5 +113,4 @@ class _NumberBlock:
 
 def line_at(data: bytes, place: int) -> int:
     """The line, from 1, in which a byte stands; lines end with LF, CR or both."""
-    ends = data.count(b"\n", 0, place) + data.count(b"\r", 0, place) - data.count(b"\r\n", 0, place)
-    return ends + 1
+    return line_ends(data, 0, place) + 1

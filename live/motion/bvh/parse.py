@@ -28,6 +28,7 @@ SKELETON_BYTES: Final = 4_000_000
 _MOTION: Final = re.compile(rb"(?:\A|(?<=[\r\n]))[ \t]*MOTION[ \t]*(?=[\r\n]|\Z)", re.IGNORECASE)
 _LINE: Final = re.compile(rb"([^\r\n]*)(\r\n|\r|\n|\Z)")
 _HEADER_LINE: Final = re.compile(r"\s*([A-Za-z][A-Za-z ]*?)\s*:?\s+(\S+)\s*", re.ASCII)
+_NOT_BLANK: Final = re.compile(rb"\S")
 _FRAMES: Final = re.compile(r"\d{1,15}", re.ASCII)
 
 
@@ -143,22 +144,21 @@ def _read_motion_header(data: bytes, place: int, file: str) -> tuple[int, float,
     """Frames, frame time [s], and the byte from which on there are numbers; `place` is the end of the word MOTION."""
     frames: int | None = None
     frame_time: float | None = None
-    line = line_at(data, place)
     place = _next_line(data, place)
     while frames is None or frame_time is None:
         missing = "Frames: COUNT" if frames is None else "Frame Time: SECONDS"
-        if place >= len(data):
-            raise MotionFileError(file, line_at(data, place), "the file ends here", f"{missing} expected")
-        line += 1
-        following = _next_line(data, place)
-        content = _text(data[place : min(following, place + 500)]).strip()
-        place = following
-        if not content:
-            continue
+        word = _NOT_BLANK.search(data, place)
+        if word is None:
+            raise MotionFileError(file, line_at(data, len(data)), "the file ends here", f"{missing} expected")
+        line = line_at(data, word.start())
+        place = _next_line(data, word.start())
+        content = _text(data[word.start() : min(place, word.start() + 500)]).strip()
         match = _HEADER_LINE.fullmatch(content)
         key = match.group(1).lower().replace(" ", "") if match else ""
         if match is None or key not in ("frames", "frametime"):
             raise MotionFileError(file, line, f"{shown(content)} was read", f"{missing} expected")
+        if (frames if key == "frames" else frame_time) is not None:
+            raise MotionFileError(file, line, f"{shown(content)} a second time", f"{missing} expected")
         if key == "frames":
             frames = _read_frame_count(match.group(2), file, line)
         else:
