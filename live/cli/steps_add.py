@@ -11,7 +11,8 @@ from live.cli.options import parse_number
 from live.cli.steps_library import user_library
 from live.motion.body_tracks import body_tracks
 from live.motion.run_in import find_beginning
-from live.steps.adding import AskedEntry, add_step, asked_entry
+from live.steps.adding import add_step
+from live.steps.asked import AskedEntry, asked_entry, known_of
 from live.steps.doubts import doubts_about
 from live.steps.recording_reader import RecordingReader
 from live.steps.sync import Sync, SyncWish, find_sync
@@ -40,11 +41,14 @@ def add_to_library(file: Path, fields: dict[str, Any], library: Path | None, lis
     console = Console(highlight=False)
     comments: dict[str, str] = {}
     _check(fields, listening)
+    folder = user_library() if library is None else library
+    if folder.is_dir() and listening == Listening():
+        fields = known_of(folder, file, fields) | fields
     if "bpm" not in fields or "first_beat_s" not in fields:
         fields, comments = _with_music(console, file, fields, listening)
     reader = RecordingReader()
     entry = asked_entry(file, fields)
-    added = add_step(user_library() if library is None else library, entry, comments=comments, reader=reader)
+    added = add_step(folder, entry, comments=comments, reader=reader)
     step = added.step
     console.print(
         f"added {step.step!r}: {step.measures} {'measure' if step.measures == 1 else 'measures'} of "

@@ -9,51 +9,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from pydantic import ValidationError
-
 from live.base.errors import PersonError
-from live.motion.file_error import MotionFileError
-from live.motion.step_clip import DIRECTIONS, StepClip
+from live.motion.step_clip import StepClip
+from live.steps.asked import AskedEntry
 from live.steps.cut import cut_step
-from live.steps.motion_file import skeleton_beside
-from live.steps.recording import Problem, Recording, RecordingEntry, error_of
+from live.steps.recording import RecordingEntry
 from live.steps.recording_file import StepFiles, parse_step_file
 from live.steps.recording_reader import RecordingReader
-from live.steps.recording_words import problem_words
 from live.steps.step_writer import with_step
 
-OPTIONS: Final = {
-    "file": "FILE", "unit_m": "--unit", "first_beat_s": "--anchor", "start_measure": "--start",
-    "distance_m": "--distance", "tags": "--tag",
-}  # fmt: skip
-"""Options of `live steps add` that are not called like the field."""
 MOST_NAMES: Final = 1000
-
-
-class AskedEntry(RecordingEntry):
-    """A recording as it was asked for on the command line; problems name the option."""
-
-    @property
-    def path(self) -> Path:
-        """The motion file, where it lies now."""
-        return Path(self.recording.file)
-
-    @property
-    def skeleton(self) -> Path | None:
-        """The file of its skeleton, where it lies now."""
-        return None if self.recording.skeleton is None else Path(self.recording.skeleton)
-
-    def problem(self, field: str, words: str) -> Problem:
-        """A problem with one option."""
-        return asked_problem(self.path, field, words)
-
-
-def asked_problem(path: Path, field: str, words: str) -> Problem:
-    """A problem with what was asked of the file at `path`, by the option's name."""
-    option = OPTIONS.get(field, "--" + field.replace("_", "-"))
-    if field == "file":
-        return Problem(path, None, "", words.removeprefix(str(path)).lstrip(" ,:"))
-    return Problem(path, None, option, words)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,30 +31,6 @@ class Added:
     file: Path
     """The recording in the library."""
     copied: bool
-
-
-def asked_entry(source: Path, fields: Mapping[str, Any]) -> AskedEntry:
-    """The recording that is asked for; RecordingError that names the options that are wrong or missing."""
-    try:
-        recording = Recording.model_validate({"file": str(source), **fields})
-    except ValidationError as error:
-        problems = []
-        for one in error.errors(include_url=False):
-            words = "must be given" if one["type"] == "missing" else problem_words(one)
-            problems.append(asked_problem(source, str(one["loc"][0]), words))
-        raise error_of(problems) from None
-    if recording.skeleton is None and source.suffix.lower() == ".amc" and source.is_file():
-        try:  # it must come into the library, too
-            recording = Recording.model_validate(
-                {"file": str(source), **fields, "skeleton": str(skeleton_beside(source))}
-            )
-        except MotionFileError as error:
-            raise error_of([asked_problem(source, "file", str(error))]) from None
-    entry = AskedEntry(recording, source, {}, ())
-    if recording.direction is not None and recording.direction not in DIRECTIONS:
-        allowed = ", ".join(map(repr, DIRECTIONS))
-        raise entry.error("direction", f"{recording.direction[:60]!r}; allowed are {allowed}")
-    return entry
 
 
 def add_step(

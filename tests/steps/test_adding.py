@@ -7,7 +7,8 @@ import pytest
 
 from live.base.errors import PersonError
 from live.steps import adding
-from live.steps.adding import Added, add_step, asked_entry
+from live.steps.adding import Added, add_step
+from live.steps.asked import asked_entry, known_of
 from live.steps.recording import RecordingError
 from live.steps.recording_reader import RecordingReader
 from live.steps.step_folder import load_folder
@@ -183,3 +184,20 @@ def test_a_recording_in_several_files_is_refused(tmp_path: Path, monkeypatch: py
         add(tmp_path / "library", path)
     path.write_text(path.read_text().replace("parts.bin", "data:application/octet-stream;base64,AAAA"))
     assert add(tmp_path / "library", path).copied
+
+
+def test_what_the_library_knows_of_a_recording_need_not_be_said_again(tmp_path: Path, take: Path) -> None:
+    library = tmp_path / "library"
+    assert known_of(tmp_path / "nowhere", take, {}) == {}
+    add(library, take, fps=30.0, drop_frames=5, bpm=96.0, tags=["slow"])
+    music = {"bpm": 96, "first_beat_s": 2.5, "drop_frames": 5}
+    assert known_of(library, take, {}) == {"fps": 30, **music}
+    assert known_of(library, take, {"fps": 30.0}) == music
+    assert known_of(library, take, {"fps": 60.0}) == {}  # at another rate all times are others
+    assert known_of(library, take, {"drop_frames": 9}) == {"fps": 30}
+    assert known_of(library, take, {"bpm": 100.0}) == {"fps": 30}
+    other = tmp_path / "other.bvh"
+    other.write_text(body_bvh(danced(601, seed=3)))
+    assert known_of(library, other, {}) == {}
+    (library / "broken.toml").write_text("x = ")
+    assert known_of(library, take, {}) == {"fps": 30, **music}
