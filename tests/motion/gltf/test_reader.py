@@ -155,15 +155,15 @@ def test_interleaved_sparse_embedded_and_outside_data_are_the_same() -> None:
 
 def test_linear_turns_are_slerped_and_steps_held() -> None:
     turns = random_turns(4, np.random.default_rng(3))
-    times = np.array((0.0, 0.05, 0.25, 0.4))
+    times = np.array((0.0, 0.1, 0.3, 0.4))
     for way in ("LINEAR", "STEP"):
         made = two_joints()
         made.animate({(0, "rotation"): turns}, times, interpolation=way)
         made.animate({(1, "translation"): np.zeros((2, 3))}, np.array((0.0, 1.0)), name="other")
         motion = parse_gltf(made.glb(), "made.glb")
-        assert motion.header_fps == 40.0  # keys on a grid of 20 a second, doubled to keep what bends between them
+        assert motion.header_fps == 20.0  # keys on a grid of 10 a second, doubled to keep what bends between them
         assert "2 animations" in motion.warnings[0].what
-        at = np.arange(motion.frame_count) / 40.0
+        at = np.arange(motion.frame_count) / 20.0
         if way == "LINEAR":
             expected = Slerp(times, Rotation.from_quat(turns[:, [1, 2, 3, 0]]))(np.minimum(at, 0.4))
         else:
@@ -195,9 +195,11 @@ def test_cubic_splines_are_hermite_splines() -> None:
         (0.5 + np.arange(50) / 59.94, 59.94),
         (np.delete(np.arange(50) / 120.0, [3, 4, 17, 30]), 120.0),
         (np.array((0.0, 2.0)), 60.0),
-        (np.arange(9) / 10.0, 30.0),
+        (np.arange(9) / 8.0, 24.0),
         (np.array((0.0, 0.013, 0.2, 0.33, 0.71)), 60.0),
         (np.zeros(1), 60.0),
+        (np.arange(72_000) / 120.0, 120.0),
+        (900.0 + np.delete(np.arange(20_000), slice(50, 9000, 7)) / 59.94, 59.94),
     ],
 )
 def test_the_frame_rate_is_that_of_the_keys(times: np.ndarray, rate: float) -> None:
