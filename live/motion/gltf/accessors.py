@@ -43,10 +43,6 @@ class Accessors:
         self._left = 16_000_000 + 16 * gltf.size
         self._largest = 1_000_000 + gltf.size // 2
 
-    def count(self, index: int) -> int:
-        """Number of elements of an accessor, as the file says it (it may lie)."""
-        return self._root.element("accessors", index).whole("count", below=_FAR)
-
     def read(self, index: int, kind: str) -> Float64:
         """All elements of an accessor of the given type ("SCALAR", "VEC3", "VEC4", "MAT4"), float64 (count, width).
 
