@@ -39,8 +39,12 @@ JUMP: Any = np.float32(0.5)
 of its clip of more than this in a tick."""
 RELEASE_HALFLIFE: Any = np.float32(0.07)
 """A free foot is back at its clip's place by half in this time [s]."""
-ROLL: Any = np.float32(0.04)
-"""Heights [m] over which the carrying point rolls from heel to toes."""
+TOES_UP: Any = np.float32(0.01)
+"""Toes this much [m] higher than the heel are lifted; a foot that is flat is held by its ball, which stays when it
+rolls off."""
+ROLL: Any = np.float32(0.001)
+"""Heights [m] over which the carrying point goes from heel to toes: at once, for what is between the two moves with
+both. Shifts are counted from tick to tick of one point, so that the change moves nothing."""
 _LN2: Any = np.float32(math.log(2.0))
 _ZERO: Any = np.float32(0.0)
 _HALF: Any = np.float32(0.5)
@@ -229,6 +233,6 @@ def follow_feet(
             stands = contact[n, side] and shift < (UNLOCK if row[HELD] > _ZERO else GRAB)
             row[HELD] = _ONE if stands else _ZERO
             lift = (ankle[1] - sole) - (toes[1] - toes_over_sole)
-            row[TOES] = min(max(_HALF + lift / ROLL, _ZERO), _ONE)
+            row[TOES] = min(max(_HALF + (lift + TOES_UP) / ROLL, _ZERO), _ONE)
             row[FROM_X] = ankle[0] + row[TOES] * (toes[0] - ankle[0])
             row[FROM_Z] = ankle[2] + row[TOES] * (toes[2] - ankle[2])
