@@ -1,6 +1,5 @@
 """Quality of motion: how feet slide and joints jump in recordings, raw and after each editing tool."""
 
-import importlib
 import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -13,7 +12,6 @@ import numpy.typing as npt
 from bench._motion_clips import SALSA, SOLO, WALKS, Material, recordings, sketches
 from bench._motion_figures import Figures, pelvis_way
 from live.cli.bench import Row
-from live.motion.clip import Clip
 from live.motion.editing.amplitude import draw_factors, draw_sequence_factors, scale_sequence, scale_step
 from live.motion.editing.combine import combine
 from live.motion.editing.feet import find_feet
@@ -28,6 +26,7 @@ from live.motion.editing.sequence_warp import draw_sequence_warp, warp_sequence
 from live.motion.editing.support import find_supports
 from live.motion.editing.time_warp import draw_measure_warps, warp_step
 from live.motion.mirror import mirror_step
+from live.motion.posing.foot_lock import lock_feet
 from live.motion.skeleton import MIRROR
 from live.motion.step_clip import StepClip
 
@@ -44,7 +43,6 @@ GLITCH = 5.0
 (T161): what an edit makes of such a jump says nothing about the edit."""
 ROUNDING = 1e-5
 """Slide [m/s] that is none: positions are float32."""
-LOCK_MODULE = "live.motion.foot_lock"
 
 
 def run(full: bool, shared: Path | None) -> list[Row]:
@@ -219,15 +217,11 @@ def _warp_ends(groups: dict[str, list[Material]]) -> Row:
 
 def _foot_lock(groups: dict[str, list[Material]]) -> list[Row]:
     """Slide after the feet are locked, and how far the pelvis had to move."""
-    try:
-        lock: Callable[[Clip], Clip] = importlib.import_module(LOCK_MODULE).lock_feet
-    except ImportError:
-        return [Row("foot lock, foot slide", None, "m/s", 0.02), Row("foot lock, pelvis moved", None, "m", 0.02)]
     rows = []
     for group, material in groups.items():
         raw, locked, moved = [], [], 0.0
         for step in _steps(material):
-            after = lock(step.clip)
+            after = lock_feet(step.clip)
             raw.append(Figures(step))
             locked.append(Figures(replace(step, clip=after)))
             moved = max(moved, pelvis_way(step.clip, after))

@@ -68,7 +68,7 @@ def label(axis: Axes, title: str, x: str, y: str, *, legend: Corner | None = "be
     axis.set_ylabel(y, fontsize=8)
     axis.tick_params(labelsize=7)
     if legend:
-        axis.legend(fontsize=7, frameon=False, loc=legend)
+        axis.legend(fontsize=7, framealpha=0.85, edgecolor="none", loc=legend)
 
 
 def footprints(axis: Axes, step: StepClip, colour: str, name: str) -> None:

@@ -19,6 +19,7 @@ def test_every_bar_is_held_on_the_projects_own_sketches(tmp_path: Path) -> None:
     assert len(set(names)) == len(names)
     assert any(name.startswith("sketches") for name in names)
     assert [row.name for row in rows if row.ok is False] == []
+    assert [row.name for row in rows if row.value is None] == []
     assert sum(row.ok is True for row in rows) >= 12
 
 
