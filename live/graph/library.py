@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion import quaternion
-from live.motion.legs.lock import LEG_JOINTS
+from live.motion.posing.foot_lock import LEG_JOINTS
 from live.motion.posing.pipeline import ClipStore, mean_pose
 from live.motion.step_clip import StepClip
 

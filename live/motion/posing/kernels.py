@@ -9,7 +9,15 @@ import numpy.typing as npt
 from live.base.jit import kernel
 from live.base.kernels import angle_wrap
 from live.motion.legs.kernels import stand_legs
-from live.motion.rows.kernels import BLOCK, forward_rows, gather_samples, place_root, slerp_rows, write_block
+from live.motion.rows.kernels import (
+    BLOCK,
+    forward_rows,
+    gather_samples,
+    place_root,
+    slerp_rows,
+    unit_rows,
+    write_block,
+)
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -81,21 +89,21 @@ def _row(row: Float32, values: Float32, start: int, stop: int) -> None:
 
 
 @kernel(
-    "void(f4[:,:,::1], f4[:,::1], f4[:,:,::1], f4[:,::1], f4[:,::1], f4[:,:,::1], f8[:,::1], f8[:,:,::1], f4[:,::1],"
+    "void(f4[:,:,::1], f4[:,::1], f4[:,:,::1], f4[:,::1], f4[:,::1], f4[:,::1], f4[:,::1], f8[:,::1], f8[:,:,::1], f4[:,::1],"
     " i4[::1], f4[::1], i8, i8, i8)"
 )
 def _take_clip(
-    local: Float32, root: Float32, other: Float32, other_root: Float32, clip_root: Float32, clip_rotation: Float32,
-    sample: Float64, placement: Float64, share: Float32, body: Int32, row: Float32, which: int, start: int, stop: int,
+    local: Float32, root: Float32, other: Float32, other_root: Float32, lanes: Float32, clip_root: Float32,
+    clips: Float32, sample: Float64, placement: Float64, share: Float32, body: Int32, row: Float32, which: int, start: int, stop: int,
 ) -> None:  # fmt: skip
     """One clip of the block, placed, with another take mixed into lower and upper body (T044, T045)."""
-    gather_samples(local, clip_rotation, sample[which], start, stop)
+    gather_samples(local, lanes, clips, sample[which], start, stop)
     place_root(local, root, clip_root, sample[which], placement[which], start, stop)
     lower, upper = share[LOWER if which == PRESENT else NEXT_LOWER], share[UPPER if which == PRESENT else NEXT_UPPER]
     mixes_lower, mixes_upper = _any_but(lower, _ZERO, start, stop), _any_but(upper, _ZERO, start, stop)
     if not mixes_lower and not mixes_upper:
         return
-    gather_samples(other, clip_rotation, sample[which + 1], start, stop)
+    gather_samples(other, lanes, clips, sample[which + 1], start, stop)
     place_root(other, other_root, clip_root, sample[which + 1], placement[which + 1], start, stop)
     first, last = body[UPPER_FIRST], body[UPPER_LAST]
     if mixes_upper:
@@ -110,31 +118,24 @@ def _take_clip(
                 root[c, i] += row[i] * (other_root[c, i] - root[c, i])
 
 
-@kernel(
-    "void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], i4[:,::1], f4[::1], f4[::1], f4[::1], i4[::1], i8, i8)"
-)
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], i4[:,::1], f4[::1], f4[::1], f4[::1], i4[::1], i8, i8)")
 def _amplify(
-    local: Float32, other: Float32, coming: Float32, mean_rotation: Float32, mean: Int32, into_next: Float32,
+    local: Float32, other: Float32, mean_rotation: Float32, mean: Int32, into_next: Float32,
     amplitude: Float32, row: Float32, body: Int32, start: int, stop: int,
 ) -> None:  # fmt: skip
     """Upper body farther from or nearer to its mean pose: q' = q_mean (q_mean^-1 q)^r (T058), a SLERP by r from it.
 
-    Within a transition the mean pose is blended as the clips are (T060).
+    Within a transition the mean pose is blended, too (T060); the means of a library have one sign (ClipStore).
     """
     first, last = body[UPPER_FIRST], body[UPPER_LAST]
-    blends = _any_but(into_next, _ZERO, start, stop)
     for i in range(BLOCK):
         n = min(start + i, stop - 1)
-        a, b = mean_rotation[mean[0, n]], mean_rotation[mean[1, n]]
+        a, b, t = mean_rotation[mean[0, n]], mean_rotation[mean[1, n]], into_next[n]
+        row[i] = _ONE - amplitude[n]
         for j in range(first, last):
             for c in range(4):
-                other[j, c, i] = a[j, c]
-                coming[j, c, i] = b[j, c]
-    if blends:
-        _row(row, into_next, start, stop)
-        slerp_rows(other, coming, row, first, last)
-    for i in range(BLOCK):
-        row[i] = _ONE - amplitude[min(start + i, stop - 1)]
+                other[j, c, i] = a[j, c] + t * (b[j, c] - a[j, c])
+    unit_rows(other, first, last)
     slerp_rows(local, other, row, first, last)
 
 
@@ -168,15 +169,17 @@ def pose_dancers(
         np.empty((3, BLOCK), np.float32), np.empty((3, BLOCK), np.float32), np.empty((3, BLOCK), np.float32),
     )  # fmt: skip
     world, row = np.empty((joints, 7, BLOCK), np.float32), np.empty(BLOCK, np.float32)
+    lanes = np.empty((BLOCK, 4 * joints), np.float32)
+    clips = clip_rotation.reshape((clip_rotation.shape[0], 4 * joints))
     for start in range(begin, end, BLOCK):
         stop = min(start + BLOCK, end)
         _take_clip(
-            present, root, other, other_root, clip_root, clip_rotation, sample, placement, share, body, row,
+            present, root, other, other_root, lanes, clip_root, clips, sample, placement, share, body, row,
             PRESENT, start, stop,
         )  # fmt: skip
         if _any_but(share[INTO_NEXT], _ZERO, start, stop):
             _take_clip(
-                coming, next_root, other, other_root, clip_root, clip_rotation, sample, placement, share, body, row,
+                coming, next_root, other, other_root, lanes, clip_root, clips, sample, placement, share, body, row,
                 NEXT, start, stop,
             )  # fmt: skip
             _row(row, share[INTO_NEXT], start, stop)
@@ -185,7 +188,7 @@ def pose_dancers(
                 for i in range(BLOCK):
                     root[c, i] += row[i] * (next_root[c, i] - root[c, i])
         if _any_but(amplitude, _ONE, start, stop):
-            _amplify(present, other, coming, mean_rotation, mean, share[INTO_NEXT], amplitude, row, body, start, stop)
+            _amplify(present, other, mean_rotation, mean, share[INTO_NEXT], amplitude, row, body, start, stop)
         forward_rows(world, present, root, offsets, parents)
         if body[HEAD] >= 0 and _any_but(head, _ZERO, start, stop):
             face_public(world, head, body[CHEST], body[HEAD], start, stop)

@@ -75,7 +75,7 @@ class ClipStore:
     rotation: Float32
     """Local rotations, shape (S, J, 4); neighbours within a clip have the same sign."""
     mean: Float32
-    """Mean pose of each node, shape (N, J, 4); what amplitude is measured from (T058)."""
+    """Mean pose of each node, shape (N, J, 4), all of one sign; what amplitude is measured from (T058)."""
 
     @classmethod
     def of(cls, root: Float32, rotation: Float32, mean: Float32 | None = None) -> "ClipStore":
@@ -83,6 +83,8 @@ class ClipStore:
         if mean is None:
             mean = np.zeros((1, *rotation.shape[1:]), np.float32)
             mean[..., 0] = 1.0
+        # of one sign, joint by joint, so that the way from one to another is straight
+        mean = mean * np.where(np.sum(mean * mean[0], axis=-1, keepdims=True) < 0.0, np.float32(-1.0), np.float32(1.0))
         arrays = (np.require(array, np.float32, ["C", "W"]) for array in (root, rotation, mean))
         return cls(*arrays)
 
@@ -156,6 +158,11 @@ class PosePipeline:
 
         self._share_out(part)
         return position, rotation
+
+    def close(self) -> None:
+        """End the threads, if there are any."""
+        if self._pool is not None:
+            self._pool.shutdown()
 
     def _share_out(self, part: Callable[[int, int], None]) -> None:
         if self._pool is None:

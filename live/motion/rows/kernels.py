@@ -20,6 +20,10 @@ BLOCK = 32
 """Dancers per block: rows of 128 bytes, and all rows of a block together stay in the nearest caches."""
 _ZERO, _HALF, _ONE = np.float32(0.0), np.float32(0.5), np.float32(1.0)
 _THREE_HALVES, _TWO = np.float32(1.5), np.float32(2.0)
+_TINY = np.float32(1e-12)
+_TURN = 2.0 * math.pi
+_C2, _C4, _C6, _C8, _C10, _C12 = (np.float32((-1) ** (n // 2) / math.factorial(n)) for n in range(2, 14, 2))
+_S3, _S5, _S7, _S9, _S11 = (np.float32((-1) ** (n // 2) / math.factorial(n)) for n in range(3, 13, 2))
 # Eberly, "A Fast and Accurate Algorithm for Computing SLERP" (2011), 8 terms: 1/(i(2i+1)), i/(2i+1), the last corrected
 _MU = 1.85298109240830
 _A1, _A2, _A3, _A4, _A5, _A6, _A7 = (np.float32(1.0 / (i * (2 * i + 1))) for i in range(1, 8))
@@ -56,26 +60,54 @@ def slerp_rows(into: Float32, other: Float32, share: Float32, first: int, last: 
             into[j, 3, i] = z * scale
 
 
-@kernel("void(f4[:,:,::1], f4[:,:,::1], f8[::1], i8, i8)", inline="always")
-def gather_samples(local: Float32, clip_rotation: Float32, sample: Float64, start: int, stop: int) -> None:
-    """Rotations of the block's dancers at fractional samples, linear and made unit between two neighbours."""
-    last = clip_rotation.shape[0] - 1
+@kernel("void(f4[:,:,::1], i8, i8)", inline="always")
+def unit_rows(local: Float32, first: int, last: int) -> None:
+    """Make the rotations of joints first..last-1 unit; they may be as short as sums of rotations are."""
+    for j in range(first, last):
+        for i in range(BLOCK):
+            w, x, y, z = local[j, 0, i], local[j, 1, i], local[j, 2, i], local[j, 3, i]
+            scale = _ONE / math.sqrt(max(w * w + x * x + y * y + z * z, _TINY))
+            local[j, 0, i] = w * scale
+            local[j, 1, i] = x * scale
+            local[j, 2, i] = y * scale
+            local[j, 3, i] = z * scale
+
+
+@kernel("void(f4[:,:,::1], f4[:,::1], f4[:,::1], f8[::1], i8, i8)", inline="always")
+def gather_samples(local: Float32, lanes: Float32, clips: Float32, sample: Float64, start: int, stop: int) -> None:
+    """Rotations of the block's dancers at fractional samples, linear and made unit between two neighbours.
+
+    `clips` (S, 4 J) holds a sample's rotations one after another; `lanes` (BLOCK, 4 J) is scratch: read and written
+    along the samples first, then turned into rows.
+    """
+    last = clips.shape[0] - 1
     for i in range(BLOCK):
         at = min(max(sample[min(start + i, stop - 1)], 0.0), float(last))
         low = int(at)
+        high = min(low + 1, last)
         t = np.float32(at - low)
-        a, b = clip_rotation[low], clip_rotation[min(low + 1, last)]
-        for j in range(a.shape[0]):
-            for c in range(4):
-                local[j, c, i] = a[j, c] + t * (b[j, c] - a[j, c])
+        for k in range(clips.shape[1]):
+            lanes[i, k] = clips[low, k] + t * (clips[high, k] - clips[low, k])
     for j in range(local.shape[0]):
         for i in range(BLOCK):
-            w, x, y, z = local[j, 0, i], local[j, 1, i], local[j, 2, i], local[j, 3, i]
+            w, x, y, z = lanes[i, 4 * j], lanes[i, 4 * j + 1], lanes[i, 4 * j + 2], lanes[i, 4 * j + 3]
             scale = _THREE_HALVES - _HALF * (w * w + x * x + y * y + z * z)  # Newton: it is nearly unit
             local[j, 0, i] = w * scale
             local[j, 1, i] = x * scale
             local[j, 2, i] = y * scale
             local[j, 3, i] = z * scale
+
+
+@kernel("UniTuple(f4,2)(f8)", inline="always")
+def _half_turn(yaw: float) -> tuple[float, float]:
+    """Cosine and sine of half of `yaw` [rad], by their series after whole turns are taken away; within 1e-7.
+
+    After an odd number of turns both have the other sign, which is the same rotation.
+    """
+    h = np.float32(0.5 * (yaw - _TURN * math.floor(yaw / _TURN + 0.5)))
+    s = h * h
+    cosine = _ONE + s * (_C2 + s * (_C4 + s * (_C6 + s * (_C8 + s * (_C10 + s * _C12)))))
+    return cosine, h * (_ONE + s * (_S3 + s * (_S5 + s * (_S7 + s * (_S9 + s * _S11)))))
 
 
 @kernel("void(f4[:,:,::1], f4[:,::1], f4[:,::1], f8[::1], f8[:,::1], i8, i8)", inline="always")
@@ -84,26 +116,29 @@ def place_root(
 ) -> None:
     """Hips of the block's dancers at their samples, the clip placed by `placement`: x, z, yaw of path, yaw of body."""
     last = clip_root.shape[0] - 1
+    at_x, at_z, path, body = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)
     for i in range(BLOCK):
         n = min(start + i, stop - 1)
         at = min(max(sample[n], 0.0), float(last))
         low = int(at)
-        t = at - low
-        a, b = clip_root[low], clip_root[min(low + 1, last)]
-        x, y, z = a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])
-        hc, hs = math.cos(0.5 * placement[n, 3]), math.sin(0.5 * placement[n, 3])
-        c, s = hc * hc - hs * hs, 2.0 * hc * hs
-        if placement[n, 2] != placement[n, 3]:
-            c, s = math.cos(placement[n, 2]), math.sin(placement[n, 2])
-        root[0, i] = placement[n, 0] + x * c + z * s
-        root[1, i] = y
-        root[2, i] = placement[n, 1] + z * c - x * s
+        high = min(low + 1, last)
+        t = np.float32(at - low)
+        for c in range(3):
+            root[c, i] = clip_root[low, c] + t * (clip_root[high, c] - clip_root[low, c])
+        at_x[i], at_z[i], path[i], body[i] = placement[n, 0], placement[n, 1], placement[n, 2], placement[n, 3]
+    for i in range(BLOCK):
+        c, s = _half_turn(path[i])
+        c, s = c * c - s * s, _TWO * c * s
+        x, z = root[0, i], root[2, i]
+        root[0, i] = at_x[i] + x * c + z * s
+        root[2, i] = at_z[i] + z * c - x * s
         # turned about +Y after everything else: (c, 0, s, 0) times the clip's rotation
+        c, s = _half_turn(body[i])
         w, qx, qy, qz = local[0, 0, i], local[0, 1, i], local[0, 2, i], local[0, 3, i]
-        local[0, 0, i] = hc * w - hs * qy
-        local[0, 1, i] = hc * qx + hs * qz
-        local[0, 2, i] = hc * qy + hs * w
-        local[0, 3, i] = hc * qz - hs * qx
+        local[0, 0, i] = c * w - s * qy
+        local[0, 1, i] = c * qx + s * qz
+        local[0, 2, i] = c * qy + s * w
+        local[0, 3, i] = c * qz - s * qx
 
 
 @kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,::1], f4[:,::1], i4[::1])", inline="always")
@@ -114,39 +149,31 @@ def forward_rows(world: Float32, local: Float32, root: Float32, offsets: Float32
             world[0, c, i] = local[0, c, i]
         for c in range(3):
             world[0, 4 + c, i] = root[c, i]
-    above, own, below = (
-        np.empty((7, BLOCK), np.float32), np.empty((4, BLOCK), np.float32), np.empty((7, BLOCK), np.float32)
-    )  # fmt: skip
+    above = np.empty((7, BLOCK), np.float32)  # a copy, for the compiler cannot know that parent and child differ
     for j in range(1, parents.shape[0]):
         p = parents[j]
         ox, oy, oz = offsets[j, 0], offsets[j, 1], offsets[j, 2]
         for c in range(7):
             for i in range(BLOCK):
                 above[c, i] = world[p, c, i]
-        for c in range(4):
-            for i in range(BLOCK):
-                own[c, i] = local[j, c, i]
         for i in range(BLOCK):
             aw, ax, ay, az = above[0, i], above[1, i], above[2, i], above[3, i]
-            bw, bx, by, bz = own[0, i], own[1, i], own[2, i], own[3, i]
-            below[0, i] = aw * bw - ax * bx - ay * by - az * bz
-            below[1, i] = aw * bx + ax * bw + ay * bz - az * by
-            below[2, i] = aw * by - ax * bz + ay * bw + az * bx
-            below[3, i] = aw * bz + ax * by - ay * bx + az * bw
+            bw, bx, by, bz = local[j, 0, i], local[j, 1, i], local[j, 2, i], local[j, 3, i]
+            world[j, 0, i] = aw * bw - ax * bx - ay * by - az * bz
+            world[j, 1, i] = aw * bx + ax * bw + ay * bz - az * by
+            world[j, 2, i] = aw * by - ax * bz + ay * bw + az * bx
+            world[j, 3, i] = aw * bz + ax * by - ay * bx + az * bw
             tx, ty, tz = _TWO * (ay * oz - az * oy), _TWO * (az * ox - ax * oz), _TWO * (ax * oy - ay * ox)
-            below[4, i] = above[4, i] + ox + aw * tx + ay * tz - az * ty
-            below[5, i] = above[5, i] + oy + aw * ty + az * tx - ax * tz
-            below[6, i] = above[6, i] + oz + aw * tz + ax * ty - ay * tx
-        for c in range(7):
-            for i in range(BLOCK):
-                world[j, c, i] = below[c, i]
+            world[j, 4, i] = above[4, i] + ox + aw * tx + ay * tz - az * ty
+            world[j, 5, i] = above[5, i] + oy + aw * ty + az * tx - ax * tz
+            world[j, 6, i] = above[6, i] + oz + aw * tz + ax * ty - ay * tx
 
 
 @kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], i8, i8)", inline="always")
 def write_block(position: Float32, rotation: Float32, world: Float32, start: int, stop: int) -> None:
     """The block's joints into the arrays of all dancers, (A, J, 3) and (A, J, 4)."""
-    for i in range(stop - start):
-        for j in range(world.shape[0]):
+    for j in range(world.shape[0]):
+        for i in range(stop - start):
             for c in range(4):
                 rotation[start + i, j, c] = world[j, c, i]
             for c in range(3):
