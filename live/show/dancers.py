@@ -6,7 +6,7 @@ import numpy.typing as npt
 from live.base.kernels import ease
 from live.graph.motion_graph import MotionGraph
 from live.motion.editing.time_warp import measure_warp
-from live.motion.legs.lock import FootLock
+from live.motion.posing.foot_lock import FootLock
 from live.motion.posing.kernels import INTO_NEXT, LOWER, NEXT, NEXT_LOWER, PRESENT, PRESENT_TAKE
 from live.motion.posing.pipeline import PosePipeline, PoseSkeleton
 from live.show.danced import UNDECIDED, Danced, turn_vectors

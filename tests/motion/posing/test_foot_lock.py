@@ -9,7 +9,7 @@ from live.motion.clip import Clip
 from live.motion.contact import TOES_OVER_SOLE
 from live.motion.forward import forward_kinematics
 from live.motion.legs.kernels import FARTHEST, HELD, PELVIS_DROP, SHIFT_X, SHIFT_Z
-from live.motion.legs.lock import LEG_JOINTS, FootLock, lock_feet
+from live.motion.posing.foot_lock import LEG_JOINTS, FootLock, lock_feet
 from live.motion.posing.pipeline import ClipStore, PosePipeline
 from live.motion.retarget import retarget
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
