@@ -18,7 +18,8 @@ TESTS = (
     "tests/agents/test_advance.py",
 )
 LONG = (  # seconds of a crowd's motion are minutes of plain Python
-    "spreading_from or order_of_the or waits_for or only_the_nearest or prediction or head_on or repelled_agents or every_edit or threads or formula"
+    "spreading_from or order_of_the or waits_for or only_the_nearest or prediction or head_on or "
+    "repelled_agents or every_edit or threads or formula"
 )
 
 

@@ -121,7 +121,8 @@ class TicksSkipped(ControlEvent):
 EVENT_TYPES: dict[str, type[ControlEvent]] = {
     cls.__name__: cls
     for cls in (
-        Attract, Repel, Spread, Clear, CallStep, Tap, One, SetTempo, Blackout, BeatHeard, SourceChanged, TicksSkipped,
+        Attract, Repel, Spread, Clear, CallStep, SetMotion, Tap, One, SetTempo, Blackout, BeatHeard, SourceChanged,
+        TicksSkipped,
     )
 }  # fmt: skip
 """Every kind of event by its name in the journal."""

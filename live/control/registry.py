@@ -145,12 +145,10 @@ def _pong(time: float, source: str) -> Reply:
 
 
 def _motion(parameter: str) -> Callable[..., ControlEvent]:
-    """The event of one parameter of the motion; its value is called `value` here, `on` where it is a switch."""
+    """The event of one parameter of the motion; switches are 0 or 1."""
 
-    def make(*, time: float, source: str, group: str = "", value: float = 0.0, on: bool = False) -> ControlEvent:
-        return events.SetMotion(
-            time=time, source=source, parameter=parameter, value=float(value or on), group=group.strip()
-        )
+    def make(*, time: float, source: str, value: float, group: str) -> ControlEvent:
+        return events.SetMotion(time=time, source=source, parameter=parameter, value=float(value), group=group)
 
     return make
 
@@ -169,7 +167,7 @@ _MOTION: Final = (
     ),
     (
         "/dance/motion/warp_sequence", "warp_sequence",
-        Argument("on", "bool", "1: over several measures, 0: within each"),
+        Argument("value", "bool", "1: over several measures, 0: within each"),
         "Whether they drift over several measures, or are back on the beat at every measure line.",
     ),
     (
@@ -178,23 +176,27 @@ _MOTION: Final = (
     ),
     (
         "/dance/motion/amplitude_sequence", "amplitude_sequence",
-        Argument("on", "bool", "1: over several measures, 0: anew for each"),
+        Argument("value", "bool", "1: over several measures, 0: anew for each"),
         "Whether that changes slowly over several measures, or anew for each.",
     ),
     ("/dance/motion/mix", "mix", _SHARE, "How far another take of the same step is mixed into the body at most."),
     ("/dance/motion/arms", "arms", _SHARE, "Share of the dancers whose upper body dances another take of the step."),
     ("/dance/motion/head", "head", _SHARE, "How far heads turn to the public, as far as necks allow."),
     (
-        "/dance/motion/foot_lock", "lock", Argument("on", "bool", "1: hold them, 0: let them slide"),
+        "/dance/motion/foot_lock", "lock", Argument("value", "bool", "1: hold them, 0: let them slide"),
         "Whether feet that carry stay where they are.",
     ),
     (
-        "/dance/motion/turn_on_support", "on_support", Argument("on", "bool", "1: on that foot, 0: evenly"),
+        "/dance/motion/turn_on_support", "on_support", Argument("value", "bool", "1: on that foot, 0: evenly"),
         "Whether dancers turn on the foot that carries, or evenly over the measure.",
     ),
     (
-        "/dance/motion/face_average", "face_average", Argument("on", "bool", "1: on the average, 0: at their ends"),
+        "/dance/motion/face_average", "face_average", Argument("value", "bool", "1: on the average, 0: at their ends"),
         "Whether measures face the wanted way on the average, or when they end.",
+    ),
+    (
+        "/dance/motion/mirror", "mirror", Argument("value", "float", "-1: never, 0: both, 1: only", "", -1, 1),
+        "Whether steps are danced as they were made, as mirror images, or both.",
     ),
 )  # fmt: skip
 """Address, parameter of SetMotion, its argument, description."""

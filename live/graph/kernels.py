@@ -13,7 +13,7 @@ Int32 = npt.NDArray[np.int32]
 
 @kernel(
     "void(i4[::1],f8[:,::1],f8[:,::1],f8[::1],i4[::1],i4[:,::1],i4[::1],i4[::1],f8[::1],f8[:,::1],"
-    "f8[:,::1],f8[::1],i4[::1],f8[::1],i4[::1],f8[:,::1])"
+    "f8[:,::1],f8[::1],i4[::1],i4[::1],i4[::1],f8[::1],i4[::1],f8[:,::1])"
 )
 def choose_edges(
     node: Int32,
@@ -29,6 +29,8 @@ def choose_edges(
     node_end: Float64,
     node_facing: Float64,
     node_step: Int32,
+    side: Int32,
+    node_side: Int32,
     weights: Float64,
     out_edge: Int32,
     out_placement: Float64,
@@ -39,7 +41,8 @@ def choose_edges(
     where she should stand one measure later [m]; heading (A,) [rad]; wanted (A,) step or -1 for any; hops (C, N)
     measures from a node to a step; edges as CSR with the rigid transform (E, 3) x, z, yaw that places the next clip in
     the axes of the last (K001); node_end (N, 2) hips at the node's end in its clip's axes; node_facing (N,) heading
-    there; weights: metre² of place, rad² of heading, unit of edge cost, hop. Results: out_edge (A,) or -1 at a dead
+    there; side (A,) and node_side (N,): -1 as made, 1 mirrored, 0 no matter; weights: metre² of place, rad² of heading,
+    unit of edge cost, hop, wrong side. Results: out_edge (A,) or -1 at a dead
     end, out_placement (A, 3).
     """
     for n in range(node.shape[0]):
@@ -49,6 +52,8 @@ def choose_edges(
             cost = weights[2] * edge_cost[e]
             if wanted[n] >= 0 and node_step[v] != wanted[n]:
                 cost += weights[3] * (1.0 + hops[wanted[n], v])
+            if side[n] * node_side[v] < 0:
+                cost += weights[4]
             dx, dz = yaw_rotate(edge_transform[e, 0], edge_transform[e, 1], placement[n, 2])
             x, z = placement[n, 0] + dx, placement[n, 1] + dz
             yaw = placement[n, 2] + edge_transform[e, 2]

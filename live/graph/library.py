@@ -42,6 +42,8 @@ class StepLibrary:
     """Measure of its step that the node holds, from 0, shape (N,)."""
     node_measures: Int32
     """Length of the node's step in measures, shape (N,)."""
+    node_side: Int32
+    """-1 for measures as they were made, 1 for their mirror images (T042), shape (N,)."""
     node_first: Float64
     """Sample (into S) at which the measure begins, shape (N,)."""
     node_last: Float64
@@ -127,6 +129,7 @@ def build_library(clips: Sequence[StepClip]) -> StepLibrary:
         node_step=node[1].astype(np.int32),
         node_measure=node[2].astype(np.int32),
         node_measures=node[3].astype(np.int32),
+        node_side=np.array([1 if clips[int(n)].mirrored else -1 for n in node[0]], np.int32),
         node_first=starts,
         node_last=ends,
         node_lead=np.ascontiguousarray(node[6]),

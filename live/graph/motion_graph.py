@@ -11,6 +11,7 @@ from live.graph.takes import Takes, find_takes
 from live.graph.transition import WINDOW_SAMPLES, Transitions, all_pairs, clouds, transition_windows
 from live.motion.editing.feet import ANKLES, BALLS, Feet
 from live.motion.editing.rotation_insertion import support_turns
+from live.motion.editing.support_turns import SupportTurns
 from live.motion.posing.pipeline import PosePipeline, PoseSkeleton
 from live.motion.skeleton import SKELETON
 
@@ -51,6 +52,8 @@ class MotionGraph:
     node_turns: Float64
     """Where in each measure a dancer can turn on a carrying foot, shape (N, 8, 8): per segment start, stop, weight,
     x, z [m] of the foot at both ends, softness (T048-T050)."""
+    node_quickest: Float64
+    """How fast a turn is at its fastest, in whole angles per measure, shape (N,)."""
     takes: Takes
     """The other takes of each node's measure (T044-T047)."""
     alive: Bool
@@ -97,6 +100,7 @@ def build_graph(library: StepLibrary, *, window: float = 0.1875, threshold: floa
     transform[inner] = 0.0
     cost = np.where(inner, 0.0, transitions.distance[source, target])
     facing_start, facing_end, facing_mean = _facing(library, window)
+    turns = _turns(library, window)
     poses = unmatched_poses(library)
     dead = [
         f"{name}: {poses.get(name, f'nothing leads to it and away again within {threshold:g} m')}"
@@ -115,7 +119,8 @@ def build_graph(library: StepLibrary, *, window: float = 0.1875, threshold: floa
         node_facing_start=facing_start,
         node_facing_mean=facing_mean,
         node_start=_root_at(library, library.node_first),
-        node_turns=_turns(library, window),
+        node_turns=np.ascontiguousarray(np.stack([turn.rows() for turn in turns])),
+        node_quickest=np.array([float(turn.quickest) for turn in turns]),
         takes=find_takes(library),
         alive=alive,
         window=window,
@@ -159,17 +164,13 @@ def _hops(library: StepLibrary, allowed: Bool, alive: Bool) -> Int32:
     return hops
 
 
-def _turns(library: StepLibrary, window: float) -> Float64:
-    """Support turns of every node, shape (N, 8, 8)."""
+def _turns(library: StepLibrary, window: float) -> list[SupportTurns]:
+    """Support turns of every node."""
     feet = _feet(library)
-    rows = []
-    for clip, measure in zip(library.node_clip, library.node_measure, strict=True):
-        turns = support_turns(
-            library.clips[clip], int(measure), window=min(window, 0.9), softness=TURN_SOFTNESS, feet=feet[clip]
-        )
-        columns = (turns.start, turns.stop, turns.weight, *turns.point.T, *turns.point_stop.T, turns.softness)
-        rows.append(np.stack(columns, axis=1))
-    return np.ascontiguousarray(np.stack(rows))
+    return [
+        support_turns(library.clips[n], int(m), window=min(window, 0.9), softness=TURN_SOFTNESS, feet=feet[n])
+        for n, m in zip(library.node_clip, library.node_measure, strict=True)
+    ]
 
 
 def _feet(library: StepLibrary) -> list[Feet]:

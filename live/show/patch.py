@@ -129,6 +129,8 @@ class MotionSection(Section):
     """Dancers turn on the foot that carries (T048-T050), or evenly over the measure."""
     face: Literal["end", "average"] = "end"
     """What is brought to the wanted heading: the end of each measure, or its average (T122)."""
+    mirror: Literal["both", "never", "only"] = "both"
+    """Steps and their mirror images, only as they were made, or only mirrored where there are mirror images (T042)."""
 
 
 class GroupSection(Section):

@@ -31,8 +31,11 @@ LOOK_BEATS = 1.5
 DECIDE_BEATS = 1.0
 """Beats before it at which the next steps are chosen: never later than the blend begins."""
 
-# a metre off the place, a radian off the heading, a metre between poses, a measure away from the wanted step
-WEIGHTS = np.array([1.0, 0.6, 0.8, 40.0])
+# a metre off the place, a radian off the heading, a metre between poses, a measure away from the wanted step, a mirror
+# image where the group wants none (dearer than any place on the stage, cheaper than another step)
+WEIGHTS = np.array([1.0, 0.6, 0.8, 40.0, 20.0])
+QUICKEST_TURN = 5.0
+"""Dancers turn at most this fast [rad/s]: a measure that carries them on one foot for a moment only turns less."""
 
 
 class Scheduler:
@@ -54,6 +57,7 @@ class Scheduler:
         self.programmes = programmes
         self._group = group
         self._looking = False
+        self._seconds = 2.0
         count = len(group)
         self.speed: Float32 = np.zeros(count, np.float32)
         """Top speed of each agent [m/s]: what its dancer's steps can follow, shape (A,)."""
@@ -72,7 +76,7 @@ class Scheduler:
 
     def set_speed(self, measure: int, timeline: Timeline) -> None:
         """Let the agents of each group go as fast as its steps and the correction can follow."""
-        seconds = timeline.beats_per_measure * 60.0 / timeline.tempo
+        seconds = self._seconds = timeline.beats_per_measure * 60.0 / timeline.tempo
         for index, programme in enumerate(self.programmes):
             members = self._group == index
             step = programme.wanted(measure, self._dancers.node[members])
@@ -128,6 +132,8 @@ class Scheduler:
             graph.node_end,
             graph.node_facing,
             graph.library.node_step,
+            dancers.variation.sides,
+            graph.library.node_side,
             WEIGHTS,
             self._edge,
             dancers.coming.placement,
@@ -171,7 +177,9 @@ class Scheduler:
         coming.node[:] = np.where(stuck, dancers.node, graph.edge_target[np.maximum(self._edge, 0)])
         self.detours += int(np.count_nonzero(graph.library.node_step[coming.node] != self._wanted))
         dancers.variation.draw(measure, coming)
-        most = math.radians(limits.turn_deg)
+        most = np.minimum(
+            math.radians(limits.turn_deg), QUICKEST_TURN * self._seconds / graph.node_quickest[coming.node]
+        )
         coming.correction[:] = 0.0
         off = heading - self._own_heading(coming)
         coming.correction[:, 2] = np.clip(np.arctan2(np.sin(off), np.cos(off)), -most, most)

@@ -51,6 +51,9 @@ class Variety:
     face_average: float = 0.0
     """1: a measure's average heading is brought to where the dancer should face (T122), 0: that at its end."""
 
+    mirror: float = 0.0
+    """-1: steps as they were made, 1: their mirror images where there are any, 0: both (T042)."""
+
     @classmethod
     def names(cls) -> tuple[str, ...]:
         """The fields, in order."""
@@ -70,6 +73,7 @@ def variety_of(section: MotionSection) -> Variety:
         lock=float(section.foot_lock),
         on_support=float(section.turn_on == "support"),
         face_average=float(section.face == "average"),
+        mirror={"both": 0.0, "never": -1.0, "only": 1.0}[section.mirror],
     )
 
 
@@ -108,6 +112,12 @@ class Variation:
     lock: Float64
     on_support: Float64
     face_average: Float64
+    mirror: Float64
+
+    @property
+    def sides(self) -> Int32:
+        """The side each dancer wants, -1 as made, 1 mirrored, 0 no matter, shape (A,)."""
+        return np.sign(self.mirror).astype(np.int32)
 
     def set(self, name: str, value: float, group: int | None) -> None:
         """Set one field of one group or of all; it acts on what is drawn from now on."""

@@ -339,6 +339,7 @@ def test_liblos_oscsend_sends_every_control(stage):
                 ("foot_lock", "i", "0", "lock", 0.0),
                 ("turn_on_support", "T", None, "on_support", 1.0),
                 ("face_average", "i", "1", "face_average", 1.0),
+                ("mirror", "i", "-1", "mirror", -1.0),
             )
         },
         "/dance/motion/head": (

@@ -89,11 +89,13 @@ def test_hops_count_measures_to_a_step(graph):
             assert graph.hops[step, node] == (distance if front else NEVER)
 
 
-def _choose(graph, node, placement, target, heading, wanted, weights):
+def _choose(graph, node, placement, target, heading, wanted, weights, side=0):
     edge, out = np.zeros(len(node), np.int32), np.zeros((len(node), 3))
+    side = np.broadcast_to(np.int32(side), len(node)).copy()
     choose_edges(
         node, placement, target, heading, wanted, graph.hops, graph.edge_start, graph.edge_target, graph.edge_cost,
-        graph.edge_transform, graph.node_end, graph.node_facing, graph.library.node_step, weights, edge, out,
+        graph.edge_transform, graph.node_end, graph.node_facing, graph.library.node_step, side,
+        graph.library.node_side, weights, edge, out,
     )  # fmt: skip
     return edge, out
 
@@ -108,8 +110,9 @@ def test_the_choice_is_the_cheapest_edge(graph, seed):
     placement, target = chance.uniform(-3, 3, (4, 3)), chance.uniform(-3, 3, (4, 2))
     heading = chance.uniform(-3, 3, 4)
     wanted = chance.integers(-1, len(library.steps), 4).astype(np.int32)
-    weights = np.array([1.0, 0.6, 0.8, 40.0])
-    edge, out = _choose(graph, node, placement, target, heading, wanted, weights)
+    weights = np.array([1.0, 0.6, 0.8, 40.0, 20.0])
+    side = chance.integers(-1, 2, 4).astype(np.int32)
+    edge, out = _choose(graph, node, placement, target, heading, wanted, weights, side)
     for n in range(4):
         costs = {}
         for e in range(graph.edge_start[node[n]], graph.edge_start[node[n] + 1]):
@@ -121,6 +124,8 @@ def test_the_choice_is_the_cheapest_edge(graph, seed):
             cost = abs(end - complex(*target[n])) ** 2 + 0.6 * off**2 + 0.8 * graph.edge_cost[e]
             if wanted[n] >= 0 and library.node_step[v] != wanted[n]:
                 cost += 40.0 * (1 + graph.hops[wanted[n], v])
+            if side[n] * (1 if library.clips[library.node_clip[v]].mirrored else -1) == -1:
+                cost += 20.0
             costs[e] = (cost, origin.real, origin.imag, yaw)
         assert costs[edge[n]][0] == pytest.approx(min(c[0] for c in costs.values()), rel=1e-9)
         assert out[n] == pytest.approx(costs[edge[n]][1:], abs=1e-9)
@@ -132,7 +137,7 @@ def test_the_variation_that_goes_the_right_way_is_taken(graph):
     glide = np.array([library.steps.index("glide")], np.int32)
     for way in ((0.8, 0.0), (-0.8, 0.0), (0.0, 0.8), (0.0, -0.8), (0.0, 0.0)):
         edge, _ = _choose(
-            graph, sway, np.zeros((1, 3)), np.array([way]), np.zeros(1), glide, np.array([1.0, 0.6, 0.8, 40.0])
+            graph, sway, np.zeros((1, 3)), np.array([way]), np.zeros(1), glide, np.array([1.0, 0.6, 0.8, 40.0, 20.0])
         )
         assert library.node_travel[graph.edge_target[edge[0]]] == pytest.approx(way, abs=1e-6)
 

@@ -29,6 +29,9 @@ def recorded(path, seconds=20.0, fps=50):
         400: events.CallStep(time=8.0, source="osc", name="spin"),
         500: events.BeatHeard(time=10.0, source="audio", beat_time=9.9, period=0.51, confidence=0.8),
         600: events.Spread(time=12.0, source="osc"),
+        620: events.SetMotion(time=12.4, source="osc", parameter="warp_beats", value=0.4, group="*"),
+        640: events.SetMotion(time=12.8, source="osc", parameter="warp_sequence", value=1.0, group="front"),
+        660: events.SetMotion(time=13.2, source="osc", parameter="mix", value=0.7, group="*"),
     }
     for frame in range(1, round(seconds * fps) + 1):
         if 700 <= frame < 725:  # the machine stands still for half a second
@@ -124,6 +127,7 @@ def test_every_event_survives_the_journal_bit_by_bit():
         values = {
             "x": 0.1 + 0.2, "z": -1e-17, "name": "pas de bourrée", "tempo": 100 / 3, "on": True, "beat_time": 1 / 7,
             "period": 0.3, "confidence": 1.0, "state": "lost", "count": 3,
+            "parameter": "mix", "value": 2 / 7, "group": "front",
         }  # fmt: skip
         fields = {key: value for key, value in values.items() if key in cls.__dataclass_fields__}
         event = cls(time=2 / 3, source="test", **fields)

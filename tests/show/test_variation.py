@@ -141,7 +141,9 @@ def hands(show, seconds):
     return np.array(frames)
 
 
-@pytest.mark.parametrize("field", ["warp_beats", "amplitude", "mix", "arms", "head", "on_support", "face_average"])
+@pytest.mark.parametrize(
+    "field", ["warp_beats", "amplitude", "mix", "arms", "head", "on_support", "face_average", "mirror"]
+)
 def test_every_control_changes_what_is_danced(field):
     """Through the show itself: the same events but one, and the poses of that group alone differ."""
     loaded, poses = load_show(DEFAULT_PATCH), []
@@ -170,6 +172,24 @@ def test_controls_for_what_is_not_there_are_refused_and_counted():
     assert not show.apply(events.SetMotion(parameter="seed", value=1.0, **STAMP))
     assert show.refused == 2
     assert show.apply(events.SetMotion(parameter="head", value=1.0, group="*", **STAMP))
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_mirror_images_only_or_never(side):
+    """T042: the first show's steps all have mirror images; from the second decided measure on only those are danced."""
+    show = load_show(DEFAULT_PATCH).start()
+    show.apply(events.SetMotion(parameter="mirror", value=side, **STAMP))
+    library, danced = show.graph.library, []
+    for tick in range(1, 64 * 25):
+        if show.tick(tick * TICK) and show.span.number > 1:
+            steps = {int(node) for node in show.dancers.node}
+            has_both = [
+                node for node in steps
+                if len({int(s) for s in library.node_side[library.node_step == library.node_step[node]]}) == 2
+            ]  # fmt: skip
+            danced += [int(library.node_side[node]) for node in has_both]
+    assert len(danced) > 30
+    assert np.mean(np.array(danced) == side) > 0.97  # where nothing else leads on, the wrong side does
 
 
 def test_dancers_who_drift_over_lines_stay_continuous():

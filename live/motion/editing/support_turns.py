@@ -45,6 +45,12 @@ class SupportTurns:
         """The rows of the first axis that `rows` (A,) names: from the nodes of a library to the dancers."""
         return SupportTurns(*(getattr(self, name)[rows] for name in self.__slots__))
 
+    def rows(self) -> Float64:
+        """One row for each segment, (..., 8, 8): start, stop, weight, x, z at its start and at its stop, softness."""
+        single = (self.start, self.stop, self.weight, self.softness)
+        start, stop, weight, softness = (array[..., None] for array in single)
+        return np.concatenate((start, stop, weight, self.point, self.point_stop, softness), axis=-1)
+
     @property
     def quickest(self) -> Float64:
         """How fast it turns at most, in whole angles a measure, (...): a turn in one short support is a snap."""

@@ -89,12 +89,13 @@ def _row(row: Float32, values: Float32, start: int, stop: int) -> None:
 
 
 @kernel(
-    "void(f4[:,:,::1], f4[:,::1], f4[:,:,::1], f4[:,::1], f4[:,::1], f4[:,::1], f4[:,::1], f8[:,::1], f8[:,:,::1], f4[:,::1],"
-    " i4[::1], f4[::1], i8, i8, i8)"
+    "void(f4[:,:,::1], f4[:,::1], f4[:,:,::1], f4[:,::1], f4[:,::1], f4[:,::1], f4[:,::1], f8[:,::1], f8[:,:,::1],"
+    " f4[:,::1], i4[::1], f4[::1], i8, i8, i8)"
 )
 def _take_clip(
     local: Float32, root: Float32, other: Float32, other_root: Float32, lanes: Float32, clip_root: Float32,
-    clips: Float32, sample: Float64, placement: Float64, share: Float32, body: Int32, row: Float32, which: int, start: int, stop: int,
+    clips: Float32, sample: Float64, placement: Float64, share: Float32, body: Int32, row: Float32,
+    which: int, start: int, stop: int,
 ) -> None:  # fmt: skip
     """One clip of the block, placed, with another take mixed into lower and upper body (T044, T045)."""
     gather_samples(local, lanes, clips, sample[which], start, stop)
