@@ -6,6 +6,7 @@ repeat her. `local` is (J, 4, BLOCK): local rotations; `world` is (J, 7, BLOCK):
 """
 
 import math
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -18,9 +19,12 @@ Int32 = npt.NDArray[np.int32]
 
 BLOCK = 32
 """Dancers per block: rows of 128 bytes, and all rows of a block together stay in the nearest caches."""
-_ZERO, _HALF, _ONE = np.float32(0.0), np.float32(0.5), np.float32(1.0)
-_THREE_HALVES, _TWO = np.float32(1.5), np.float32(2.0)
-_TINY = np.float32(1e-12)
+_ZERO: Any = np.float32(0.0)
+_HALF: Any = np.float32(0.5)
+_ONE: Any = np.float32(1.0)
+_THREE_HALVES: Any = np.float32(1.5)
+_TWO: Any = np.float32(2.0)
+_TINY: Any = np.float32(1e-12)
 _TURN = 2.0 * math.pi
 _C2, _C4, _C6, _C8, _C10, _C12 = (np.float32((-1) ** (n // 2) / math.factorial(n)) for n in range(2, 14, 2))
 _S3, _S5, _S7, _S9, _S11 = (np.float32((-1) ** (n // 2) / math.factorial(n)) for n in range(3, 13, 2))
@@ -104,7 +108,7 @@ def _half_turn(yaw: float) -> tuple[float, float]:
 
     After an odd number of turns both have the other sign, which is the same rotation.
     """
-    h = np.float32(0.5 * (yaw - _TURN * math.floor(yaw / _TURN + 0.5)))
+    h: Any = np.float32(0.5 * (yaw - _TURN * math.floor(yaw / _TURN + 0.5)))
     s = h * h
     cosine = _ONE + s * (_C2 + s * (_C4 + s * (_C6 + s * (_C8 + s * (_C10 + s * _C12)))))
     return cosine, h * (_ONE + s * (_S3 + s * (_S5 + s * (_S7 + s * (_S9 + s * _S11)))))
@@ -123,8 +127,8 @@ def place_root(
         low = int(at)
         high = min(low + 1, last)
         t = np.float32(at - low)
-        for c in range(3):
-            root[c, i] = clip_root[low, c] + t * (clip_root[high, c] - clip_root[low, c])
+        for axis in range(3):
+            root[axis, i] = clip_root[low, axis] + t * (clip_root[high, axis] - clip_root[low, axis])
         at_x[i], at_z[i], path[i], body[i] = placement[n, 0], placement[n, 1], placement[n, 2], placement[n, 3]
     for i in range(BLOCK):
         c, s = _half_turn(path[i])
