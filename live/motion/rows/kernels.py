@@ -36,7 +36,7 @@ _A8, _B8 = np.float32(_MU / (8 * 17)), np.float32(_MU * 8 / 17)
 
 
 @kernel("f4(f4,f4)", inline="always")
-def _slerp_share(t: np.float32, off: np.float32) -> np.float32:
+def _slerp_share(t: Any, off: Any) -> Any:
     """sin(t a) / sin(a) for cos(a) = 1 + `off`, by Eberly's polynomial: within 1e-5 up to a right angle."""
     s = t * t
     tail = _ONE + (_A7 * s - _B7) * off * (_ONE + (_A8 * s - _B8) * off)
