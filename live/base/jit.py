@@ -74,3 +74,13 @@ def kernel(signature: str, **options: Any) -> Callable[[Function], Function]:
         return compiled
 
     return compile_
+
+
+def part(function: Function) -> Function:
+    """A part of kernels, written into each kernel that calls it; only kernels may call it.
+
+    It has no compiled form, so it needs no signature; and the arrays that a kernel makes keep their known lengths in
+    it, without which rows could not be told apart and nothing would be vectorised.
+    """
+    inlined: Function = numba.njit(nogil=True, error_model="numpy", inline="always")(function)
+    return inlined

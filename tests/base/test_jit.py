@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from live.base import jit, kernels
-from live.motion.rows.kernels import slerp_rows
+from live.motion.legs.kernels import follow_feet
 
 
 def test_the_cache_is_named_after_the_sources(tmp_path, monkeypatch):
@@ -29,9 +29,9 @@ def test_every_kernel_file_is_counted():
 
 @pytest.mark.skipif(jit.JIT_DISABLED, reason="plain Python functions take any array")
 def test_a_wrong_array_is_a_type_error_and_compiles_nothing():
-    good = np.zeros((1, 4, 32), np.float32)
+    good, contact = np.zeros((1, 2, 8), np.float32), np.ones((1, 2), np.bool_)
     with pytest.raises(TypeError):
-        slerp_rows(good, good.astype(np.float64), np.zeros(32, np.float32), 0, 1)
+        follow_feet(good, np.zeros((1, 9, 3)), contact, 0.1, 0.1, 0.01)
 
 
 def test_a_cache_that_cannot_be_written_does_not_stop_the_start(tmp_path):

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import kernel
+from live.base.jit import kernel, part
 from live.motion.rows.kernels import BLOCK
 
 Float32 = npt.NDArray[np.float32]
@@ -60,7 +60,7 @@ def _length(offsets: Float32, joint: int) -> float:
     return math.sqrt(o[0] * o[0] + o[1] * o[1] + o[2] * o[2])
 
 
-@kernel("UniTuple(f4,4)(f4,f4,f4,f4,f4,f4,f4,f4,f4,f4)", inline="always")
+@part
 def _turned(
     ax: float, ay: float, az: float, bx: float, by: float, bz: float, qw: float, qx: float, qy: float, qz: float
 ) -> Rotation:
@@ -78,7 +78,7 @@ def _turned(
     )
 
 
-@kernel("void(f4[:,::1], f4[:,::1], f4[:,:,::1], i8, f4, f4, i8, i8)", inline="always")
+@part
 def _aim(
     leg: Float32, asked: Float32, feet: Float32, side: int, sole: float, toes_over_sole: float, start: int, stop: int
 ) -> None:
@@ -104,7 +104,7 @@ def _aim(
         leg[_GOAL + 2, i] = az + dz * scale
 
 
-@kernel("void(f4[::1], f4[:,::1], f4)", inline="always")
+@part
 def _sink(drop: Float32, leg: Float32, whole: float) -> None:
     """Let the hips sink, `drop` (BLOCK,) [m], so far that the leg of length `whole` reaches its goal."""
     for i in range(BLOCK):
@@ -116,7 +116,7 @@ def _sink(drop: Float32, leg: Float32, whole: float) -> None:
         drop[i] = max(drop[i], min(-gy - reach, PELVIS_DROP))
 
 
-@kernel("void(f4[:,::1], f4[::1], f4, f4)", inline="always")
+@part
 def _bend(leg: Float32, drop: Float32, upper: float, lower: float) -> None:
     """Two bones from the sunk hip to the goal, the knee kept in its plane; foot and toes keep their rotation."""
     whole = upper + lower
@@ -157,7 +157,7 @@ def _bend(leg: Float32, drop: Float32, upper: float, lower: float) -> None:
         leg[_HIP + 5, i] = hy
 
 
-@kernel("void(f4[:,:,::1], f4[:,:,::1], i4[::1], f4[:,::1], f4, f4, i8, i8)", inline="always")
+@part
 def stand_legs(
     world: Float32,
     feet: Float32,

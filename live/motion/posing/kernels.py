@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import kernel
+from live.base.jit import kernel, part
 from live.base.kernels import angle_wrap
-from live.motion.legs.kernels import stand_legs
+from live.motion.legs.kernels import TOES, stand_legs
 from live.motion.rows.kernels import (
     BLOCK,
     forward_rows,
@@ -52,7 +52,7 @@ def public_turn(chest: float) -> float:
     return -math.copysign(max(turn, 0.0), angle_wrap(chest))
 
 
-@kernel("void(f4[:,:,::1], f4[::1], i8, i8, i8, i8)")
+@part
 def face_public(world: Float32, share: Float32, chest: int, head: int, start: int, stop: int) -> None:
     """Turn heads about the vertical towards the public by `share` (A,) of the way (T123, T125: the head joint only)."""
     for i in range(min(BLOCK, stop - start)):
@@ -73,7 +73,7 @@ def face_public(world: Float32, share: Float32, chest: int, head: int, start: in
         world[head, 3, i] = c * z - s * x
 
 
-@kernel("b1(f4[::1], f4, i8, i8)")
+@part
 def _any_but(values: Float32, value: float, start: int, stop: int) -> bool:
     """Whether one of the block's values is not `value`."""
     different = False
@@ -82,44 +82,31 @@ def _any_but(values: Float32, value: float, start: int, stop: int) -> bool:
     return different
 
 
-@kernel("void(f4[::1], f4[::1], i8, i8)")
+@part
 def _row(row: Float32, values: Float32, start: int, stop: int) -> None:
     for i in range(BLOCK):
         row[i] = values[min(start + i, stop - 1)]
 
 
-@kernel(
-    "void(f4[:,:,::1], f4[:,::1], f4[:,:,::1], f4[:,::1], f4[:,::1], f4[:,::1], f4[:,::1], f8[:,::1], f8[:,:,::1],"
-    " f4[:,::1], i4[::1], f4[::1], i8, i8, i8)"
-)
-def _take_clip(
-    local: Float32, root: Float32, other: Float32, other_root: Float32, lanes: Float32, clip_root: Float32,
-    clips: Float32, sample: Float64, placement: Float64, share: Float32, body: Int32, row: Float32,
-    which: int, start: int, stop: int,
+@kernel("void(f4[:,:,::1], f4[:,::1], f4[:,:,::1], f4[:,::1], f4[::1], f4[::1], i4[::1], i8, i8)")
+def _mix_take(
+    local: Float32, root: Float32, other: Float32, other_root: Float32, lower: Float32, upper: Float32, body: Int32,
+    start: int, stop: int,
 ) -> None:  # fmt: skip
-    """One clip of the block, placed, with another take mixed into lower and upper body (T044, T045)."""
-    gather_samples(local, lanes, clips, sample[which], start, stop)
-    place_root(local, root, clip_root, sample[which], placement[which], start, stop)
-    lower, upper = share[LOWER if which == PRESENT else NEXT_LOWER], share[UPPER if which == PRESENT else NEXT_UPPER]
-    mixes_lower, mixes_upper = _any_but(lower, _ZERO, start, stop), _any_but(upper, _ZERO, start, stop)
-    if not mixes_lower and not mixes_upper:
-        return
-    gather_samples(other, lanes, clips, sample[which + 1], start, stop)
-    place_root(other, other_root, clip_root, sample[which + 1], placement[which + 1], start, stop)
+    """Mix another take of the same step into lower and upper body by shares (A,) of their own (T044, T045)."""
+    row = np.empty(BLOCK, np.float32)
     first, last = body[UPPER_FIRST], body[UPPER_LAST]
-    if mixes_upper:
-        _row(row, upper, start, stop)
-        slerp_rows(local, other, row, first, last)
-    if mixes_lower:
-        _row(row, lower, start, stop)
-        slerp_rows(local, other, row, 0, first)
-        slerp_rows(local, other, row, last, local.shape[0])
-        for c in range(3):
-            for i in range(BLOCK):
-                root[c, i] += row[i] * (other_root[c, i] - root[c, i])
+    _row(row, upper, start, stop)
+    slerp_rows(local, other, row, first, last)
+    _row(row, lower, start, stop)
+    for above in range(2):
+        slerp_rows(local, other, row, last if above else 0, local.shape[0] if above else first)
+    for c in range(3):
+        for i in range(BLOCK):
+            root[c, i] += row[i] * (other_root[c, i] - root[c, i])
 
 
-@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], i4[:,::1], f4[::1], f4[::1], f4[::1], i4[::1], i8, i8)")
+@part
 def _amplify(
     local: Float32, other: Float32, mean_rotation: Float32, mean: Int32, into_next: Float32,
     amplitude: Float32, row: Float32, body: Int32, start: int, stop: int,
@@ -162,37 +149,39 @@ def pose_dancers(
     """
     joints = parents.shape[0]
     # made here, with rows of a constant length, so that the compiler knows that no two rows overlap
-    present, coming, other = (
-        np.empty((joints, 4, BLOCK), np.float32), np.empty((joints, 4, BLOCK), np.float32),
-        np.empty((joints, 4, BLOCK), np.float32),
-    )  # fmt: skip
-    root, next_root, other_root = (
-        np.empty((3, BLOCK), np.float32), np.empty((3, BLOCK), np.float32), np.empty((3, BLOCK), np.float32),
-    )  # fmt: skip
+    present, coming = np.empty((joints, 4, BLOCK), np.float32), np.empty((joints, 4, BLOCK), np.float32)
+    take, roots = np.empty((joints, 4, BLOCK), np.float32), np.empty((4, 3, BLOCK), np.float32)
     world, row = np.empty((joints, 7, BLOCK), np.float32), np.empty(BLOCK, np.float32)
-    lanes = np.empty((BLOCK, 4 * joints), np.float32)
+    lanes, asked = np.empty((BLOCK, 4 * joints), np.float32), np.empty(4, np.bool_)
     clips = clip_rotation.reshape((clip_rotation.shape[0], 4 * joints))
     for start in range(begin, end, BLOCK):
         stop = min(start + BLOCK, end)
-        _take_clip(
-            present, root, other, other_root, lanes, clip_root, clips, sample, placement, share, body, row,
-            PRESENT, start, stop,
-        )  # fmt: skip
-        if _any_but(share[INTO_NEXT], _ZERO, start, stop):
-            _take_clip(
-                coming, next_root, other, other_root, lanes, clip_root, clips, sample, placement, share, body, row,
-                NEXT, start, stop,
-            )  # fmt: skip
+        blends = _any_but(share[INTO_NEXT], _ZERO, start, stop)
+        asked[PRESENT], asked[NEXT] = True, blends
+        asked[PRESENT_TAKE] = _any_but(share[LOWER], _ZERO, start, stop) or _any_but(share[UPPER], _ZERO, start, stop)
+        mixes = _any_but(share[NEXT_LOWER], _ZERO, start, stop) or _any_but(share[NEXT_UPPER], _ZERO, start, stop)
+        asked[NEXT_TAKE] = blends and mixes
+        for k in range(4):  # a take is fetched and mixed in right after its clip
+            if not asked[k]:
+                continue
+            local = present if k == PRESENT else (coming if k == NEXT else take)
+            gather_samples(local, lanes, clips, sample[k], start, stop)
+            place_root(local, roots[k], clip_root, sample[k], placement[k], start, stop)
+            if k in (PRESENT_TAKE, NEXT_TAKE):
+                lower, own = (LOWER, present) if k == PRESENT_TAKE else (NEXT_LOWER, coming)
+                _mix_take(own, roots[k - 1], take, roots[k], share[lower], share[lower + 1], body, start, stop)
+        root = roots[PRESENT]
+        if blends:
             _row(row, share[INTO_NEXT], start, stop)
             slerp_rows(present, coming, row, 0, joints)
             for c in range(3):
                 for i in range(BLOCK):
-                    root[c, i] += row[i] * (next_root[c, i] - root[c, i])
+                    root[c, i] += row[i] * (roots[NEXT, c, i] - root[c, i])
         if _any_but(amplitude, _ONE, start, stop):
-            _amplify(present, other, mean_rotation, mean, share[INTO_NEXT], amplitude, row, body, start, stop)
+            _amplify(present, take, mean_rotation, mean, share[INTO_NEXT], amplitude, row, body, start, stop)
         forward_rows(world, present, root, offsets, parents)
         if body[HEAD] >= 0 and _any_but(head, _ZERO, start, stop):
             face_public(world, head, body[CHEST], body[HEAD], start, stop)
-        if legs.shape[0] == 8 and feet[start, 0, 4] >= 0.0:
+        if legs.shape[0] == 8 and feet[start, 0, TOES] >= 0.0:
             stand_legs(world, feet, legs, offsets, soles[0], soles[1], start, stop)
         write_block(position, rotation, world, start, stop)

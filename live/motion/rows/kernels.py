@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import kernel
+from live.base.jit import part
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -35,7 +35,7 @@ _B1, _B2, _B3, _B4, _B5, _B6, _B7 = (np.float32(i / (2.0 * i + 1.0)) for i in ra
 _A8, _B8 = np.float32(_MU / (8 * 17)), np.float32(_MU * 8 / 17)
 
 
-@kernel("f4(f4,f4)", inline="always")
+@part
 def _slerp_share(t: Any, off: Any) -> Any:
     """sin(t a) / sin(a) for cos(a) = 1 + `off`, by Eberly's polynomial: within 1e-5 up to a right angle."""
     s = t * t
@@ -44,7 +44,7 @@ def _slerp_share(t: Any, off: Any) -> Any:
     return t * (_ONE + (_A1 * s - _B1) * off * (_ONE + (_A2 * s - _B2) * off * (_ONE + (_A3 * s - _B3) * off * tail)))
 
 
-@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[::1], i8, i8)", inline="always")
+@part
 def slerp_rows(into: Float32, other: Float32, share: Float32, first: int, last: int) -> None:
     """SLERP joints first..last-1 of `into` towards `other` by `share` (BLOCK,) along the shorter arc (T035, T045)."""
     for j in range(first, last):
@@ -64,7 +64,7 @@ def slerp_rows(into: Float32, other: Float32, share: Float32, first: int, last: 
             into[j, 3, i] = z * scale
 
 
-@kernel("void(f4[:,:,::1], i8, i8)", inline="always")
+@part
 def unit_rows(local: Float32, first: int, last: int) -> None:
     """Make the rotations of joints first..last-1 unit; they may be as short as sums of rotations are."""
     for j in range(first, last):
@@ -77,7 +77,7 @@ def unit_rows(local: Float32, first: int, last: int) -> None:
             local[j, 3, i] = z * scale
 
 
-@kernel("void(f4[:,:,::1], f4[:,::1], f4[:,::1], f8[::1], i8, i8)", inline="always")
+@part
 def gather_samples(local: Float32, lanes: Float32, clips: Float32, sample: Float64, start: int, stop: int) -> None:
     """Rotations of the block's dancers at fractional samples, linear and made unit between two neighbours.
 
@@ -102,7 +102,7 @@ def gather_samples(local: Float32, lanes: Float32, clips: Float32, sample: Float
             local[j, 3, i] = z * scale
 
 
-@kernel("UniTuple(f4,2)(f8)", inline="always")
+@part
 def _half_turn(yaw: float) -> tuple[float, float]:
     """Cosine and sine of half of `yaw` [rad], by their series after whole turns are taken away; within 1e-7.
 
@@ -114,7 +114,7 @@ def _half_turn(yaw: float) -> tuple[float, float]:
     return cosine, h * (_ONE + s * (_S3 + s * (_S5 + s * (_S7 + s * (_S9 + s * _S11)))))
 
 
-@kernel("void(f4[:,:,::1], f4[:,::1], f4[:,::1], f8[::1], f8[:,::1], i8, i8)", inline="always")
+@part
 def place_root(
     local: Float32, root: Float32, clip_root: Float32, sample: Float64, placement: Float64, start: int, stop: int
 ) -> None:
@@ -145,7 +145,7 @@ def place_root(
         local[0, 3, i] = c * qz - s * qx
 
 
-@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,::1], f4[:,::1], i4[::1])", inline="always")
+@part
 def forward_rows(world: Float32, local: Float32, root: Float32, offsets: Float32, parents: Int32) -> None:
     """Forward kinematics of a block: B = A + O_B R_A (T164), a parent always before its children."""
     for i in range(BLOCK):
@@ -173,7 +173,7 @@ def forward_rows(world: Float32, local: Float32, root: Float32, offsets: Float32
             world[j, 6, i] = above[6, i] + oz + aw * tz + ax * ty - ay * tx
 
 
-@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], i8, i8)", inline="always")
+@part
 def write_block(position: Float32, rotation: Float32, world: Float32, start: int, stop: int) -> None:
     """The block's joints into the arrays of all dancers, (A, J, 3) and (A, J, 4)."""
     for j in range(world.shape[0]):
