@@ -137,10 +137,15 @@ def with_steps_of(patch: Patch, graph: MotionGraph) -> Patch:
 
 
 def library_hash(library: StepLibrary) -> str:
-    """A short hash over every bit of the library's motion: a replay needs the same."""
+    """A short hash over every bit of the library's motion and of what decides its edges: a replay needs the same."""
     digest = hashlib.blake2b(digest_size=8)
-    for array in (library.clip_root, library.clip_rotation, library.node_first, library.node_last):
+    for array in (
+        library.clip_root, library.clip_rotation, library.clip_contact, library.node_first, library.node_last
+    ):  # fmt: skip
         digest.update(np.ascontiguousarray(array).tobytes())
+    for clip in library.clips:
+        facts = (clip.step, clip.mirrored, clip.leading_foot, clip.begin_pose, clip.end_pose, clip.weight_transfer)
+        digest.update(repr(facts).encode())
     return digest.hexdigest()
 
 
