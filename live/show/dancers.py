@@ -109,7 +109,8 @@ class Dancers:
         self._ask(fraction)
         pipeline, variation = self._pipeline, self.variation
         pipeline.head[:] = variation.head
-        pipeline.lock = bool(variation.lock.any())
+        # once let go, feet still have to swing back
+        pipeline.lock = bool(variation.lock.any()) or float(np.abs(self.lock.state[:, :, :2]).max()) > 1e-3
         if pipeline.lock:
             self.lock.place(pipeline.feet, max(time - self._locked_at, 0.0))
         return pipeline.run(self.graph.library.store, out)
