@@ -28,6 +28,7 @@ from live.motion.editing.support import LIFTED, height_difference
 from live.motion.editing.time_warp import draw_measure_warps, warp_step
 from live.motion.forward import forward_kinematics
 from live.motion.mirror import mirror_step
+from live.motion.posing.foot_lock import lock_feet
 from live.motion.skeleton import SKELETON
 from tools.edit_panels import HEAD, beats, figure_of, footprints, headings, label, panels, places, sketch, stage, within
 
@@ -241,6 +242,31 @@ def draw_mirror() -> Figure:
     return figure
 
 
+def draw_foot_lock() -> Figure:
+    step = sketch("walk", "long forward")
+    root = step.clip.root_position.copy()
+    root[:, 0] += 0.25 * np.sin(np.pi * np.arange(len(root)) / step.samples_per_measure).astype(np.float32)
+    dragged = replace(step, clip=replace(step.clip, root_position=root))
+    locked = replace(dragged, clip=lock_feet(dragged.clip))
+    figure, (plan, side, contacts) = panels(
+        3, "lock_feet: a walk that is carried sideways, its feet held", [1, 1.4, 1.4]
+    )
+    part = within(step)
+    for one, colour, name in ((dragged, BEFORE, "before"), (locked, AFTER, "after")):
+        footprints(plan, one, colour, name)
+        ball = find_feet(one.clip).ball[part, :, 0] * 100
+        side.plot(beats(one)[part], ball, color=colour, lw=2, label=[name, "_"])
+    label(plan, "footprints from above", "x [m]", "z [m]")
+    label(side, "where both feet are, sideways", "beat", "cm")
+    feet = find_feet(step.clip)
+    for foot, (colour, name) in enumerate(((BEFORE, "left"), (THIRD, "right"))):
+        contacts.plot(beats(step)[part], feet.height[part, foot] * 100, color=colour, lw=2, label=f"{name} sole")
+        on = step.clip.contact[part, foot]
+        contacts.fill_between(beats(step)[part], -1.6 + 0.8 * foot, -1.0 + 0.8 * foot, where=on, color=colour, lw=0)
+    label(contacts, "soles, and contact as it was found (bars)", "beat", "cm")
+    return figure
+
+
 PICTURES: Final[dict[str, Callable[[], Figure]]] = {
     "interpolation": draw_interpolation,
     "combination": draw_combination,
@@ -251,6 +277,7 @@ PICTURES: Final[dict[str, Callable[[], Figure]]] = {
     "orientation": draw_orientation,
     "head": draw_head,
     "floor": draw_floor,
+    "foot-lock": draw_foot_lock,
     "mirror": draw_mirror,
 }
 
