@@ -4,6 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
+from live.graph.placing import next_axes, own_end, take_placement, turn_vectors
 from live.graph.takes import NO_TAKE
 from live.motion.turning.kernels import place_dancers
 
@@ -11,14 +12,9 @@ Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
+__all__ = ["UNDECIDED", "Danced", "turn_vectors"]
+
 UNDECIDED = -1
-
-
-def turn_vectors(vectors: Float64, yaw: Float64) -> Float64:
-    """Rotate stage vectors (A, 2) by yaw (A,) about +Y: (0, 1) becomes (sin yaw, cos yaw)."""
-    c, s = np.cos(yaw), np.sin(yaw)
-    x, z = vectors[:, 0], vectors[:, 1]
-    return np.stack([x * c + z * s, z * c - x * s], axis=1)
 
 
 class Danced:
@@ -68,46 +64,18 @@ class Danced:
         )
 
     def take_placement(self, placement: Float64) -> Float64:
-        """Where the other takes' clips lie, (A, 4), when the dancers' own lie at `placement` (A, 4).
-
-        Both takes have their hips at one place and face the same way when the measure begins.
-        """
-        graph, own, other = self.graph, np.maximum(self.node, 0), np.maximum(self.take, 0)
-        turn = graph.node_facing_start[own] - graph.node_facing_start[other]
-        shift = graph.node_start[own] - turn_vectors(graph.node_start[other], turn)
-        out = placement.copy()
-        out[:, :2] += turn_vectors(shift, placement[:, 2])
-        out[:, 2:] += turn[:, None]
-        return out
+        """Where the other takes' clips lie, (A, 4), when the dancers' own lie at `placement` (A, 4)."""
+        return take_placement(self.graph, self.node, self.take, placement)
 
     def own_end(self) -> tuple[Float64, Float64]:
         """Hips (A, 2) [m] and heading (A,) [rad] at the measure's end in the clips' own axes, takes mixed in."""
-        graph, own = self.graph, np.maximum(self.node, 0)
-        end, facing = graph.node_end[own], graph.node_facing[own]
-        share = self.take_share[0].astype(np.float64) * (self.take >= 0)
-        if not share.any():
-            return end, facing
-        other = np.maximum(self.take, 0)
-        turn = graph.node_facing_start[own] - graph.node_facing_start[other]
-        shift = graph.node_start[own] - turn_vectors(graph.node_start[other], turn)
-        other_end = shift + turn_vectors(graph.node_end[other], turn)
-        off = graph.node_facing[other] + turn - facing
-        off = np.arctan2(np.sin(off), np.cos(off))
-        return end + share[:, None] * (other_end - end), facing + share * off
+        return own_end(self.graph, self.node, self.take, self.take_share[0].astype(np.float64))
 
     def end_placement(self) -> Float64:
-        """The axes (x, z, yaw) in which the next clip joins, corrections and takes included, (A, 3).
-
-        The graph's transforms go from this node's own end to the next node's start, so the axes are moved so that the
-        node's own end lies where the dancer really ends.
-        """
+        """The axes (x, z, yaw) in which the next clip joins, corrections and takes included, (A, 3)."""
         out = np.empty((len(self.node), 4))
         self.turned(np.ones(len(self.node)), out)
-        hips, heading = self._end(out)
-        graph, node = self.graph, np.maximum(self.node, 0)
-        yaw = heading - graph.node_facing[node]
-        place: Float64 = hips - turn_vectors(graph.node_end[node], yaw)
-        return np.ascontiguousarray(np.column_stack([place, yaw]))
+        return next_axes(self.graph, self.node, *self._end(out))
 
     def end_position(self) -> Float64:
         """Where the hips will be at the measure's end [m], shape (A, 2)."""

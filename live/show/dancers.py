@@ -5,6 +5,7 @@ import numpy.typing as npt
 
 from live.base.kernels import ease
 from live.graph.motion_graph import MotionGraph
+from live.graph.placing import begun, transition_weight
 from live.motion.editing.time_warp import measure_warp
 from live.motion.posing.foot_lock import FootLock
 from live.motion.posing.kernels import INTO_NEXT, LOWER, NEXT, NEXT_LOWER, PRESENT, PRESENT_TAKE
@@ -18,12 +19,6 @@ Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
-
-
-def transition_weight(into: Float64) -> Float64:
-    """Weight of the next clip when the share `into` of the transition has passed: C1, after Kovar (K004)."""
-    into = np.clip(into, 0.0, 1.0)
-    return np.asarray(into * into * (3.0 - 2.0 * into))
 
 
 class Dancers:
@@ -55,9 +50,7 @@ class Dancers:
         """Put every dancer at the beginning of a node: hips at `position` (A, 2) [m], body facing `heading` (A,)."""
         danced = self.present
         danced.node[:] = node
-        yaw = heading - self.graph.node_facing_start[node]
-        danced.placement[:, :2] = position - turn_vectors(self.graph.node_start[node], yaw)
-        danced.placement[:, 2] = yaw
+        danced.placement[:] = begun(self.graph, node, position, heading)
         danced.correction[:] = 0.0
         self.past.node[:] = UNDECIDED
         self.coming.node[:] = UNDECIDED
