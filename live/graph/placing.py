@@ -78,7 +78,7 @@ def joined(axes: Float64, transform: Float64) -> Float64:
 
 
 def begun(graph: MotionGraph, node: Int32, hips: Float64, heading: Float64) -> Float64:
-    """Placements (A, 3) with which dancers begin `node` (A,) with their hips at `hips` (A, 2), facing `heading` (A,)."""
+    """Placements (A, 3) of `node` (A,) begun with the hips at `hips` (A, 2) [m], facing `heading` (A,) [rad]."""
     yaw = heading - graph.node_facing_start[node]
     return np.column_stack([hips - turn_vectors(graph.node_start[node], yaw), yaw])
 

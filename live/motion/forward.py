@@ -26,3 +26,13 @@ def forward_kinematics(root_position: Float, rotation: Float, skeleton: Skeleton
             positions[:, joint] = positions[:, parent] + quaternion.rotate(rotations[:, parent], offset)
             rotations[:, joint] = quaternion.mul(rotations[:, parent], rotation[:, joint])
     return positions, rotations
+
+
+def local_rotations(world: Float, skeleton: Skeleton = SKELETON) -> Float:
+    """Local rotations (T, J, 4), float64 and unit, of world rotations (T, J, 4): what undoes `forward_kinematics`."""
+    world = np.asarray(world, np.float64)
+    rotation = world.copy()
+    for joint, parent in enumerate(skeleton.parents):
+        if parent >= 0:
+            rotation[:, joint] = quaternion.mul(quaternion.inverse(world[:, parent]), world[:, joint])
+    return quaternion.unit(rotation)

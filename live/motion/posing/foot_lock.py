@@ -8,7 +8,7 @@ import numpy.typing as npt
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.contact import TOES_OVER_SOLE
-from live.motion.forward import forward_kinematics
+from live.motion.forward import forward_kinematics, local_rotations
 from live.motion.legs.kernels import (
     FEET_COLUMNS,
     HELD,
@@ -20,7 +20,7 @@ from live.motion.legs.kernels import (
     follow_feet,
 )
 from live.motion.posing.pipeline import ClipStore, PosePipeline, PoseSkeleton
-from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
+from live.motion.skeleton import SOLE_BELOW_ANKLE
 
 Float32 = npt.NDArray[np.float32]
 Bool = npt.NDArray[np.bool_]
@@ -64,11 +64,7 @@ def lock_feet(clip: Clip) -> Clip:
     pipeline.sample[0] = np.arange(count)
     pipeline.lock = True
     world_position, world_rotation = pipeline.run(ClipStore.of(clip.root_position, clip.rotation))
-    rotation: npt.NDArray[Any] = world_rotation.astype(np.float64)
-    for joint, parent in enumerate(SKELETON.parents):
-        if parent >= 0:
-            rotation[:, joint] = quaternion.mul(quaternion.inverse(world_rotation[:, parent]), world_rotation[:, joint])
-    rotation = quaternion.continuous(quaternion.unit(rotation))
+    rotation = quaternion.continuous(local_rotations(world_rotation))
     return Clip(
         name=clip.name,
         root_position=np.ascontiguousarray(world_position[:, 0]),
