@@ -11,9 +11,11 @@ from typing import Any, Final
 
 from live.base.toml_lines import KeyPath, error_line, line_of, toml_lines
 from live.motion.sketch_attributes import ATTRIBUTES, read_attributes
+from live.motion.sketch_takes import Take, read_directions, read_takes
 from live.motion.sketch_words import PAIRS, PARTS, WordError, Words, read_counts, read_phrases
+from live.motion.step_clip import DIRECTIONS
 
-MAX_BEATS: Final = 16
+MAX_BEATS: Final = 64
 MAX_KEYS: Final = 100
 MAX_TEXT: Final = 200_000
 SHORTEST: Final = 0.08
@@ -56,6 +58,8 @@ class Sketch:
     beats_per_measure: int = 4
     bpm: float = 112.0
     travels: bool = False
+    directions: tuple[str, ...] = DIRECTIONS
+    """Of the nine those in which it is danced if it travels; its mirror image in their mirror images (T134)."""
     mirror: bool = True
     cyclic: bool = True
     short: float = 0.35
@@ -68,6 +72,8 @@ class Sketch:
     """How long a foot is in the air at most on its way to the next place [beats]."""
     attributes: Mapping[str, Any] = field(default_factory=dict)
     """What else is said of the step, by the names of StepClip's fields (see `sketch_attributes`)."""
+    takes: tuple[Take, ...] = ()
+    """The runs of measures that are steps of their own; none: the whole is one step."""
     parts: Mapping[str, tuple[Key, ...]] = field(default_factory=dict)
     """Part → its keys in the order of their beats."""
     lines: Mapping[KeyPath, int] = field(default_factory=dict)
@@ -123,6 +129,7 @@ class _Reader:
         if alternate and "body" in self.table:
             remedy = "leave out alternate, or turn the pelvis and the chest only"
             raise self._error(("body",), "the whole body cannot turn in a step that alternates", remedy)
+        sketch = replace(sketch, directions=self._directions(), takes=self._takes(sketch))
         parts = self._parts(sketch.beats / 2 if alternate else float(sketch.beats))
         if alternate:
             parts = _alternated(parts, sketch.beats / 2)
@@ -130,12 +137,26 @@ class _Reader:
         self._danceable(sketch)
         return sketch
 
+    def _directions(self) -> tuple[str, ...]:
+        if "directions" in self.table and self.table.get("travels") is not True:
+            raise self._error(("directions",), "the step does not travel", "say travels = true, or leave it out")
+        return read_directions(self.table, self._error)
+
+    def _takes(self, sketch: Sketch) -> tuple[Take, ...]:
+        takes = read_takes(self.table, sketch.beats // sketch.beats_per_measure, self._error)
+        if takes and not sketch.cyclic:
+            raise self._error(("take",), "a step that does not repeat has no takes", "leave out cyclic or the takes")
+        if takes and "body" in self.table:
+            remedy = "turn the pelvis and the chest only, or write a file for each"
+            raise self._error(("body",), "the whole body cannot turn in a phrase of several takes", remedy)
+        return takes
+
     def _error(self, path: KeyPath, problem: str, remedy: str) -> SketchError:
         name = ".".join(f'"{key}"' if " " in str(key) or "&" in str(key) else str(key) for key in path)
         return SketchError(self.file, line_of(self.lines, path), name, problem, remedy)
 
     def _known(self, name: str, value: object) -> None:
-        fields = ["name", *_WHOLES, *_SWITCHES, *_NUMBERS, *ATTRIBUTES]
+        fields = ["name", *_WHOLES, *_SWITCHES, *_NUMBERS, *ATTRIBUTES, "directions", "take"]
         tables = [*PARTS, *PAIRS]
         if name not in fields and name not in tables:
             raise self._error((name,), "unknown", f"fields: {', '.join(fields)}; parts: {', '.join(tables)}")

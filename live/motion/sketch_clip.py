@@ -14,6 +14,7 @@ from live.motion.sketch_channels import SAMPLES_PER_BEAT, facing
 from live.motion.sketch_feet import Path, keep_apart, placed, track
 from live.motion.sketch_pose import Ground
 from live.motion.sketch_stances import balance, flights, stances, supported
+from live.motion.sketch_takes import Take
 from live.motion.step_clip import DIRECTIONS, StepClip
 from live.motion.step_figures import measured_distance
 
@@ -28,17 +29,39 @@ _UNIT: Final = {"forward": (0.0, 1.0), "back": (0.0, -1.0), "left": (1.0, 0.0), 
 
 
 def step_clips(sketch: Sketch) -> list[StepClip]:
-    """All variations of a step: nine directions if it travels, else one; each also mirrored unless `mirror` is false.
+    """All variations of a step: its directions if it travels, each of its takes, and each also mirrored (T042).
 
-    Each begins with a whole measure of lead-in. Directions come in the order of DIRECTIONS, the mirrored ones after
-    all others in the same order. Raises SketchError if legs cannot reach what is asked.
+    Each begins with a whole measure of lead-in. Takes come in the order of the file, their directions in that of
+    DIRECTIONS, the mirrored ones after all others in the same order. Raises SketchError if legs cannot reach what is
+    asked.
     """
-    directions = DIRECTIONS if sketch.travels else DIRECTIONS[:1]
-    own = [step_clip(sketch, direction) for direction in directions]
+    directions = sketch.directions if sketch.travels else DIRECTIONS[:1]
+    whole = [step_clip(sketch, direction) for direction in directions]
+    own = [cut_take(step, take) for take in sketch.takes for step in whole] if sketch.takes else whole
     if not sketch.mirror:
         return own
-    mirrored = {step.direction: step for step in map(mirror_step, own)}
-    return own + [mirrored[direction] for direction in directions]
+    mirrored: list[StepClip] = []
+    for number in range(0, len(own), len(whole)):
+        take = map(mirror_step, own[number : number + len(whole)])
+        mirrored += sorted(take, key=lambda step: DIRECTIONS.index(step.direction))
+    return own + mirrored
+
+
+def cut_take(step: StepClip, take: Take) -> StepClip:
+    """The measures of a phrase that are a step of their own, with the measure before them as lead-in (T039)."""
+    size = round(step.samples_per_measure)
+    begin = take.first * size
+    part = slice(begin, begin + (1 + take.measures) * size + 1 + TAIL_SAMPLES)
+    clip, root = step.clip, step.clip.root_position[part]
+    cut = Clip(
+        name=f"{clip.name}, measure {take.first + 1}",
+        root_position=root - root[size] * np.array((1.0, 0.0, 1.0), np.float32),
+        rotation=np.ascontiguousarray(clip.rotation[part]),
+        sample_rate=clip.sample_rate,
+        contact=np.ascontiguousarray(clip.contact[part]),
+    )
+    own = replace(step, clip=cut, measures=take.measures, **take.attributes)
+    return replace(own, distance_m=measured_distance(own))
 
 
 def displacement(sketch: Sketch, direction: str) -> tuple[float, float]:
