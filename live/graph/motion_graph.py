@@ -75,18 +75,21 @@ class MotionGraph:
         return np.flatnonzero(chosen).astype(np.int32)
 
 
-def build_graph(library: StepLibrary, *, window: float = 0.1875, threshold: float = 0.16) -> MotionGraph:
+def build_graph(
+    library: StepLibrary, *, window: float = 0.1875, threshold: float = 0.16, prune: bool = True
+) -> MotionGraph:
     """Connect the measures of a library.
 
     `window`: length of a transition as a share of the measure (T036); `threshold` [m]: largest distance (T034) of an
     edge. Within a step of several measures each one leads to the next alone, without cost (T039). Poses in which steps
     begin and end must agree where they are named (T136), and a step that transfers the weight is repeated on the other
-    side (T135). ValueError if no two measures connect.
+    side (T135). Dead ends are pruned (T037); with `prune` False they stay, for searches that know where a dance ends
+    (T064). ValueError if no two measures connect, unless nothing is pruned.
     """
     transitions = all_pairs(*transition_windows(library, window))
     allowed = allowed_edges(library, transitions, threshold)
-    alive = largest_component(allowed)
-    if not allowed[np.ix_(alive, alive)].any():
+    alive = largest_component(allowed) if prune else np.ones(library.node_count, np.bool_)
+    if prune and not allowed[np.ix_(alive, alive)].any():
         raise ValueError(
             f"no step of {', '.join(library.steps)} leads to another within {threshold} m: "
             "raise the threshold or make their beginnings and ends more alike"
