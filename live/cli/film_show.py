@@ -14,12 +14,13 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from live.base.errors import PersonError
 from live.base.inbox import Inbox
 from live.base.stage_view import StageView
-from live.cli.recording import film_writer
+from live.cli.recording import film_sound, film_writer
 from live.cli.session import Sound, Wish, resident_megabytes, start_tempo
 from live.clock.source import ManualClock
 from live.control.events import ControlEvent
 from live.control.music_file import OfflineMusic
 from live.render.film import FilmError
+from live.render.film_sound import FilmSound
 from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context
 from live.render.quality import CARD
 from live.render.renderer import Renderer
@@ -28,6 +29,7 @@ from live.show.engine import Engine
 from live.show.journal import JournalError, JournalWriter
 from live.show.load import LoadedShow, scene_of
 from live.show.report import FrameReport
+from live.show.show_sound import ShowSound
 from live.show.status import Status, StatusFile
 
 
@@ -41,8 +43,12 @@ def film_show(
     console: Console,
     report: Path | None = None,
     fine: bool = False,
+    click: bool | None = None,
+    taps: bool | None = None,
 ) -> None:
     """Render `seconds` of the show to `path`; with `report`, the figures of what was danced as JSON.
+
+    `click`, `taps`: whether a click track and the taps of the dancers' feet are heard; None: as the patch says.
 
     `fine`: draw as on a graphics card even without one; a picture then takes some five times as long. A film that is
     broken off is closed properly and plays as far as it goes.
@@ -57,10 +63,14 @@ def film_show(
     music = None if sound.music is None else OfflineMusic(sound.music, loop=True, one_at=one_at)
     frames = max(1, math.ceil(seconds * wish.film_fps))
     figures = FrameReport(show) if report is not None else None
+    heard = film_sound(sound.music)
+    mixed = _mixed(loaded, show, heard, click, taps)
     with contextlib.ExitStack() as stack:
         target, renderer = _canvas(stack, wish, loaded, fine)
         writer = stack.enter_context(
-            film_writer(path, size=wish.size, fps=wish.film_fps, music=sound.music, live=False)
+            film_writer(
+                path, size=wish.size, fps=wish.film_fps, sound=heard if mixed is None else mixed.film, live=False
+            )
         )
         engine.journal = _journal(stack, wish, loaded, show, tempo, engine)
         lines = _status_file(stack, wish, status, clock)
@@ -79,6 +89,8 @@ def film_show(
                 engine.frame(draw)
                 if figures is not None:
                     figures.frame(engine.view)
+                if mixed is not None:
+                    mixed.frame(engine.view)
                 if lines is not None:
                     lines.frame(now)
                 picture = target.push()
@@ -93,6 +105,15 @@ def film_show(
             raise PersonError(str(error)) from None
     if report is not None and figures is not None:
         _write_report(report, figures.result() | {"status": status.snapshot(frames / wish.film_fps)})
+
+
+def _mixed(
+    loaded: LoadedShow, show: Show, music: FilmSound | None, click: bool | None, taps: bool | None
+) -> ShowSound | None:
+    """The mixer of the film's sound; None if there is nothing to add to the music."""
+    own = loaded.patch.sound
+    click, taps = own.click if click is None else click, own.taps if taps is None else taps
+    return ShowSound(show, music, click=click, taps=taps) if click or taps else None
 
 
 def _canvas(

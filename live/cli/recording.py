@@ -16,9 +16,13 @@ from live.render.readback import FrameReader
 SOFTWARE_FPS = 30.0
 
 
-def film_writer(path: Path, *, size: tuple[int, int], fps: float, music: Music | None, live: bool) -> FilmWriter:
-    """A film with the music that is played (from its beginning, again and again); PersonError if it cannot be made."""
-    sound = None if music is None else FilmSound.of(music.samples, music.sample_rate, loop=True)
+def film_sound(music: Music | None) -> FilmSound | None:
+    """The music that is played, from its beginning, again and again."""
+    return None if music is None else FilmSound.of(music.samples, music.sample_rate, loop=True)
+
+
+def film_writer(path: Path, *, size: tuple[int, int], fps: float, sound: FilmSound | None, live: bool) -> FilmWriter:
+    """A film with its sound; PersonError if it cannot be made."""
     try:
         return FilmWriter(path, size=size, fps=fps, sound=sound, live=live)
     except FilmError as error:
@@ -44,7 +48,7 @@ class LiveRecording:
     def __init__(
         self, path: Path, ctx: moderngl.Context, size: tuple[int, int], fps: float, music: Music | None
     ) -> None:
-        self._writer = film_writer(path, size=size, fps=fps, music=music, live=True)
+        self._writer = film_writer(path, size=size, fps=fps, sound=film_sound(music), live=True)
         self._reader = FrameReader(ctx, size)
         self._fps = fps
         self._written = 0

@@ -21,6 +21,8 @@ def render(
     fine: Annotated[
         bool, typer.Option("--fine", help="Draw as a graphics card would even without one; this takes its time.")
     ] = False,
+    click: Annotated[bool | None, typer.Option(help="A click on every beat. Default: as the patch says.")] = None,
+    taps: Annotated[bool | None, typer.Option(help="Tap shoes on all feet. Default: as the patch says.")] = None,
     journal: Annotated[Path | None, typer.Option(help="Write the journal here as well.")] = None,
     report: Annotated[Path | None, typer.Option(help="Write figures of what was danced as JSON.")] = None,
 ) -> None:
@@ -49,5 +51,7 @@ def render(
     if sound.device is not None:
         raise PersonError(f"--audio {audio!r} is an input device: `live render` needs a music file")
     length = seconds or (60.0 if sound.music is None else sound.music.duration)
-    film_show(wish, loaded, sound, path=out, seconds=length, console=console, report=report, fine=fine)
+    film_show(
+        wish, loaded, sound, path=out, seconds=length, console=console, report=report, fine=fine, click=click, taps=taps
+    )
     console.print(f"the film is here: {out.resolve()}", soft_wrap=True, markup=False)

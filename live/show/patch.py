@@ -41,6 +41,15 @@ class MusicSection(Section):
     """Where its first downbeat is, if that is known."""
 
 
+class SoundSection(Section):
+    """`[sound]`: what a film of `live render` is heard with beside the music (T130)."""
+
+    click: bool = False
+    """A click on every beat, another one on the first of each measure."""
+    taps: bool = False
+    """The sound of tap shoes wherever a foot comes down."""
+
+
 class ClockSection(Section):
     """`[clock]`: musical time while nothing is heard."""
 
@@ -197,6 +206,7 @@ class Patch(Section):
     loop_measures: Annotated[int, Field(ge=1, le=100000)] | None = None
     """The score's elements come again after so many measures; never if left out."""
     music: MusicSection = MusicSection()
+    sound: SoundSection = SoundSection()
     clock: ClockSection = ClockSection()
     stage: StageSection = StageSection()
     camera: CameraSection = CameraSection()

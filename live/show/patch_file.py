@@ -36,12 +36,13 @@ def find_patch(name: str | None) -> Path:
     if name is None:
         return DEFAULT_PATCH
     given = Path(name)
-    for path in (given, given / "show.toml", PATCHES / name, PATCHES / f"{name}.toml"):
+    for path in (given, given / "show.toml", PATCHES / name, PATCHES / name / "show.toml", PATCHES / f"{name}.toml"):
         if is_file(path):
             return path
     if os.path.isdir(name):
         raise PatchError(f"the folder {name!r} holds no show.toml", "put one there, or name a TOML file")
-    known = ", ".join(sorted(path.stem for path in PATCHES.glob("*.toml"))) or "none"
+    folders = (path.parent.name for path in PATCHES.glob("*/show.toml"))
+    known = ", ".join(sorted([*(path.stem for path in PATCHES.glob("*.toml")), *folders])) or "none"
     raise PatchError(
         f"there is no patch {name[:200]!r}",
         f"give a TOML file, a folder with show.toml, or one of the project's: {known}",
