@@ -1,0 +1,98 @@
+"""What a choreographer writes becomes entries; what cannot be read is told with its entry and the nearest names."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from live.base.errors import PersonError
+from live.graph.library import build_library
+from live.graph.specification import MOST_MEASURES, Wanted, leads_rightly, specify
+from live.graph.wanted import parse_sequence
+from tests.made_steps import made_clip, made_steps
+
+
+@pytest.fixture(scope="module")
+def library():
+    return build_library(
+        [
+            *made_steps(),  # sway, glide in five directions, spin, phrase of two measures
+            made_clip("Échappé"),
+            made_clip("wave x2"),
+            made_clip("both"),
+            made_clip("both", measures=2),
+        ]
+    )
+
+
+def test_a_sequence_as_it_is_written(library):
+    sway, glide, phrase, echappe = (library.steps.index(name) for name in ("sway", "glide", "phrase", "Échappé"))
+    assert parse_sequence("sway, echappe x2,*, PHRASE,Glide long_left x 2", library) == [
+        Wanted(sway), Wanted(echappe), Wanted(echappe), Wanted(None), Wanted(phrase, 2),
+        Wanted(glide, way="long left"), Wanted(glide, way="long left"),
+    ]  # fmt: skip
+    assert parse_sequence("wave x2, wave x2 ×3", library) == [Wanted(library.steps.index("wave x2"))] * 4
+    assert parse_sequence("glide left, both:2, both : 1", library) == [
+        Wanted(glide, way="left"), Wanted(library.steps.index("both"), 2), Wanted(library.steps.index("both"), 1),
+    ]  # fmt: skip
+    assert parse_sequence("glide short back", library)[0].way == "short back"  # there is none: told when it is searched
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("sway,gilde", r"entry 2 of the sequence: there is no step 'gilde' \(glide"),
+        ("phrses x3", r"entry 1 .* there is no step 'phrses' \(phrase\)"),
+        ("zzzzz", r"there is no step 'zzzzz' \(the steps are sway, glide, spin"),
+        ("", "entry 1 of the sequence is empty"),
+        ("sway,,sway", "entry 2 of the sequence is empty"),
+        ("sway x0", "'sway x0': 1 to 100000 measures in all"),
+        ("sway x99999,sway x2", "entry 2 of the sequence, 'sway x2': 1 to 100000"),
+        ("both", r"variations of 'both' are 1 or 2 measures long: say which \(both:1\)"),
+        ("both:4", "'both' is 1 or 2 measures long, not 4"),
+        ("x" * 500, "there is no step 'xxx"),
+        ("sway\x00", "there is no step"),
+        ("* left", r"there is no step '\*'"),
+    ],
+)
+def test_what_cannot_be_read(library, text, message):
+    with pytest.raises(PersonError, match=message) as error:
+        parse_sequence(text, library)
+    assert len(str(error.value)) < 400
+    assert "\n" not in error.value.message
+
+
+def test_accents_count_where_nothing_else_tells_steps_apart():
+    library = build_library([made_clip("péte"), made_clip("pete")])
+    assert [entry.step for entry in parse_sequence("pete, péte", library)] == [1, 0]
+
+
+def test_measures_are_asked_for_by_name_and_number(library):
+    spec = specify(library, parse_sequence("phrase,*,glide left,both:2", library))
+    assert spec.measures == 6
+    names = [[library.describe(node) for node in np.flatnonzero(spec.at(n))] for n in range(6)]
+    assert names[:2] == [["phrase 1/2"], ["phrase 2/2"]]
+    assert names[2] == [library.describe(node) for node in range(library.node_count)]
+    assert names[3:] == [["glide long left"], ["both 1/2"], ["both 2/2"]]
+    assert spec.entry.tolist() == [0, 0, 1, 2, 3, 3]
+    last = specify(library, [Wanted(None)])
+    assert (last.at(0) == spec.leaves).all()  # a dance ends with the end of a step
+
+
+def test_longer_than_anybody_dances(library):
+    for wanted in ([], [Wanted(0)] * (MOST_MEASURES + 1)):
+        with pytest.raises(PersonError, match="1 to 100000 expected"):
+            specify(library, wanted)
+
+
+def test_to_the_left_the_right_foot_leads():
+    """T134: a travelling couru goes left only if the right foot leads, and the other way round."""
+    rows = [("short left", "left"), ("long left", "right"), ("long right", "right"), ("short right", "left")]
+    rows += [("long left", ""), ("in place", "left"), ("long forward", "right")]
+    clips = [replace(made_clip("couru", direction=way), leading_foot=foot) for way, foot in rows]
+    assert [leads_rightly(clip) for clip in clips] == [False, True, False, True, True, True, True]
+    library = build_library(clips)
+    assert specify(library, [Wanted(0)]).at(0).all()
+    assert specify(library, [Wanted(0)], foot_rule=True).at(0).tolist() == [leads_rightly(clip) for clip in clips]
+    left = specify(library, [Wanted(0, way="left")], foot_rule=True)
+    assert np.flatnonzero(left.at(0)).tolist() == [1, 4]
