@@ -39,6 +39,10 @@ def bvh(
     if up is not None and up.upper() not in ("Y", "Z"):
         raise PersonError(f"--up {up!r}: Y or Z expected")
     writable_file(joints, "--joints")
+    if joints is not None and joints.suffix.lower() != ".npz":  # a recording named by mistake would be lost
+        raise PersonError(f"--joints {joints}: a name that ends in .npz expected", f"--joints {joints.stem}.npz")
+    if joints is not None and joints.exists() and file.exists() and joints.samefile(file):
+        raise PersonError(f"--joints {joints}: that is the file to be read", "give the new file another name")
     axis: UpAxis | None = None if up is None else "Z" if up.upper() == "Z" else "Y"
     try:
         motion = read_motion(file, skeleton=skeleton, up=axis)

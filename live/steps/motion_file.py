@@ -42,20 +42,27 @@ def read_motion(path: Path, *, skeleton: Path | None = None, up: UpAxis | None =
 def read_bytes(path: Path) -> bytes:
     """All bytes of a file of at most 256 MB; raises MotionFileError."""
     try:
+        if path.is_dir():
+            raise MotionFileError(str(path), None, "that is a folder", f"name a file in it: {_in(path)}")
+        if path.exists() and not path.is_file():
+            raise MotionFileError(str(path), None, "that is no file but a device or a pipe", "name a motion file")
         if not path.is_file():
-            raise MotionFileError(str(path), None, "there is no such file", f"there are: {_beside(path)}")
+            raise MotionFileError(str(path), None, "there is no such file", f"there are: {_in(path.parent)}")
         if path.stat().st_size > MAX_BYTES:
             raise MotionFileError(str(path), None, f"more than {MAX_BYTES} bytes", "cut it into pieces")
-        return path.read_bytes()
+        data = path.read_bytes()
     except OSError as error:
         raise MotionFileError(
             str(path), None, f"cannot be read: {error.strerror}", "a readable file expected"
         ) from None
+    if not data:
+        raise MotionFileError(str(path), None, "the file is empty", "copy it or export it again")
+    return data
 
 
-def _beside(path: Path) -> str:
+def _in(folder: Path) -> str:
     try:
-        names = sorted(p.name for p in path.parent.glob("*") if p.suffix.lower() in MOTION_ENDINGS)
+        names = sorted(p.name for p in folder.glob("*") if p.suffix.lower() in MOTION_ENDINGS)
     except (OSError, ValueError):
         names = []
     return ", ".join(names[:12]) or "no motion files in that folder"

@@ -39,13 +39,23 @@ def recorded_steps(files: StepFiles) -> list[StepClip]:
     steps: list[StepClip] = []
     for toml, entries in files.recordings.items():
         try:
-            sources = _sources(files.texts[toml], entries)
-            steps += _build(entries) if sources is None else CACHE.clips(sources, partial(_build, entries))
+            steps += _cut(files.texts[toml], entries)
         except RecordingError as error:
             problems += error.problems
     if problems:
         raise error_of(problems)
     return steps
+
+
+def _cut(text: str, entries: list[RecordingEntry]) -> list[StepClip]:
+    """The steps of one TOML file, out of the cache if they are there."""
+    sources = _sources(text, entries)
+    if sources is not None:
+        try:
+            return CACHE.clips(sources, partial(_build, entries))
+        except OSError:  # a file that is there and cannot be read: building the steps says which, and why
+            pass
+    return _build(entries)
 
 
 def _sources(text: str, entries: list[RecordingEntry]) -> Iterator[bytes] | None:

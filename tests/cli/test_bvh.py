@@ -93,6 +93,20 @@ def test_what_fails_ends_with_2_and_one_line(walk: Path, arguments: list[str], w
     assert len(done.stderr.splitlines()) == 1
 
 
+def test_no_recording_is_written_over(walk: Path) -> None:
+    before = walk.read_bytes()
+    done = run_live("bvh", "walk.bvh", "--joints", "walk.bvh", cwd=walk.parent)
+    assert done.returncode == 2
+    assert "--joints walk.bvh: a name that ends in .npz expected" in done.stderr
+    assert walk.read_bytes() == before
+    archive = walk.with_name("walk.npz")
+    archive.write_bytes(before)
+    done = run_live("bvh", "walk.npz", "--joints", "walk.npz", cwd=walk.parent)
+    assert done.returncode == 2
+    assert "--joints walk.npz: that is the file to be read" in done.stderr
+    assert archive.read_bytes() == before
+
+
 @pytest.mark.shared
 @pytest.mark.parametrize("name", ["asfamc/49_14.amc", "group/perfume_aachan.glb"])
 def test_other_formats(name: str) -> None:

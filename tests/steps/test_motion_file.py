@@ -1,5 +1,6 @@
 """Which reader takes which file, and what is said about files that none takes."""
 
+import os
 import shutil
 from pathlib import Path
 
@@ -54,7 +55,9 @@ def test_an_amc_finds_its_skeleton(tmp_path: Path) -> None:
         ("a.glb", b"glTF", "a.glb"),
         ("a.gltf", b"{", "a.gltf"),
         ("a.npz", b"PK\x03\x04", "a.npz"),
-        ("a.bvh", b"", "a BVH file begins with HIERARCHY"),
+        ("a.bvh", b" ", "a BVH file begins with HIERARCHY"),
+        ("a.bvh", b"", "a.bvh: the file is empty; copy it or export it again"),
+        ("a.glb", b"", "the file is empty"),
         ("a.amc", b":DEGREES\n", "its skeleton is not known"),
     ],
 )
@@ -71,8 +74,11 @@ def test_what_is_not_there_or_no_file_or_too_large(tmp_path: Path) -> None:
     (tmp_path / "dance.bvh").write_text("x")
     with pytest.raises(MotionFileError, match=r"danse.bvh: there is no such file; there are: dance.bvh"):
         read_motion(tmp_path / "danse.bvh")
-    with pytest.raises(MotionFileError, match="there is no such file"):
+    with pytest.raises(MotionFileError, match=r"that is a folder; name a file in it: dance.bvh$"):
         read_motion(tmp_path)
+    os.mkfifo(tmp_path / "pipe.bvh")
+    with pytest.raises(MotionFileError, match="pipe.bvh: that is no file but a device or a pipe"):
+        read_motion(tmp_path / "pipe.bvh")
     with pytest.raises(MotionFileError):
         read_motion(Path("a\0b"))
     with (tmp_path / "huge.bvh").open("wb") as file:

@@ -303,6 +303,20 @@ def test_a_recording_that_is_gone_is_told_although_its_steps_are_cached(tmp_path
     assert "line 2: file: " in problems_of(directory)
 
 
+def test_a_recording_that_must_not_be_read_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    directory = folder(tmp_path, ONE)
+    read = Path.read_bytes
+
+    def denied(path: Path) -> bytes:
+        if path.suffix == ".bvh":
+            raise PermissionError(13, "Permission denied", str(path))
+        return read(path)
+
+    monkeypatch.setattr(Path, "read_bytes", denied)
+    assert "line 2: file: " in problems_of(directory)
+    assert "dance.bvh: cannot be read: Permission denied" in problems_of(directory)
+
+
 def test_problems_of_all_files_are_told_together(tmp_path: Path) -> None:
     directory = folder(tmp_path, ONE.replace("measures = 2", "measures = 9"))
     (directory / "b.toml").write_text(ONE.replace("bpm = 120", "bpm = 1"))
