@@ -72,7 +72,9 @@ def _type_words(annotation: Any) -> str:
         return "list of texts" if kinds[-1] is Ellipsis else f"[{', '.join('number' for _ in kinds)}]"
     if hasattr(annotation, "__metadata__"):
         return _type_words(get_args(annotation)[0])
-    return {str: "text", float: "number", int: "whole number"}.get(annotation, str(annotation))
+    if isinstance(annotation, type) and issubclass(annotation, Section):
+        return "table"
+    return {str: "text", float: "number", int: "whole number", bool: "true or false"}[annotation]
 
 
 def _default(field: FieldInfo) -> str:
@@ -83,6 +85,8 @@ def _default(field: FieldInfo) -> str:
         return "–"
     if isinstance(value, str):
         return f'`"{value}"`'
+    if isinstance(value, bool):
+        return f"`{str(value).lower()}`"
     return f"`{list(value) if isinstance(value, tuple) else value}`"
 
 

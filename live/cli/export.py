@@ -31,7 +31,8 @@ def export(
     ] = None,
     drop_frames: Annotated[int | None, typer.Option(help="FILE: leave out so many frames at its start.")] = None,
     library: Annotated[
-        Path | None, typer.Option(help="STEP: the folder it is in. Default: the project's steps.", metavar="DIR")
+        Path | None,
+        typer.Option(help="STEP: the folder it is in. Default: your own, and the project's.", metavar="DIR"),
     ] = None,
     variation: Annotated[int | None, typer.Option(help="STEP: which of its variations, from 1.")] = None,
     measures: Annotated[int | None, typer.Option(help="STEP: only its first measures. Default: all.")] = None,
@@ -170,19 +171,18 @@ def _variations(name: str, library: Path | None) -> "list[StepClip]":
     import difflib
 
     from live.base.errors import PersonError
-    from live.show.patch_file import PATCHES
-    from live.steps.step_folder import load_folder
+    from live.cli.steps_library import folders, named_steps
 
-    folder = library or PATCHES / "steps"
-    clips = load_folder(folder)
+    clips = [clip for step in named_steps(library) for clip in step.clips]
     found = [clip for clip in clips if clip.step.casefold() == name.strip().casefold()]
     if found:
         return found
     names = sorted({clip.step for clip in clips})
+    where = " and ".join(map(str, folders(library)))
     near = difflib.get_close_matches(name, names, n=1)
     shown = ", ".join(names[:KNOWN_STEPS_SHOWN]) + (", ..." if len(names) > KNOWN_STEPS_SHOWN else "")
     raise PersonError(
-        f"there is no file and no step {name[:100]!r} in {folder}; steps there: {shown}",
+        f"there is no file and no step {name[:100]!r} in {where}; steps there: {shown}",
         f"live export {near[0]!r}" if near else "give a motion file, a step, or --library DIR",
     )
 

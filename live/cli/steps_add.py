@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 from rich.console import Console
@@ -12,15 +13,10 @@ from live.cli.steps_library import user_library
 from live.motion.body_tracks import body_tracks
 from live.motion.run_in import find_beginning
 from live.steps.adding import add_step
-from live.steps.asked import AskedEntry, asked_entry, known_of
+from live.steps.asked import AskedEntry, asked_entry, known_of, refuse_again
 from live.steps.doubts import doubts_about
 from live.steps.recording_reader import RecordingReader
 from live.steps.sync import Sync, SyncWish, find_sync
-
-HEARD = {"click": "from claps to the click", "song": "from claps to the song"}
-"""What rests on nothing but claps may rest on something else that hands do: it is confirmed, like a guess."""
-DOUBTED = 0.3
-"""Claps with less confidence contradict each other: what they say is a guess."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,11 +39,16 @@ def add_to_library(file: Path, fields: dict[str, Any], library: Path | None, lis
     _check(fields, listening)
     folder = user_library() if library is None else library
     if folder.is_dir() and listening == Listening():
-        fields = known_of(folder, file, fields) | fields
+        known, comments = known_of(folder, file, fields)
+        fields = known | fields
+        if comments:
+            _say_again(console, fields, comments)
     if "bpm" not in fields or "first_beat_s" not in fields:
-        fields, comments = _with_music(console, file, fields, listening)
+        fields, heard = _with_music(console, file, fields, listening)
+        comments = comments | heard
     reader = RecordingReader()
     entry = asked_entry(file, fields)
+    refuse_again(folder, entry)
     added = add_step(folder, entry, comments=comments, reader=reader)
     step = added.step
     console.print(
@@ -64,8 +65,8 @@ def add_to_library(file: Path, fields: dict[str, Any], library: Path | None, lis
     console.print(f"written: {added.toml}", soft_wrap=True, markup=False)
     if added.copied:
         console.print(f"copied:  {added.file}", soft_wrap=True, markup=False)
-    where = "" if library is None else f" --library {library}"
-    console.print(f'see it:  live steps play "{step.step}"{where}', style="dim", soft_wrap=True, markup=False)
+    where = "" if library is None else f" --library {quote(str(library))}"
+    console.print(f"see it:  live steps play {quote(step.step)}{where}", style="dim", soft_wrap=True, markup=False)
 
 
 def _check(fields: dict[str, Any], listening: Listening) -> None:
@@ -106,27 +107,35 @@ def _with_music(
         )
     )
     reference = found.reference
-    guessed = reference.source not in HEARD or reference.confidence < DOUBTED
-    told = "guess: confirm" if guessed else f"{HEARD[reference.source]}, confidence {reference.confidence:.2f}"
     comments: dict[str, str] = {}
     for key, value in (("bpm", round(reference.bpm, 3)), ("first_beat_s", round(reference.first_beat_s, 4))):
         if key not in by_hand:
-            fields, comments = fields | {key: value}, comments | {key: told}
+            fields, comments = fields | {key: value}, comments | {key: found.comment}
     if kept is None and found.drop_frames:
         fields = fields | {"drop_frames": found.drop_frames}
         comments["drop_frames"] = "found: a T-pose was put before the dance"
-    _say(console, found, guessed)
+    _say(console, found)
     return fields, comments
 
 
-def _say(console: Console, found: Sync, guessed: bool) -> None:
-    reference = found.reference
+def _say(console: Console, found: Sync) -> None:
+    reference, guessed = found.reference, found.guessed
     console.print(
         f"{'guess, to be confirmed' if guessed else 'music found'}: {reference.bpm:.2f} bpm, first beat at "
         f"{reference.first_beat_s:.3f} s, confidence {reference.confidence:.2f} ({reference.note})",
         style="yellow" if guessed else "",
         soft_wrap=True,
         markup=False,
+    )
+
+
+def _say_again(console: Console, fields: dict[str, Any], comments: dict[str, str]) -> None:
+    told = {"bpm": f"{fields['bpm']:.2f} bpm", "first_beat_s": f"first beat at {fields['first_beat_s']:.3f} s"}
+    words = ", ".join(told[key] for key in comments)
+    console.print(
+        f"guess, to be confirmed: {words} (the library's, where it is not confirmed yet)",
+        style="yellow",
+        soft_wrap=True,
     )
 
 

@@ -44,10 +44,12 @@ def print_list(library: Path | None, as_json: bool) -> None:
     console = Console(highlight=False)
     table = Table(box=None, pad_edge=False, header_style="bold")
     columns = ("step", "variations", "beats", "bpm", "ways", "foot", "poses", "style, tags")
-    for column in columns:
-        table.add_column(column, overflow="fold")
-    for row in rows:
-        table.add_row(*_cells(row))
+    cells = [_cells(row) for row in rows]
+    told = [at for at in range(len(columns)) if any(row[at] for row in cells)]
+    for at in told:
+        table.add_column(columns[at], overflow="fold", no_wrap=columns[at] in ("variations", "beats", "bpm"))
+    for row in cells:
+        table.add_row(*(row[at] for at in told))
     console.print(table)
 
 

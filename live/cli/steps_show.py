@@ -80,6 +80,7 @@ def _print(row: dict[str, Any]) -> None:
             f"  {clip['variation']:>3}  {clip['direction']}{mirrored}: {clip['distance_m']:.2f} m "
             f"(x {x:+.2f}, z {z:+.2f}), {clip['seconds']:.2f} s at {clip['bpm']:g} bpm, {slide}"
         )
+        say(f"       {clip['clip']}", "dim")
         for foot, side in enumerate(("left", "right")):
             marks = "".join(CONTACT[round(beat[foot] * (len(CONTACT) - 1))] * 2 + " " for beat in clip["contacts"])
             console.print(Text(f"       {side:<5} foot on the floor  |{marks[:-1]}|", style="dim"), soft_wrap=True)

@@ -67,7 +67,7 @@ def sync(
 
         print(json.dumps(_as_json(found)))
     else:
-        _print(found, _toml(found, file, fps, beats_per_measure))
+        _print(found, _toml(found, file, fps, beats_per_measure, by_hand=(bpm is not None, anchor is not None)))
 
 
 def _as_json(found: "Sync") -> dict[str, Any]:
@@ -92,15 +92,18 @@ def _as_json(found: "Sync") -> dict[str, Any]:
     }
 
 
-def _toml(found: "Sync", file: Path, fps: float | None, beats_per_measure: int) -> list[str]:
-    """Lines for the TOML file beside the recording, in its vocabulary."""
+def _toml(
+    found: "Sync", file: Path, fps: float | None, beats_per_measure: int, *, by_hand: tuple[bool, bool]
+) -> list[str]:
+    """Lines for the TOML file beside the recording, in its vocabulary; `by_hand`: whether tempo, first beat are."""
+    notes = ["" if one else f" # {found.comment}" for one in by_hand]
     lines = [f"file = {_quoted(file.name)}"]
     if fps is not None:
         lines.append(f"fps = {fps:g}")
     if found.drop_frames:
         lines.append(f"drop_frames = {found.drop_frames}")
-    lines += [f"bpm = {found.reference.bpm:.3f}".rstrip("0").rstrip(".")]
-    lines += [f"first_beat_s = {found.reference.first_beat_s:.4f}"]
+    lines += [f"bpm = {found.reference.bpm:.3f}".rstrip("0").rstrip(".") + notes[0]]
+    lines += [f"first_beat_s = {found.reference.first_beat_s:.4f}{notes[1]}"]
     return [*lines, f"beats_per_measure = {beats_per_measure}"] if beats_per_measure != 4 else lines
 
 
@@ -120,4 +123,8 @@ def _print(found: "Sync", toml: list[str]) -> None:
     for one in found.claps:
         place = "no beat" if one.beat is None else f"beat {one.beat}, {one.residual_ms:+.0f} ms"
         console.print(f"  clap {one.clap.time_s:8.3f} s  {place}", style="dim" if one.beat is None else None)
+    if found.drop_frames:
+        dropped = found.drop_frames
+        words = f"times count from frame {dropped}, after a T-pose; with --anchor, give --drop-frames {dropped}, too"
+        console.print(words, style="dim")
     console.print("\n".join(["", *toml]))

@@ -9,10 +9,12 @@ from pydantic import ValidationError
 from live.base.errors import PersonError
 from live.motion.file_error import MotionFileError
 from live.motion.step_clip import DIRECTIONS
+from live.steps.guesses import guessed_fields
 from live.steps.motion_file import skeleton_beside
 from live.steps.recording import Problem, Recording, RecordingEntry, error_of
 from live.steps.recording_file import read_step_files
 from live.steps.recording_words import problem_words
+from live.steps.sync import GUESS
 
 OPTIONS: Final = {
     "file": "FILE", "unit_m": "--unit", "first_beat_s": "--anchor", "start_measure": "--start",
@@ -21,6 +23,9 @@ OPTIONS: Final = {
 """Options of `live steps add` that are not called like the field."""
 READING: Final = ("fps", "unit_m", "up")
 MUSIC: Final = frozenset(("bpm", "first_beat_s"))
+CUT: Final = (
+    "name", *READING, "drop_frames", "bpm", "first_beat_s", "beats_per_measure", "start_measure", "measures",
+)  # fmt: skip
 
 
 class AskedEntry(RecordingEntry):
@@ -73,23 +78,46 @@ def asked_entry(source: Path, fields: Mapping[str, Any]) -> AskedEntry:
     return entry
 
 
-def known_of(library: Path, source: Path, given: Mapping[str, Any]) -> dict[str, Any]:
+def known_of(library: Path, source: Path, given: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
     """What the library says already of reading the recording `source` and of its music, where `given` is silent.
 
-    Tempo and first beat are taken over together with the frames left out, for times count from the first one kept.
+    With it the comments behind tempo and first beat that say that they are guesses: they are, as long as nobody has
+    taken the comments away. Both are taken over together with the frames left out, for times count from the first one
+    kept.
     """
     try:
-        entries = [entry for group in read_step_files(library).recordings.values() for entry in group]
-        known = next((entry.recording for entry in entries if _is_same(entry.path, source)), None)
+        files = read_step_files(library)
+        entries = [entry for group in files.recordings.values() for entry in group]
+        entry = next((entry for entry in entries if _is_same(entry.path, source)), None)
     except (OSError, ValueError, PersonError):
-        return {}
-    if known is None or any(given.get(key, getattr(known, key)) != getattr(known, key) for key in READING):
-        return {}
+        return {}, {}
+    known = None if entry is None else entry.recording
+    if entry is None or known is None or any(given.get(k, getattr(known, k)) != getattr(known, k) for k in READING):
+        return {}, {}
     keys = READING if MUSIC & given.keys() else (*READING, *MUSIC, "drop_frames", "beats_per_measure")
     told = {key: getattr(known, key) for key in keys if key in known.model_fields_set and key not in given}
     if told.keys() >= MUSIC and given.get("drop_frames", known.drop_frames) != known.drop_frames:
-        return {key: value for key, value in told.items() if key not in MUSIC}
-    return told
+        return {key: value for key, value in told.items() if key not in MUSIC}, {}
+    return told, {key: GUESS for key in guessed_fields(entry, files.texts[entry.toml]) if key in told}
+
+
+def refuse_again(library: Path, asked: AskedEntry) -> None:
+    """PersonError if the library has this cut of this recording under this name already."""
+    try:
+        entries = [entry for group in read_step_files(library).recordings.values() for entry in group]
+        same = [entry for entry in entries if all(_said(entry, key) == _said(asked, key) for key in CUT)]
+        there = next((entry for entry in same if _is_same(entry.path, asked.path)), None)
+    except (OSError, ValueError, PersonError):
+        return
+    if there is not None:
+        raise PersonError(
+            f"the step {asked.recording.name!r} is there already: {there.problem('name', '').place}",
+            "change it there, or choose other measures or another name",
+        )
+
+
+def _said(entry: RecordingEntry, key: str) -> object:
+    return getattr(entry.recording, key)
 
 
 def _is_same(path: Path, source: Path) -> bool:

@@ -2,6 +2,7 @@
 
 import math
 
+from live.motion.editing.orientation import circular_mean, heading_of
 from live.motion.step_clip import StepClip
 from live.motion.step_figures import measured_direction, measured_distance, travel
 from live.steps.recording import RecordingEntry
@@ -13,6 +14,10 @@ AXIS_OFF = math.radians(60.0)
 """A way that is farther than this from the direction that was written is another direction."""
 LEAD_IN_BEATS = 0.75
 """A transition takes so many beats before a step."""
+STANDS_LEAST = 0.1
+"""Dancers have a foot on the floor for more than this share of a step."""
+AWAY = math.radians(120.0)
+"""A step whose average heading is farther than this from that at its first beat is danced with the back (T122)."""
 _BEARING = {"forward": 0.0, "left": math.pi / 2, "back": math.pi, "right": -math.pi / 2}
 
 
@@ -32,9 +37,21 @@ def doubts_about(entry: RecordingEntry, step: StepClip) -> list[tuple[str, str]]
         words = 'true, but leading_foot is not given, so no other side is known; write leading_foot = "left" or "right"'
         doubts.append(("weight_transfer", words))
     first, last = int(step.first), math.ceil(step.first + step.measures * step.samples_per_measure)
-    if not step.clip.contact[first : last + 1].any():
-        words = "no foot touches the floor in this step; check the floor, unit_m and up"
-        doubts.append(("file", words))
+    stands = step.clip.contact[first : last + 1].any(axis=1).mean()
+    if stands < STANDS_LEAST:
+        often = (
+            "no foot touches the floor in this step"
+            if stands == 0
+            else (f"a foot is on the floor in {100 * stands:.0f} % of this step only")
+        )
+        doubts.append(("file", f"{often}; check the floor, unit_m and up"))
+    away = abs(circular_mean(heading_of(step.clip.rotation[first : last + 1, 0])))
+    if away > AWAY:
+        words = (
+            f"she faces the public at the first beat, and on average {math.degrees(away):.0f} degrees away from it: "
+            'she shows her back; begin the step a measure later, or write face = "average" under [motion] in the patch'
+        )
+        doubts.append(("start_measure", words))
     beat = 60.0 / recording.bpm
     begins = recording.first_beat_s + (recording.start_measure - 1) * recording.beats_per_measure * beat
     if begins < LEAD_IN_BEATS * beat:

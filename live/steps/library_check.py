@@ -15,6 +15,7 @@ from live.motion.step_clip import StepClip
 from live.motion.tempo_guess import guess_tempo
 from live.steps.cut import cut_step
 from live.steps.doubts import doubts_about
+from live.steps.guesses import guess_doubts
 from live.steps.recording import Problem, RecordingEntry, RecordingError
 from live.steps.recording_file import read_step_files
 from live.steps.recording_reader import RecordingReader
@@ -56,7 +57,7 @@ def check_folder(directory: Path) -> Checked:
         except StepsError as error:
             findings.append(Finding("wrong", _sketch_problem(Path(file), str(error))))
     entries: list[RecordingEntry] = []
-    for group in files.recordings.values():
+    for toml, group in files.recordings.items():
         reader, guessed = RecordingReader(), set[Path]()
         for entry in group:
             try:
@@ -66,7 +67,8 @@ def check_folder(directory: Path) -> Checked:
                 continue
             steps += [step, mirror_step(step)] if entry.recording.mirror else [step]
             entries.append(entry)
-            doubts = doubts_about(entry, step) + _glitches_inside(entry, reader)
+            doubts = doubts_about(entry, step) + guess_doubts(entry, files.texts[toml])
+            doubts += _glitches_inside(entry, reader)
             if entry.path not in guessed:
                 guessed.add(entry.path)
                 doubts += _tempo(entry, reader)

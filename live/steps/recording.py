@@ -11,7 +11,7 @@ from live.base.toml_lines import KeyPath, line_of
 
 SHOWN_PROBLEMS: Final = 8
 
-Word = Annotated[str, Field(min_length=1, max_length=64)]
+Word = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[^\p{Cc}]*$")]
 FileName = Annotated[str, Field(min_length=1, max_length=1000)]
 
 
@@ -72,9 +72,13 @@ class Problem:
     field: str
     words: str
 
+    @property
+    def place(self) -> str:
+        """File and line."""
+        return str(self.file) if self.line is None else f"{self.file}, line {self.line}"
+
     def __str__(self) -> str:
-        place = str(self.file) if self.line is None else f"{self.file}, line {self.line}"
-        return f"{place}: {self.field}: {self.words}" if self.field else f"{place}: {self.words}"
+        return f"{self.place}: {self.field}: {self.words}" if self.field else f"{self.place}: {self.words}"
 
 
 class RecordingError(PersonError):

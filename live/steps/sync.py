@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 from live.base.errors import PersonError
 from live.motion.body_tracks import BodyTracks, body_tracks
@@ -15,6 +16,13 @@ from live.motion.source_motion import SourceMotion, UpAxis
 from live.motion.tempo_guess import guess_tempo
 from live.steps.motion_file import read_motion
 from live.steps.music_reference import song_beats
+
+HEARD: Final = {"click": "from claps to the click", "song": "from claps to the song"}
+"""What rests on nothing but claps may rest on something else that hands do: it is confirmed, like a guess."""
+DOUBTED: Final = 0.3
+"""Claps with less confidence contradict each other: what they say is a guess."""
+GUESS: Final = "guess: confirm"
+"""The comment behind a number in a TOML file that nobody has confirmed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +54,19 @@ class Sync:
     fps: float
     """Frames per second, as used."""
 
+    @property
+    def guessed(self) -> bool:
+        """Whether what no hand has set is a guess: not from at least four claps that agree with a click or a song."""
+        clapped = sum(one.beat is not None for one in self.claps)
+        return self.reference.source not in HEARD or self.reference.confidence < DOUBTED or clapped < FEWEST
+
+    @property
+    def comment(self) -> str:
+        """What a TOML file says behind tempo and first beat, where no hand has set them."""
+        if self.guessed:
+            return GUESS
+        return f"{HEARD[self.reference.source]}, confidence {self.reference.confidence:.2f}"
+
 
 def find_sync(wish: SyncWish) -> Sync:
     """The music reference of a recording.
@@ -60,9 +81,14 @@ def find_sync(wish: SyncWish) -> Sync:
         tracks = body_tracks(motion, fps=wish.fps, up=wish.up)
     except MotionFileError as error:
         raise PersonError(str(error)) from None
-    drop = find_beginning(tracks).drop_frames if wish.drop_frames is None else wish.drop_frames
+    drop = wish.drop_frames
+    if drop is None:  # whoever sets the anchor counts from the file's first frame, unless she says what is left out
+        drop = find_beginning(tracks).drop_frames if wish.anchor_s is None else 0
     if drop >= tracks.frame_count:
         raise PersonError(f"--drop-frames {drop}: the recording has {tracks.frame_count} frames")
+    lasts = (tracks.frame_count - drop) / tracks.rate
+    if wish.anchor_s is not None and wish.anchor_s >= lasts:
+        raise PersonError(f"--anchor {wish.anchor_s:g}: the recording lasts {lasts:.2f} s")
     claps = find_claps(tracks, drop)
     known = wish.click_bpm or wish.bpm
     if beats is not None:

@@ -66,6 +66,12 @@ def test_from_a_recording_to_a_dancer(tmp_path: Path, take: Path) -> None:
     words = run_live("steps", "show", "Sway", *where).stdout
     assert "left  foot on the floor" in words
     assert "8 beats, 4 to a measure" in words
+    assert "sway, take from measure 1 (mirrored)" in words
+    shown = run_live("steps", "list", *where).stdout
+    assert "variations" in shown
+    assert "poses" not in shown  # nobody has named any
+    exported = run_live("export", "sway", "--to", str(tmp_path / "sway.bvh"), *where)
+    assert exported.returncode == 0, exported.stderr
 
     checked = run_live("steps", "check", *where)
     assert checked.returncode == 0, checked.stdout + checked.stderr
@@ -175,6 +181,17 @@ def test_a_guess_is_marked_as_one(tmp_path: Path) -> None:
     text = (tmp_path / "60_04.toml").read_text()
     assert text.count("# guess: confirm") == 2
     assert "drop_frames = 6 # found: a T-pose was put before the dance" in text
+    where = ["--library", str(tmp_path)]
+    again = CliRunner().invoke(app, ["steps", "add", str(take), "--name", "salsa", "--start", "5", *where])
+    assert "guess, to be confirmed: 16" in again.stdout
+    assert "(the library's, where it is not confirmed yet)" in again.stdout
+    assert (tmp_path / "60_04.toml").read_text().count("# guess: confirm") == 4
+    twice = CliRunner().invoke(app, ["steps", "add", str(take), "--name", "salsa", "--start", "5", *where])
+    assert isinstance(twice.exception, PersonError)
+    assert "the step 'salsa' is there already" in str(twice.exception)
+    checked = CliRunner().invoke(app, ["steps", "check", *where])
+    assert checked.exit_code == 0
+    assert checked.stdout.count("is a guess; ") == 4
 
 
 def test_on_the_spot_the_way_is_taken_out_and_nothing_else() -> None:

@@ -10,6 +10,10 @@ from typer.testing import CliRunner
 
 from live.base.errors import PersonError
 from live.cli.main import app
+from live.motion.clap_sync import PlacedClap
+from live.motion.claps import Clap
+from live.motion.music_reference import MusicReference
+from live.steps.sync import Sync
 from tests.cli.command import run_live
 from tests.motion.made_bvh import body_bvh
 from tests.motion.made_source import clapping
@@ -42,10 +46,36 @@ def test_lines_to_paste(clapped: Path) -> None:
     done = run_live("sync", str(clapped))
     assert done.returncode == 0
     assert "clap    1.5" in done.stdout
+    assert done.stdout.count("# guess: confirm") == 2  # hands alone may do something else than clap
     lines = tomllib.loads(done.stdout.split("\n\n")[1])
     assert lines["file"] == "clapped.bvh"
     assert lines["bpm"] == pytest.approx(120.0, rel=0.01)
     assert lines["first_beat_s"] == pytest.approx(1.5, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("options", "marks"),
+    [
+        (["--click", "120", "--count", "8"], ("from claps to the click, confidence 0.", 2)),
+        (["--click", "90", "--count", "8"], ("guess: confirm", 2)),
+        (["--anchor", "1.5"], ("guess: confirm", 1)),
+        (["--anchor", "1.5", "--bpm", "120"], ("#", 0)),
+    ],
+)
+def test_what_is_a_guess_says_so_in_the_lines_to_paste(
+    clapped: Path, options: list[str], marks: tuple[str, int]
+) -> None:
+    done = CliRunner().invoke(app, ["sync", str(clapped), *options])
+    assert done.exit_code == 0
+    assert done.stdout.split("\n\n")[1].count(f"# {marks[0]}".replace("# #", "#")) == marks[1]
+
+
+def test_less_than_four_claps_are_a_guess() -> None:
+    clap = Clap(1.0, 0.05, 3.0)
+    placed = tuple(PlacedClap(clap, beat, 0.0) for beat in (1, 2, 3, 4))
+    reference = MusicReference(1.0, 120.0, 0.9, "click", "")
+    assert not Sync(reference, placed, 0, 60.0).guessed
+    assert Sync(reference, (*placed[:3], PlacedClap(clap, None, None)), 0, 60.0).guessed
 
 
 def test_claps_to_a_song(clapped: Path, tmp_path: Path) -> None:
@@ -75,6 +105,7 @@ def test_a_hand_set_anchor_wins(clapped: Path) -> None:
         (["--song", "none.wav"], "no such file"),
         (["--drop-frames", "480"], "the recording has 480 frames"),
         (["--anchor", "-1"], "--anchor -1"),
+        (["--anchor", "8.5", "--bpm", "120"], "--anchor 8.5: the recording lasts 8.00 s"),
         (["--fps", "nan"], "--fps nan"),
     ],
 )

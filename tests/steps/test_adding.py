@@ -8,7 +8,7 @@ import pytest
 from live.base.errors import PersonError
 from live.steps import adding
 from live.steps.adding import Added, add_step
-from live.steps.asked import asked_entry, known_of
+from live.steps.asked import asked_entry, known_of, refuse_again
 from live.steps.recording import RecordingError
 from live.steps.recording_reader import RecordingReader
 from live.steps.step_folder import load_folder
@@ -188,16 +188,48 @@ def test_a_recording_in_several_files_is_refused(tmp_path: Path, monkeypatch: py
 
 def test_what_the_library_knows_of_a_recording_need_not_be_said_again(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "library"
-    assert known_of(tmp_path / "nowhere", take, {}) == {}
+    assert known_of(tmp_path / "nowhere", take, {}) == ({}, {})
     add(library, take, fps=30.0, drop_frames=5, bpm=96.0, tags=["slow"])
     music = {"bpm": 96, "first_beat_s": 2.5, "drop_frames": 5}
-    assert known_of(library, take, {}) == {"fps": 30, **music}
-    assert known_of(library, take, {"fps": 30.0}) == music
-    assert known_of(library, take, {"fps": 60.0}) == {}  # at another rate all times are others
-    assert known_of(library, take, {"drop_frames": 9}) == {"fps": 30}
-    assert known_of(library, take, {"bpm": 100.0}) == {"fps": 30}
+    assert known_of(library, take, {})[0] == {"fps": 30, **music}
+    assert known_of(library, take, {"fps": 30.0})[0] == music
+    assert known_of(library, take, {"fps": 60.0})[0] == {}  # at another rate all times are others
+    assert known_of(library, take, {"drop_frames": 9})[0] == {"fps": 30}
+    assert known_of(library, take, {"bpm": 100.0})[0] == {"fps": 30}
     other = tmp_path / "other.bvh"
     other.write_text(body_bvh(danced(601, seed=3)))
-    assert known_of(library, other, {}) == {}
+    assert known_of(library, other, {})[0] == {}
     (library / "broken.toml").write_text("x = ")
-    assert known_of(library, take, {}) == {"fps": 30, **music}
+    assert known_of(library, take, {})[0] == {"fps": 30, **music}
+
+
+def test_a_guess_stays_one_until_somebody_takes_the_comment_away(tmp_path: Path, take: Path) -> None:
+    library = tmp_path / "library"
+    marks = {"bpm": "guess: confirm", "first_beat_s": "guess: confirm"}
+    add_step(library, asked_entry(take, FIELDS), comments=marks)
+    assert known_of(library, take, {})[1] == marks
+    assert known_of(library, take, {"bpm": 100.0})[1] == {}
+    toml = library / "take one.toml"
+    toml.write_text(toml.read_text().replace(" # guess: confirm", "", 1))
+    assert known_of(library, take, {})[1] == {"first_beat_s": "guess: confirm"}
+    toml.write_text(toml.read_text().replace(" # guess: confirm", ""))
+    assert known_of(library, take, {})[1] == {}
+
+
+def test_the_same_cut_is_not_added_twice(tmp_path: Path, take: Path) -> None:
+    library = tmp_path / "library"
+    refuse_again(library, asked_entry(take, FIELDS))  # there is no library yet
+    add(library, take)
+    with pytest.raises(PersonError, match=r"the step 'sway' is there already: .*take one\.toml, line 3"):
+        refuse_again(library, asked_entry(take, FIELDS | {"tags": ["other words"]}))
+    for other in ({"name": "swing"}, {"start_measure": 2}, {"bpm": 96.0}, {"fps": 30.0}):
+        refuse_again(library, asked_entry(take, FIELDS | other))
+    another = tmp_path / "another.bvh"
+    another.write_text(body_bvh(danced(601, seed=3)))
+    refuse_again(library, asked_entry(another, FIELDS))
+
+
+def test_a_name_is_one_line(tmp_path: Path, take: Path) -> None:
+    with pytest.raises(PersonError, match=r"--name: a text without line breaks .* found 'a\\nb'"):
+        add(tmp_path / "library", take, name="a\nb")
+    assert not (tmp_path / "library").exists()

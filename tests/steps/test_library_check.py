@@ -1,11 +1,13 @@
 """What is wrong or doubtful in a folder of steps is found and named with file, line and field."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from live.motion.editing.orientation import turn_clip
 from live.steps.doubts import doubts_about
 from live.steps.library_check import Finding, check_connections, check_folder
 from live.steps.recording_reader import RecordingReader
@@ -68,6 +70,30 @@ def test_a_step_without_a_foot_on_the_floor_is_told(folder: Path) -> None:
     assert doubts_about(entry, step) == []
     flying = replace(step, clip=replace(step.clip, contact=np.zeros_like(step.clip.contact)))
     assert [field for field, words in doubts_about(entry, flying) if "no foot touches" in words] == ["file"]
+    hopping = flying.clip.contact.copy()
+    hopping[int(step.first) + 5 : int(step.first) + 10] = True
+    (doubt,) = doubts_about(entry, replace(step, clip=replace(step.clip, contact=hopping)))
+    assert doubt == ("file", "a foot is on the floor in 4 % of this step only; check the floor, unit_m and up")
+
+
+def test_a_step_with_the_back_to_the_public_is_told(folder: Path) -> None:
+    checked = check_folder(folder)
+    entry, step = checked.entries[0], checked.steps[0]
+    back = turn_clip(step.clip, math.radians(170.0))
+    (doubt,) = doubts_about(entry, replace(step, clip=back))
+    assert doubt[0] == "start_measure"
+    assert "she shows her back" in doubt[1]
+    assert doubts_about(entry, replace(step, clip=turn_clip(step.clip, math.radians(90.0)))) == []
+
+
+def test_a_guess_is_told_until_it_is_confirmed(folder: Path) -> None:
+    toml = folder / "dance.toml"
+    toml.write_text(ONE.replace("= 120", "= 120 # guess: confirm").replace("= 2.5", "= 2.5 #guess: confirm"))
+    bpm, first = told(check_folder(folder).findings)
+    assert "dance.toml, line 3: bpm: 120 is a guess; " in bpm
+    assert "dance.toml, line 4: first_beat_s: 2.5 is a guess; " in first
+    toml.write_text(ONE.replace('"sway"', '"guess: confirm"').replace("= 120", "= 120 # counted"))
+    assert told(check_folder(folder).findings) == []
 
 
 def test_what_cannot_be_used_is_wrong_and_the_rest_is_checked_all_the_same(folder: Path) -> None:

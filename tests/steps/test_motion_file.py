@@ -77,7 +77,7 @@ def test_what_is_not_there_or_no_file_or_too_large(tmp_path: Path) -> None:
     with pytest.raises(MotionFileError, match=r"that is a folder; name a file in it: dance.bvh$"):
         read_motion(tmp_path)
     os.mkfifo(tmp_path / "pipe.bvh")
-    with pytest.raises(MotionFileError, match="pipe.bvh: that is no file but a device or a pipe"):
+    with pytest.raises(MotionFileError, match="that is no file but a device or a pipe"):
         read_motion(tmp_path / "pipe.bvh")
     with pytest.raises(MotionFileError):
         read_motion(Path("a\0b"))
