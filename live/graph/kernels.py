@@ -1,4 +1,4 @@
-"""Graph kernels: the choice of the next measure for every dancer, all edges weighed in one call (T068, T070)."""
+"""Graph kernels: the choice of the next measure, all edges weighed in one call (T068, T070); how far steps are."""
 
 import numpy as np
 import numpy.typing as npt
@@ -9,6 +9,7 @@ from live.motion.kernels import yaw_rotate
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
+Bool = npt.NDArray[np.bool_]
 
 
 @kernel(
@@ -66,3 +67,32 @@ def choose_edges(
                 out_placement[n, 1] = z
                 out_placement[n, 2] = yaw
         out_edge[n] = best
+
+
+@kernel("void(i4[::1],b1[::1],i4[::1],i4[::1],i4,i4[::1],i4[:,::1])")
+def count_hops(
+    node_step: Int32, begins: Bool, in_start: Int32, in_source: Int32, never: int, queue: Int32, out: Int32
+) -> None:
+    """Measures from each node to the first measure of each step, `never` if there is no way, into out (C, N).
+
+    begins (N,): nodes that begin a step and live; the edges into node v come from in_source[in_start[v]] to
+    in_source[in_start[v + 1]]; queue (N,) is room. Breadth-first against the arrows.
+    """
+    for step in range(out.shape[0]):
+        last = 0
+        for v in range(out.shape[1]):
+            out[step, v] = never
+            if begins[v] and node_step[v] == step:
+                out[step, v] = 0
+                queue[last] = v
+                last += 1
+        first = 0
+        while first < last:
+            v = queue[first]
+            first += 1
+            for e in range(in_start[v], in_start[v + 1]):
+                u = in_source[e]
+                if out[step, u] == never:
+                    out[step, u] = out[step, v] + 1
+                    queue[last] = u
+                    last += 1

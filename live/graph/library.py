@@ -2,13 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from live.motion import quaternion
+from live.graph.storage.kernels import one_sign
+from live.graph.storage.mean_poses import mean_poses
 from live.motion.posing.foot_lock import LEG_JOINTS
-from live.motion.posing.pipeline import ClipStore, mean_pose
+from live.motion.posing.pipeline import ClipStore
 from live.motion.step_clip import StepClip
 
 Float32 = npt.NDArray[np.float32]
@@ -100,23 +102,22 @@ def build_library(clips: Sequence[StepClip]) -> StepLibrary:
             "steps of different metres cannot be danced together: "
             + ", ".join(f"{name!r} has {beats} beats a measure" for beats, name in names.items())
         )
-    steps: list[str] = []
+    steps: dict[str, int] = {}
     rows: list[tuple[int, int, int, int, float, float, float]] = []
-    total = 0
+    starts = np.cumsum([0, *(clip.clip.sample_count for clip in clips)])
     for index, clip in enumerate(clips):
-        if clip.step not in steps:
-            steps.append(clip.step)
+        step, begin = steps.setdefault(clip.step, len(steps)), float(starts[index])
         for measure in range(clip.measures):
-            first = total + clip.first + measure * clip.samples_per_measure
-            last = min(first + clip.samples_per_measure, total + clip.clip.sample_count - 1.0)
-            rows.append((index, steps.index(clip.step), measure, clip.measures, first, last, float(total)))
-        total += clip.clip.sample_count
-    root = np.concatenate([clip.clip.root_position for clip in clips]).astype(np.float32)
+            first = begin + clip.first + measure * clip.samples_per_measure
+            last = min(first + clip.samples_per_measure, begin + clip.clip.sample_count - 1.0)
+            rows.append((index, step, measure, clip.measures, first, last, begin))
+    root = np.concatenate([clip.clip.root_position for clip in clips], dtype=np.float32)
+    rotation = np.concatenate([clip.clip.rotation for clip in clips], dtype=np.float32)
     # neighbours of one sign: the pose pipeline goes straight from one sample to the next
-    rotation = np.concatenate([quaternion.continuous(clip.clip.rotation) for clip in clips]).astype(np.float32)
+    one_sign(rotation, starts)
     node = np.array(rows, np.float64).T
-    starts, ends = np.ascontiguousarray(node[4]), np.ascontiguousarray(node[5])
-    mean = np.stack([mean_pose(rotation[int(a) : int(b) + 1]) for a, b in zip(starts, ends, strict=True)])
+    begins, ends = np.ascontiguousarray(node[4]), np.ascontiguousarray(node[5])
+    mean = mean_poses(rotation, begins.astype(np.int64), ends.astype(np.int64))
     return StepLibrary(
         steps=tuple(steps),
         clips=tuple(clips),
@@ -130,11 +131,55 @@ def build_library(clips: Sequence[StepClip]) -> StepLibrary:
         node_measure=node[2].astype(np.int32),
         node_measures=node[3].astype(np.int32),
         node_side=np.array([1 if clips[int(n)].mirrored else -1 for n in node[0]], np.int32),
-        node_first=starts,
+        node_first=begins,
         node_last=ends,
         node_lead=np.ascontiguousarray(node[6]),
-        node_travel=np.asarray(_at(root, ends) - _at(root, starts), np.float64)[:, (0, 2)],
+        node_travel=np.asarray(_at(root, ends) - _at(root, begins), np.float64)[:, (0, 2)],
         beats_per_measure=metres[0],
+    )
+
+
+def joined_library(first: StepLibrary, second: StepLibrary) -> StepLibrary:
+    """The clips of `first`, then those of `second`: as `build_library` makes it of all of them.
+
+    Nodes, clips and steps of `first` keep their indices; nothing is shared that could be changed. ValueError if the
+    metres differ.
+    """
+    if first.beats_per_measure != second.beats_per_measure:
+        raise ValueError(
+            f"{second.steps[0]!r} has {second.beats_per_measure} beats a measure, "
+            f"the library it should join has {first.beats_per_measure}"
+        )
+    steps = {name: index for index, name in enumerate(first.steps)}
+    number = np.array([steps.setdefault(name, len(steps)) for name in second.steps], np.int32)
+    samples = float(len(first.clip_root))
+
+    def both(name: str, more: float = 0) -> Any:
+        one, other = getattr(first, name), getattr(second, name)
+        return np.concatenate([one, other + one.dtype.type(more) if more else other])
+
+    root, rotation = both("clip_root"), both("clip_rotation")
+    legs = np.concatenate([first.leg_store.rotation, second.leg_store.rotation])
+    mean = second.store.mean
+    sign = np.where(np.sum(mean * first.store.mean[0], axis=-1, keepdims=True) < 0.0, np.float32(-1.0), np.float32(1.0))
+    return StepLibrary(
+        steps=tuple(steps),
+        clips=first.clips + second.clips,
+        clip_root=root,
+        clip_rotation=rotation,
+        clip_contact=both("clip_contact"),
+        store=ClipStore(root, rotation, np.concatenate([first.store.mean, mean * sign])),
+        leg_store=ClipStore(root, legs, first.leg_store.mean),
+        node_clip=both("node_clip", len(first.clips)),
+        node_step=np.concatenate([first.node_step, number[second.node_step]]),
+        node_measure=both("node_measure"),
+        node_measures=both("node_measures"),
+        node_side=both("node_side"),
+        node_first=both("node_first", samples),
+        node_last=both("node_last", samples),
+        node_lead=both("node_lead", samples),
+        node_travel=both("node_travel"),
+        beats_per_measure=first.beats_per_measure,
     )
 
 

@@ -5,15 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.library import StepLibrary, window_samples
+from live.graph.joins import JoinRule, Joins, find_joins
+from live.graph.kernels import count_hops
+from live.graph.library import StepLibrary
+from live.graph.metric.weights import Metric
+from live.graph.node_facts import NodeFacts, node_facts
 from live.graph.structure import may_follow, unmatched_poses
 from live.graph.takes import Takes, find_takes
-from live.graph.transition import WINDOW_SAMPLES, Transitions, all_pairs, clouds, transition_windows
-from live.motion.editing.feet import ANKLES, BALLS, Feet
-from live.motion.editing.rotation_insertion import support_turns
-from live.motion.editing.support_turns import SupportTurns
-from live.motion.posing.pipeline import PosePipeline, PoseSkeleton
-from live.motion.skeleton import SKELETON
+from live.graph.transition import Transitions
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
@@ -21,8 +20,6 @@ Bool = npt.NDArray[np.bool_]
 
 NEVER = 1 << 20
 """Hops to a step that cannot be reached."""
-TURN_SOFTNESS = 0.3
-"""Share of a support over which a live turn speeds up, and slows down: a body cannot turn at once."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,6 +59,10 @@ class MotionGraph:
     """Length of a transition as a share of the measure."""
     missing: tuple[str, ...]
     """Steps that no dancer can enter and leave again, in words."""
+    joins: Joins
+    """All pairs that may follow each other, those of pruned nodes as well: what a graph that grows goes on from."""
+    rule: JoinRule
+    """What made them."""
 
     @property
     def edge_count(self) -> int:
@@ -76,58 +77,70 @@ class MotionGraph:
 
 
 def build_graph(
-    library: StepLibrary, *, window: float = 0.1875, threshold: float = 0.16, prune: bool = True
+    library: StepLibrary,
+    *,
+    window: float = 0.1875,
+    threshold: float = 0.16,
+    metric: Metric | None = None,
+    prune: bool = True,
 ) -> MotionGraph:
     """Connect the measures of a library.
 
     `window`: length of a transition as a share of the measure (T036); `threshold` [m]: largest distance (T034) of an
-    edge. Within a step of several measures each one leads to the next alone, without cost (T039). Poses in which steps
-    begin and end must agree where they are named (T136), and a step that transfers the weight is repeated on the other
-    side (T135). Dead ends are pruned (T037); with `prune` False they stay, for searches that know where a dance ends
-    (T064). ValueError if no two measures connect, unless nothing is pruned.
+    edge; `metric`: weights of the joints and along the window. Within a step of several measures each one leads to
+    the next alone, without cost (T039). Poses in which steps begin and end must agree where they are named (T136),
+    and a step that transfers the weight is repeated on the other side (T135). Dead ends are pruned (T037); with `prune`
+    False they stay, for searches that know where a dance ends (T064). ValueError if no two measures connect, unless
+    nothing is pruned, or for more edges than fit into memory.
     """
-    transitions = all_pairs(*transition_windows(library, window))
-    allowed = allowed_edges(library, transitions, threshold)
-    alive = largest_component(allowed) if prune else np.ones(library.node_count, np.bool_)
-    if prune and not allowed[np.ix_(alive, alive)].any():
+    rule = JoinRule(window, threshold, Metric.of() if metric is None else metric)
+    return graph_of(library, find_joins(library, rule), node_facts(library, window), rule, prune=prune)
+
+
+def graph_of(
+    library: StepLibrary, joins: Joins, facts: NodeFacts, rule: JoinRule, *, prune: bool = True
+) -> MotionGraph:
+    """The graph of a library whose joins and facts are known; ValueError if it is pruned and nothing connects."""
+    alive = np.ones(library.node_count, np.bool_)
+    if prune:
+        alive = largest_component(library.node_count, joins.source, joins.target)
+    edges = joins.among(alive)
+    if prune and not len(edges.source):
         raise ValueError(
-            f"no step of {', '.join(library.steps)} leads to another within {threshold} m: "
+            f"no step of {', '.join(library.steps)} leads to another within {rule.threshold} m: "
             "raise the threshold or make their beginnings and ends more alike"
             + "".join(f"; {name} {why}" for name, why in unmatched_poses(library).items())
         )
-    allowed &= alive[:, None] & alive[None]
-    source, target = np.nonzero(allowed)
-    inner = library.node_measure[target] > 0
-    shift, yaw = transitions.shift[source, target], transitions.yaw[source, target]
-    transform = np.column_stack([shift, yaw])
-    transform[inner] = 0.0
-    cost = np.where(inner, 0.0, transitions.distance[source, target])
-    facing_start, facing_end, facing_mean = _facing(library, window)
-    turns = _turns(library, window)
-    poses = unmatched_poses(library)
-    dead = [
-        f"{name}: {poses.get(name, f'nothing leads to it and away again within {threshold:g} m')}"
-        for step, name in enumerate(library.steps)
-        if not alive[library.node_step == step].any()
-    ]
     return MotionGraph(
         library=library,
-        edge_start=np.searchsorted(source, np.arange(library.node_count + 1)).astype(np.int32),
-        edge_target=target.astype(np.int32),
-        edge_cost=np.ascontiguousarray(cost, np.float64),
-        edge_transform=np.ascontiguousarray(transform, np.float64),
-        hops=_hops(library, allowed, alive),
-        node_end=_root_at(library, library.node_last),
-        node_facing=facing_end,
-        node_facing_start=facing_start,
-        node_facing_mean=facing_mean,
-        node_start=_root_at(library, library.node_first),
-        node_turns=np.ascontiguousarray(np.stack([turn.rows() for turn in turns])),
-        node_quickest=np.array([float(turn.quickest) for turn in turns]),
+        edge_start=np.searchsorted(edges.source, np.arange(library.node_count + 1)).astype(np.int32),
+        edge_target=edges.target,
+        edge_cost=edges.cost,
+        edge_transform=edges.transform,
+        hops=_hops(library, edges, alive),
+        node_end=facts.end,
+        node_facing=facts.facing,
+        node_facing_start=facts.facing_start,
+        node_facing_mean=facts.facing_mean,
+        node_start=facts.start,
+        node_turns=facts.turns,
+        node_quickest=facts.quickest,
         takes=find_takes(library),
         alive=alive,
-        window=window,
-        missing=tuple(dead),
+        window=rule.window,
+        missing=_missing(library, alive, rule.threshold),
+        joins=joins,
+        rule=rule,
+    )
+
+
+def _missing(library: StepLibrary, alive: Bool, threshold: float) -> tuple[str, ...]:
+    poses = unmatched_poses(library)
+    lives = np.bincount(library.node_step, weights=alive, minlength=len(library.steps)) > 0
+    return tuple(
+        f"{name}: {poses.get(name, f'nothing leads to it and away again within {threshold:g} m')}"
+        for name, lively in zip(library.steps, lives, strict=True)
+        if not lively
     )
 
 
@@ -141,81 +154,30 @@ def allowed_edges(library: StepLibrary, transitions: Transitions, threshold: flo
     return np.asarray(allowed, np.bool_)
 
 
-def largest_component(allowed: Bool) -> Bool:
-    """Nodes of the largest strongly connected component, shape (N,): dead ends are pruned (T037)."""
-    from scipy.sparse import csr_array
+def strong_components(count: int, source: Int32, target: Int32) -> Int32:
+    """Number of the strongly connected component of each of `count` nodes, shape (N,) (T037)."""
+    from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    _, label = connected_components(csr_array(allowed), directed=True, connection="strong")
+    table = coo_array((np.ones(len(source), np.bool_), (source, target)), shape=(count, count)).tocsr()
+    return np.asarray(connected_components(table, directed=True, connection="strong")[1], np.int32)
+
+
+def largest_component(count: int, source: Int32, target: Int32) -> Bool:
+    """Nodes of the largest strongly connected component, shape (N,): dead ends are pruned (T037)."""
+    label = strong_components(count, source, target)
     size = np.bincount(label)
-    source, target = np.nonzero(allowed)
     lives = np.zeros(len(size), np.bool_)  # a lone node without an edge to itself is a component, but no dance
     lives[label[source[label[source] == label[target]]]] = True
     return np.asarray(label == np.argmax(size + lives * len(label)), np.bool_)
 
 
-def _hops(library: StepLibrary, allowed: Bool, alive: Bool) -> Int32:
+def _hops(library: StepLibrary, edges: Joins, alive: Bool) -> Int32:
     """Breadth-first from each step's first measures against the arrows, shape (C, N)."""
-    hops = np.full((len(library.steps), library.node_count), NEVER, np.int32)
-    for step in range(len(library.steps)):
-        front = alive & (library.node_step == step) & (library.node_measure == 0)
-        distance = 0
-        while front.any():
-            hops[step, front] = distance
-            distance += 1
-            front = allowed[:, front].any(axis=1) & (hops[step] == NEVER)
+    count = library.node_count
+    order = np.argsort(edges.target, kind="stable")
+    begins = alive & (library.node_measure == 0)
+    hops = np.empty((len(library.steps), count), np.int32)
+    in_start = np.cumsum([0, *np.bincount(edges.target, minlength=count)]).astype(np.int32)
+    count_hops(library.node_step, begins, in_start, edges.source[order], NEVER, np.empty(count, np.int32), hops)
     return hops
-
-
-def _turns(library: StepLibrary, window: float) -> list[SupportTurns]:
-    """Support turns of every node."""
-    feet = _feet(library)
-    return [
-        support_turns(library.clips[n], int(m), window=min(window, 0.9), softness=TURN_SOFTNESS, feet=feet[n])
-        for n, m in zip(library.node_clip, library.node_measure, strict=True)
-    ]
-
-
-def _feet(library: StepLibrary) -> list[Feet]:
-    """The feet of every clip, by one run of the pose pipeline over all samples."""
-    skeleton, joints = PoseSkeleton.legs_only()
-    pipeline = PosePipeline(len(library.clip_root), skeleton)
-    pipeline.sample[0] = np.arange(len(library.clip_root))
-    position = pipeline.run(library.leg_store)[0].astype(np.float64)
-    ankles, balls = (np.searchsorted(joints, names) for names in (ANKLES, BALLS))
-    feet, begin = [], 0
-    for clip in library.clips:
-        own = position[begin : begin + clip.clip.sample_count]
-        feet.append(Feet(own[:, ankles], own[:, balls]))
-        begin += clip.clip.sample_count
-    return feet
-
-
-def _root_at(library: StepLibrary, sample: Float64) -> Float64:
-    low = np.clip(np.floor(sample).astype(np.int64), 0, len(library.clip_root) - 1)
-    high = np.minimum(low + 1, len(library.clip_root) - 1)
-    t = (sample - low)[:, None]
-    root = (1.0 - t) * library.clip_root[low] + t * library.clip_root[high]
-    return np.ascontiguousarray(root[:, (0, 2)], np.float64)
-
-
-def _facing(library: StepLibrary, window: float) -> tuple[Float64, Float64, Float64]:
-    """Heading of the body around the beginning and the end of each measure, and over all of it [rad], (N,) each.
-
-    The line from the right to the left upper leg and that between the shoulders are averaged: hips alone sway with
-    every step. Means of angles are taken as means of unit vectors.
-    """
-    end, start = transition_windows(library, window)
-    whole = clouds(library, window_samples(library.node_first, library.node_last, 4 * WINDOW_SAMPLES))
-    pairs = (("leftUpperLeg", "rightUpperLeg"), ("leftUpperArm", "rightUpperArm"))
-
-    def mean(cloud: Float64) -> Float64:
-        total = np.zeros(len(cloud), np.complex128)
-        for left, right in pairs:
-            across = cloud[:, :, SKELETON.index(left)] - cloud[:, :, SKELETON.index(right)]
-            direction = across[..., 0] + 1j * across[..., 2]
-            total += (direction / np.maximum(np.abs(direction), 1e-9)).mean(axis=1)
-        # facing +z the left side is at +x: heading 0 is direction 1 + 0i, and yaw turns it by exp(-i yaw)
-        return np.ascontiguousarray(-np.angle(total), np.float64)
-
-    return mean(start), mean(end), mean(whole)

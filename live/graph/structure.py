@@ -4,6 +4,8 @@ A step that is said to end in a pose leads only to steps that are said to begin 
 said anything. A step that transfers the weight ends on the other foot: its repeat is an instance of the other side.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 import numpy.typing as npt
 
@@ -11,21 +13,39 @@ from live.graph.library import StepLibrary
 from live.motion.step_clip import StepClip
 
 Bool = npt.NDArray[np.bool_]
+Int32 = npt.NDArray[np.int32]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StructureCodes:
+    """The structure of N nodes in two numbers at each end, so that pairs can be compared without a table (N, N)."""
+
+    leaving: Int32
+    """Of each node as the first of a pair: its end pose (-1: any) and what may not follow (-1: nothing), (N, 2)."""
+    entering: Int32
+    """Of each node as the second: its begin pose (-1: any) and what it may not follow (-1: nothing), (N, 2)."""
+
+
+def structure_codes(library: StepLibrary) -> StructureCodes:
+    """u may be followed by v where the poses agree or one is -1, and the other numbers differ or are -1."""
+    poses: dict[str, int] = {"": -1}
+    sides: dict[tuple[str, str], int] = {}
+    rows = []
+    for clip in library.clips:
+        end, begin = (poses.setdefault(plain_pose(name), len(poses) - 1) for name in (clip.end_pose, clip.begin_pose))
+        repeat = sides.setdefault((clip.step, begun_side(clip)), len(sides)) if clip.weight_transfer else -1
+        rows.append((end, begin, repeat))
+    codes = np.array(rows, np.int32)[library.node_clip]
+    return StructureCodes(*(np.ascontiguousarray(codes[:, columns]) for columns in ((0, 2), (1, 2))))
 
 
 def may_follow(library: StepLibrary) -> Bool:
     """Whether the clip of node v may follow that of node u as far as its structure goes, shape (N, N)."""
-    clips = [library.clips[clip] for clip in library.node_clip]
-    ends = [plain_pose(clip.end_pose) for clip in clips]
-    begins = [plain_pose(clip.begin_pose) for clip in clips]
-    numbers = {name: number for number, name in enumerate(sorted({*ends, *begins} - {""}))}
-    end, begin = (np.array([numbers.get(name, -1) for name in names]) for names in (ends, begins))
-    agree = (end[:, None] == begin[None]) | (end[:, None] < 0) | (begin[None] < 0)
-    transfers = np.array([clip.weight_transfer for clip in clips])
-    side = np.array([begun_side(clip) for clip in clips])
-    same_step = library.node_step[:, None] == library.node_step[None]
-    repeats = same_step & transfers[:, None] & transfers[None] & (side[:, None] == side[None])
-    return np.asarray(agree & ~repeats, np.bool_)
+    codes = structure_codes(library)
+    end, begin = codes.leaving[:, :1], codes.entering[None, :, 0]
+    first, second = codes.leaving[:, 1:], codes.entering[None, :, 1]
+    agree = (end == begin) | (end < 0) | (begin < 0)
+    return np.asarray(agree & ~((first == second) & (first >= 0)), np.bool_)
 
 
 def plain_pose(name: str) -> str:

@@ -6,7 +6,6 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.library import StepLibrary
-from live.motion.editing.same_step import check_same_structure
 from live.motion.step_clip import StepClip
 
 Float64 = npt.NDArray[np.float64]
@@ -39,27 +38,31 @@ class Takes:
 
 
 def find_takes(library: StepLibrary) -> Takes:
-    """All takes of a library. Only clips of one structural variation are mixed (T046): same foot, same poses."""
-    fits: dict[tuple[int, int], bool] = {}
-    rows: list[list[int]] = []
-    for u in range(library.node_count):
-        same = (library.node_step == library.node_step[u]) & (library.node_measure == library.node_measure[u])
-        row = []
-        for v in np.flatnonzero(same):
-            a, b = int(library.node_clip[u]), int(library.node_clip[v])
-            pair = (min(a, b), max(a, b))
-            if a != b and pair not in fits:
-                fits[pair] = _fit(library.clips[a], library.clips[b])
-            if a != b and fits[pair]:
-                row.append(int(v))
-        rows.append(row)
+    """All takes of a library. Only clips of one structural variation are mixed (T046): same foot, same poses.
+
+    The rule is that of `check_same_structure`; a measure of a stream (T037) is no other's take.
+    """
+    numbers: dict[tuple[object, ...], int] = {}
+    # what two takes share: all that must be equal but the side; -1 where there is nothing that could
+    kind = np.array([-1 if c.in_stream else numbers.setdefault(_kind(c), len(numbers)) for c in library.clips])
+    foot = np.array([("", "left", "right").index(clip.leading_foot) for clip in library.clips])
+    mirrored = np.array([clip.mirrored for clip in library.clips])
+    clip = library.node_clip
+    rows: list[Int32] = [np.zeros(0, np.int32)] * library.node_count
+    place = kind[clip].astype(np.int64) * (int(library.node_measure.max()) + 1) + library.node_measure
+    place[kind[clip] < 0] = -1
+    order = np.argsort(place, kind="stable")
+    for group in np.split(order, np.flatnonzero(np.diff(place[order])) + 1):
+        if place[group[0]] < 0:
+            continue
+        for u in group:
+            a, b = clip[u], clip[group]
+            told = (foot[a] > 0) & (foot[b] > 0)
+            same = np.where(told, foot[a] == foot[b], mirrored[a] == mirrored[b])
+            rows[u] = group[same & (a != b)].astype(np.int32)
     start = np.cumsum([0, *map(len, rows)])
-    return Takes(start.astype(np.int32), np.array([v for row in rows for v in row], np.int32))
+    return Takes(start.astype(np.int32), np.concatenate(rows).astype(np.int32))
 
 
-def _fit(a: StepClip, b: StepClip) -> bool:
-    try:
-        check_same_structure(a, b)
-    except ValueError:
-        return False
-    return True
+def _kind(clip: StepClip) -> tuple[object, ...]:
+    return (clip.step, clip.measures, clip.beats_per_measure, clip.begin_pose, clip.end_pose, clip.weight_transfer)

@@ -13,14 +13,23 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.library import StepLibrary, window_samples
+from live.graph.metric.flat import FlatClouds
+from live.graph.metric.near import aligned
+from live.graph.metric.weights import WINDOW_SAMPLES, Metric, joint_weights, window_weights
 from live.motion.posing.pipeline import PosePipeline
 from live.motion.skeleton import SKELETON
 
 Float64 = npt.NDArray[np.float64]
-Complex = npt.NDArray[np.complex128]
 
-WINDOW_SAMPLES = 12
-"""Poses in a window; the cloud has 12 · J points."""
+__all__ = [
+    "WINDOW_SAMPLES",
+    "Transitions",
+    "all_pairs",
+    "clouds",
+    "joint_weights",
+    "transition_windows",
+    "window_weights",
+]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,22 +42,6 @@ class Transitions:
     """Rotation that brings v's axes into u's [rad], shape (N, N)."""
     shift: Float64
     """Translation that follows it (x, z) [m], shape (N, N, 2)."""
-
-
-def joint_weights() -> Float64:
-    """Weight of each joint in the cloud, sum 1, shape (J,): feet carry, hips lead, hands may differ."""
-    weights = np.ones(SKELETON.joint_count)
-    for name, weight in (("Hand", 0.4), ("LowerArm", 0.7), ("Foot", 2.0), ("Toes", 1.5), ("hips", 2.0)):
-        for joint, joint_name in enumerate(SKELETON.names):
-            if joint_name.endswith(name):
-                weights[joint] = weight
-    return np.asarray(weights / weights.sum(), np.float64)
-
-
-def window_weights(count: int = WINDOW_SAMPLES) -> Float64:
-    """Weight along the window, sum 1, shape (count,): larger towards the measure line, where the blend ends."""
-    weights = np.linspace(0.5, 1.5, count)
-    return np.asarray(weights / weights.sum(), np.float64)
 
 
 def clouds(library: StepLibrary, samples: Float64) -> Float64:
@@ -69,29 +62,14 @@ def transition_windows(library: StepLibrary, window: float) -> tuple[Float64, Fl
     return clouds(library, end), clouds(library, start)
 
 
-def all_pairs(first: Float64, second: Float64) -> Transitions:
-    """K003 for all pairs of clouds `first` (N, K, J, 3) and `second` (M, K, J, 3); weights sum to 1."""
-    weights = np.outer(window_weights(first.shape[1]), joint_weights()).reshape(-1)
-    root = np.sqrt(weights)
+def all_pairs(first: Float64, second: Float64, metric: Metric | None = None) -> Transitions:
+    """K003 for all pairs of clouds `first` (N, K, J, 3) and `second` (M, K, J, 3), in one matrix product.
 
-    def flatten(cloud: Float64) -> tuple[Complex, Float64, Complex]:
-        points = cloud.reshape(len(cloud), -1, 3)
-        floor: Complex = points[..., 0] + 1j * points[..., 2]
-        centre: Complex = floor @ weights.astype(np.complex128)
-        return np.asarray(root * (floor - centre[:, None])), root * points[..., 1], centre
-
-    a, y_a, centre_a = flatten(first)
-    b, y_b, centre_b = flatten(second)
-    product = a.conj() @ b.T
-    squared = (
-        (np.abs(a) ** 2).sum(1)[:, None]
-        + (np.abs(b) ** 2).sum(1)[None]
-        + (y_a**2).sum(1)[:, None]
-        + (y_b**2).sum(1)[None]
-        - 2.0 * np.abs(product)
-        - 2.0 * (y_a @ y_b.T)
-    )
-    yaw = np.angle(product)
-    # (x, z) turned by yaw is (x + iz) · exp(-i yaw), since yaw turns +z towards +x
-    shift = centre_a[:, None] - centre_b[None] * np.exp(-1j * yaw)
-    return Transitions(np.sqrt(np.maximum(squared, 0.0)), yaw, np.stack([shift.real, shift.imag], axis=-1))
+    Holds some ten arrays of (N, M): for the pairs within a threshold in libraries of any size see `near_pairs`.
+    """
+    metric = Metric.of() if metric is None else metric
+    a, b = FlatClouds.of(first, metric), FlatClouds.of(second, metric)
+    product = a.floor.conj() @ b.floor.T
+    squared = a.size[:, None] + b.size[None] - 2.0 * np.abs(product) - 2.0 * (a.height @ b.height.T)
+    motion = aligned(product, a.centre[:, None], b.centre[None])
+    return Transitions(np.sqrt(np.maximum(squared, 0.0)), motion[..., 2], motion[..., :2])

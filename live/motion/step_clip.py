@@ -55,6 +55,8 @@ class StepClip:
     style: str = ""
     """Stylistic variation in a word: how it is danced."""
     tags: tuple[str, ...] = ()
+    in_stream: bool = False
+    """True for a measure of a recording that nobody has cut into steps (T037): its neighbours are no takes of it."""
 
     def __post_init__(self) -> None:
         end = self.first + self.measures * self.samples_per_measure

@@ -10,7 +10,9 @@ from hypothesis import strategies as st
 
 from live.graph.kernels import choose_edges
 from live.graph.library import build_library
-from live.graph.motion_graph import NEVER, build_graph, largest_component
+from live.graph.metric.weights import Metric
+from live.graph.motion_graph import NEVER, allowed_edges, build_graph, largest_component
+from live.graph.transition import all_pairs, transition_windows
 from tests.made_steps import made_clip, made_steps
 
 
@@ -27,6 +29,31 @@ def test_a_step_of_two_measures_is_danced_whole(graph):
     assert targets.tolist() == [second]
     assert graph.edge_transform[graph.edge_start[first]].tolist() == [0, 0, 0]
     assert not np.isin(second, np.delete(graph.edge_target, graph.edge_start[first]))
+
+
+@pytest.mark.parametrize("threshold", [0.02, 0.1, 0.3])
+def test_edges_are_those_of_the_whole_table(threshold):
+    """Against all pairs at once, the structure of each, and pruning of what cannot be reached and left."""
+    library = build_library([*made_steps(), made_clip("arms up", arm=-1.2)])
+    graph = build_graph(library, threshold=threshold)
+    table = all_pairs(*transition_windows(library, graph.window))
+    allowed = allowed_edges(library, table, threshold)
+    assert np.argwhere(allowed).tolist() == np.column_stack([graph.joins.source, graph.joins.target]).tolist()
+    allowed &= graph.alive[:, None] & graph.alive[None]
+    source, target = np.nonzero(allowed)
+    assert graph.edge_target.tolist() == target.tolist()
+    assert graph.edge_start.tolist() == np.searchsorted(source, np.arange(library.node_count + 1)).tolist()
+    between = library.node_measure[target] == 0
+    assert graph.edge_cost[between] == pytest.approx(table.distance[source, target][between], abs=1e-7)
+    assert graph.edge_transform[between][:, :2] == pytest.approx(table.shift[source, target][between], abs=1e-7)
+
+
+def test_weights_of_the_joints_decide_which_steps_connect():
+    """Arms that differ keep two steps apart only as long as arms count."""
+    library = build_library([made_clip("sway"), made_clip("reach", arm=0.4)])
+    arms = {side + part: 0.0 for side in ("left", "right") for part in ("UpperArm", "LowerArm", "Hand")}
+    assert build_graph(library, threshold=0.05).edge_count == 1
+    assert build_graph(library, threshold=0.05, metric=Metric.of(arms)).edge_count == 4
 
 
 def test_steps_that_lead_nowhere_are_pruned_and_named():
@@ -63,7 +90,7 @@ def test_the_largest_component_is_strongly_connected(count, seed, density):
     for _ in range(count):
         reach = (reach.astype(int) @ reach.astype(int)) > 0
     together = reach & reach.T
-    alive = largest_component(allowed)
+    alive = largest_component(count, *np.nonzero(allowed))
     assert alive.sum() == together.sum(axis=1).max()
     assert together[np.ix_(alive, alive)].all()
 
@@ -71,7 +98,7 @@ def test_the_largest_component_is_strongly_connected(count, seed, density):
 def test_a_step_that_repeats_itself_lives_and_a_lone_one_without_an_edge_does_not():
     allowed = np.zeros((3, 3), np.bool_)
     allowed[2, 2] = True
-    assert largest_component(allowed).tolist() == [False, False, True]
+    assert largest_component(3, *np.nonzero(allowed)).tolist() == [False, False, True]
 
 
 def test_hops_count_measures_to_a_step(graph):

@@ -1,11 +1,14 @@
 """Takes: which clips may be mixed into which (T044-T047)."""
 
+import contextlib
+from dataclasses import replace
+
 import numpy as np
 
 from live.graph.library import build_library
 from live.graph.takes import NO_TAKE, find_takes
 from live.motion.editing.same_step import check_same_structure
-from tests.made_steps import made_steps
+from tests.made_steps import made_clip, made_steps
 
 
 def test_takes_are_the_same_measure_of_the_same_step_in_another_clip():
@@ -35,3 +38,33 @@ def test_one_clip_has_no_other_take():
     takes = find_takes(library)
     node = np.zeros(3, np.int32)
     assert takes.draw(node, np.array([0.0, 0.5, 0.99])).tolist() == [NO_TAKE] * 3
+
+
+def test_takes_are_the_pairs_that_the_editing_tools_would_mix():
+    """Against `check_same_structure` on every pair of a mixed library."""
+    chance = np.random.default_rng(3)
+    clips = [
+        replace(
+            made_clip(str(chance.choice(["a", "b"])), measures=int(chance.integers(1, 3))),
+            leading_foot=str(chance.choice(["", "left", "right"])),
+            mirrored=bool(chance.integers(2)),
+            end_pose=str(chance.choice(["", "plié"])),
+        )
+        for _ in range(30)
+    ]
+    library = build_library(clips)
+    takes = find_takes(library)
+    for u in range(library.node_count):
+        expected = []
+        for v in range(library.node_count):
+            a, b = library.node_clip[u], library.node_clip[v]
+            if a != b and library.node_measure[u] == library.node_measure[v]:
+                with contextlib.suppress(ValueError):
+                    check_same_structure(clips[a], clips[b])
+                    expected.append(v)
+        assert takes.node[takes.start[u] : takes.start[u + 1]].tolist() == expected
+
+
+def test_the_measures_of_a_stream_are_no_takes_of_each_other():
+    library = build_library([replace(made_clip("stream"), in_stream=True) for _ in range(3)])
+    assert find_takes(library).count(np.arange(3, dtype=np.int32)).tolist() == [0, 0, 0]

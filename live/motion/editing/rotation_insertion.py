@@ -1,5 +1,6 @@
 """Rotation insertion: a step is turned while one foot carries, and that foot holds its place (T048-T050)."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
@@ -96,8 +97,9 @@ def support_turns(
     """
     _check(step, measure, window, softness)
     feet = find_feet(step.clip) if feet is None else feet
-    stretches = _stretches(step, feet, measure, window)
-    single = bool(_supports(step, feet, measure, window))
+    supports = [(measure, support) for support in _supports(step, feet, measure, window)]
+    stretches = _stretches_of(step, feet, (measure,), window, supports)
+    single = bool(supports)
     columns = np.zeros((8, MAX_SEGMENTS))
     columns[:2] = 1.0
     begin = step.first + measure * step.samples_per_measure
@@ -160,6 +162,16 @@ def _stretches(step: StepClip, feet: Feet, measure: int | None, window: float) -
     """Stretches of one measure or of all; weights sum to 1 and are the shares of the N samples (T049)."""
     measures = range(step.measures) if measure is None else (measure,)
     supports = [(n, support) for n in measures for support in _supports(step, feet, n, window)]
+    return _stretches_of(step, feet, measures, window, supports)
+
+
+def _stretches_of(
+    step: StepClip,
+    feet: Feet,
+    measures: Sequence[int],
+    window: float,
+    supports: list[tuple[int, tuple[int, int, int]]],
+) -> list[_Stretch]:
     total = sum(stop - start for _, (start, stop, _) in supports)
     if not supports:
         return [stretch for n in measures for stretch in _by_speed(step, feet, n, window, 1.0 / len(measures))]

@@ -1,0 +1,50 @@
+"""FlatClouds: point clouds as K003 wants them, centred, weighted, floor coordinates as complex numbers."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.metric.weights import Metric
+
+Float64 = npt.NDArray[np.float64]
+Complex = npt.NDArray[np.complex128]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FlatClouds:
+    """N clouds of P points."""
+
+    floor: Complex
+    """√w (x + iz), centred, shape (N, P)."""
+    height: Float64
+    """√w y, shape (N, P)."""
+    centre: Complex
+    """Weighted mean of x + iz [m], shape (N,)."""
+    size: Float64
+    """|floor|² + |height|² [m²], shape (N,)."""
+
+    @classmethod
+    def of(cls, clouds: Float64, metric: Metric) -> "FlatClouds":
+        """From world positions (N, K, J, 3) [m]; ValueError if the metric is for clouds of another shape."""
+        if clouds.shape[1:] != (len(metric.window), len(metric.joint), 3):
+            expected = f"(N, {len(metric.window)}, {len(metric.joint)}, 3)"
+            raise ValueError(f"clouds of shape {clouds.shape}; {expected} expected")
+        weights = metric.points
+        root = np.sqrt(weights)
+        points = clouds.reshape(len(clouds), -1, 3)
+        floor: Complex = points[..., 0] + 1j * points[..., 2]
+        centre: Complex = floor @ weights.astype(np.complex128)
+        floor = np.asarray(root * (floor - centre[:, None]))
+        height = root * points[..., 1]
+        size = np.einsum("np,np->n", floor, floor.conj()).real + np.einsum("np,np->n", height, height)
+        return cls(floor, np.asarray(height), centre, np.asarray(size))
+
+    @classmethod
+    def joined(cls, parts: Sequence["FlatClouds"]) -> "FlatClouds":
+        """The clouds of all parts, one after another."""
+        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in cls.__slots__))
+
+    def __len__(self) -> int:
+        return len(self.size)

@@ -1,0 +1,117 @@
+"""All pairs of clouds within a threshold, for libraries of any size (K003).
+
+Blocks of rows go through a sieve: one complex and one real matrix product in single precision, and a kernel that keeps
+the pairs that can be near enough. Those alone are computed in full precision, one by one, or as a block where most
+pairs pass. Nothing of size N × M is ever held, only a block and the pairs that are kept.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.metric.flat import FlatClouds
+from live.graph.metric.kernels import pair_products, sieve_block
+
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Complex = npt.NDArray[np.complex128]
+
+MOST_PAIRS: Final = 16_000_000
+"""A graph of more edges would fill the memory (36 bytes each, twice while it is made)."""
+_BLOCK_PAIRS: Final = 1 << 21
+"""Pairs of a block: about 24 MB in single precision."""
+_DOUBT: Final = 4e-6
+"""Error of the sieve's squared distances as a share of the clouds' sizes: 30 times that of single precision."""
+_DENSE: Final = 0.1
+"""Where a larger share of a block passes, its product in full precision costs less than pair by pair."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pairs:
+    """E pairs of clouds (row of the first, row of the second), sorted by row, then column."""
+
+    row: Int32
+    column: Int32
+    distance: Float64
+    """Root of the weighted mean squared distance of the aligned clouds [m], shape (E,)."""
+    motion: Float64
+    """x, z [m] and yaw [rad] that bring the second cloud nearest to the first, shape (E, 3)."""
+
+
+def near_pairs(first: FlatClouds, second: FlatClouds, threshold: float, codes: tuple[Int32, Int32]) -> Pairs:
+    """Pairs of `first` (N clouds) and `second` (M) within `threshold` [m] whose `codes` (N, 2), (M, 2) agree.
+
+    Codes as in `structure.StructureCodes`. ValueError if there are more than sixteen million.
+    """
+    if not (len(first) and len(second)):
+        return Pairs(np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros(0), np.zeros((0, 3)))
+    rows = max(1, _BLOCK_PAIRS // len(second))
+    sieve = _Sieve(first, second, threshold, codes, min(rows, len(first)))
+    parts = []
+    total = 0
+    for begin in range(0, len(first), rows):
+        part = sieve.block(begin, min(begin + rows, len(first)))
+        parts.append(part)
+        total += len(part.row)
+        if total > MOST_PAIRS:
+            raise ValueError(
+                f"more than {MOST_PAIRS:,} pairs of measures are within {threshold:g} m of each other: "
+                "lower the threshold, or leave measures out that are alike"
+            )
+    return Pairs(*(np.concatenate([getattr(part, name) for part in parts]) for name in Pairs.__slots__))
+
+
+class _Sieve:
+    """The second clouds in single precision, and room for the pairs of one block of the first."""
+
+    def __init__(
+        self, first: FlatClouds, second: FlatClouds, threshold: float, codes: tuple[Int32, Int32], rows: int
+    ) -> None:
+        self._first, self._second, self._threshold, self._codes = first, second, threshold, codes
+        self._floor = np.ascontiguousarray(second.floor.T, np.complex64)
+        self._height = np.ascontiguousarray(second.height.T, np.float32)
+        self._size = second.size.astype(np.float32)
+        self._out = np.zeros((2, rows * len(second)), np.int32)
+
+    def block(self, begin: int, end: int) -> Pairs:
+        """Pairs of the rows `begin` to `end` (exclusive)."""
+        a, b, part = self._first, self._second, slice(begin, end)
+        count = sieve_block(
+            a.floor[part].conj().astype(np.complex64) @ self._floor,
+            a.height[part].astype(np.float32) @ self._height,
+            a.size[part].astype(np.float32),
+            self._size,
+            self._threshold**2,
+            _DOUBT,
+            np.ascontiguousarray(self._codes[0][part]),
+            self._codes[1],
+            self._out[0],
+            self._out[1],
+        )
+        row, column = self._out[0, :count].copy() + np.int32(begin), self._out[1, :count].copy()
+        product, height = self._exact(row, column, part)
+        squared = a.size[row] + b.size[column] - 2.0 * np.abs(product) - 2.0 * height
+        distance = np.sqrt(np.maximum(squared, 0.0))
+        near = distance <= self._threshold
+        row, column = row[near], column[near]
+        return Pairs(row, column, distance[near], aligned(product[near], a.centre[row], b.centre[column]))
+
+    def _exact(self, row: Int32, column: Int32, part: slice) -> tuple[Complex, Float64]:
+        a, b = self._first, self._second
+        if len(row) > _DENSE * (part.stop - part.start) * len(b):
+            own = row - np.int32(part.start)
+            product = (a.floor[part].conj() @ b.floor.T)[own, column]
+            return product, (a.height[part] @ b.height.T)[own, column]
+        product, height = np.empty(len(row), np.complex128), np.empty(len(row))
+        pair_products(a.floor, a.height, b.floor, b.height, row, column, product, height)
+        return product, height
+
+
+def aligned(product: Complex, centre_a: Complex, centre_b: Complex) -> Float64:
+    """x, z [m] and yaw [rad] of K001 from the products conj(a) · b (E,) and the clouds' centres, shape (E, 3)."""
+    yaw = np.angle(product)
+    # (x, z) turned by yaw is (x + iz) · exp(-i yaw), since yaw turns +z towards +x
+    shift = centre_a - centre_b * np.exp(-1j * yaw)
+    return np.stack([shift.real, shift.imag, yaw], axis=-1)

@@ -1,0 +1,110 @@
+"""NodeFacts: what is measured of every measure of a library: where it begins and ends, faces, and can be turned."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.library import StepLibrary, window_samples
+from live.graph.metric.weights import WINDOW_SAMPLES
+from live.graph.transition import clouds, transition_windows
+from live.motion.editing.feet import ANKLES, BALLS, Feet
+from live.motion.editing.rotation_insertion import support_turns
+from live.motion.posing.pipeline import PosePipeline, PoseSkeleton
+from live.motion.skeleton import SKELETON
+
+Float64 = npt.NDArray[np.float64]
+
+TURN_SOFTNESS = 0.3
+"""Share of a support over which a live turn speeds up, and slows down: a body cannot turn at once."""
+_ACROSS = tuple(
+    (SKELETON.index(left), SKELETON.index(right))
+    for left, right in (("leftUpperLeg", "rightUpperLeg"), ("leftUpperArm", "rightUpperArm"))
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NodeFacts:
+    """Facts of N nodes, each of which depends on the node's own clip alone; fields as in MotionGraph."""
+
+    start: Float64
+    end: Float64
+    facing: Float64
+    facing_start: Float64
+    facing_mean: Float64
+    turns: Float64
+    quickest: Float64
+
+    def joined(self, other: "NodeFacts") -> "NodeFacts":
+        """The facts of this one's nodes, then the other's."""
+        return NodeFacts(*(np.concatenate([getattr(self, n), getattr(other, n)]) for n in NodeFacts.__slots__))
+
+
+def node_facts(library: StepLibrary, window: float) -> NodeFacts:
+    """Measure all nodes; `window` is the length of a transition as a share of the measure (T036)."""
+    facing_start, facing_end, facing_mean = _facing(library, window)
+    turns, quickest = _turns(library, window)
+    return NodeFacts(
+        start=_root_at(library, library.node_first),
+        end=_root_at(library, library.node_last),
+        facing=facing_end,
+        facing_start=facing_start,
+        facing_mean=facing_mean,
+        turns=turns,
+        quickest=quickest,
+    )
+
+
+def _turns(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
+    """Support turns of every node, (N, 8, 8), and how fast they are at the fastest, (N,)."""
+    feet = _feet(library)
+    turns = [
+        support_turns(library.clips[n], int(m), window=min(window, 0.9), softness=TURN_SOFTNESS, feet=feet[n])
+        for n, m in zip(library.node_clip, library.node_measure, strict=True)
+    ]
+    rows = np.ascontiguousarray(np.stack([turn.rows() for turn in turns]))
+    return rows, np.array([float(turn.quickest) for turn in turns])
+
+
+def _feet(library: StepLibrary) -> list[Feet]:
+    """The feet of every clip, by one run of the pose pipeline over all samples."""
+    skeleton, joints = PoseSkeleton.legs_only()
+    pipeline = PosePipeline(len(library.clip_root), skeleton)
+    pipeline.sample[0] = np.arange(len(library.clip_root))
+    position, _ = pipeline.run(library.leg_store)
+    ankles, balls = (position[:, np.searchsorted(joints, names)].astype(np.float64) for names in (ANKLES, BALLS))
+    feet, begin = [], 0
+    for clip in library.clips:
+        own = slice(begin, begin + clip.clip.sample_count)
+        feet.append(Feet(ankles[own], balls[own]))
+        begin = own.stop
+    return feet
+
+
+def _root_at(library: StepLibrary, sample: Float64) -> Float64:
+    low = np.clip(np.floor(sample).astype(np.int64), 0, len(library.clip_root) - 1)
+    high = np.minimum(low + 1, len(library.clip_root) - 1)
+    t = (sample - low)[:, None]
+    root = (1.0 - t) * library.clip_root[low] + t * library.clip_root[high]
+    return np.ascontiguousarray(root[:, (0, 2)], np.float64)
+
+
+def _facing(library: StepLibrary, window: float) -> tuple[Float64, Float64, Float64]:
+    """Heading of the body around the beginning and the end of each measure, and over all of it [rad], (N,) each.
+
+    The line from the right to the left upper leg and that between the shoulders are averaged: hips alone sway with
+    every step. Means of angles are taken as means of unit vectors.
+    """
+    end, start = transition_windows(library, window)
+    whole = clouds(library, window_samples(library.node_first, library.node_last, 4 * WINDOW_SAMPLES))
+
+    def mean(cloud: Float64) -> Float64:
+        total = np.zeros(len(cloud), np.complex128)
+        for left, right in _ACROSS:
+            across = cloud[:, :, left] - cloud[:, :, right]
+            direction = across[..., 0] + 1j * across[..., 2]
+            total += (direction / np.maximum(np.abs(direction), 1e-9)).mean(axis=1)
+        # facing +z the left side is at +x: heading 0 is direction 1 + 0i, and yaw turns it by exp(-i yaw)
+        return np.ascontiguousarray(-np.angle(total), np.float64)
+
+    return mean(start), mean(end), mean(whole)

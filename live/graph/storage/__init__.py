@@ -1,0 +1,1 @@
+"""How a library keeps its clips: rotations of one sign, mean poses."""

@@ -1,0 +1,66 @@
+"""Kernels of a library's storage: signs of quaternions along clips, and what mean poses are made of."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int64 = npt.NDArray[np.int64]
+
+
+@kernel("void(f4[:,:,::1],i8[::1])")
+def one_sign(rotation: Float32, clip_start: Int64) -> None:
+    """Flip rotations (S, J, 4) in place so that each is nearest to the one before it in its clip.
+
+    clip_start (clips + 1,): first sample of each clip, and S.
+    """
+    for clip in range(clip_start.shape[0] - 1):
+        for s in range(clip_start[clip] + 1, clip_start[clip + 1]):
+            for j in range(rotation.shape[1]):
+                dot = 0.0
+                for c in range(4):
+                    dot += rotation[s, j, c] * rotation[s - 1, j, c]
+                if dot < 0.0:
+                    for c in range(4):
+                        rotation[s, j, c] = -rotation[s, j, c]
+
+
+@kernel("void(f4[:,:,::1],i8[::1],i8[::1],f8[:,:,:,::1])")
+def rotation_moments(rotation: Float32, first: Int64, last: Int64, out: Float64) -> None:
+    """Sums of q qᵀ over the samples first to last (inclusive) of N nodes, into out (N, J, 4, 4), which must be 0."""
+    for n in range(first.shape[0]):
+        for s in range(first[n], last[n] + 1):
+            for j in range(rotation.shape[1]):
+                for a in range(4):
+                    q = float(rotation[s, j, a])
+                    for b in range(4):
+                        out[n, j, a, b] += q * float(rotation[s, j, b])
+
+
+@kernel("void(f4[:,:,::1],i8[::1],i8[::1],f8[:,:,::1],f8[:,:,::1])")
+def mean_turns(rotation: Float32, first: Int64, last: Int64, centre: Float64, out: Float64) -> None:
+    """Mean rotation vector from `centre` (N, J, 4) over the samples first to last of N nodes, into out (N, J, 3)."""
+    for n in range(first.shape[0]):
+        count = float(last[n] + 1 - first[n])
+        for j in range(rotation.shape[1]):
+            cw, cx, cy, cz = centre[n, j, 0], -centre[n, j, 1], -centre[n, j, 2], -centre[n, j, 3]
+            tx, ty, tz = 0.0, 0.0, 0.0
+            for s in range(first[n], last[n] + 1):
+                qw, qx = float(rotation[s, j, 0]), float(rotation[s, j, 1])
+                qy, qz = float(rotation[s, j, 2]), float(rotation[s, j, 3])
+                w = cw * qw - cx * qx - cy * qy - cz * qz
+                x = cw * qx + cx * qw + cy * qz - cz * qy
+                y = cw * qy - cx * qz + cy * qw + cz * qx
+                z = cw * qz + cx * qy - cy * qx + cz * qw
+                if w < 0.0:
+                    w, x, y, z = -w, -x, -y, -z
+                size = math.sqrt(x * x + y * y + z * z)
+                share = 2.0 * math.atan2(size, w) / size if size > 1e-9 else 2.0
+                tx += share * x
+                ty += share * y
+                tz += share * z
+            out[n, j, 0], out[n, j, 1], out[n, j, 2] = tx / count, ty / count, tz / count

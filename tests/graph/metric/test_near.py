@@ -1,0 +1,121 @@
+"""Near pairs of clouds against all pairs in full precision, and the weights of the metric."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from live.graph.metric import near
+from live.graph.metric.flat import FlatClouds
+from live.graph.metric.near import near_pairs
+from live.graph.metric.weights import WINDOW_SAMPLES, Metric, joint_weights, window_weights
+from live.graph.transition import all_pairs
+from live.motion.skeleton import JOINT_COUNT, SKELETON
+
+
+def _clouds(seed, count, spread):
+    """Clouds about a common body, `spread` [m] apart, turned and moved at random."""
+    chance = np.random.default_rng(seed)
+    body = np.random.default_rng(0).normal((0, 1, 0), 0.4, (1, WINDOW_SAMPLES, JOINT_COUNT, 3))
+    cloud = body + chance.normal(0, spread, (count, *body.shape[1:]))
+    yaw = chance.uniform(-3, 3, (count, 1, 1))
+    x, z = cloud[..., 0].copy(), cloud[..., 2].copy()
+    cloud[..., 0] = x * np.cos(yaw) + z * np.sin(yaw) + chance.uniform(-5, 5, (count, 1, 1))
+    cloud[..., 2] = z * np.cos(yaw) - x * np.sin(yaw) + chance.uniform(-5, 5, (count, 1, 1))
+    return cloud
+
+
+def _codes(chance, count):
+    return np.stack([chance.integers(-1, 2, count), chance.integers(-1, 3, count)], axis=1).astype(np.int32)
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    sizes=st.tuples(st.integers(1, 40), st.integers(1, 40)),
+    spread=st.floats(0.02, 0.2),
+    block=st.sampled_from([1, 7, 100, 1 << 21]),
+    dense=st.sampled_from([0.0, 2.0]),
+)
+def test_near_pairs_are_those_of_the_whole_table(seed, sizes, spread, block, dense):
+    """Any size of block, pair by pair or as a block: the same pairs as the dense table within the threshold."""
+    chance = np.random.default_rng(seed)
+    first, second = _clouds(seed, sizes[0], spread), _clouds(seed + 1, sizes[1], spread)
+    codes = _codes(chance, sizes[0]), _codes(chance, sizes[1])
+    table = all_pairs(first, second)
+    threshold = float(np.quantile(table.distance, 0.5)) * (1 + 1e-9)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(near, "_BLOCK_PAIRS", block)
+        patch.setattr(near, "_DENSE", dense)
+        metric = Metric.of()
+        found = near_pairs(FlatClouds.of(first, metric), FlatClouds.of(second, metric), threshold, codes)
+    expected = []
+    for i, j in np.argwhere(table.distance <= threshold):
+        (end, own), (begin, other) = codes[0][i], codes[1][j]
+        if (end == begin or -1 in (end, begin)) and not (own == other and own >= 0):
+            expected.append((i, j))
+    assert list(zip(found.row.tolist(), found.column.tolist(), strict=True)) == expected
+    rows = (found.row, found.column)
+    assert found.distance == pytest.approx(table.distance[rows], abs=1e-7)
+    assert found.motion[:, :2] == pytest.approx(table.shift[rows], abs=1e-9)
+    assert np.cos(found.motion[:, 2] - table.yaw[rows]) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_identical_clouds_are_found_at_a_threshold_of_a_millimetre():
+    """The sieve in single precision loses none of them, though its distances are off by more than that."""
+    cloud = _clouds(1, 300, 0.1) + np.array((400.0, 0.0, -300.0))
+    metric = Metric.of()
+    flat = FlatClouds.of(cloud, metric)
+    free = np.full((300, 2), -1, np.int32)
+    found = near_pairs(flat, flat, 0.001, (free, free))
+    assert found.row.tolist() == found.column.tolist() == list(range(300))
+
+
+def test_too_many_pairs_are_refused_in_words(monkeypatch):
+    monkeypatch.setattr(near, "MOST_PAIRS", 10)
+    flat = FlatClouds.of(_clouds(1, 4, 0.01), Metric.of())
+    free = np.full((4, 2), -1, np.int32)
+    with pytest.raises(ValueError, match=r"more than 10 pairs of measures.*lower the threshold"):
+        near_pairs(flat, flat, 10.0, (free, free))
+
+
+def test_no_clouds_have_no_pairs():
+    flat = FlatClouds.of(_clouds(1, 3, 0.01), Metric.of())
+    none = FlatClouds(flat.floor[:0], flat.height[:0], flat.centre[:0], flat.size[:0])
+    free = np.full((3, 2), -1, np.int32)
+    assert len(near_pairs(none, flat, 1.0, (free[:0], free)).row) == 0
+    assert len(near_pairs(flat, none, 1.0, (free, free[:0])).row) == 0
+
+
+def test_weights_move_the_distance():
+    """A difference in one hand alone counts √(its share), at the measure line more than before it."""
+    one = _clouds(2, 1, 0.0)
+    hand = SKELETON.index("leftHand")
+    for metric in (Metric.of(), Metric.of({"leftHand": 3.0}), Metric.of(emphasis=1.0)):
+        for sample in (0, WINDOW_SAMPLES - 1):
+            other = one.copy()
+            other[0, sample, hand, 1] += 0.5
+            distance = all_pairs(one, other, metric).distance[0, 0]
+            assert distance == pytest.approx(0.5 * math.sqrt(metric.joint[hand] * metric.window[sample]), abs=1e-6)
+    assert all_pairs(one, one, replace(Metric.of(), joint=joint_weights({"hips": 0.0}))).distance[0, 0] < 1e-6
+
+
+def test_weights_are_shares_and_checked():
+    assert joint_weights().sum() == pytest.approx(1.0)
+    assert window_weights(20, 0.0) == pytest.approx(np.full(20, 0.05))
+    assert window_weights(12)[-1] == pytest.approx(3 * window_weights(12)[0])
+    changed = joint_weights({"head": 4.0})
+    assert changed[SKELETON.index("head")] / changed[SKELETON.index("hips")] == pytest.approx(2.0)
+    with pytest.raises(ValueError, match="'elbow': no such joint; there are hips"):
+        joint_weights({"elbow": 1.0})
+    with pytest.raises(ValueError, match="'head' is -1"):
+        joint_weights({"head": -1.0})
+    with pytest.raises(ValueError, match="nothing is left"):
+        joint_weights(dict.fromkeys(SKELETON.names, 0.0))
+    with pytest.raises(ValueError, match=r"emphasis.* 1\.5"):
+        window_weights(emphasis=1.5)
+    with pytest.raises(ValueError, match=r"clouds of shape \(1, 3, 22, 3\)"):
+        FlatClouds.of(np.zeros((1, 3, 22, 3)), Metric.of())
