@@ -60,6 +60,8 @@ def made_specification(graph: MadeGraph, names: Sequence[int | None]) -> Specifi
         for m in range(count):
             fits.append(np.ones(len(step), bool) if name is None else (step == name) & (measure == m))
             entry.append(number)
+    if names[-1] is None:
+        fits[-1] = fits[-1] & leaves  # whatever is danced last ends with the dance
     kind = np.arange(len(fits), dtype=np.int32)
     return Specification(tuple(wanted), np.array(fits), kind, np.array(entry, np.int32), measure == 0, leaves, False)
 
