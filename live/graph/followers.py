@@ -2,11 +2,8 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
+from live.graph.joins import Boundaries, JoinRule, find_joins
 from live.graph.library import StepLibrary
-from live.graph.motion_graph import allowed_edges
-from live.graph.transition import all_pairs, transition_windows
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,14 +19,13 @@ class Follower:
 
 def followers(library: StepLibrary, step: int, *, window: float = 0.1875, threshold: float = 0.16) -> list[Follower]:
     """The steps that can follow the step of that index within `threshold` [m], the nearest first."""
-    transitions = all_pairs(*transition_windows(library, window))
-    allowed = allowed_edges(library, transitions, threshold)
-    allowed[:, library.node_measure > 0] = False
-    own = library.node_step == step
+    rule = JoinRule(window, threshold)
+    joins = find_joins(library, Boundaries.of(library, rule), rule)
+    own = (library.node_step[joins.source] == step) & (library.node_measure[joins.target] == 0)
+    follows, cost = library.node_step[joins.target[own]], joins.cost[own]
     found = []
     for index, name in enumerate(library.steps):
-        joins = allowed[np.ix_(own, library.node_step == index)]
-        if joins.any():
-            distances = transitions.distance[np.ix_(own, library.node_step == index)]
-            found.append(Follower(name, float(distances[joins].min()), int(joins.sum())))
+        distances = cost[follows == index]
+        if len(distances):
+            found.append(Follower(name, float(distances.min()), len(distances)))
     return sorted(found, key=lambda follower: (follower.distance_m, follower.step))

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.joins import joins_with
+from live.graph.joins import Boundaries, joins_with
 from live.graph.library import build_library, joined_library
 from live.graph.motion_graph import MotionGraph, graph_of
 from live.graph.node_facts import NodeFacts, node_facts
@@ -39,8 +39,10 @@ def insert_clips(graph: MotionGraph, clips: Sequence[StepClip]) -> MotionGraph:
         turns=graph.node_turns,
         quickest=graph.node_quickest,
     )
-    joins = joins_with(library, graph.joins, graph.library.node_count, graph.rule)
-    return graph_of(library, joins, old.joined(node_facts(part, graph.window)), graph.rule)
+    boundaries = graph.boundaries.joined(Boundaries.of(part, graph.rule))
+    joins = joins_with(library, boundaries, graph.joins, graph.library.node_count, graph.rule)
+    facts = old.joined(node_facts(part, graph.window))
+    return graph_of(library, boundaries, joins, facts, graph.rule)
 
 
 def stranded(graph: MotionGraph, nodes: Int32) -> npt.NDArray[np.bool_]:

@@ -8,13 +8,14 @@ import numpy.typing as npt
 
 from live.graph.library import StepLibrary, window_samples
 from live.graph.metric.flat import FlatClouds
-from live.graph.metric.near import Pairs, near_pairs
+from live.graph.metric.near import near_pairs
 from live.graph.metric.weights import Metric
-from live.graph.structure import structure_codes
+from live.graph.structure import StructureCodes, structure_codes
 from live.graph.transition import clouds
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
+Int64 = npt.NDArray[np.int64]
 Bool = npt.NDArray[np.bool_]
 
 _NODES: Final = 1024
@@ -23,13 +24,15 @@ _NODES: Final = 1024
 
 @dataclass(frozen=True, slots=True)
 class JoinRule:
-    """What makes a join."""
+    """What makes a join, and an edge of it."""
 
     window: float = 0.1875
     """Length of a transition as a share of the measure (T036)."""
     threshold: float = 0.16
     """Largest distance of the aligned clouds [m] (T034)."""
     metric: Metric = field(default_factory=Metric.of)
+    prune: bool = True
+    """Whether dead ends are left out of the graph (T037); the joins hold them anyway."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,28 +54,47 @@ class Joins:
         return Joins(self.source[kept], self.target[kept], self.cost[kept], self.transform[kept])
 
 
-def find_joins(library: StepLibrary, rule: JoinRule) -> Joins:
+@dataclass(frozen=True, slots=True, eq=False)
+class Boundaries:
+    """The clouds at both ends of N nodes, kept so that what comes later can be compared with them."""
+
+    ends: FlatClouds
+    """Of the last `window` of each measure."""
+    starts: FlatClouds
+    """Of the `window` before each measure."""
+
+    @classmethod
+    def of(cls, library: StepLibrary, rule: JoinRule) -> "Boundaries":
+        """Of all nodes of a library."""
+        return cls(_flat(library, library.node_last, rule), _flat(library, library.node_first, rule))
+
+    def joined(self, other: "Boundaries") -> "Boundaries":
+        """Of this one's nodes, then the other's."""
+        return Boundaries(FlatClouds.joined([self.ends, other.ends]), FlatClouds.joined([self.starts, other.starts]))
+
+
+def find_joins(library: StepLibrary, boundaries: Boundaries, rule: JoinRule) -> Joins:
     """All joins of a library; within a step of several measures each one leads to the next alone (T039)."""
     everything = np.arange(library.node_count)
-    return _merged(library, [_inner(library, everything), _between(library, rule, everything, everything)])
+    codes = structure_codes(library)
+    inner = _inner(library, everything)
+    return _merged(_between(library, boundaries, codes, rule, everything, everything), inner, library.node_count)
 
 
-def joins_with(library: StepLibrary, joins: Joins, old: int, rule: JoinRule) -> Joins:
+def joins_with(library: StepLibrary, boundaries: Boundaries, joins: Joins, old: int, rule: JoinRule) -> Joins:
     """The joins of a library whose first `old` nodes have `joins`: as `find_joins` finds them.
 
     Only pairs that hold a new node are compared: the metric is asked 2N times for each new one, not N² times in all.
     """
     before, new = np.arange(old), np.arange(old, library.node_count)
-    parts = [
-        joins,
-        _inner(library, new),
-        _between(library, rule, before, new),
-        _between(library, rule, new, np.arange(library.node_count)),
-    ]
-    return _merged(library, parts)
+    codes = structure_codes(library)
+    more = _inner(library, new)
+    for first, second in ((before, new), (new, np.arange(library.node_count))):
+        more = _merged(more, _between(library, boundaries, codes, rule, first, second), library.node_count)
+    return _merged(joins, more, library.node_count)
 
 
-def _inner(library: StepLibrary, nodes: npt.NDArray[np.int64]) -> Joins:
+def _inner(library: StepLibrary, nodes: Int64) -> Joins:
     """The measures of one clip are neighbours in the library."""
     source = nodes[library.node_measure[nodes] < library.node_measures[nodes] - 1].astype(np.int32)
     count = len(source)
@@ -80,15 +102,14 @@ def _inner(library: StepLibrary, nodes: npt.NDArray[np.int64]) -> Joins:
 
 
 def _between(
-    library: StepLibrary, rule: JoinRule, first: npt.NDArray[np.int64], second: npt.NDArray[np.int64]
+    library: StepLibrary, boundaries: Boundaries, codes: StructureCodes, rule: JoinRule, first: Int64, second: Int64
 ) -> Joins:
-    """Joins from the nodes `first` that end a step to the nodes `second` that begin one."""
+    """Joins from the nodes `first` that end a step to the nodes `second` that begin one; both are ranges."""
     leaves = first[library.node_measure[first] == library.node_measures[first] - 1]
     enters = second[library.node_measure[second] == 0]
-    codes = structure_codes(library)
-    pairs: Pairs = near_pairs(
-        flat_ends(library, leaves, rule),
-        flat_starts(library, enters, rule),
+    pairs = near_pairs(
+        boundaries.ends.chosen(leaves),
+        boundaries.starts.chosen(enters),
         rule.threshold,
         (codes.leaving[leaves], codes.entering[enters]),
     )
@@ -96,21 +117,11 @@ def _between(
     return Joins(source, target, pairs.distance, pairs.motion)
 
 
-def flat_ends(library: StepLibrary, nodes: npt.NDArray[np.int64], rule: JoinRule) -> FlatClouds:
-    """Clouds of the last `window` of the measures `nodes`."""
-    return _flat(library, nodes, library.node_last, rule)
-
-
-def flat_starts(library: StepLibrary, nodes: npt.NDArray[np.int64], rule: JoinRule) -> FlatClouds:
-    """Clouds of the `window` before the measures `nodes`."""
-    return _flat(library, nodes, library.node_first, rule)
-
-
-def _flat(library: StepLibrary, nodes: npt.NDArray[np.int64], line: Float64, rule: JoinRule) -> FlatClouds:
+def _flat(library: StepLibrary, line: Float64, rule: JoinRule) -> FlatClouds:
     """Clouds of the window before the samples `line` (N,), some nodes at a time."""
     parts = []
-    for begin in range(0, max(len(nodes), 1), _NODES):
-        own = nodes[begin : begin + _NODES]
+    for begin in range(0, library.node_count, _NODES):
+        own = slice(begin, begin + _NODES)
         length = (library.node_last[own] - library.node_first[own]) * rule.window
         samples = window_samples(line[own] - length, line[own], len(rule.metric.window))
         samples = np.maximum(samples, library.node_lead[own, None])
@@ -118,9 +129,12 @@ def _flat(library: StepLibrary, nodes: npt.NDArray[np.int64], line: Float64, rul
     return parts[0] if len(parts) == 1 else FlatClouds.joined(parts)
 
 
-def _merged(library: StepLibrary, parts: list[Joins]) -> Joins:
-    source, target, cost, transform = (
-        np.concatenate([getattr(part, name) for part in parts]) for name in Joins.__slots__
-    )
-    order = np.argsort(source.astype(np.int64) * library.node_count + target, kind="stable")
-    return Joins(source[order], target[order], cost[order], transform[order])
+def _merged(many: Joins, few: Joins, nodes: int) -> Joins:
+    """Both, sorted; `nodes` is how many there are in all."""
+    if not len(few.source):
+        return many
+    key, more = (joins.source.astype(np.int64) * nodes + joins.target for joins in (many, few))
+    order = np.argsort(more)
+    place = np.searchsorted(key, more[order])
+    arrays = ((getattr(many, name), getattr(few, name)[order]) for name in Joins.__slots__)
+    return Joins(*(np.insert(old, place, new, axis=0) for old, new in arrays))

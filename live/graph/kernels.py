@@ -69,6 +69,22 @@ def choose_edges(
         out_edge[n] = best
 
 
+@kernel("void(i4[::1],i4[::1],i4[::1],i4[::1])")
+def reverse_edges(edge_source: Int32, edge_target: Int32, in_start: Int32, in_source: Int32) -> None:
+    """Sort the sources of E edges by target into in_source (E,); those of node v begin at in_start[v] (N + 1,)."""
+    in_start[:] = 0
+    for e in range(edge_target.shape[0]):
+        in_start[edge_target[e]] += 1
+    total = 0
+    for v in range(in_start.shape[0]):
+        total += in_start[v]
+        in_start[v] = total
+    for e in range(edge_target.shape[0] - 1, -1, -1):
+        v = edge_target[e]
+        in_start[v] -= 1
+        in_source[in_start[v]] = edge_source[e]
+
+
 @kernel("void(i4[::1],b1[::1],i4[::1],i4[::1],i4,i4[::1],i4[:,::1])")
 def count_hops(
     node_step: Int32, begins: Bool, in_start: Int32, in_source: Int32, never: int, queue: Int32, out: Int32

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.joins import JoinRule, Joins, find_joins
-from live.graph.kernels import count_hops
+from live.graph.joins import Boundaries, JoinRule, Joins, find_joins
+from live.graph.kernels import count_hops, reverse_edges
 from live.graph.library import StepLibrary
 from live.graph.metric.weights import Metric
 from live.graph.node_facts import NodeFacts, node_facts
@@ -61,6 +61,8 @@ class MotionGraph:
     """Steps that no dancer can enter and leave again, in words."""
     joins: Joins
     """All pairs that may follow each other, those of pruned nodes as well: what a graph that grows goes on from."""
+    boundaries: Boundaries
+    """The clouds between which they are, for the same purpose."""
     rule: JoinRule
     """What made them."""
 
@@ -93,19 +95,21 @@ def build_graph(
     False they stay, for searches that know where a dance ends (T064). ValueError if no two measures connect, unless
     nothing is pruned, or for more edges than fit into memory.
     """
-    rule = JoinRule(window, threshold, Metric.of() if metric is None else metric)
-    return graph_of(library, find_joins(library, rule), node_facts(library, window), rule, prune=prune)
+    rule = JoinRule(window, threshold, Metric.of() if metric is None else metric, prune)
+    boundaries = Boundaries.of(library, rule)
+    joins = find_joins(library, boundaries, rule)
+    return graph_of(library, boundaries, joins, node_facts(library, window), rule)
 
 
 def graph_of(
-    library: StepLibrary, joins: Joins, facts: NodeFacts, rule: JoinRule, *, prune: bool = True
+    library: StepLibrary, boundaries: Boundaries, joins: Joins, facts: NodeFacts, rule: JoinRule
 ) -> MotionGraph:
     """The graph of a library whose joins and facts are known; ValueError if it is pruned and nothing connects."""
     alive = np.ones(library.node_count, np.bool_)
-    if prune:
+    if rule.prune:
         alive = largest_component(library.node_count, joins.source, joins.target)
     edges = joins.among(alive)
-    if prune and not len(edges.source):
+    if rule.prune and not len(edges.source):
         raise ValueError(
             f"no step of {', '.join(library.steps)} leads to another within {rule.threshold} m: "
             "raise the threshold or make their beginnings and ends more alike"
@@ -130,6 +134,7 @@ def graph_of(
         window=rule.window,
         missing=_missing(library, alive, rule.threshold),
         joins=joins,
+        boundaries=boundaries,
         rule=rule,
     )
 
@@ -155,11 +160,12 @@ def allowed_edges(library: StepLibrary, transitions: Transitions, threshold: flo
 
 
 def strong_components(count: int, source: Int32, target: Int32) -> Int32:
-    """Number of the strongly connected component of each of `count` nodes, shape (N,) (T037)."""
-    from scipy.sparse import coo_array
+    """Number of the strongly connected component of each of `count` nodes (N,), for edges sorted by source (T037)."""
+    from scipy.sparse import csr_array
     from scipy.sparse.csgraph import connected_components
 
-    table = coo_array((np.ones(len(source), np.bool_), (source, target)), shape=(count, count)).tocsr()
+    start = np.searchsorted(source, np.arange(count + 1)).astype(np.int32)
+    table = csr_array((np.ones(len(source)), target.astype(np.int32), start), shape=(count, count))
     return np.asarray(connected_components(table, directed=True, connection="strong")[1], np.int32)
 
 
@@ -175,9 +181,9 @@ def largest_component(count: int, source: Int32, target: Int32) -> Bool:
 def _hops(library: StepLibrary, edges: Joins, alive: Bool) -> Int32:
     """Breadth-first from each step's first measures against the arrows, shape (C, N)."""
     count = library.node_count
-    order = np.argsort(edges.target, kind="stable")
     begins = alive & (library.node_measure == 0)
     hops = np.empty((len(library.steps), count), np.int32)
-    in_start = np.cumsum([0, *np.bincount(edges.target, minlength=count)]).astype(np.int32)
-    count_hops(library.node_step, begins, in_start, edges.source[order], NEVER, np.empty(count, np.int32), hops)
+    in_start, in_source = np.empty(count + 1, np.int32), np.empty(len(edges.source), np.int32)
+    reverse_edges(edges.source, edges.target, in_start, in_source)
+    count_hops(library.node_step, begins, in_start, in_source, NEVER, np.empty(count, np.int32), hops)
     return hops

@@ -28,13 +28,13 @@ class StructureCodes:
 
 def structure_codes(library: StepLibrary) -> StructureCodes:
     """u may be followed by v where the poses agree or one is -1, and the other numbers differ or are -1."""
-    poses: dict[str, int] = {"": -1}
+    plain = {name: plain_pose(name) for clip in library.clips for name in (clip.end_pose, clip.begin_pose)}
+    poses = {"": -1} | {name: number for number, name in enumerate(sorted({*plain.values()} - {""}))}
     sides: dict[tuple[str, str], int] = {}
     rows = []
     for clip in library.clips:
-        end, begin = (poses.setdefault(plain_pose(name), len(poses) - 1) for name in (clip.end_pose, clip.begin_pose))
         repeat = sides.setdefault((clip.step, begun_side(clip)), len(sides)) if clip.weight_transfer else -1
-        rows.append((end, begin, repeat))
+        rows.append((poses[plain[clip.end_pose]], poses[plain[clip.begin_pose]], repeat))
     codes = np.array(rows, np.int32)[library.node_clip]
     return StructureCodes(*(np.ascontiguousarray(codes[:, columns]) for columns in ((0, 2), (1, 2))))
 

@@ -48,20 +48,21 @@ def find_takes(library: StepLibrary) -> Takes:
     foot = np.array([("", "left", "right").index(clip.leading_foot) for clip in library.clips])
     mirrored = np.array([clip.mirrored for clip in library.clips])
     clip = library.node_clip
-    rows: list[Int32] = [np.zeros(0, np.int32)] * library.node_count
     place = kind[clip].astype(np.int64) * (int(library.node_measure.max()) + 1) + library.node_measure
     place[kind[clip] < 0] = -1
     order = np.argsort(place, kind="stable")
+    pairs = [np.zeros((2, 0), np.int64)]
     for group in np.split(order, np.flatnonzero(np.diff(place[order])) + 1):
-        if place[group[0]] < 0:
+        if len(group) < 2 or place[group[0]] < 0:
             continue
-        for u in group:
-            a, b = clip[u], clip[group]
-            told = (foot[a] > 0) & (foot[b] > 0)
-            same = np.where(told, foot[a] == foot[b], mirrored[a] == mirrored[b])
-            rows[u] = group[same & (a != b)].astype(np.int32)
-    start = np.cumsum([0, *map(len, rows)])
-    return Takes(start.astype(np.int32), np.concatenate(rows).astype(np.int32))
+        own = clip[group]
+        left, right, side = foot[own] == 1, foot[own] == 2, mirrored[own]
+        told = (left | right)[:, None] & (left | right)[None]
+        same = np.where(told, left[:, None] == left[None], side[:, None] == side[None])
+        pairs.append(group[np.stack(np.nonzero(same & (own[:, None] != own[None])))])
+    node, take = np.concatenate(pairs, axis=1)
+    start = np.searchsorted(np.sort(node), np.arange(library.node_count + 1))
+    return Takes(start.astype(np.int32), take[np.lexsort((take, node))].astype(np.int32))
 
 
 def _kind(clip: StepClip) -> tuple[object, ...]:

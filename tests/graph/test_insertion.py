@@ -9,8 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.graph.insertion import insert_clips, stranded
-from live.graph.joins import Joins
+from live.graph.joins import Boundaries, Joins
 from live.graph.library import StepLibrary, build_library
+from live.graph.metric.flat import FlatClouds
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.graph.takes import Takes
 from live.motion.posing.pipeline import ClipStore
@@ -22,7 +23,7 @@ def assert_same(one, other):
     assert type(one) is type(other)
     for field in fields(one):
         a, b = getattr(one, field.name), getattr(other, field.name)
-        if isinstance(a, (StepLibrary, Joins, Takes, ClipStore)):
+        if isinstance(a, (StepLibrary, Joins, Takes, ClipStore, Boundaries, FlatClouds)):
             assert_same(a, b)
         elif isinstance(a, np.ndarray):
             assert a.dtype == b.dtype, field.name

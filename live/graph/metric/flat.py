@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -34,17 +35,27 @@ class FlatClouds:
         weights = metric.points
         root = np.sqrt(weights)
         points = clouds.reshape(len(clouds), -1, 3)
-        floor: Complex = points[..., 0] + 1j * points[..., 2]
+        floor: Complex = np.empty(points.shape[:2], np.complex128)
+        floor.real, floor.imag = points[..., 0], points[..., 2]
         centre: Complex = floor @ weights.astype(np.complex128)
-        floor = np.asarray(root * (floor - centre[:, None]))
-        height = root * points[..., 1]
-        size = np.einsum("np,np->n", floor, floor.conj()).real + np.einsum("np,np->n", height, height)
-        return cls(floor, np.asarray(height), centre, np.asarray(size))
+        floor -= centre[:, None]
+        floor *= root
+        height = np.ascontiguousarray(points[..., 1] * root, np.float64)
+        size = sum(np.einsum("np,np->n", part, part) for part in (floor.real, floor.imag, height))
+        return cls(floor, height, centre, np.asarray(size))
 
     @classmethod
     def joined(cls, parts: Sequence["FlatClouds"]) -> "FlatClouds":
         """The clouds of all parts, one after another."""
         return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in cls.__slots__))
+
+    def chosen(self, index: npt.NDArray[np.int64]) -> "FlatClouds":
+        """The clouds `index` (M,), in order; views where they follow each other."""
+        if len(index) and index[-1] - index[0] == len(index) - 1:
+            part: Any = slice(int(index[0]), int(index[-1]) + 1)
+        else:
+            part = index
+        return FlatClouds(*(getattr(self, name)[part] for name in FlatClouds.__slots__))
 
     def __len__(self) -> int:
         return len(self.size)

@@ -16,6 +16,7 @@ from live.graph.metric.kernels import pair_products, sieve_block
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
+Bool = npt.NDArray[np.bool_]
 Complex = npt.NDArray[np.complex128]
 
 MOST_PAIRS: Final = 16_000_000
@@ -26,6 +27,8 @@ _DOUBT: Final = 4e-6
 """Error of the sieve's squared distances as a share of the clouds' sizes: 30 times that of single precision."""
 _DENSE: Final = 0.1
 """Where a larger share of a block passes, its product in full precision costs less than pair by pair."""
+_FEW: Final = 1 << 16
+"""So many pairs are computed one by one, without a sieve: a take that joins a library must not wake other threads."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,6 +50,11 @@ def near_pairs(first: FlatClouds, second: FlatClouds, threshold: float, codes: t
     """
     if not (len(first) and len(second)):
         return Pairs(np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros(0), np.zeros((0, 3)))
+    if len(first) * len(second) <= _FEW:
+        row, column = (one.reshape(-1).astype(np.int32) for one in np.indices((len(first), len(second))))
+        fits = _agree(codes[0][row], codes[1][column])
+        row, column = row[fits], column[fits]
+        return _within(first, second, row, column, threshold, *_one_by_one(first, second, row, column))
     rows = max(1, _BLOCK_PAIRS // len(second))
     sieve = _Sieve(first, second, threshold, codes, min(rows, len(first)))
     parts = []
@@ -91,12 +99,7 @@ class _Sieve:
             self._out[1],
         )
         row, column = self._out[0, :count].copy() + np.int32(begin), self._out[1, :count].copy()
-        product, height = self._exact(row, column, part)
-        squared = a.size[row] + b.size[column] - 2.0 * np.abs(product) - 2.0 * height
-        distance = np.sqrt(np.maximum(squared, 0.0))
-        near = distance <= self._threshold
-        row, column = row[near], column[near]
-        return Pairs(row, column, distance[near], aligned(product[near], a.centre[row], b.centre[column]))
+        return _within(a, b, row, column, self._threshold, *self._exact(row, column, part))
 
     def _exact(self, row: Int32, column: Int32, part: slice) -> tuple[Complex, Float64]:
         a, b = self._first, self._second
@@ -104,14 +107,38 @@ class _Sieve:
             own = row - np.int32(part.start)
             product = (a.floor[part].conj() @ b.floor.T)[own, column]
             return product, (a.height[part] @ b.height.T)[own, column]
-        product, height = np.empty(len(row), np.complex128), np.empty(len(row))
-        pair_products(a.floor, a.height, b.floor, b.height, row, column, product, height)
-        return product, height
+        return _one_by_one(a, b, row, column)
+
+
+def _agree(leaving: Int32, entering: Int32) -> Bool:
+    """What the sieve's kernel says of codes, for pairs (E, 2) and (E, 2)."""
+    poses = (leaving[:, 0] == entering[:, 0]) | (leaving[:, 0] < 0) | (entering[:, 0] < 0)
+    return np.asarray(poses & ~((leaving[:, 1] == entering[:, 1]) & (leaving[:, 1] >= 0)))
+
+
+def _one_by_one(a: FlatClouds, b: FlatClouds, row: Int32, column: Int32) -> tuple[Complex, Float64]:
+    product, height = np.empty(len(row), np.complex128), np.empty(len(row))
+    pair_products(a.floor, a.height, b.floor, b.height, row, column, product, height)
+    return product, height
+
+
+def _within(
+    a: FlatClouds, b: FlatClouds, row: Int32, column: Int32, threshold: float, product: Complex, height: Float64
+) -> Pairs:
+    """Of the pairs (row, column) with these products those within `threshold` [m]."""
+    squared = a.size[row] + b.size[column] - 2.0 * np.abs(product) - 2.0 * height
+    distance = np.sqrt(np.maximum(squared, 0.0))
+    near = distance <= threshold
+    if not near.all():
+        row, column, distance, product = row[near], column[near], distance[near], product[near]
+    return Pairs(row, column, distance, aligned(product, a.centre[row], b.centre[column]))
 
 
 def aligned(product: Complex, centre_a: Complex, centre_b: Complex) -> Float64:
     """x, z [m] and yaw [rad] of K001 from the products conj(a) · b (E,) and the clouds' centres, shape (E, 3)."""
-    yaw = np.angle(product)
+    motion = np.empty((*product.shape, 3))
+    motion[..., 2] = np.angle(product)
     # (x, z) turned by yaw is (x + iz) · exp(-i yaw), since yaw turns +z towards +x
-    shift = centre_a - centre_b * np.exp(-1j * yaw)
-    return np.stack([shift.real, shift.imag, yaw], axis=-1)
+    shift = centre_a - centre_b * np.exp(-1j * motion[..., 2])
+    motion[..., 0], motion[..., 1] = shift.real, shift.imag
+    return motion

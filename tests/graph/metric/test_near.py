@@ -39,8 +39,9 @@ def _codes(chance, count):
     spread=st.floats(0.02, 0.2),
     block=st.sampled_from([1, 7, 100, 1 << 21]),
     dense=st.sampled_from([0.0, 2.0]),
+    few=st.sampled_from([0, 1 << 16]),
 )
-def test_near_pairs_are_those_of_the_whole_table(seed, sizes, spread, block, dense):
+def test_near_pairs_are_those_of_the_whole_table(seed, sizes, spread, block, dense, few):
     """Any size of block, pair by pair or as a block: the same pairs as the dense table within the threshold."""
     chance = np.random.default_rng(seed)
     first, second = _clouds(seed, sizes[0], spread), _clouds(seed + 1, sizes[1], spread)
@@ -50,6 +51,7 @@ def test_near_pairs_are_those_of_the_whole_table(seed, sizes, spread, block, den
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(near, "_BLOCK_PAIRS", block)
         patch.setattr(near, "_DENSE", dense)
+        patch.setattr(near, "_FEW", few)
         metric = Metric.of()
         found = near_pairs(FlatClouds.of(first, metric), FlatClouds.of(second, metric), threshold, codes)
     expected = []
@@ -76,6 +78,7 @@ def test_identical_clouds_are_found_at_a_threshold_of_a_millimetre():
 
 def test_too_many_pairs_are_refused_in_words(monkeypatch):
     monkeypatch.setattr(near, "MOST_PAIRS", 10)
+    monkeypatch.setattr(near, "_FEW", 0)
     flat = FlatClouds.of(_clouds(1, 4, 0.01), Metric.of())
     free = np.full((4, 2), -1, np.int32)
     with pytest.raises(ValueError, match=r"more than 10 pairs of measures.*lower the threshold"):
