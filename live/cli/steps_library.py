@@ -10,6 +10,7 @@ from live.base.errors import PersonError
 from live.motion.step_clip import StepClip
 from live.show.patch_file import PATCHES
 from live.steps.step_folder import load_folder
+from live.steps.step_folder import plain_name as plain
 
 SKETCH_THRESHOLD_M = 0.16
 RECORDING_THRESHOLD_M = 0.35
@@ -73,11 +74,6 @@ def find_step(steps: Sequence[NamedStep], name: str) -> NamedStep:
     near = difflib.get_close_matches(plain(name), [plain(step.name) for step in steps], n=3)
     there = [step.name for step in steps if plain(step.name) in near] or [step.name for step in steps]
     raise PersonError(f"there is no step {name[:80]!r}", f"{', '.join(there[:20])} (see `live steps list`)")
-
-
-def plain(name: str) -> str:
-    """A name as names are compared."""
-    return " ".join(name.replace("_", " ").replace("-", " ").casefold().split())
 
 
 def threshold_for(steps: Sequence[NamedStep]) -> float:

@@ -20,6 +20,7 @@ from live.steps.recording import Problem, RecordingEntry, RecordingError
 from live.steps.recording_file import read_step_files
 from live.steps.recording_reader import RecordingReader
 from live.steps.sketch_folder import StepsError, sketched_steps
+from live.steps.step_folder import named_alike
 
 BELIEVED: Final = 0.35
 """A tempo guessed from the feet with less confidence says nothing against the tempo that is written."""
@@ -73,7 +74,7 @@ def check_folder(directory: Path) -> Checked:
                 guessed.add(entry.path)
                 doubts += _tempo(entry, reader)
             findings += [Finding("doubtful", entry.problem(field, words)) for field, words in doubts]
-    return Checked(steps, entries, findings)
+    return Checked(named_alike(steps), entries, findings)
 
 
 def _sketch_problem(file: Path, words: str) -> Problem:

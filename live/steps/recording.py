@@ -11,7 +11,7 @@ from live.base.toml_lines import KeyPath, line_of
 
 SHOWN_PROBLEMS: Final = 8
 
-Word = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[^\p{Cc}]*$")]
+Word = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[^\p{Cc}]*[^\p{Cc}\s][^\p{Cc}]*$")]
 FileName = Annotated[str, Field(min_length=1, max_length=1000)]
 
 

@@ -21,7 +21,9 @@ def problem_words(problem: Any) -> str:
     if kind == "missing":
         return f"missing; it must be given, as in {EXAMPLE}"
     if kind == "string_pattern_mismatch":
-        return f"a text without line breaks and other control characters expected, found {found(read)}"
+        return (
+            f"a text that is not blank, without line breaks and other control characters, expected, found {found(read)}"
+        )
     return f"{expected(field, inside=len(problem['loc']) > 1)} expected, found {found(read)}"
 
 

@@ -18,11 +18,13 @@ from live.cli.steps_add import Listening, add_to_library
 from live.cli.steps_library import find_step, named_steps, user_library
 from live.cli.steps_play import MOST, Preview, on_the_spot, play_step, preview_show
 from live.clock.source import ManualClock
+from live.graph.library import build_library
 from live.motion.mirror import mirror_step
 from live.motion.step_figures import measured_distance, travel
 from live.show.engine import Engine
 from live.show.load import LoadedShow
 from live.show.status import Status
+from live.steps.step_folder import load_folder
 from tests.cli.command import run_live
 from tests.made_steps import made_clip
 from tests.motion.made_bvh import body_bvh, column, danced, still
@@ -140,6 +142,15 @@ def test_the_users_library_stands_before_the_projects_steps(tmp_path: Path, monk
     steps = named_steps(None)
     assert len(steps) == there
     assert (find_step(steps, "samba").folder, len(find_step(steps, "samba").clips)) == (own, 1)
+
+
+def test_one_step_has_one_name_however_it_is_written(tmp_path: Path, take: Path) -> None:
+    library = tmp_path / "library"
+    for name, first in (("Long Sway", 2.5), ("long_sway", 3.0), ("long-sway ", 3.5)):
+        add_to_library(take, {"name": name, "bpm": 120.0, "first_beat_s": first}, library, Listening())
+    (step,) = named_steps(library)
+    assert (step.name, len(step.clips)) == ("Long Sway", 3)
+    assert build_library(load_folder(library)).steps == ("Long Sway",)
 
 
 def test_claps_set_the_music_and_the_file_says_so(

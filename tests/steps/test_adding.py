@@ -230,6 +230,8 @@ def test_the_same_cut_is_not_added_twice(tmp_path: Path, take: Path) -> None:
 
 
 def test_a_name_is_one_line(tmp_path: Path, take: Path) -> None:
-    with pytest.raises(PersonError, match=r"--name: a text without line breaks .* found 'a\\nb'"):
+    with pytest.raises(PersonError, match=r"--name: a text that is not blank, without line breaks .* found 'a\\nb'"):
         add(tmp_path / "library", take, name="a\nb")
+    with pytest.raises(PersonError, match=r"--name: a text that is not blank, .* found '  '"):
+        add(tmp_path / "library", take, name="  ")
     assert not (tmp_path / "library").exists()
