@@ -10,7 +10,9 @@ import numpy.typing as npt
 from live.graph.metric.weights import Metric
 
 Float64 = npt.NDArray[np.float64]
+Float32 = npt.NDArray[np.float32]
 Complex = npt.NDArray[np.complex128]
+Complex64 = npt.NDArray[np.complex64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,6 +27,15 @@ class FlatClouds:
     """Weighted mean of x + iz [m], shape (N,)."""
     size: Float64
     """|floor|² + |height|² [m²], shape (N,)."""
+    coarse_floor: Complex64
+    """The floor coordinates as parabolas in time: their projection on three basis functions, shape (N, 3 · J).
+
+    A projection makes no distance longer, whatever the rotation, so pairs that are far apart here are far apart.
+    """
+    coarse_height: Float32
+    """The heights likewise, shape (N, 3 · J)."""
+    coarse_size: Float32
+    """|coarse_floor|² + |coarse_height|² [m²], shape (N,)."""
 
     @classmethod
     def of(cls, clouds: Float64, metric: Metric) -> "FlatClouds":
@@ -41,8 +52,24 @@ class FlatClouds:
         floor -= centre[:, None]
         floor *= root
         height = np.ascontiguousarray(points[..., 1] * root, np.float64)
+        return cls._of(floor, height, centre, _parabolas(metric))
+
+    @classmethod
+    def _of(cls, floor: Complex, height: Float64, centre: Complex, basis: Float64) -> "FlatClouds":
         size = sum(np.einsum("np,np->n", part, part) for part in (floor.real, floor.imag, height))
-        return cls(floor, height, centre, np.asarray(size))
+        shape = (len(floor), len(basis), -1)
+        coarse = (np.einsum("kc,nkj->ncj", basis, part.reshape(shape), optimize=True) for part in (floor, height))
+        coarse_floor, coarse_height = (part.reshape(len(floor), -1) for part in coarse)
+        parts = (coarse_floor.real, coarse_floor.imag, coarse_height)
+        return cls(
+            floor,
+            height,
+            centre,
+            np.asarray(size),
+            coarse_floor.astype(np.complex64),
+            coarse_height.astype(np.float32),
+            np.asarray(sum(np.einsum("np,np->n", part, part) for part in parts), np.float32),
+        )
 
     @classmethod
     def joined(cls, parts: Sequence["FlatClouds"]) -> "FlatClouds":
@@ -59,3 +86,11 @@ class FlatClouds:
 
     def __len__(self) -> int:
         return len(self.size)
+
+
+def _parabolas(metric: Metric) -> Float64:
+    """Orthonormal functions of the K samples of a window that span √weight · (1, t, t²), shape (K, 3 or fewer)."""
+    count = len(metric.window)
+    t = np.linspace(-1.0, 1.0, count)[:, None]
+    powers = np.sqrt(metric.window)[:, None] * t ** np.arange(min(3, count))
+    return np.asarray(np.linalg.qr(powers)[0])

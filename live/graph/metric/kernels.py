@@ -56,7 +56,10 @@ def sieve_block(
     return count
 
 
-@kernel("void(c16[:,::1],f8[:,::1],c16[:,::1],f8[:,::1],i4[::1],i4[::1],c16[::1],f8[::1])")
+@kernel(
+    "void(c16[:,::1],f8[:,::1],c16[:,::1],f8[:,::1],i4[::1],i4[::1],c16[::1],f8[::1])",
+    fastmath={"reassoc", "contract"},
+)
 def pair_products(
     floor_a: Complex128,
     height_a: Float64,
@@ -73,7 +76,7 @@ def pair_products(
         i, j = row[e], column[e]
         re0, re1, im0, im1, y0 = 0.0, 0.0, 0.0, 0.0, 0.0
         for p in range(points):
-            a, b = floor_a[i, p], floor_b[j, p]
+            a, b = floor_a[i, p], floor_b[j, p]  # sums in any order: vectors
             re0 += a.real * b.real
             re1 += a.imag * b.imag
             im0 += a.real * b.imag

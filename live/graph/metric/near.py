@@ -1,8 +1,9 @@
 """All pairs of clouds within a threshold, for libraries of any size (K003).
 
-Blocks of rows go through a sieve: one complex and one real matrix product in single precision, and a kernel that keeps
-the pairs that can be near enough. Those alone are computed in full precision, one by one, or as a block where most
-pairs pass. Nothing of size N × M is ever held, only a block and the pairs that are kept.
+Blocks of rows go through a sieve: one complex and one real matrix product of coarse clouds (parabolas in time, a
+quarter of the numbers) in single precision, and a kernel that keeps the pairs that can be near enough: coarse clouds
+are never farther apart than the clouds themselves. Those alone are computed in full precision, one by one, or as a
+block where many pass. Nothing of size N × M is ever held, only a block and the pairs that are kept.
 """
 
 from dataclasses import dataclass
@@ -78,19 +79,18 @@ class _Sieve:
         self, first: FlatClouds, second: FlatClouds, threshold: float, codes: tuple[Int32, Int32], rows: int
     ) -> None:
         self._first, self._second, self._threshold, self._codes = first, second, threshold, codes
-        self._floor = np.ascontiguousarray(second.floor.T, np.complex64)
-        self._height = np.ascontiguousarray(second.height.T, np.float32)
-        self._size = second.size.astype(np.float32)
+        self._floor = np.ascontiguousarray(second.coarse_floor.T)
+        self._height = np.ascontiguousarray(second.coarse_height.T)
         self._out = np.zeros((2, rows * len(second)), np.int32)
 
     def block(self, begin: int, end: int) -> Pairs:
         """Pairs of the rows `begin` to `end` (exclusive)."""
         a, b, part = self._first, self._second, slice(begin, end)
         count = sieve_block(
-            a.floor[part].conj().astype(np.complex64) @ self._floor,
-            a.height[part].astype(np.float32) @ self._height,
-            a.size[part].astype(np.float32),
-            self._size,
+            a.coarse_floor[part].conj() @ self._floor,
+            a.coarse_height[part] @ self._height,
+            a.coarse_size[part],
+            b.coarse_size,
             self._threshold**2,
             _DOUBT,
             np.ascontiguousarray(self._codes[0][part]),

@@ -76,6 +76,18 @@ def test_identical_clouds_are_found_at_a_threshold_of_a_millimetre():
     assert found.row.tolist() == found.column.tolist() == list(range(300))
 
 
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.floats(0.01, 0.5), st.floats(0.0, 1.0))
+def test_coarse_clouds_are_never_farther_apart(seed, spread, emphasis):
+    """The law on which the sieve stands: a projection makes no distance longer."""
+    metric = Metric.of(emphasis=emphasis)
+    cloud = _clouds(seed, 12, spread)
+    flat = FlatClouds.of(cloud, metric)
+    floor, height, size = flat.coarse_floor, flat.coarse_height, flat.coarse_size
+    coarse = size[:, None] + size[None] - 2 * np.abs(floor.conj() @ floor.T) - 2 * height @ height.T
+    assert (coarse <= all_pairs(cloud, cloud, metric).distance ** 2 + 1e-5).all()
+
+
 def test_too_many_pairs_are_refused_in_words(monkeypatch):
     monkeypatch.setattr(near, "MOST_PAIRS", 10)
     monkeypatch.setattr(near, "_FEW", 0)
@@ -87,7 +99,7 @@ def test_too_many_pairs_are_refused_in_words(monkeypatch):
 
 def test_no_clouds_have_no_pairs():
     flat = FlatClouds.of(_clouds(1, 3, 0.01), Metric.of())
-    none = FlatClouds(flat.floor[:0], flat.height[:0], flat.centre[:0], flat.size[:0])
+    none = flat.chosen(np.zeros(0, np.int64))
     free = np.full((3, 2), -1, np.int32)
     assert len(near_pairs(none, flat, 1.0, (free[:0], free)).row) == 0
     assert len(near_pairs(flat, none, 1.0, (free, free[:0])).row) == 0
