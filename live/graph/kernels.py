@@ -13,46 +13,43 @@ Bool = npt.NDArray[np.bool_]
 
 
 @kernel(
-    "void(i4[::1],f8[:,::1],f8[:,::1],f8[::1],i4[::1],i4[:,::1],i4[::1],i4[::1],f8[::1],f8[:,::1],"
-    "f8[:,::1],f8[::1],i4[::1],i4[::1],i4[::1],f8[::1],i4[::1],f8[:,::1])"
+    "void(i4[::1],f8[:,::1],f8[:,::1],f8[::1],i4[::1],f8[:,::1],i4[::1],i4[::1],f8[::1],f8[:,::1],"
+    "f8[:,::1],f8[::1],i4[::1],i4[::1],f8[::1],i4[::1],f8[:,::1])"
 )
 def choose_edges(
     node: Int32,
     placement: Float64,
     target: Float64,
     heading: Float64,
-    wanted: Int32,
-    hops: Int32,
+    row: Int32,
+    ahead: Float64,
     edge_start: Int32,
     edge_target: Int32,
     edge_cost: Float64,
     edge_transform: Float64,
     node_end: Float64,
     node_facing: Float64,
-    node_step: Int32,
     side: Int32,
     node_side: Int32,
     weights: Float64,
     out_edge: Int32,
     out_placement: Float64,
 ) -> None:
-    """For every dancer the edge whose measure ends best: nearest to the wanted step, then to place and heading.
+    """For every dancer the edge whose measure ends best: fewest wrong measures from there on, then place and heading.
 
     node (A,) where each dancer is; placement (A, 3) x, z, yaw of her clip's axes when that node ends; target (A, 2)
-    where she should stand one measure later [m]; heading (A,) [rad]; wanted (A,) step or -1 for any; hops (C, N)
-    measures from a node to a step; edges as CSR with the rigid transform (E, 3) x, z, yaw that places the next clip in
-    the axes of the last (K001); node_end (N, 2) hips at the node's end in its clip's axes; node_facing (N,) heading
-    there; side (A,) and node_side (N,): -1 as made, 1 mirrored, 0 no matter; weights: metre² of place, rad² of heading,
-    unit of edge cost, hop, wrong side. Results: out_edge (A,) or -1 at a dead
+    where she should stand one measure later [m]; heading (A,) [rad]; ahead (R, N) how many measures go wrong if a node
+    is danced next, row (A,) which of its rows counts; edges as CSR with the rigid transform (E, 3) x, z, yaw that
+    places the next clip in the axes of the last (K001); node_end (N, 2) hips at the node's end in its clip's axes;
+    node_facing (N,) heading there; side (A,) and node_side (N,): -1 as made, 1 mirrored, 0 no matter; weights: metre²
+    of place, rad² of heading, unit of edge cost, wrong measure, wrong side. Results: out_edge (A,) or -1 at a dead
     end, out_placement (A, 3).
     """
     for n in range(node.shape[0]):
         best, lowest = -1, 1e300
         for e in range(edge_start[node[n]], edge_start[node[n] + 1]):
             v = edge_target[e]
-            cost = weights[2] * edge_cost[e]
-            if wanted[n] >= 0 and node_step[v] != wanted[n]:
-                cost += weights[3] * (1.0 + hops[wanted[n], v])
+            cost = weights[2] * edge_cost[e] + weights[3] * ahead[row[n], v]
             if side[n] * node_side[v] < 0:
                 cost += weights[4]
             dx, dz = yaw_rotate(edge_transform[e, 0], edge_transform[e, 1], placement[n, 2])

@@ -110,13 +110,14 @@ class Show:
         return AgentState.at(position)
 
     def _start_dancers(self) -> None:
-        """Everybody begins with her group's first step, on the spot if the step has such a variation."""
+        """Everybody begins with her group's first step, on the spot if that lets the sequence go on."""
         graph, library = self.graph, self.graph.library
         node = np.zeros(len(self.group), np.int32)
         for index, programme in enumerate(self.scheduler.programmes):
             entries = graph.entries(programme.wanted(self.span.number, node[self.group == index]))
-            still = np.argmin(np.hypot(*library.node_travel[entries].T))
-            node[self.group == index] = entries[still]
+            ahead = self.scheduler.foresight.sequence(programme.coming, programme.into)[entries]
+            best = np.argmin(ahead + 0.1 * np.hypot(*library.node_travel[entries].T))
+            node[self.group == index] = entries[best]
         self.dancers.start(node, self.state.position.astype(np.float64), np.zeros(len(node)))
 
     # -- events ------------------------------------------------------------------------------------------------

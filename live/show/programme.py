@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from live.graph.live_sequence import HORIZON
 from live.graph.motion_graph import NEVER, MotionGraph
+from live.graph.specification import Wanted
 from live.show.patch import GroupSection, parse_entry
 
 Nodes = npt.NDArray[np.int32]
@@ -41,6 +43,7 @@ class _Call:
 
     step: int
     left: int
+    done: int = 0
 
 
 class GroupProgramme:
@@ -67,6 +70,10 @@ class GroupProgramme:
         self._slot, self._into = 0, 0
         self._drawn, self._drawn_left = self._steps[0], 0
         self._call: _Call | None = None
+        self.coming: tuple[Wanted, ...] = ()
+        """What is to be danced from the measure on that was last asked for, at least as far as a search looks."""
+        self.into = 0
+        """How many measures of the first of them are over by then."""
 
     def call(self, step: int, *, measures: float) -> None:
         """Dance `step` from the next measure on that is not chosen yet, for a number of measures (rounded up)."""
@@ -84,7 +91,11 @@ class GroupProgramme:
         """
         if self._asked is not None and self._asked[0] == measure:
             return self._asked[1]
-        step = self._slots[0] if measure < 0 and not self._random else self._next(measure, nodes)
+        if measure < 0 and not self._random:
+            step = self._slots[0]
+            self.into, self.coming = 0, (Wanted(step, self._length(step)),)
+        else:
+            step = self._next(measure, nodes)
         self._asked = (measure, step)
         return step
 
@@ -93,8 +104,15 @@ class GroupProgramme:
         # whoever is within a step of several measures finishes it: a call waits until somebody is free to follow it
         within = library.node_measure[nodes] < library.node_measures[nodes] - 1
         if self._call is not None and not within.all():
-            self._call.left -= 1
             step = self._call.step
+            length = self._length(step)
+            again = -(-(self._call.left + self._call.done % length) // length)
+            self.into, self.coming = (
+                self._call.done % length,
+                (*[Wanted(step, length)] * again, *self._slots_from(self._slot)),
+            )
+            self._call.left -= 1
+            self._call.done += 1
             if self._call.left <= 0:
                 self._call = None
             self._into = 0
@@ -105,6 +123,7 @@ class GroupProgramme:
     def _sequence_next(self) -> int:
         """The slot's step, and one measure further."""
         step = self._slots[self._slot]
+        self.into, self.coming = self._into, self._slots_from(self._slot)
         self._into += 1
         if self._into >= self._length(step):
             self._slot, self._into = (self._slot + 1) % len(self._slots), 0
@@ -116,8 +135,19 @@ class GroupProgramme:
             self._drawn = self._draw(measure, nodes)
             length = self._length(self._drawn)
             self._drawn_left = length * -(-HOLD_MEASURES // length)
+        length = self._length(self._drawn)
+        self.into = -self._drawn_left % length
+        self.coming = (Wanted(self._drawn, length),) * -(-self._drawn_left // length)
         self._drawn_left -= 1
         return self._drawn
+
+    def _slots_from(self, slot: int) -> tuple[Wanted, ...]:
+        """The next steps of the sequence, one for each measure of the horizon at least; none where chance draws."""
+        if self._random:
+            return ()
+        count = len(self._slots)
+        steps = (self._slots[(slot + n) % count] for n in range(HORIZON + 1))
+        return tuple(Wanted(step, self._length(step)) for step in steps)
 
     def _length(self, step: int) -> int:
         library = self._graph.library

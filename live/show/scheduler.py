@@ -18,6 +18,7 @@ from live.clock.timeline import Timeline
 from live.graph.kernels import choose_edges
 from live.show.danced import Danced
 from live.show.dancers import Dancers
+from live.show.foresight import Foresight
 from live.show.measure import MeasureSpan
 from live.show.patch import Patch
 from live.show.programme import GroupProgramme
@@ -63,6 +64,9 @@ class Scheduler:
         """Top speed of each agent [m/s]: what its dancer's steps can follow, shape (A,)."""
         self._edge = np.zeros(count, np.int32)
         self._wanted = np.zeros(count, np.int32)
+        self._row = np.zeros(count, np.int32)
+        self.foresight = Foresight(dancers.graph)
+        self._ahead = np.zeros((2 * len(programmes), dancers.graph.library.node_count))
         library = dancers.graph.library
         self._reach = np.array([library.reach(step) for step in range(len(library.steps))])
         self.last_target: Float64 | None = None
@@ -123,15 +127,14 @@ class Scheduler:
             placement,
             target,
             heading,
-            self._wanted,
-            graph.hops,
+            self._row,
+            self._ahead,
             graph.edge_start,
             graph.edge_target,
             graph.edge_cost,
             graph.edge_transform,
             graph.node_end,
             graph.node_facing,
-            graph.library.node_step,
             dancers.variation.sides,
             graph.library.node_side,
             WEIGHTS,
@@ -149,9 +152,13 @@ class Scheduler:
             members = self._group == index
             step = programme.wanted(measure, self._dancers.node[members])
             self._wanted[members] = step
+            self._row[members] = 2 * index
+            self._ahead[2 * index] = self.foresight.sequence(programme.coming, programme.into)
             if programme.travel_step is not None and self._reach[programme.travel_step] > self._reach[step]:
                 far = members & (way > self._reach[step] + 0.5 * limits.correction_m)
                 self._wanted[far] = programme.travel_step
+                self._row[far] = 2 * index + 1
+                self._ahead[2 * index + 1] = self.foresight.step(programme.travel_step)
 
     def _headings(self, start: Float64, target: Float64) -> Float64:
         """Where each dancer should face at the end of the next measure [rad]."""

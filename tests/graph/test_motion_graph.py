@@ -119,9 +119,12 @@ def test_hops_count_measures_to_a_step(graph):
 def _choose(graph, node, placement, target, heading, wanted, weights, side=0):
     edge, out = np.zeros(len(node), np.int32), np.zeros((len(node), 3))
     side = np.broadcast_to(np.int32(side), len(node)).copy()
+    away = graph.library.node_step != np.arange(len(graph.library.steps))[:, None]
+    ahead = np.vstack([np.where(away, 1.0 + graph.hops, 0.0), np.zeros(graph.library.node_count)])
+    row = np.where(wanted < 0, len(ahead) - 1, wanted).astype(np.int32)
     choose_edges(
-        node, placement, target, heading, wanted, graph.hops, graph.edge_start, graph.edge_target, graph.edge_cost,
-        graph.edge_transform, graph.node_end, graph.node_facing, graph.library.node_step, side,
+        node, placement, target, heading, row, ahead, graph.edge_start, graph.edge_target, graph.edge_cost,
+        graph.edge_transform, graph.node_end, graph.node_facing, side,
         graph.library.node_side, weights, edge, out,
     )  # fmt: skip
     return edge, out

@@ -189,7 +189,7 @@ def test_mirror_images_only_or_never(side):
             ]  # fmt: skip
             danced += [int(library.node_side[node]) for node in has_both]
     assert len(danced) > 30
-    assert np.mean(np.array(danced) == side) > 0.97  # where nothing else leads on, the wrong side does
+    assert np.mean(np.array(danced) == side) > 0.9  # a wrong side is better than a wrong step
 
 
 def test_dancers_who_drift_over_lines_stay_continuous():
