@@ -1,0 +1,172 @@
+"""Sequences in a motion graph: whole steps on the measures, the smoothest of the right ones, live changes."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from live.graph.library import build_library
+from live.graph.live_sequence import LiveSequence, plan_from
+from live.graph.motion_graph import build_graph
+from live.graph.sequence import NoPath, best_start, find_sequence
+from live.graph.specification import Wanted, specify
+from live.graph.wanted import parse_sequence
+from tests.made_steps import made_clip, made_steps
+
+
+@pytest.fixture(scope="module")
+def graph():
+    clips = [*made_steps(), made_clip("long phrase", measures=4, arm=1.05), made_clip("bow", arm=-0.8)]
+    return build_graph(build_library(clips), threshold=0.12, prune=False)
+
+
+def danced(graph, nodes):
+    """Names and measures of nodes that really follow each other."""
+    for u, v in pairwise(nodes.tolist()):
+        assert v in graph.edge_target[graph.edge_start[u] : graph.edge_start[u + 1]]
+    return [graph.library.describe(int(node)) for node in nodes]
+
+
+def found(graph, text, **options):
+    return find_sequence(graph, specify(graph.library, parse_sequence(text, graph.library)), **options)
+
+
+@pytest.mark.parametrize("method", ["layered", "depth first"])
+def test_steps_of_one_two_and_four_measures_in_one_dance(graph, method):
+    path = found(graph, "sway, phrase, long phrase, spin, phrase", method=method)
+    assert danced(graph, path.node) == [
+        "sway", "phrase 1/2", "phrase 2/2", "long phrase 1/4", "long phrase 2/4", "long phrase 3/4", "long phrase 4/4",
+        "spin", "phrase 1/2", "phrase 2/2",
+    ]  # fmt: skip
+    assert path.cost == 0
+    assert path.edge_cost[[0, 2, 4, 5, 6, 9]].tolist() == [0.0] * 6  # it begins; within a step nothing is joined
+    assert (path.edge_cost[[1, 3, 7, 8]] > 0.0).all()
+
+
+def test_the_smoothest_of_all_dances_that_are_right(graph):
+    path = found(graph, "sway,*,spin")
+    library = graph.library
+    ends = np.flatnonzero(library.node_step == library.steps.index("sway"))
+    spins = np.flatnonzero(library.node_step == library.steps.index("spin"))
+    cost = {}
+    for u in ends:
+        for e in range(graph.edge_start[u], graph.edge_start[u + 1]):
+            v = graph.edge_target[e]
+            for f in range(graph.edge_start[v], graph.edge_start[v + 1]):
+                if graph.edge_target[f] in spins:
+                    cost[u, v, graph.edge_target[f]] = graph.edge_cost[e] + graph.edge_cost[f]
+    assert path.roughness == pytest.approx(min(cost.values()))
+    assert cost[tuple(path.node)] == pytest.approx(min(cost.values()))
+    thesis = found(graph, "sway,*,spin", method="depth first")
+    assert thesis.cost == 0
+    assert thesis.roughness >= path.roughness
+
+
+def test_the_nearest_dance_where_there_is_none(graph):
+    """No arms come down to a bow: one measure is wrong, whichever method looked for it."""
+    for method in ("layered", "depth first"):
+        path = found(graph, "phrase, bow, sway", method=method)
+        assert path.cost == 1
+        assert path.wrong.tolist() == [False, False, True, False]
+        assert "bow" not in danced(graph, path.node)
+
+
+def test_after_a_node(graph):
+    library = graph.library
+    long_phrase = int(np.flatnonzero(library.node_step == library.steps.index("long phrase"))[0])
+    assert found(graph, "sway", start=long_phrase + 3).cost == 0
+    with pytest.raises(NoPath):  # she is within her step, and it is not over in one measure
+        found(graph, "sway", start=long_phrase)
+    nodes = np.flatnonzero(library.node_step == library.steps.index("glide"))
+    best = best_start(graph, specify(library, parse_sequence("spin", library)), nodes)
+    costs = {int(node): found(graph, "spin", start=int(node)).roughness for node in nodes}
+    assert costs[best] == min(costs.values())
+
+
+def test_a_live_plan_finishes_the_step_and_fills_the_horizon(graph):
+    library = graph.library
+    node = int(np.flatnonzero(library.node_step == library.steps.index("long phrase"))[1])
+    wanted = parse_sequence("spin, phrase, sway", library)
+    plan = plan_from(graph, node, wanted)
+    names = danced(graph, np.concatenate([[node], plan]).astype(np.int32))
+    assert names[1:7] == ["long phrase 3/4", "long phrase 4/4", "spin", "phrase 1/2", "phrase 2/2", "sway"]
+    assert len(plan) == 8
+    assert len(plan_from(graph, node, wanted, horizon=1)) == 1
+    cut = plan_from(graph, node, parse_sequence("long phrase x3", library), horizon=5)
+    assert danced(graph, cut)[2:] == ["long phrase 1/4", "long phrase 2/4", "long phrase 3/4"]
+
+
+@settings(max_examples=60, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_whoever_takes_the_least_ahead_dances_the_live_sequence(graph, seed):
+    """Measure by measure the best next node for several dancers: as good as a search of the whole for each of them."""
+    chance = np.random.default_rng(seed)
+    library = graph.library
+    leaves = np.flatnonzero((library.node_measure == library.node_measures - 1) & (np.diff(graph.edge_start) > 0))
+    names = chance.choice(["sway", "glide", "spin", "phrase", "*"], 4)
+    wanted = parse_sequence(",".join(names), library)
+    total = sum(entry.measures for entry in wanted)
+    live = LiveSequence(graph, wanted[:2])
+    live.extend(wanted[2:])
+    nodes = chance.choice(leaves, 3)
+    first, paths = nodes.copy(), []
+    for _ in range(total):
+        ahead = live.ahead()
+        nodes = np.array(
+            [
+                min(graph.edge_target[graph.edge_start[n] : graph.edge_start[n + 1]], key=lambda v: ahead[v])
+                for n in nodes
+            ]
+        )
+        paths.append(nodes)
+        live.advance()
+    assert live.coming == ()
+    spec = specify(library, wanted)
+    for dancer, start in enumerate(first):
+        path = np.array([nodes[dancer] for nodes in paths], np.int32)
+        danced(graph, np.concatenate([[start], path]).astype(np.int32))
+        wrong = np.count_nonzero(~spec.fits[spec.kind, path])
+        if library.node_measure[path[-1]] == library.node_measures[path[-1]] - 1:
+            assert wrong <= find_sequence(graph, spec, start=int(start)).cost
+
+
+def test_changes_while_it_is_danced(graph):
+    library = graph.library
+    phrase, sway, spin = (library.steps.index(name) for name in ("phrase", "sway", "spin"))
+    live = LiveSequence(graph, [Wanted(phrase, 2), Wanted(spin)])
+    assert live.next_step == phrase
+    live.advance()
+    live.replace([Wanted(sway)])
+    assert live.coming == (Wanted(phrase, 2), Wanted(sway))  # what has begun is danced to its end
+    ahead = live.ahead()
+    first, second = np.flatnonzero(library.node_step == phrase)
+    assert ahead[second] < 1.0 <= ahead[first]
+    live.advance()
+    assert live.next_step == sway
+    live.advance()
+    live.advance()
+    assert live.next_step is None
+    assert live.ahead()[np.flatnonzero(library.node_step == sway)].max() < 1.0
+
+
+def test_a_request_is_answered_before_it_is_made(graph):
+    library = graph.library
+    live = LiveSequence(graph, [])
+    at = {
+        name: np.flatnonzero(library.node_step == library.steps.index(name)).astype(np.int32) for name in library.steps
+    }
+    spin_bow = parse_sequence("spin, bow", library)
+    assert live.ask(parse_sequence("spin", library), at["sway"]) == 0
+    assert live.ask(parse_sequence("spin", library), at["phrase"][:1]) == 0  # once the phrase is over
+    assert live.ask(spin_bow, at["sway"]) is None
+    far = build_graph(
+        build_library([made_clip("high", arm=1.2), made_clip("middle", arm=1.1), made_clip("low", arm=1.0)]),
+        threshold=0.015, prune=False,
+    )  # fmt: skip
+    live = LiveSequence(far, [])
+    high, low = np.array([0], np.int32), parse_sequence("low", far.library)
+    assert live.ask(low, high) == 1  # by way of the middle
+    assert live.ask(low, high, patience=0) is None
+    assert live.ask(low, np.array([0, 1], np.int32)) == 1
