@@ -50,7 +50,7 @@ class Targets:
 
 
 def read_path(text: str) -> Float64:
-    """The points (K, 2) of "x,z,x,z,…" [m]; semicolons and blanks may part the pairs. PersonError where it is not so."""
+    """The points (K, 2) of "x,z,x,z,…" [m]; semicolons and blanks may part the pairs. Else a PersonError."""
     words = [word.strip() for word in text.replace(";", ",").split(",")]
     if len(words) > 2 * MOST_POINTS:
         raise PersonError(f"path: {len(words)} numbers, at most {2 * MOST_POINTS} are read", "give fewer points")

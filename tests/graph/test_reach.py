@@ -1,0 +1,118 @@
+"""Reach of a step, its missing directions, and what is told of a path that cannot be followed."""
+
+import math
+
+import numpy as np
+import pytest
+
+from live.graph.candidates import find_candidates
+from live.graph.library import build_library
+from live.graph.motion_graph import build_graph
+from live.graph.path import follow_line
+from live.graph.path_search import follow_path
+from live.graph.path_words import path_lacks
+from live.graph.reach import DIRECTIONS, direction_of, reach_of
+from tests.made_steps import made_clip
+
+
+def made(ways, step="glide"):
+    graph = build_graph(build_library([made_clip(step, way=way) for way in ways]), threshold=0.6)
+    return graph, find_candidates(graph)
+
+
+@pytest.mark.parametrize("n", range(8))
+def test_directions_as_the_dancer_sees_them(n):
+    """Facing +z she has her left at +x."""
+    angle = n * math.pi / 4
+    assert direction_of(np.array([math.sin(angle), math.cos(angle)])) == DIRECTIONS[n]
+    assert DIRECTIONS[2] == "to her left"
+
+
+def test_the_reach_of_made_glides():
+    graph, candidates = made([(0.0, 0.0), (0.0, 0.8), (0.6, 0.0)])
+    reach = reach_of(graph, candidates, 0, 2.0)
+    assert len(reach.clips) == 3
+    assert len(reach.mixed) == 3 * 2 * 3
+    np.testing.assert_allclose(sorted(np.hypot(*reach.clips.T)), [0.0, 0.6, 0.8], atol=1e-5)
+    np.testing.assert_allclose(reach.straight[[0, 2]], [0.8, 0.6], atol=1e-5)
+    # half forward, half to the left is 36.9 degrees off: forward left; three quarters forward is (0.15, 0.6)
+    assert reach.straight[1] == pytest.approx(np.hypot(0.3, 0.4), abs=1e-4)
+    assert reach.most == pytest.approx(0.8, abs=1e-5)
+    assert set(reach.missing) == set(DIRECTIONS[3:])
+    assert reach.turned.shape == (3 + 18, 33, 2)
+    middle = reach.turned[:, 16]
+    np.testing.assert_allclose(middle, np.concatenate([reach.clips, reach.mixed])[_order(reach, middle)], atol=1e-6)
+
+
+def _order(reach, middle):
+    """Rows of clips and mixtures in the order of `middle`: without a turn they are the same ways."""
+    everything = np.concatenate([reach.clips, reach.mixed])
+    return [int(np.argmin(np.hypot(*(everything - way).T))) for way in middle]
+
+
+def test_reach_is_seen_by_the_dancer_whatever_way_the_clip_faces():
+    graph, candidates = made([(0.0, 0.0), (0.7, 0.0)])
+    turned, others = build_graph(
+        build_library([made_clip("glide"), _facing_left(made_clip("glide", way=(0.7, 0.0)))]), threshold=2.0
+    ), None  # fmt: skip
+    others = find_candidates(turned)
+    assert reach_of(graph, candidates, 0, 2.0).straight.argmax() == 2
+    assert reach_of(turned, others, 0, 2.0).straight.argmax() == 0
+
+
+def _facing_left(clip):
+    """The clip with its body turned by 90 degrees about the hips, its way as it was."""
+    from dataclasses import replace
+
+    rotation = clip.clip.rotation.copy()
+    rotation[:, 0] = math.cos(math.pi / 4), 0.0, math.sin(math.pi / 4), 0.0
+    return replace(clip, clip=replace(clip.clip, rotation=rotation))
+
+
+def test_a_path_within_reach_lacks_nothing():
+    graph, candidates = made([(0.0, 0.0), (0.0, 0.8)])
+    targets = follow_line([(0, 0), (0, 4)], 10)
+    followed = follow_path(graph, targets, seconds=2.0, candidates=candidates)
+    assert path_lacks(graph, candidates, targets, followed, seconds=2.0) == []
+
+
+def test_a_path_too_fast_is_told_with_how_fast_it_can_be():
+    graph, candidates = made([(0.0, 0.0), (0.0, 0.8)])
+    targets = follow_line([(0, 0), (0, 20)], 10)
+    followed = follow_path(graph, targets, seconds=2.0, candidates=candidates)
+    (lack,) = path_lacks(graph, candidates, targets, followed, seconds=2.0)
+    assert lack.text == (
+        "the path goes 2.00 m a measure, but 'glide' travels 0.80 m at most: "
+        "give this way 25 measures instead of 10, or choose a step that travels farther"
+    )
+    # and with so many measures it can be danced
+    targets = follow_line([(0, 0), (0, 20)], 25)
+    followed = follow_path(graph, targets, seconds=2.0, candidates=candidates)
+    assert path_lacks(graph, candidates, targets, followed, seconds=2.0) == []
+
+
+def test_a_step_that_goes_nowhere():
+    graph, candidates = made([(0.0, 0.0)], step="bow")
+    targets = follow_line([(0, 0), (0, 3)], 4)
+    followed = follow_path(graph, targets, seconds=2.0, candidates=candidates)
+    (lack,) = path_lacks(graph, candidates, targets, followed, seconds=2.0)
+    assert "record 'bow' going somewhere" in lack.text
+
+
+def test_a_direction_that_is_missing_is_named_with_its_measures():
+    """Forward and back there is everything, to the sides nothing; the path goes forward, then to her right."""
+    graph, candidates = made([(0.0, 0.0), (0.0, 0.8), (0.0, -0.8)])
+    targets = follow_line([(0, 0), (0, 2.4), (-2.4, 2.4)], 6)
+    followed = follow_path(graph, targets, seconds=2.0, candidates=candidates)
+    lacks = path_lacks(graph, candidates, targets, followed, seconds=2.0)
+    assert [lack.direction for lack in lacks] == ["to her right"]
+    assert lacks[0].measures == (4, 5, 6)
+    assert "record 'glide' to her right, 1.0 m a measure" in lacks[0].text
+    assert "measures 4, 5, 6" in lacks[0].text
+    assert "0.80" not in lacks[0].text
+
+
+def test_an_unknown_step_has_no_reach():
+    graph, candidates = made([(0.0, 0.0)])
+    with pytest.raises(ValueError, match="no measure"):
+        reach_of(graph, candidates, 7, 2.0)
