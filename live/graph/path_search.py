@@ -72,7 +72,7 @@ def follow_path(
     *,
     seconds: float,
     wanted: npt.ArrayLike | None = None,
-    part: npt.ArrayLike | None = None,
+    fits: Bool | None = None,
     fits: Bool | None = None,
     correction_m: float = 0.0,
     candidates: Candidates | None = None,
@@ -88,26 +88,27 @@ def follow_path(
     count = targets.measures
     if count < 1 or not seconds > 0.0:
         raise ValueError(f"{count} measures of {seconds} s: at least one, longer than 0, expected")
-    wrong = _wrong(graph, count, wanted, part)
-    if fits is not None:
-        wrong |= ~fits
+    wrong = _wrong(graph, count, wanted, fits)
     search = _Search(
         graph, candidates if candidates is not None else find_candidates(graph), targets, seconds, correction_m, beam
     )
     return search.run(wrong, cost_to_go(graph, wrong))
 
 
-def _wrong(graph: MotionGraph, count: int, wanted: npt.ArrayLike | None, part: npt.ArrayLike | None) -> Bool:
+def _wrong(graph: MotionGraph, count: int, wanted: npt.ArrayLike | None, fits: Bool | None) -> Bool:
     """Whether each node would be another step than the wanted one, shape (M, N)."""
     library = graph.library
-    wrong = np.zeros((count, library.node_count), np.bool_)
-    for asked, have in ((wanted, library.node_step), (part, library.node_measure)):
-        if asked is None:
-            continue
-        values = np.asarray(asked, np.int64)
+    shape = (count, library.node_count)
+    wrong = np.zeros(shape, np.bool_)
+    if wanted is not None:
+        values = np.asarray(wanted, np.int64)
         if values.shape != (count,):
             raise ValueError(f"wanted steps of shape {values.shape}, ({count},) expected")
-        wrong |= (values[:, None] != ANY) & (have[None] != values[:, None])
+        wrong |= (values[:, None] != ANY) & (library.node_step[None] != values[:, None])
+    if fits is not None:
+        if fits.shape != shape:
+            raise ValueError(f"fits of shape {fits.shape}, {shape} expected")
+        wrong |= ~fits
     return wrong
 
 

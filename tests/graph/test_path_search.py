@@ -149,8 +149,9 @@ def test_steps_are_danced_as_wanted_even_where_the_path_says_otherwise(graph, ca
 def test_a_phrase_of_two_measures_is_danced_whole(made):
     library = made.library
     phrase, sway = library.steps.index("phrase"), library.steps.index("sway")
-    wanted, part = [sway, phrase, phrase, phrase, phrase, sway], [0, 0, 1, 0, 1, 0]
-    followed = follow_path(made, follow_line([(0, 0), (0, 0)], 6), seconds=2.0, wanted=wanted, part=part)
+    wanted, part = np.array([sway, phrase, phrase, phrase, phrase, sway]), [0, 0, 1, 0, 1, 0]
+    fits = (library.node_step == wanted[:, None]) & (library.node_measure == np.array(part)[:, None])
+    followed = follow_path(made, follow_line([(0, 0), (0, 0)], 6), seconds=2.0, fits=fits)
     assert not followed.wrong.any()
     assert library.node_measure[followed.node].tolist() == part
     # it takes two: wanted for one measure only, one is wrong
@@ -218,6 +219,8 @@ def test_what_does_not_fit_is_refused(made):
     targets = follow_line([(0, 0), (0, 1)], 3)
     with pytest.raises(ValueError, match="wanted"):
         follow_path(made, targets, seconds=2.0, wanted=[0, 0])
+    with pytest.raises(ValueError, match="fits"):
+        follow_path(made, targets, seconds=2.0, fits=np.ones((3, 2), np.bool_))
     with pytest.raises(ValueError, match="longer than 0"):
         follow_path(made, targets, seconds=0.0)
     with pytest.raises(ValueError, match="at least one"):
