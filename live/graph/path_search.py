@@ -73,16 +73,16 @@ def follow_path(
     seconds: float,
     wanted: npt.ArrayLike | None = None,
     fits: Bool | None = None,
-    fits: Bool | None = None,
     correction_m: float = 0.0,
     candidates: Candidates | None = None,
     beam: int = BEAM,
 ) -> FollowedPath:
     """Dance along `targets` (M measures of `seconds`), beginning at the first of them.
 
-    `wanted` (M,) steps by index, ANY for no matter which, and `part` (M,) which measure of its step each should be,
-    from 0 (ANY: as it comes); or `fits` (M, N), which nodes would do (see `Specification`). `correction_m` [m]: by so
-    much the hips may be moved each measure beyond what the clips do; held feet hide it as far as legs reach.
+    `wanted` (M,) are steps by index, ANY for no matter which; `fits` (M, N) says more exactly which nodes may be
+    danced when (see `Specification`; with both, what fits both). Where nothing that fits can be reached, something
+    else is danced, in as few measures as possible. `correction_m` [m]: by so much the hips may be moved each measure
+    beyond what the clips do; held feet hide it as far as legs reach.
     Deterministic. ValueError for arrays of other lengths, or no measure.
     """
     count = targets.measures
