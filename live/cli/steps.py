@@ -138,6 +138,32 @@ def show(
     print_step(step, library, json_out)
 
 
+@app.command("graph")
+def graph(
+    library: Annotated[
+        Path | None,
+        typer.Argument(help="A folder of steps. Default: your own, and the project's.", metavar="[LIBRARY]"),
+    ] = None,
+    json_out: JsonOut = False,
+    dot: Annotated[bool, typer.Option("--dot", help="Print the structural variations as Graphviz text.")] = False,
+    svg: Annotated[
+        Path | None, typer.Option(help="Write the steps and what leads where as a picture.", metavar="OUT.svg")
+    ] = None,
+    threshold: Annotated[float | None, typer.Option(help="Largest distance of poses that are joined [m].")] = None,
+    window: Annotated[
+        float | None, typer.Option(help="Length of a transition as a share of the measure. Default: 0.75 beats.")
+    ] = None,
+) -> None:
+    """Show the motion graph: which step leads to which, how near, dead ends, and what is missing."""
+    from live.cli.options import parse_number, writable_file
+    from live.cli.steps_graph import print_graph
+
+    parse_number(threshold, "--threshold", 0.001, 10)
+    parse_number(window, "--window", 0.01, 0.9)
+    writable_file(svg, "--svg")
+    print_graph(library, as_json=json_out, as_dot=dot, svg=svg, threshold=threshold, window=window)
+
+
 @app.command("check")
 def check(library: Library = None, json_out: JsonOut = False) -> None:
     """Find what is wrong or doubtful in a library. Exit 1 if something in it cannot be danced."""

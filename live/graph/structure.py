@@ -14,6 +14,7 @@ from live.motion.step_clip import StepClip
 
 Bool = npt.NDArray[np.bool_]
 Int32 = npt.NDArray[np.int32]
+Int64 = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,11 +42,16 @@ def structure_codes(library: StepLibrary) -> StructureCodes:
 
 def may_follow(library: StepLibrary) -> Bool:
     """Whether the clip of node v may follow that of node u as far as its structure goes, shape (N, N)."""
+    everything = np.arange(library.node_count)
+    return may_follow_between(library, everything, everything)
+
+
+def may_follow_between(library: StepLibrary, first: Int64, second: Int64) -> Bool:
+    """The same for the nodes `first` (R,) and `second` (M,), shape (R, M)."""
     codes = structure_codes(library)
-    end, begin = codes.leaving[:, :1], codes.entering[None, :, 0]
-    first, second = codes.leaving[:, 1:], codes.entering[None, :, 1]
-    agree = (end == begin) | (end < 0) | (begin < 0)
-    return np.asarray(agree & ~((first == second) & (first >= 0)), np.bool_)
+    leaving, entering = codes.leaving[first, None], codes.entering[None, second]
+    agree = (leaving[..., 0] == entering[..., 0]) | (leaving[..., 0] < 0) | (entering[..., 0] < 0)
+    return np.asarray(agree & ~((leaving[..., 1] == entering[..., 1]) & (leaving[..., 1] >= 0)), np.bool_)
 
 
 def plain_pose(name: str) -> str:

@@ -1,0 +1,151 @@
+"""The state machine of a library (Fig 5.11) as a picture: SVG with our own layout, nothing needed but a browser.
+
+Steps are circles on a ring, the larger the more clips they have; an arrow leads from a step to each that can follow it,
+wider with the number of joins, which stands on it; a step that can be repeated has a loop. Steps out of reach are grey.
+"""
+
+import cmath
+import colorsys
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+from xml.sax.saxutils import escape
+
+LONGEST_NAME: Final = 24
+_HEAD: Final = 11.0
+"""Length of an arrow head."""
+_NUMBERED: Final = 90
+"""With more arrows than this there is no room for their numbers."""
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """A circle."""
+
+    name: str
+    words: str
+    clips: int
+    alive: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Arrow:
+    """From a state to another or itself, by their indices."""
+
+    source: int
+    target: int
+    joins: int
+
+
+def state_machine(states: Sequence[State], arrows: Sequence[Arrow], title: str) -> str:
+    """The picture as SVG text."""
+    layout = _Layout(states)
+    numbered = len(arrows) <= _NUMBERED
+    size = 2 * layout.half
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {size:.0f} {size + 30:.0f}" '
+        f'width="{size:.0f}" height="{size + 30:.0f}" font-family="Helvetica, Arial, sans-serif">',
+        f'<rect width="{size:.0f}" height="{size + 30:.0f}" fill="white"/>',
+        f'<text x="20" y="30" font-size="17" fill="#222">{_plain(title)}</text>',
+    ]
+    parts += [layout.arrow(one, 0.75 if numbered else 0.4) for one in arrows]
+    parts += [layout.circle(number) for number in range(len(states))]
+    if numbered:
+        parts += [layout.number(one) for one in arrows]
+    return "\n".join([*parts, "</svg>", ""])
+
+
+def _plain(text: str) -> str:
+    """As XML may hold it: no control characters."""
+    return escape("".join(letter if letter.isprintable() else " " for letter in text))
+
+
+class _Layout:
+    """Where everything is; points of the picture are complex numbers x + iy."""
+
+    def __init__(self, states: Sequence[State]) -> None:
+        self._states = states
+        count = len(states)
+        most = max((state.clips for state in states), default=1)
+        self._radius = [22.0 + 20.0 * math.sqrt(state.clips / max(most, 1)) for state in states]
+        ring = 0.0 if count == 1 else max(190.0, 58.0 * count / math.pi + 40.0)
+        self.half = ring + 250.0
+        middle = complex(self.half, self.half + 30.0)
+        self._out = [cmath.exp(1j * (-0.5 * math.pi + 2.0 * math.pi * n / count)) for n in range(count)]
+        self._at = [middle + ring * out for out in self._out]
+
+    def colour(self, number: int) -> str:
+        """Of a state and the arrows that leave it."""
+        if not self._states[number].alive:
+            return "#9a9a9a"
+        rgb = colorsys.hls_to_rgb(number / len(self._states), 0.38, 0.62)
+        return "#" + "".join(f"{round(255 * part):02x}" for part in rgb)
+
+    def circle(self, number: int) -> str:
+        """A state with its name outside the ring."""
+        state, at, radius, out = self._states[number], self._at[number], self._radius[number], self._out[number]
+        colour = self.colour(number)
+        text = at + out * (radius + 56.0) + (complex(0.0, -18.0) if out.imag < -0.3 else complex(0.0, 6.0))
+        anchor = "middle" if abs(out.real) < 0.3 else "start" if out.real > 0 else "end"
+        name = state.name if len(state.name) <= LONGEST_NAME else state.name[: LONGEST_NAME - 1] + "…"
+        dash = "" if state.alive else ' stroke-dasharray="5 4"'
+        return (
+            f'<circle cx="{at.real:.1f}" cy="{at.imag:.1f}" r="{radius:.1f}" fill="white" '
+            f'stroke="{colour}" stroke-width="3"{dash}/>'
+            f'<text x="{at.real:.1f}" y="{at.imag + 5:.1f}" font-size="15" text-anchor="middle" fill="{colour}">'
+            f"{state.clips}</text>"
+            f'<text x="{text.real:.1f}" y="{text.imag:.1f}" font-size="15" font-weight="bold" text-anchor="{anchor}" '
+            f'fill="#222">{_plain(name)}</text>'
+            f'<text x="{text.real:.1f}" y="{text.imag + 16:.1f}" font-size="12" text-anchor="{anchor}" fill="#666">'
+            f"{_plain(state.words)}</text>"
+        )
+
+    def _curve(self, arrow: Arrow) -> tuple[complex, complex, complex, complex]:
+        """Start, two control points and tip of an arrow."""
+        a, b = self._at[arrow.source], self._at[arrow.target]
+        if arrow.source == arrow.target:  # a loop away from the middle, so that no other arrow crosses it
+            out, radius = self._out[arrow.source], self._radius[arrow.source]
+            left, right = out * cmath.exp(-0.62j), out * cmath.exp(0.62j)
+            return (
+                a + radius * left,
+                a + (radius + 62.0) * left,
+                a + (radius + 62.0) * right,
+                a + (radius + 3.0) * right,
+            )
+        way = b - a
+        side = way * 1j / abs(way)
+        bow = 0.5 * (a + b) + side * (0.13 * abs(way) + 6.0)
+        start = a + (bow - a) / abs(bow - a) * self._radius[arrow.source]
+        tip = b + (bow - b) / abs(bow - b) * (self._radius[arrow.target] + 3.0)
+        return start, start + (bow - start) * 2 / 3, tip + (bow - tip) * 2 / 3, tip
+
+    def arrow(self, arrow: Arrow, opacity: float) -> str:
+        """The line and its head."""
+        start, one, two, tip = self._curve(arrow)
+        alive = self._states[arrow.source].alive and self._states[arrow.target].alive
+        colour = self.colour(arrow.source) if alive else "#9a9a9a"
+        width = 1.0 + 0.6 * math.log2(1 + arrow.joins) / 2.0
+        along = (tip - two) / abs(tip - two)
+        foot = tip - along * _HEAD
+        wing = along * 1j * _HEAD * 0.42
+        corners = " ".join(f"{p.real:.1f},{p.imag:.1f}" for p in (tip, foot + wing, foot - wing))
+        points = [f"{p.real:.1f} {p.imag:.1f}" for p in (start, one, two, foot)]
+        return (
+            f'<path d="M {points[0]} C {points[1]} {points[2]} {points[3]}" fill="none" stroke="{colour}" '
+            f'stroke-width="{width:.2f}" stroke-opacity="{opacity}"/><polygon points="{corners}" fill="{colour}"/>'
+        )
+
+    def number(self, arrow: Arrow) -> str:
+        """How many joins, on the line, nearer to where it comes from: the way back has its own number."""
+        start, one, two, tip = self._curve(arrow)
+        t = 0.5 if arrow.source == arrow.target else 0.3
+        s = 1.0 - t
+        at = s**3 * start + 3 * s * s * t * one + 3 * s * t * t * two + t**3 * tip
+        words = str(arrow.joins)
+        half = 3.6 * len(words) + 2.0
+        return (
+            f'<rect x="{at.real - half:.1f}" y="{at.imag - 7:.1f}" width="{2 * half:.1f}" height="14" fill="white" '
+            f'fill-opacity="0.85"/><text x="{at.real:.1f}" y="{at.imag + 4:.1f}" font-size="11" text-anchor="middle" '
+            f'fill="{self.colour(arrow.source)}">{words}</text>'
+        )

@@ -1,0 +1,123 @@
+"""Clusters: a graph as people see it: steps, their structural variations, what leads where, and what does not.
+
+A cluster is a step with all its instances (T041, Fig 3.4); a component is a structural variation of it: the clips that
+begin on one foot, in one pose, and end in one pose (T062, Fig 3.11).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.library import StepLibrary
+from live.graph.metric.flat import FlatClouds
+from live.graph.motion_graph import MotionGraph, largest_component, strong_components
+from live.graph.structure import begun_side, may_follow_between, plain_pose
+
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Int64 = npt.NDArray[np.int64]
+Bool = npt.NDArray[np.bool_]
+
+_BLOCK = 256
+
+
+@dataclass(frozen=True, slots=True)
+class Component:
+    """A structural variation of a step."""
+
+    step: int
+    side: str
+    """The leading foot, or whether it is as danced or mirrored where nobody has said which foot leads."""
+    begin_pose: str
+    end_pose: str
+    nodes: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Lead:
+    """Joins from the variations of one thing (a step, a component) to those of another."""
+
+    source: int
+    target: int
+    joins: int
+    nearest: float
+    """Distance of the nearest of them [m]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Connectivity:
+    """How the N nodes hang together, dead ends included."""
+
+    label: Int32
+    """Strongly connected component of each node, shape (N,)."""
+    alive: Bool
+    """Whether a node is in the largest one that can be danced for ever, shape (N,)."""
+    leads_on: Bool
+    """Whether anything can follow a node, shape (N,)."""
+    reached: Bool
+    """Whether it can follow anything, shape (N,)."""
+
+
+def structural_components(library: StepLibrary) -> list[Component]:
+    """The components of a library, step by step, each with its nodes."""
+    found: dict[tuple[int, str, str, str], list[int]] = {}
+    for node in range(library.node_count):
+        clip = library.clips[library.node_clip[node]]
+        key = (int(library.node_step[node]), begun_side(clip), plain_pose(clip.begin_pose), plain_pose(clip.end_pose))
+        found.setdefault(key, []).append(node)
+    return [Component(*key, tuple(nodes)) for key, nodes in sorted(found.items(), key=lambda one: one[0][0])]
+
+
+def leads(graph: MotionGraph, group: Int32, count: int) -> list[Lead]:
+    """What leads from one group of nodes to another, where a step ends and another begins; `group` (N,) below `count`.
+
+    The joins of pruned nodes count as well.
+    """
+    joins = graph.joins
+    between = graph.library.node_measure[joins.target] == 0
+    pair = group[joins.source[between]].astype(np.int64) * count + group[joins.target[between]]
+    nearest = np.full(count * count, np.inf)
+    np.minimum.at(nearest, pair, joins.cost[between])
+    number = np.bincount(pair, minlength=count * count)
+    return [Lead(int(p) // count, int(p) % count, int(number[p]), float(nearest[p])) for p in np.flatnonzero(number)]
+
+
+def connectivity(graph: MotionGraph) -> Connectivity:
+    """Strongly connected components and dead ends over all joins, pruned or not."""
+    source, target, count = graph.joins.source, graph.joins.target, graph.library.node_count
+    alive = largest_component(count, source, target) if len(source) else np.zeros(count, np.bool_)
+    if not (alive[source] & alive[target]).any():
+        alive = np.zeros(count, np.bool_)
+    return Connectivity(
+        label=strong_components(count, source, target),
+        alive=alive,
+        leads_on=np.bincount(source, minlength=count) > 0,
+        reached=np.bincount(target, minlength=count) > 0,
+    )
+
+
+def nearest_steps(graph: MotionGraph) -> Float64:
+    """Distance [m] of the nearest end of a step to the nearest beginning of another, shape (C, C).
+
+    Only pairs whose structure agrees count; inf where none does. In blocks: nothing of size N × N is held.
+    """
+    library = graph.library
+    leaves = np.flatnonzero(library.node_measure == library.node_measures - 1)
+    enters = np.flatnonzero(library.node_measure == 0)
+    starts = graph.boundaries.starts.chosen(enters)
+    nearest = np.full((len(library.steps), len(library.steps)), np.inf)
+    for begin in range(0, len(leaves), _BLOCK):
+        rows = leaves[begin : begin + _BLOCK]
+        squared = _squared(graph.boundaries.ends.chosen(rows), starts)
+        squared[~may_follow_between(library, rows, enters)] = np.inf
+        for step in np.unique(library.node_step[rows]):
+            best = squared[library.node_step[rows] == step].min(axis=0)
+            np.minimum.at(nearest[step], library.node_step[enters], best)
+    return np.asarray(np.sqrt(np.maximum(nearest, 0.0)))
+
+
+def _squared(a: FlatClouds, b: FlatClouds) -> Float64:
+    """K003 for all pairs, (N, M) [m²]."""
+    product = np.abs(a.floor.conj() @ b.floor.T) + a.height @ b.height.T
+    return np.asarray(a.size[:, None] + b.size[None] - 2.0 * product)
