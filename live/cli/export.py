@@ -194,9 +194,7 @@ def _described(clips: "list[StepClip]") -> str:
 
 def _write(clip: "Clip", to: Path) -> int:
     """Write the file whole or not at all; its size in bytes."""
-    import os
-
-    from live.base.errors import PersonError
+    from live.cli.whole_file import write_whole
 
     if to.suffix.lower() == ".bvh":
         from live.motion.bvh.writer import write_bvh
@@ -206,11 +204,4 @@ def _write(clip: "Clip", to: Path) -> int:
         from live.motion.gltf.writer import write_glb
 
         data = write_glb(clip, rate=None)
-    unfinished = to.with_name(f".{to.name}.{os.getpid()}.tmp")
-    try:
-        unfinished.write_bytes(data)
-        unfinished.replace(to)
-    except OSError as error:
-        unfinished.unlink(missing_ok=True)
-        raise PersonError(f"--to {to}: cannot be written: {error.strerror}", "choose another folder") from None
-    return len(data)
+    return write_whole(data, to, "--to")

@@ -14,7 +14,7 @@ from rich.text import Text
 
 from live import __version__
 from live.base.errors import PersonError
-from live.cli import bench, bvh, check, devices, doctor, export, play, render, replay, steps, sync, warm
+from live.cli import bench, bvh, check, dance, devices, doctor, export, play, render, replay, steps, sync, warm
 
 EXIT_PERSON_ERROR = 2
 EXIT_INTERRUPTED = 130
@@ -33,6 +33,7 @@ app.command("play")(play.play)
 app.command("render")(render.render)
 app.command("replay")(replay.replay)
 app.command("check")(check.check)
+app.command("dance")(dance.dance)
 app.command("devices")(devices.devices)
 app.command("doctor")(doctor.doctor)
 app.command("bench")(bench.bench)

@@ -1,0 +1,272 @@
+"""What `live dance` does: library, graph, the path through it, and the motion."""
+
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.errors import PersonError
+from live.cli.steps_library import RECORDING_THRESHOLD_M, SKETCH_THRESHOLD_M
+from live.graph.assemble import Assembled, assemble
+from live.graph.candidates import find_candidates
+from live.graph.depth_first import SearchTooLong
+from live.graph.library import StepLibrary, build_library
+from live.graph.missing import Missing, find_missing
+from live.graph.motion_graph import MotionGraph, build_graph
+from live.graph.path import Targets, follow_line, read_path, smoothed
+from live.graph.path_search import FollowedPath, follow_path
+from live.graph.path_words import path_lacks
+from live.graph.sequence import NoPath, best_start, find_sequence
+from live.graph.specification import Specification, Wanted, specify
+from live.graph.wanted import find_name, known, parse_sequence
+from live.motion.step_clip import StepClip
+from live.show.patch_file import PATCHES
+from live.steps.step_folder import load_folder
+
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+SKETCHES: Final = "sketches"
+WINDOW_BEATS: Final = 0.75
+MOST_BYTES: Final = 4_000_000
+"""Longest file of a sequence."""
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """The command line."""
+
+    library: str
+    sequence: str
+    bpm: float | None = None
+    path: str | None = None
+    heading: str | None = None
+    correction: float = 0.0
+    start: str | None = None
+    window: float | None = None
+    threshold: float | None = None
+    foot_rule: bool = False
+    depth_first: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """What will be danced in M measures."""
+
+    asked: Asked
+    graph: MotionGraph
+    specification: Specification
+    bpm: float
+    node: Int32
+    """Shape (M,)."""
+    edge_cost: Float64
+    """Distance of the poses where each measure begins [m], 0 for the first, shape (M,)."""
+    missing: tuple[Missing, ...]
+    heading: float
+    """Where she faces at the beginning [rad]."""
+    targets: Targets | None = None
+    """The path, if there is one."""
+    followed: FollowedPath | None = None
+
+    @property
+    def wrong(self) -> npt.NDArray[np.bool_]:
+        """Measures that are not as wanted, shape (M,)."""
+        return np.asarray(~self.specification.fits[self.specification.kind, self.node])
+
+
+def make_plan(asked: Asked) -> Plan:
+    """Read the library, find the dance; PersonError for whatever cannot be."""
+    library, wanted = read_wanted(read_clips(asked.library), read_text(asked.sequence))
+    check_attributes(library, wanted)
+    specification = specify(library, wanted, foot_rule=asked.foot_rule)
+    graph = _graph(asked, library)
+    start = None if asked.start is None else _start(graph, specification, asked.start)
+    missing = find_missing(graph, specification, start=start)
+    _refuse_lone_steps(graph, wanted, missing)
+    bpm = _tempo(asked, library, wanted)
+    headings = _headings(asked)
+    if asked.path is not None:
+        return _along_path(asked, graph, specification, bpm, headings, missing)
+    if isinstance(headings, str) or len(headings) > 1:
+        raise PersonError(f"--heading {asked.heading}: only a --path can be faced along or turned on", "--heading 0")
+    try:
+        found = find_sequence(
+            graph, specification, start=start, method="depth first" if asked.depth_first else "layered"
+        )
+    except (NoPath, SearchTooLong) as error:
+        needs = "; ".join(one.needs for one in missing[:1])
+        raise PersonError(f"--sequence: {error}", needs or "leave --depth-first out") from None
+    return Plan(asked, graph, specification, bpm, found.node, found.edge_cost, tuple(missing), headings[0])
+
+
+def put_together(plan: Plan) -> Assembled:
+    """The motion of a plan; PersonError if it is too long for one file."""
+    followed, targets = plan.followed, plan.targets
+    try:
+        if followed is None or targets is None:
+            return assemble(plan.graph, plan.node, bpm=plan.bpm, start=(0.0, 0.0, plan.heading))
+        return assemble(
+            plan.graph,
+            plan.node,
+            bpm=plan.bpm,
+            turns=followed.turn,
+            corrections=followed.correction,
+            takes=(followed.take, followed.share),
+            start=(float(targets.place[0, 0]), float(targets.place[0, 1]), float(targets.heading[0])),
+        )
+    except ValueError as error:
+        raise PersonError(f"--sequence: {error}", "--json alone finds the dance without its motion") from None
+
+
+# -- what is read ------------------------------------------------------------------------------------------------------
+
+
+def read_clips(library: str) -> list[StepClip]:
+    """The steps of a folder, or the project's own."""
+    return load_folder(PATCHES / "steps" if library == SKETCHES else Path(library))
+
+
+def read_text(sequence: str) -> str:
+    """The sequence, out of a file if it begins with @; lines may end where commas are."""
+    if not sequence.startswith("@"):
+        return sequence
+    file = Path(sequence[1:])
+    try:
+        if not file.is_file() or os.path.getsize(file) > MOST_BYTES:
+            raise PersonError(f"--sequence {file}: a file of at most {MOST_BYTES // 1_000_000} MB expected")
+        text = file.read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
+        words = error.strerror if isinstance(error, OSError) and error.strerror else "it is no text in UTF-8"
+        raise PersonError(f"--sequence {file}: cannot be read: {words}") from None
+    lines = [line.split("#")[0].strip().strip(",") for line in text.splitlines()]
+    return ",".join(line for line in lines if line)
+
+
+def read_wanted(clips: Sequence[StepClip], text: str) -> tuple[StepLibrary, list[Wanted]]:
+    """The library of the metre in which all steps of the sequence are there, and the sequence."""
+    metres = [clip.beats_per_measure for clip in clips]
+    errors: list[PersonError] = []
+    for beats in sorted(set(metres), key=lambda beats: (-metres.count(beats), beats)):
+        library = build_library([clip for clip in clips if clip.beats_per_measure == beats])
+        try:
+            return library, parse_sequence(text, library)
+        except PersonError as error:
+            errors.append(error)
+    if len(errors) == 1:
+        raise errors[0]
+    listed = " and ".join(map(str, sorted(set(metres))))
+    raise PersonError(
+        f"no metre has all of the sequence: {'; '.join(error.message for error in errors)}",
+        f"steps of {listed} beats a measure are there, and a dance has one metre",
+    )
+
+
+def check_attributes(library: StepLibrary, wanted: Sequence[Wanted]) -> None:
+    """PersonError if variations of a wanted step contradict each other: a step transfers the weight or it does not."""
+    for step in sorted({entry.step for entry in wanted if entry.step is not None}):
+        clips = [clip for clip in library.clips if clip.step == library.steps[step]]
+        said = {clip.weight_transfer: clip for clip in reversed(clips)}
+        if len(said) == 2:
+            raise PersonError(
+                f"the step {library.steps[step]!r} contradicts itself: {said[True].clip.name!r} transfers the weight, "
+                f"{said[False].clip.name!r} does not",
+                "write the same weight_transfer for all its variations",
+            )
+
+
+def _headings(asked: Asked) -> "str | tuple[float, ...]":
+    """Where she faces: "path", or one or two angles [rad]."""
+    text = (asked.heading or "0").strip().lower()
+    if text in ("path", "public"):
+        return text if text == "path" else (0.0,)
+    try:
+        degrees = [float(word) for word in text.split(",")]
+    except ValueError:
+        degrees = []
+    if not 1 <= len(degrees) <= 2 or not all(abs(value) <= 36_000 for value in degrees):
+        raise PersonError(f"--heading {asked.heading!r}: degrees, two with a comma between, or 'path' expected")
+    return tuple(math.radians(value) for value in degrees)
+
+
+# -- what is searched --------------------------------------------------------------------------------------------------
+
+
+def _graph(asked: Asked, library: StepLibrary) -> MotionGraph:
+    window = (asked.window or WINDOW_BEATS) / library.beats_per_measure
+    if window > 1.0:
+        raise PersonError(f"--window {asked.window:g}: at most a measure, {library.beats_per_measure} beats, expected")
+    usual = SKETCH_THRESHOLD_M if asked.library == SKETCHES else RECORDING_THRESHOLD_M
+    try:
+        return build_graph(library, window=window, threshold=asked.threshold or usual, prune=False)
+    except ValueError as error:
+        raise PersonError(f"{asked.library}: {error}", "a lower --threshold") from None
+
+
+def _start(graph: MotionGraph, specification: Specification, name: str) -> int:
+    """The last measure of the step's variation from which the dance goes on best."""
+    library = graph.library
+    step = find_name(library, name)
+    if step is None:
+        raise PersonError(f"--start: there is no step {name[:60]!r}", known(library))
+    return best_start(graph, specification, np.flatnonzero((library.node_step == step) & specification.leaves))
+
+
+def _refuse_lone_steps(graph: MotionGraph, wanted: Sequence[Wanted], missing: Sequence[Missing]) -> None:
+    """PersonError for a step that no join leads to or away from, unless it is all that is danced."""
+    library = graph.library
+    joined = np.zeros(len(library.steps), np.bool_)
+    source = np.repeat(np.arange(library.node_count), np.diff(graph.edge_start))
+    between = library.node_measure[graph.edge_target] == 0
+    for node in (source[between], graph.edge_target[between]):
+        joined[library.node_step[node]] = True
+    for step in {entry.step for entry in wanted if entry.step is not None and not joined[entry.step]}:
+        name = library.steps[step]
+        why = [one.needs for one in missing if name in (one.source, one.target)]
+        if why:
+            raise PersonError(f"nothing leads to {name!r} or away from it within {graph.rule.threshold:g} m", why[0])
+
+
+def _tempo(asked: Asked, library: StepLibrary, wanted: Sequence[Wanted]) -> float:
+    named = [library.steps[entry.step] for entry in wanted if entry.step is not None]
+    first = next(clip for clip in library.clips if not named or clip.step == named[0])
+    return first.bpm if asked.bpm is None else asked.bpm
+
+
+def _along_path(
+    asked: Asked, graph: MotionGraph, specification: Specification, bpm: float, headings: "str | tuple[float, ...]",
+    missing: Sequence[Missing],
+) -> Plan:  # fmt: skip
+    assert asked.path is not None
+    points = read_path(asked.path)
+    if isinstance(headings, str):
+        targets = smoothed(follow_line(points, specification.measures, facing="path"))
+    else:
+        targets = follow_line(points, specification.measures, facing=(headings[0], headings[-1]))
+    seconds = graph.library.beats_per_measure * 60.0 / bpm
+    candidates = find_candidates(graph)
+    try:
+        followed = follow_path(
+            graph,
+            targets,
+            seconds=seconds,
+            fits=specification.fits[specification.kind],
+            correction_m=asked.correction,
+            candidates=candidates,
+        )
+    except ValueError as error:
+        raise PersonError(f"--path: {error}") from None
+    lacks = path_lacks(graph, candidates, targets, followed, seconds=seconds)
+    missing = [*missing, *(Missing(lack.measures[0], None, lack.step, lack.text) for lack in lacks)]
+    cost = np.zeros(len(followed.node))
+    for n in range(1, len(cost)):
+        row = slice(graph.edge_start[followed.node[n - 1]], graph.edge_start[followed.node[n - 1] + 1])
+        cost[n] = graph.edge_cost[row][graph.edge_target[row] == followed.node[n]].min()
+    return Plan(
+        asked, graph, specification, bpm, followed.node, cost, tuple(missing), float(targets.heading[0]), targets,
+        followed,
+    )  # fmt: skip
