@@ -4,10 +4,10 @@ import sys
 from pathlib import Path
 
 from live.control import osc_decode as limits
-from live.control.registry import NAME_LENGTH, REGISTRY, Argument, Control
+from live.control.registry import NAME_LENGTH, REGISTRY, TEXT_LENGTH, Argument, Control
 
 PATH = Path(__file__).resolve().parent.parent / "docs" / "osc.md"
-TYPES = {"float": "number (f i d h)", "bool": "switch (T F, or 0 1 as i f d h)", "name": "text (s)"}
+TYPES = {"float": "number (f i d h)", "bool": "switch (T F, or 0 1 as i f d h)", "name": "text (s)", "text": "text (s)"}
 WHO = {"operator": "operator", "musician": "operator, musician", "audience": "everybody"}
 
 HEAD = """# OSC reference
@@ -53,7 +53,7 @@ def _usage(control: Control) -> str:
 
 
 def _row(argument: Argument) -> str:
-    allowed = "any name" if argument.type == "name" else "0 or 1"
+    allowed = {"name": "any name", "text": f"at most {TEXT_LENGTH} characters"}.get(argument.type, "0 or 1")
     if argument.type == "float":
         allowed = f"{argument.minimum:g} to {argument.maximum:g}"
     default = "must be given" if argument.default is None else str(argument.default).removesuffix(".0")

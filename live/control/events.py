@@ -61,6 +61,16 @@ class CallStep(ControlEvent):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SetSequence(ControlEvent):
+    """Dancers dance these steps in order, again and again, instead of the patch's."""
+
+    steps: str
+    """Names with commas between them, as in `live dance --sequence`."""
+    group: str = ""
+    """One group, or "" for all."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SetMotion(ControlEvent):
     """How dancers vary and how motion is mended: one parameter, for one group or (group "") for all."""
 
@@ -121,8 +131,8 @@ class TicksSkipped(ControlEvent):
 EVENT_TYPES: dict[str, type[ControlEvent]] = {
     cls.__name__: cls
     for cls in (
-        Attract, Repel, Spread, Clear, CallStep, SetMotion, Tap, One, SetTempo, Blackout, BeatHeard, SourceChanged,
-        TicksSkipped,
+        Attract, Repel, Spread, Clear, CallStep, SetSequence, SetMotion, Tap, One, SetTempo, Blackout, BeatHeard,
+        SourceChanged, TicksSkipped,
     )
 }  # fmt: skip
 """Every kind of event by its name in the journal."""

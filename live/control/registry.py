@@ -13,6 +13,7 @@ from live.control.events import ControlEvent
 from live.control.rejections import Reason, Rejection
 
 NAME_LENGTH: Final = 64
+TEXT_LENGTH: Final = 250
 Role = Literal["operator", "musician", "audience"]
 Plain = float | bool | str
 
@@ -34,7 +35,7 @@ class Argument:
     """One argument: its name (that of the event's field), type, unit, allowed range and, if optional, default."""
 
     name: str
-    type: Literal["float", "bool", "name"]
+    type: Literal["float", "bool", "name", "text"]
     description: str
     unit: str = ""
     minimum: float = 0.0
@@ -49,16 +50,21 @@ class Argument:
             return f"{self.name} {self.minimum:g} to {self.maximum:g}" + (f" {self.unit}" if self.unit else "")
         if self.type == "bool":
             return f"{self.name} 0 or 1"
-        return f"{self.name} of 1 to {NAME_LENGTH} printable characters"
+        return f"{self.name} of 1 to {self.length} printable characters"
+
+    @property
+    def length(self) -> int:
+        """Most characters of a name or text."""
+        return NAME_LENGTH if self.type == "name" else TEXT_LENGTH
 
     def checked(self, value: object) -> Plain | Reason:
         """The value in its own type, or why not: never NaN, never out of range. `True` is no number here."""
         kind = type(value)
-        if self.type == "name":
+        if self.type in ("name", "text"):
             if kind is not str:
                 return Reason.WRONG_TYPE
             text = str(value)
-            return text if 0 < len(text) <= NAME_LENGTH and text.isprintable() and text.strip() else Reason.NAME
+            return text if 0 < len(text) <= self.length and text.isprintable() and text.strip() else Reason.NAME
         if self.type == "bool" and isinstance(value, bool):
             return value
         if (kind is not float and kind is not int) or not isinstance(value, int | float):
@@ -220,6 +226,15 @@ REGISTRY: Final = Registry(
             "/dance/step", events.CallStep,
             (Argument("name", "name", "the step's name in the show's library"), _MEASURES),
             "All dancers dance this step from the next free measure on.", "musician",
+        ),
+        Control(
+            "/dance/sequence", events.SetSequence,
+            (
+                Argument("steps", "text", 'names with commas between them, as "couru, couru left, echappe x2, *"'),
+                _GROUP,
+            ),
+            "Dancers dance these steps in order, again and again, until /dance/clear; refused, and the present dance "
+            "goes on, if they cannot be joined.", "musician",
         ),
         *(
             Control(address, _motion(parameter), (argument, _GROUP), description, "operator")

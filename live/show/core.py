@@ -12,6 +12,7 @@ from live.agents.advance import Advance, LookAhead, Parting
 from live.agents.elements import ATTRACTOR, REPULSOR, SPREADER, Element, ElementField
 from live.agents.formation import FORMATIONS
 from live.agents.model import AgentModel, AgentState, Steering
+from live.base.errors import PersonError
 from live.base.kernels import damper
 from live.base.stage_view import StageView
 from live.clock.follow import TimelineFollower
@@ -19,7 +20,9 @@ from live.clock.moment import Moment
 from live.clock.ticks import TICK
 from live.control import events
 from live.control.events import ControlEvent
+from live.graph.live_sequence import HORIZON, LiveSequence
 from live.graph.motion_graph import MotionGraph
+from live.graph.wanted import parse_sequence
 from live.motion.skeleton import JOINT_COUNT
 from live.show.dancers import Dancers
 from live.show.measure import MeasureSpan
@@ -92,6 +95,8 @@ class Show:
         self.time = 0.0
         self.refused = 0
         """Events that asked for something the show does not have (a step that is not there)."""
+        self.refusal = ""
+        """The last such event in words, for the operator."""
         self._last_of: dict[str, Element] = {}
         self._begin_measure(self.span.end - self.timeline.beats_per_measure)
 
@@ -140,6 +145,8 @@ class Show:
                     programme.release()
             case events.CallStep():
                 self._call_step(event)
+            case events.SetSequence():
+                self._set_sequence(event)
             case events.SetMotion():
                 self._set_motion(event)
             case events.Blackout():
@@ -184,19 +191,49 @@ class Show:
     def _call_step(self, event: events.CallStep) -> None:
         try:
             step = find_step(self.graph, event.name)
-        except UnknownStep:
-            self.refused += 1
+        except UnknownStep as error:
+            self._refuse(f"{event.source}: {error}")
             return
         for programme in self.scheduler.programmes:
             programme.call(step, measures=event.measures)
 
+    def _set_sequence(self, event: events.SetSequence) -> None:
+        """Change what a group dances, if its dancers can dance it within two measures; else the dance goes on."""
+        members = self._members(event.group)
+        if members is None:
+            self._refuse(f"{event.source}: no group is called {event.group!r}")
+            return
+        try:
+            wanted = parse_sequence(event.steps, self.graph.library)
+        except PersonError as error:
+            self._refuse(f"{event.source}: {error}")
+            return
+        danced = self.dancers.coming if self.dancers.decided else self.dancers.present
+        nodes = danced.node[np.isin(self.group, members)]
+        if LiveSequence(self.graph, []).ask(wanted[: HORIZON + 1], nodes) is None:
+            self._refuse(f"{event.source}: {event.steps!r} cannot be joined from here; live dance says what is missing")
+            return
+        for index in members:
+            self.scheduler.programmes[index].dance(wanted)
+
     def _set_motion(self, event: events.SetMotion) -> None:
-        name = event.group.casefold()
-        group = None if name in ("", "*") else self._group_names.get(name, -1)
-        if group == -1 or event.parameter not in Variety.names():
-            self.refused += 1
-        else:
-            self.variation.set(event.parameter, event.value, group)
+        members = self._members(event.group)
+        if members is None or event.parameter not in Variety.names():
+            self._refuse(f"{event.source}: nothing to set for {event.parameter!r} of group {event.group!r}")
+            return
+        for index in members:
+            self.variation.set(event.parameter, event.value, index)
+
+    def _members(self, name: str) -> list[int] | None:
+        """The groups that a name means, by index: "" and "*" are all; None if there is no such group."""
+        if name in ("", "*"):
+            return list(range(len(self._group_names)))
+        index = self._group_names.get(name.casefold())
+        return None if index is None else [index]
+
+    def _refuse(self, words: str) -> None:
+        self.refused += 1
+        self.refusal = words
 
     # -- time --------------------------------------------------------------------------------------------------
 

@@ -26,7 +26,7 @@ FINEST: Final = 1.0 / 240.0
 """Contacts are looked at this often [s]: a brush of the floor may be shorter than a frame."""
 RAISED: Final = 0.022
 """A heel (or a ball) this high [m] over a foot that stands will be heard when it comes down ..."""
-DOWN: Final = 0.010
+DOWN: Final = 0.004
 """... to this height [m]."""
 SOFTEST: Final = 0.35
 LOUD_LIFT: Final = 0.12

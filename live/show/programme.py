@@ -12,6 +12,8 @@ from live.show.patch import GroupSection, parse_entry
 
 Nodes = npt.NDArray[np.int32]
 
+ANY_STEP = -1
+"""What a group wants where a sequence says "*"."""
 HOLD_MEASURES = 2
 """Measures for which a step drawn by chance is danced at least."""
 
@@ -65,7 +67,12 @@ class GroupProgramme:
             """The step for ways too far for the step in turn, or None."""
         except UnknownStep as error:
             raise UnknownStep(f"group {group.name!r}: {error}") from None
-        self._slots = [step for step, (_, times) in zip(self._steps, entries, strict=True) for _ in range(times)]
+        self._own = [
+            Wanted(step, self._length(step))
+            for step, (_, times) in zip(self._steps, entries, strict=True)
+            for _ in range(times)
+        ]
+        self._live: list[Wanted] = []
         self._asked: tuple[int, int] | None = None
         self._slot, self._into = 0, 0
         self._drawn, self._drawn_left = self._steps[0], 0
@@ -79,21 +86,38 @@ class GroupProgramme:
         """Dance `step` from the next measure on that is not chosen yet, for a number of measures (rounded up)."""
         self._call = _Call(step, max(1, int(np.ceil(measures))))
 
+    def dance(self, wanted: list[Wanted]) -> None:
+        """Dance these in order, again and again, from the next measure on that is not chosen yet."""
+        self._call, self._live = None, list(wanted)
+        self._slot, self._into = 0, 0
+
     def release(self) -> None:
-        """Forget a called step."""
+        """Forget a called step and a sequence set live: the patch's own begins anew."""
         self._call = None
+        if self._live:
+            self._live = []
+            self._slot, self._into, self._drawn_left = 0, 0, 0
+
+    @property
+    def _slots(self) -> list[Wanted]:
+        return self._live or self._own
+
+    @property
+    def _draws(self) -> bool:
+        """Whether chance chooses: not while a sequence was set live."""
+        return self._random and not self._live
 
     def wanted(self, measure: int, nodes: Nodes) -> int:
-        """The step to dance in `measure`, asked in the order of the measures by dancers who were in `nodes` before it.
+        """The step to dance in `measure`, ANY_STEP if any will do.
 
-        Asked again for the same measure it gives the same answer. Before the first downbeat (measures below 0) it is
+        To be asked in the order of the measures, for dancers who were in `nodes` before it. Asked again for the same measure it gives the same answer. Before the first downbeat (measures below 0) it is
         the first step.
         """
         if self._asked is not None and self._asked[0] == measure:
             return self._asked[1]
-        if measure < 0 and not self._random:
-            step = self._slots[0]
-            self.into, self.coming = 0, (Wanted(step, self._length(step)),)
+        if measure < 0 and not self._draws:
+            step = _step_of(self._slots[0])
+            self.into, self.coming = 0, (self._slots[0],)
         else:
             step = self._next(measure, nodes)
         self._asked = (measure, step)
@@ -118,16 +142,16 @@ class GroupProgramme:
             self._into = 0
             self._drawn_left = 0
             return step
-        return self._draw_next(measure, nodes) if self._random else self._sequence_next()
+        return self._draw_next(measure, nodes) if self._draws else self._sequence_next()
 
     def _sequence_next(self) -> int:
         """The slot's step, and one measure further."""
-        step = self._slots[self._slot]
+        entry = self._slots[self._slot]
         self.into, self.coming = self._into, self._slots_from(self._slot)
         self._into += 1
-        if self._into >= self._length(step):
+        if self._into >= entry.measures:
             self._slot, self._into = (self._slot + 1) % len(self._slots), 0
-        return step
+        return _step_of(entry)
 
     def _draw_next(self, measure: int, nodes: Nodes) -> int:
         """The drawn step until its measures are over, then another."""
@@ -143,11 +167,10 @@ class GroupProgramme:
 
     def _slots_from(self, slot: int) -> tuple[Wanted, ...]:
         """The next steps of the sequence, one for each measure of the horizon at least; none where chance draws."""
-        if self._random:
+        if self._draws:
             return ()
-        count = len(self._slots)
-        steps = (self._slots[(slot + n) % count] for n in range(HORIZON + 1))
-        return tuple(Wanted(step, self._length(step)) for step in steps)
+        slots = self._slots
+        return tuple(slots[(slot + n) % len(slots)] for n in range(HORIZON + 1))
 
     def _length(self, step: int) -> int:
         library = self._graph.library
@@ -164,3 +187,7 @@ class GroupProgramme:
             if fresh:
                 return int(fresh[int(chance.integers(len(fresh)))])
         return self._drawn
+
+
+def _step_of(entry: Wanted) -> int:
+    return ANY_STEP if entry.step is None else entry.step

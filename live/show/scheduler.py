@@ -68,7 +68,9 @@ class Scheduler:
         self.foresight = Foresight(dancers.graph)
         self._ahead = np.zeros((2 * len(programmes), dancers.graph.library.node_count))
         library = dancers.graph.library
-        self._reach = np.array([library.reach(step) for step in range(len(library.steps))])
+        reach = [library.reach(step) for step in range(len(library.steps))]
+        self._reach = np.array([*reach, max(reach)])
+        """How far one measure of each step goes [m]; last, as for ANY_STEP, of the farthest."""
         self.last_target: Float64 | None = None
         """Where the dancers were last sent [m], shape (A, 2); None before the first decision."""
         self.last_heading = np.zeros(count)
@@ -182,7 +184,8 @@ class Scheduler:
             self.dead_ends += int(stuck.sum())
             coming.placement[stuck] = placement[stuck]
         coming.node[:] = np.where(stuck, dancers.node, graph.edge_target[np.maximum(self._edge, 0)])
-        self.detours += int(np.count_nonzero(graph.library.node_step[coming.node] != self._wanted))
+        wrong = (self._wanted >= 0) & (graph.library.node_step[coming.node] != self._wanted)
+        self.detours += int(np.count_nonzero(wrong))
         dancers.variation.draw(measure, coming)
         most = np.minimum(
             math.radians(limits.turn_deg), QUICKEST_TURN * self._seconds / graph.node_quickest[coming.node]

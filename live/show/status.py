@@ -119,7 +119,7 @@ class Status:
         s = self.snapshot(time)
         beats = self._show.timeline.beats_per_measure
         frame, cpu = s["frame_ms"], s["cpu_ms"]["p50"]
-        level, refusal = self._level(), self._refusal()
+        level, refusal = self._level(), self._refusal() or self._show.refusal
         clock = s["source"]
         if clock != "internal":
             clock += f", {s['clock_state']}, sure to {s['confidence']:.0%}"

@@ -119,11 +119,9 @@ class Variation:
         """The side each dancer wants, -1 as made, 1 mirrored, 0 no matter, shape (A,)."""
         return np.sign(self.mirror).astype(np.int32)
 
-    def set(self, name: str, value: float, group: int | None) -> None:
-        """Set one field of one group or of all; it acts on what is drawn from now on."""
-        for index, variety in enumerate(self._varieties):
-            if group is None or group == index:
-                self._varieties[index] = replace(variety, **{name: value})
+    def set(self, name: str, value: float, group: int) -> None:
+        """Set one field of one group, by its index; it acts on what is drawn from now on."""
+        self._varieties[group] = replace(self._varieties[group], **{name: value})
         self._refresh()
 
     def draw(self, measure: int, danced: Danced) -> None:

@@ -324,6 +324,10 @@ def test_liblos_oscsend_sends_every_control(stage):
         "/dance/clock/tap": ([], events.Tap(**STAMP)),
         "/dance/clock/one": (["I"], events.One(**STAMP)),
         "/dance/clock/tempo": (["d", "132.5"], events.SetTempo(tempo=132.5, **STAMP)),
+        "/dance/sequence": (
+            ["ss", "sway, glide x2, *", "front"],
+            events.SetSequence(steps="sway, glide x2, *", group="front", **STAMP),
+        ),
         **{
             f"/dance/motion/{name}": (
                 [kind, value],

@@ -1,0 +1,86 @@
+"""/dance/sequence: what a group dances is changed while it dances, or refused with the reason."""
+
+from dataclasses import replace
+
+from live.clock.ticks import TICK
+from live.control import events
+from live.graph.library import build_library
+from live.graph.motion_graph import build_graph
+from live.show.core import Show
+from live.show.patch_file import parse_patch
+from tests.made_steps import made_clip
+from tests.show.made_show import made_show
+
+STAMP = {"time": 0.0, "source": "test"}
+
+
+def dance(show, measures, first_tick=1):
+    """Names danced by each group, measure by measure, and the tick reached."""
+    library, danced, tick = show.graph.library, [], first_tick
+    while len(danced) < measures:
+        if show.tick(tick * TICK):
+            steps = [library.steps[s] for s in library.node_step[show.dancers.node]]
+            danced.append([{s for s, g in zip(steps, show.group, strict=True) if g == group} for group in (0, 1)])
+        tick += 1
+    return danced, tick
+
+
+def test_one_group_changes_and_the_other_goes_on():
+    show, other = made_show(), made_show()
+    before, tick = dance(show, 3)
+    assert show.apply(events.SetSequence(steps="spin, glide x2", group="FRONT", **STAMP))
+    after, _ = dance(show, 12, tick)
+    expected, _ = dance(other, 15)
+    wanted = [{"spin"}, {"glide"}, {"glide"}] * 5
+    front = [front for front, _ in after]
+    assert any(front[n : n + 9] == wanted[:9] for n in range(4))  # chosen at once, danced within two measures
+    assert [back for _, back in before + after] == [back for _, back in expected]
+
+
+def test_clear_brings_the_patchs_steps_back():
+    show = made_show()
+    _, tick = dance(show, 2)
+    show.apply(events.SetSequence(steps="sway", group="front", **STAMP))
+    after, tick = dance(show, 6, tick)
+    assert {name for front, _ in after[3:] for name in front} == {"sway"}
+    show.apply(events.Clear(**STAMP))
+    later, _ = dance(show, 10, tick)
+    assert {"glide", "spin"} <= {name for front, _ in later for name in front}
+
+
+def test_a_star_lets_way_and_heading_choose():
+    show = made_show()
+    assert show.apply(events.SetSequence(steps="spin, *", group="front", **STAMP))
+    danced, _ = dance(show, 10)
+    places = [n for n, (front, _) in enumerate(danced) if front == {"spin"}]
+    assert len(places) >= 4
+
+
+def test_a_step_that_is_not_there_is_refused_with_its_nearest_name():
+    show = made_show()
+    assert not show.apply(events.SetSequence(steps="sway, glyde", **STAMP))
+    assert "glide" in show.refusal
+    assert not show.apply(events.SetSequence(steps="sway", group="nobody", **STAMP))
+    assert "nobody" in show.refusal
+    assert show.refused == 2
+
+
+def test_what_cannot_be_joined_is_refused_and_the_dance_goes_on():
+    """A spin that ends in a pose from which no sway begins: sway after spin is not danced, nor half danced."""
+    steps = [
+        replace(made_clip("sway"), begin_pose="low", end_pose="low"),
+        replace(made_clip("sway"), begin_pose="low", end_pose="high"),
+        replace(made_clip("spin"), begin_pose="high", end_pose="high"),
+        replace(made_clip("bow"), begin_pose="high", end_pose="low"),
+    ]
+    patch = 'name = "p"\n[clock]\nbpm = 120\n[[group]]\nname = "all"\ndancers = 4\nsteps = ["sway"]\n'
+    show = Show(parse_patch(patch, "test.toml"), build_graph(build_library(steps), threshold=0.2))
+    show.tick(TICK)
+    assert not show.apply(events.SetSequence(steps="spin, sway", **STAMP))
+    assert "cannot be joined" in show.refusal
+    assert show.apply(events.SetSequence(steps="sway, spin, bow", **STAMP))
+    library, danced = show.graph.library, []
+    for tick in range(2, 64 * 30):
+        if show.tick(tick * TICK):
+            danced.append({library.steps[s] for s in library.node_step[show.dancers.node]})
+    assert [{"sway"}, {"spin"}, {"bow"}] * 3 in [danced[n : n + 9] for n in range(4)]
