@@ -10,10 +10,8 @@ from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
 from live.graph.structure import plain_pose
 from live.motion.glitches import Glitch
-from live.motion.mirror import mirror_step
 from live.motion.step_clip import StepClip
 from live.motion.tempo_guess import guess_tempo
-from live.steps.cut import cut_step
 from live.steps.doubts import doubts_about
 from live.steps.guesses import guess_doubts
 from live.steps.recording import Problem, RecordingEntry, RecordingError
@@ -21,6 +19,7 @@ from live.steps.recording_file import read_step_files
 from live.steps.recording_reader import RecordingReader
 from live.steps.sketch_folder import StepsError, sketched_steps
 from live.steps.step_folder import named_alike
+from live.steps.stream import cut_recording
 
 BELIEVED: Final = 0.35
 """A tempo guessed from the feet with less confidence says nothing against the tempo that is written."""
@@ -62,14 +61,14 @@ def check_folder(directory: Path) -> Checked:
         reader, guessed = RecordingReader(), set[Path]()
         for entry in group:
             try:
-                step = cut_step(entry, reader.clip(entry))
+                own = cut_recording(entry, reader.clip(entry))
             except RecordingError as error:
                 findings += [Finding("wrong", problem) for problem in error.problems]
                 continue
-            steps += [step, mirror_step(step)] if entry.recording.mirror else [step]
+            steps += own
             entries.append(entry)
-            doubts = doubts_about(entry, step) + guess_doubts(entry, files.texts[toml])
-            doubts += _glitches_inside(entry, reader)
+            doubts = doubts_about(entry, own[0]) + guess_doubts(entry, files.texts[toml])
+            doubts += _glitches_inside(entry, reader, _measures(own))
             if entry.path not in guessed:
                 guessed.add(entry.path)
                 doubts += _tempo(entry, reader)
@@ -82,14 +81,19 @@ def _sketch_problem(file: Path, words: str) -> Problem:
     return Problem(file, int(line), "", rest) if line.isdigit() else Problem(file, None, "", words)
 
 
-def _glitches_inside(entry: RecordingEntry, reader: RecordingReader) -> list[tuple[str, str]]:
+def _measures(own: list[StepClip]) -> int:
+    """Measures of a step or of a stream, mirror images left aside."""
+    return sum(clip.measures for clip in own if not clip.mirrored)
+
+
+def _glitches_inside(entry: RecordingEntry, reader: RecordingReader, measures: int) -> list[tuple[str, str]]:
     """Tracking faults in the step or its lead-in (T161)."""
     recording = entry.recording
     motion = reader.motion(entry)
     rate = recording.fps or motion.header_fps
     measure = recording.beats_per_measure * 60.0 / recording.bpm
     begin = recording.first_beat_s + (recording.start_measure - 2) * measure
-    end = begin + (recording.measures + 1) * measure
+    end = begin + (measures + 1) * measure
     found = []
     for glitch in reader.glitches(entry):
         first, last = ((frame - recording.drop_frames) / rate for frame in (glitch.first_frame, glitch.last_frame))

@@ -59,6 +59,8 @@ class Recording(BaseModel):
     style: Word | None = None
     """Stylistic variation in a word: how it is danced (T040)."""
     tags: Annotated[list[Word], Field(max_length=64)] = []
+    unstructured: bool = False
+    """Whether it is a stream that nobody has cut into steps: every measure is a clip, similarity alone joins (T037)."""
     mirror: bool = False
     """Whether the mirror image is a variation, too."""
 

@@ -5,7 +5,6 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
-from live.motion.mirror import mirror_step
 from live.motion.step_clip import StepClip
 from live.steps.clip_cache import ClipCache
 from live.steps.cut import cut_step
@@ -13,6 +12,7 @@ from live.steps.motion_file import MAX_BYTES
 from live.steps.recording import Problem, RecordingEntry, RecordingError, error_of
 from live.steps.recording_file import StepFiles, nothing_in, read_step_files
 from live.steps.recording_reader import RecordingReader
+from live.steps.stream import cut_recording
 
 __all__ = ["RecordingError", "cut_step", "load_recordings", "recorded_steps"]
 
@@ -88,13 +88,9 @@ def _build(entries: list[RecordingEntry]) -> list[StepClip]:
     problems: list[Problem] = []
     for entry in entries:
         try:
-            step = cut_step(entry, reader.clip(entry))
+            steps += cut_recording(entry, reader.clip(entry))
         except RecordingError as error:
             problems += error.problems
-            continue
-        steps.append(step)
-        if entry.recording.mirror:
-            steps.append(mirror_step(step))
     if problems:
         raise error_of(problems)
     return steps
