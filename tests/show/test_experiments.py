@@ -1,0 +1,155 @@
+"""The thesis' four experiments as patches: they load, go on for 64 measures, stay on the stage, and are danced well."""
+
+import numpy as np
+import pytest
+
+from live.motion.skeleton import SKELETON
+from live.motion.step_clip import DIRECTIONS
+from live.show.load import load_show
+from live.show.patch_file import find_patch
+from live.show.report import FrameReport
+
+EXPERIMENTS = ("samba", "tap", "contemporary", "ballet")
+MEASURES = 64
+LEFT_ARM, RIGHT_ARM = (SKELETON.index(f"{side}UpperArm") for side in ("left", "right"))
+TICKS_PER_FRAME = 2
+
+
+@pytest.fixture(scope="module", params=EXPERIMENTS)
+def danced(request):
+    """The show after MEASURES measures, hips of every frame (F, A, 2), the largest acceleration, and the figures."""
+    show = load_show(find_patch(request.param)).start()
+    view, report, tick = show.view(), FrameReport(show), 0
+    hips, last, strongest = [], [], 0.0
+    while show.span.number < MEASURES:
+        tick += 1
+        show.tick(tick / 64)
+        if tick % TICKS_PER_FRAME:
+            continue
+        show.fill(view, tick / 64)
+        assert np.isfinite(view.joint_position).all()
+        assert view.joint_position[..., 1].min() > -0.02
+        if show.span.number < 12:  # the score has acted by then, and feet, knees and hands have been everywhere
+            report.frame(view)
+            last = [*last[-2:], view.joint_position.astype(np.float64)]
+            if len(last) == 3:
+                bend = np.linalg.norm(last[2] - 2.0 * last[1] + last[0], axis=-1)
+                strongest = max(strongest, float(bend.max()) * (64 / TICKS_PER_FRAME) ** 2)
+        hips.append(view.joint_position[:, 0][:, (0, 2)].copy())
+    return request.param, show, np.array(hips), strongest, report.result()
+
+
+def test_nobody_is_stuck_or_must_dance_another_step(danced):
+    _, show, _, _, _ = danced
+    assert show.scheduler.dead_ends == 0
+    assert show.scheduler.detours == 0
+    assert show.graph.missing == ()
+
+
+def test_everybody_stays_on_the_stage(danced):
+    _, show, hips, _, _ = danced
+    assert np.abs(hips[..., 0]).max() < show.patch.stage.width / 2
+    assert np.abs(hips[..., 1]).max() < show.patch.stage.depth / 2
+
+
+def test_no_joint_pops_and_standing_feet_stand(danced):
+    """At 32 frames/s the quickest knee of a jump shows 160 m/s²; a joint that pops shows thousands."""
+    _, _, _, strongest, figures = danced
+    assert strongest < 190.0
+    assert figures["foot_slide_mean"] < 0.03
+    assert figures["beat_offset_ms"]["annotated"]["p95"] < 15.0
+
+
+def test_dancers_keep_apart(danced):
+    _, show, _, _, figures = danced
+    assert len(show.group) == 1 or figures["min_distance_m"] > 0.35
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_the_same_show_twice_is_the_same_bit_by_bit(name):
+    hashes = []
+    for _ in range(2):
+        show = load_show(find_patch(name)).start()
+        for tick in range(1, 64 * 12):
+            show.tick(tick / 64)
+        hashes.append(show.state_hash())
+    assert hashes[0] == hashes[1]
+
+
+def test_samba_walks_at_random_from_foot_to_foot_and_faces_the_public():
+    show = load_show(find_patch("samba")).start()
+    view, library, danced, across = show.view(), show.graph.library, [], []
+    for tick in range(1, 64 * 45):
+        if show.tick(tick / 64):
+            danced.append(show.dancers.node.copy())
+        if tick % 8 == 0:
+            show.fill(view, tick / 64)
+            across.append(view.joint_position[:, LEFT_ARM] - view.joint_position[:, RIGHT_ARM])
+    nodes = np.array(danced)
+    steps = library.node_step[nodes]
+    assert (steps == steps[:, :1]).all()  # a chorus line: one walk for all (T121)
+    assert len(np.unique(steps)) == 5
+    sides = library.node_side[nodes[:, 0]]
+    assert (sides[1:] == -sides[:-1]).all()
+    left = np.mean(across, axis=0)  # who faces the public on the average has her left side at +x (T122)
+    assert np.abs(np.degrees(np.arctan2(left[:, 2], left[:, 0]))).max() < 5.0
+
+
+def test_tap_has_one_step_in_nine_directions_with_either_foot():
+    """T126, T131; and it reaches them all (Fig. 5.7)."""
+    library = load_show(find_patch("tap")).graph.library
+    assert library.steps == ("time step",)
+    assert {(clip.leading_foot, clip.direction) for clip in library.clips} == {
+        (foot, direction) for foot in ("left", "right") for direction in DIRECTIONS
+    }
+
+
+def _pairs(library):
+    """All pairs of variations that a human can dance one after the other (T134-T136), as nodes."""
+    begins = {int(clip): node for node, clip in enumerate(library.node_clip) if library.node_measure[node] == 0}
+    for first, clip in enumerate(library.clips):
+        for second, after in enumerate(library.clips):
+            same_foot = clip.weight_transfer and clip.step == after.step and clip.leading_foot == after.leading_foot
+            if clip.end_pose == after.begin_pose and not same_foot:
+                yield begins[first] + clip.measures - 1, begins[second]
+
+
+def test_ballet_connects_whatever_a_human_can_dance():
+    """T137: every pair of variations whose poses agree is an edge; and every step can follow every other."""
+    graph = load_show(find_patch("ballet")).graph
+    library = graph.library
+    pairs = list(_pairs(library))
+    missing = [
+        f"{library.describe(u)} -> {library.describe(v)}"
+        for u, v in pairs
+        if v not in graph.edge_target[graph.edge_start[u] : graph.edge_start[u + 1]]
+    ]
+    assert not missing, missing[:10]
+    followed = {(library.node_step[u], library.node_step[v]) for u, v in pairs}
+    assert len(followed) == 16
+    assert {name: int(library.node_measures[library.node_step == i].max()) for i, name in enumerate(library.steps)} == {
+        "couru": 1, "spring point": 1, "echappe": 2, "sissonne": 4,
+    }  # fmt: skip
+
+
+def test_ballet_has_the_structure_of_the_thesis():
+    clips = load_show(find_patch("ballet")).graph.library.clips
+    ways = {(clip.leading_foot, clip.direction.split()[-1]) for clip in clips if clip.step == "couru"}
+    assert ("right", "left") in ways
+    assert ("left", "right") in ways
+    assert ("right", "right") not in ways
+    assert ("left", "left") not in ways
+    assert {clip.step for clip in clips if clip.weight_transfer} == {"echappe", "spring point"}  # T135
+    poses = {clip.step: {(c.begin_pose[:4], c.end_pose[:4]) for c in clips if c.step == clip.step} for clip in clips}
+    assert poses["echappe"] == {("sous", "plié"), ("plié", "plié")}  # T136: it must end in plié
+    assert all(len(poses[step]) == 4 for step in ("couru", "spring point", "sissonne"))
+    assert {clip.step for clip in clips if clip.direction != "in place"} == {"couru", "spring point"}  # T133
+
+
+def test_a_couru_moves_the_way_it_is_called():
+    for clip in load_show(find_patch("ballet")).graph.library.clips:
+        if clip.step == "couru" and clip.direction.startswith("long"):
+            begin, end = round(clip.first), round(clip.first + clip.samples_per_measure)
+            way = clip.clip.root_position[end, [0, 2]] - clip.clip.root_position[begin, [0, 2]]
+            sign = {"left": (1, 0), "right": (-1, 0), "forward": (0, 1), "back": (0, -1)}[clip.direction.split()[1]]
+            assert np.dot(way, sign) > 0.5
