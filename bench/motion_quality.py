@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from bench._motion_clips import SALSA, SOLO, WALKS, Material, recordings, sketches
-from bench._motion_figures import Figures, pelvis_way
 from live.cli.bench import Row
 from live.motion.editing.amplitude import draw_factors, draw_sequence_factors, scale_sequence, scale_step
 from live.motion.editing.combine import combine
@@ -27,6 +26,7 @@ from live.motion.editing.support import find_supports
 from live.motion.editing.time_warp import draw_measure_warps, warp_step
 from live.motion.mirror import mirror_step
 from live.motion.posing.foot_lock import lock_feet
+from live.motion.quality.step import StepFigures, pelvis_way
 from live.motion.skeleton import MIRROR
 from live.motion.step_clip import StepClip
 
@@ -97,14 +97,14 @@ def _steps(material: Sequence[Material]) -> Iterator[StepClip]:
     return itertools.chain.from_iterable(each.steps for each in material)
 
 
-def _mean_slide(figures: Sequence[Figures]) -> float:
+def _mean_slide(figures: Sequence[StepFigures]) -> float:
     """Over all samples of feet in contact, of all steps together [m/s]."""
     slides = np.concatenate([each.slides for each in figures])
     return float(slides.mean()) if len(slides) else 0.0
 
 
 def _raw(group: str, material: Sequence[Material]) -> list[Row]:
-    figures = [Figures(step) for step in _steps(material)]
+    figures = [StepFigures(step) for step in _steps(material)]
     acceleration = np.concatenate([each.accelerations for each in figures])
     return [
         Row(f"{group}: raw, foot slide", _mean_slide(figures), "m/s"),
@@ -120,8 +120,8 @@ def _edited(label: str, tool: Tool, groups: dict[str, list[Material]]) -> list[R
     chance = np.random.default_rng(1)
     rows, before, after = [], [], []
     for group, material in groups.items():
-        raw = [Figures(step) for step in _steps(material)]
-        edited = [Figures(tool(step, chance)) for step in _steps(material)]
+        raw = [StepFigures(step) for step in _steps(material)]
+        edited = [StepFigures(tool(step, chance)) for step in _steps(material)]
         rows.append(Row(f"{group}: {label}, foot slide", _mean_slide(edited), "m/s", peers={"raw": _mean_slide(raw)}))
         before += raw
         after += edited
@@ -130,7 +130,7 @@ def _edited(label: str, tool: Tool, groups: dict[str, list[Material]]) -> list[R
 
     sound = np.array([each.velocity_jump < GLITCH for each in before])
 
-    def added(figure: str, unit: str, of: Callable[[Figures], float]) -> Row:
+    def added(figure: str, unit: str, of: Callable[[StepFigures], float]) -> Row:
         raw = np.array([of(each) for each in before])
         more = (np.array([of(each) for each in after]) - raw)[sound]
         peers = {"median added": float(np.median(more)), "raw median": float(np.median(raw))}
@@ -154,12 +154,12 @@ def _rotation(groups: dict[str, list[Material]]) -> list[Row]:
     for step in _steps(next(iter(groups.values()))):
         first, stop = round(step.first), round(step.first + step.measures * step.samples_per_measure)
         supports = find_supports(find_feet(step.clip), step.clip.sample_rate, first, stop, contact=step.clip.contact)
-        before = Figures(step).slide
+        before = StepFigures(step).slide
         if len({support.foot for support in supports}) < 2 or before is None:
             continue
         raw.append(before)
         for angle in (QUARTER, -QUARTER):
-            added.append((Figures(insert_rotation(step, angle)).slide or 0.0) - before)
+            added.append((StepFigures(insert_rotation(step, angle)).slide or 0.0) - before)
     name, count = next(iter(groups)), len(raw)
     peers = {"raw slide": float(np.mean(raw)), "mean added": float(np.mean(added))}
     label = f"{name}: rotation insertion 90°, most slide added to one of {count} walking measures"
@@ -171,14 +171,14 @@ def _interpolation(groups: dict[str, list[Material]]) -> list[Row]:
     excess: dict[str, list[float]] = {"plain SLERP": [], "feet held": []}
     upper: list[float] = []
     for a, b in _same_variation(groups):
-        slides = [Figures(each).slide for each in (a, b)]
+        slides = [StepFigures(each).slide for each in (a, b)]
         if slides[0] is None or slides[1] is None:
             continue
         for weight in (0.25, 0.5, 0.75):
             for name, hold in (("plain SLERP", False), ("feet held", True)):
-                mixed = Figures(interpolate(a, b, weight, hold_feet=hold))
+                mixed = StepFigures(interpolate(a, b, weight, hold_feet=hold))
                 excess[name].append((mixed.slide or 0.0) - max(slides[0], slides[1]))
-        upper.append((Figures(combine(a, b)).slide or 0.0) - slides[0])
+        upper.append((StepFigures(combine(a, b)).slide or 0.0) - slides[0])
     if not upper:
         return [Row("interpolation: no two measures of one variation here", None, "m/s", ROUNDING)]
     peers = {"mean": float(np.mean(excess["feet held"])), "pairs": float(len(upper))}
@@ -222,8 +222,8 @@ def _foot_lock(groups: dict[str, list[Material]]) -> list[Row]:
         raw, locked, moved = [], [], 0.0
         for step in _steps(material):
             after = lock_feet(step.clip)
-            raw.append(Figures(step))
-            locked.append(Figures(replace(step, clip=after)))
+            raw.append(StepFigures(step))
+            locked.append(StepFigures(replace(step, clip=after)))
             moved = max(moved, pelvis_way(step.clip, after))
         peers = {"raw": _mean_slide(raw)}
         rows.append(Row(f"{group}: foot lock, foot slide", _mean_slide(locked), "m/s", 0.02, peers=peers))
