@@ -15,6 +15,7 @@ from live.cli.export import ENDINGS
 from live.cli.options import writable_file
 from live.cli.whole_file import write_whole
 from live.graph.assemble import Assembled
+from live.graph.dance_figures import DanceFigures
 from live.motion.bvh.writer import write_bvh
 from live.motion.clip import Clip
 from live.motion.gltf.writer import write_glb
@@ -45,9 +46,8 @@ def write_motion(clip: Clip, out: Path) -> None:
 
 def write_report(plan: Plan, dance: Assembled, report: Path) -> None:
     """The figures of the dance, keys as the contracts have them."""
-    from live.cli.dance_figures import path_figures
-
-    values = path_figures(plan) | {"steps": step_rows(plan), "missing": [one.row() for one in plan.missing]}
+    values = DanceFigures(plan.graph, dance, plan.targets).result()
+    values |= {"steps": step_rows(plan), "missing": [one.row() for one in plan.missing]}
     write_whole((json.dumps(values, ensure_ascii=False, indent=1) + "\n").encode(), report, "--report")
 
 

@@ -33,6 +33,8 @@ Int32 = npt.NDArray[np.int32]
 
 SKETCHES: Final = "sketches"
 WINDOW_BEATS: Final = 0.75
+MOST_PATH_MEASURES: Final = 3000
+"""Longest dance along a path, which takes a twentieth of a second for each measure."""
 MOST_BYTES: Final = 4_000_000
 """Longest file of a sequence."""
 
@@ -243,6 +245,11 @@ def _along_path(
 ) -> Plan:  # fmt: skip
     assert asked.path is not None
     points = read_path(asked.path)
+    if specification.measures > MOST_PATH_MEASURES:
+        raise PersonError(
+            f"--path: {specification.measures} measures, at most {MOST_PATH_MEASURES} are led along a path",
+            "a shorter --sequence",
+        )
     if isinstance(headings, str):
         targets = smoothed(follow_line(points, specification.measures, facing="path"))
     else:

@@ -47,13 +47,22 @@ def test_a_sequence_becomes_a_file_at_the_tempo_asked_for(tmp_path: Path) -> Non
     figures = json.loads(report.read_text())
     assert figures["steps"] == value["steps"]
     assert figures["missing"] == []
+    assert set(figures) >= {
+        "foot_slide_mean", "foot_slide_p99", "skating_ratio", "join_velocity_ratio", "join_acceleration_ratio",
+        "beat_offset_ms", "beat_alignment", "path_error_m", "heading_error_deg", "overlaps", "min_distance_m",
+    }  # fmt: skip
+    assert figures["beat_offset_ms"]["annotated"]["p95"] < 1.0
+    assert figures["foot_slide_mean"] < 0.03
 
 
 def test_along_a_path(tmp_path: Path) -> None:
     out = tmp_path / "out.bvh"
     arguments = ["sketches", "--sequence", "walk x8", "--path", "0,0, 2,0, 2,2", "--bpm", "100"]
-    value = printed(*arguments, "--out", str(out))
+    value = printed(*arguments, "--out", str(out), "--report", str(tmp_path / "report.json"))
     assert value["cost"] == 0
+    figures = json.loads((tmp_path / "report.json").read_text())
+    assert len(figures["path_error_m"]["list"]) == len(figures["heading_error_deg"]["list"]) == 8
+    assert figures["path_error_m"]["p95"] < 0.15
     hips = written(out)
     assert np.abs(hips[0] - (0.0, 0.0)).max() < 0.05
     assert np.abs(hips[4 * 144] - (2.0, 0.0)).max() < 0.15
@@ -181,6 +190,7 @@ def test_libraries_that_cannot_be_danced(library: Path, steps: list[str], argume
         ({"sequence": "walk", "start": "wlk"}, "--start: there is no step 'wlk'"),
         ({"sequence": "walk", "start": "walk", "path": "0,0,1,1"}, "--start: a path begins at its first point"),
         ({"sequence": "walk", "path": "0,0,1"}, "path '0,0,1': 3 numbers read"),
+        ({"sequence": "walk x5000", "path": "0,0,1,1"}, "--path: 5000 measures, at most 3000"),
         ({"sequence": "walk", "out": "out.fbx"}, r"--out out.fbx: a name that ends in \.bvh"),
         ({"sequence": "walk", "report": "out.txt"}, "--report out.txt: a name that ends in .json"),
         ({"sequence": "walk", "out": "nowhere/out.bvh"}, "there is no folder nowhere"),
