@@ -17,6 +17,7 @@ from live.base.jit import kernel
 from live.cli.bench import Row
 from live.clock.source import ManualClock
 from live.control.events import ControlEvent
+from live.graph.bridge import BASE_RATE, Recorded, find_bridges
 from live.graph.insertion import insert_clips
 from live.graph.library import StepLibrary, build_library
 from live.graph.metric.flat import FlatClouds
@@ -56,6 +57,7 @@ def run(full: bool, shared: Path | None) -> list[Row]:
     joining = _best(lambda: insert_clips(graph, take), 3 * repeats)
     rows.append(Row("a take joins 1,000 measures", 1e3 * joining, "ms", 100.0))
     rows.append(Row("10,000 measures, all pairs, components", _many(graph, 2 if full else 1), "s", 8.0))
+    rows.append(Row("bridge over 30 min of motion, a pair of steps", _bridge(graph, repeats), "s", 1.0))
     for dancers, bar in ((200, 5.0), (1000, 25.0)):
         work = _decisions(dancers, measures=24 if full else 10)
         rows.append(Row(f"{dancers} dancers: planning of a measure, median", float(np.median(work)), "ms", bar))
@@ -167,6 +169,16 @@ def _many(graph: MotionGraph, repeats: int) -> float:
         strong_components(len(ends), pairs.row, pairs.column)
 
     return _best(whole, repeats)
+
+
+def _bridge(graph: MotionGraph, repeats: int) -> float:
+    """Searching half an hour, here all measures of the library one after another, for a way between two steps."""
+    parts = [Recorded.of(clip.clip) for clip in graph.library.clips[:100]]
+    times = math.ceil(30 * 60 * BASE_RATE / sum(len(part.floor) for part in parts))
+    floor = np.concatenate([part.floor for part in parts] * times)
+    height = np.concatenate([part.height for part in parts] * times)
+    whole = Recorded(parts[0].clip, floor, height)
+    return _best(lambda: find_bridges(graph, [whole], 0, 1, measure_s=2.0), repeats)
 
 
 def _decisions(dancers: int, measures: int) -> Float64:

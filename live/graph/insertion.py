@@ -26,7 +26,8 @@ def insert_clips(graph: MotionGraph, clips: Sequence[StepClip]) -> MotionGraph:
     """The graph of the library with `clips` after all others: equal to a graph of all of them built from nothing.
 
     The measures of `clips` are compared with everything, everything else is taken over. Nodes, clips and steps of
-    `graph` keep their indices in the new graph. ValueError for no clips, or clips of another metre.
+    `graph` keep their indices in the new graph; measure lines that an `interval` has moved stay where they are, and
+    those of `clips` are not moved. ValueError for no clips, or clips of another metre.
     """
     part = build_library(clips)
     library = joined_library(graph.library, part)

@@ -66,7 +66,7 @@ class Boundaries:
     @classmethod
     def of(cls, library: StepLibrary, rule: JoinRule) -> "Boundaries":
         """Of all nodes of a library."""
-        return cls(_flat(library, library.node_last, rule), _flat(library, library.node_first, rule))
+        return cls(window_clouds(library, library.node_last, rule), window_clouds(library, library.node_first, rule))
 
     def joined(self, other: "Boundaries") -> "Boundaries":
         """Of this one's nodes, then the other's."""
@@ -117,7 +117,7 @@ def _between(
     return Joins(source, target, pairs.distance, pairs.motion)
 
 
-def _flat(library: StepLibrary, line: Float64, rule: JoinRule) -> FlatClouds:
+def window_clouds(library: StepLibrary, line: Float64, rule: JoinRule) -> FlatClouds:
     """Clouds of the window before the samples `line` (N,), some nodes at a time."""
     parts = []
     for begin in range(0, library.node_count, _NODES):

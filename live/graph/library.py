@@ -134,7 +134,7 @@ def build_library(clips: Sequence[StepClip]) -> StepLibrary:
         node_first=begins,
         node_last=ends,
         node_lead=np.ascontiguousarray(node[6]),
-        node_travel=np.asarray(_at(root, ends) - _at(root, begins), np.float64)[:, (0, 2)],
+        node_travel=travel_of(root, begins, ends),
         beats_per_measure=metres[0],
     )
 
@@ -181,6 +181,11 @@ def joined_library(first: StepLibrary, second: StepLibrary) -> StepLibrary:
         node_travel=both("node_travel"),
         beats_per_measure=first.beats_per_measure,
     )
+
+
+def travel_of(root: Float32, first: Float64, last: Float64) -> Float64:
+    """Way of the hips (x, z) [m] between the samples `first` and `last` (N,) of all clips' hips, shape (N, 2)."""
+    return np.asarray(_at(root, last) - _at(root, first), np.float64)[:, (0, 2)]
 
 
 def _at(root: Float32, sample: Float64) -> Float32:

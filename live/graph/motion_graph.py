@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from live.graph.interval import retimed
 from live.graph.joins import Boundaries, JoinRule, Joins, find_joins
 from live.graph.kernels import count_hops, reverse_edges
 from live.graph.library import StepLibrary
@@ -85,17 +86,20 @@ def build_graph(
     threshold: float = 0.16,
     metric: Metric | None = None,
     prune: bool = True,
+    interval: float = 0.0,
 ) -> MotionGraph:
     """Connect the measures of a library.
 
     `window`: length of a transition as a share of the measure (T036); `threshold` [m]: largest distance (T034) of an
     edge; `metric`: weights of the joints and along the window. Within a step of several measures each one leads to
     the next alone, without cost (T039). Poses in which steps begin and end must agree where they are named (T136),
-    and a step that transfers the weight is repeated on the other side (T135). Dead ends are pruned (T037); with `prune`
-    False they stay, for searches that know where a dance ends (T064). ValueError if no two measures connect, unless
-    nothing is pruned, or for more edges than fit into memory.
+    and a step that transfers the weight is repeated on the other side (T135). Dead ends are pruned (T037); with
+    `prune` False they stay, for searches that know where a dance ends (T064). `interval`: by what share of a measure
+    steps may end and begin beside its line (T140); the graph's library has the lines as they were moved. ValueError
+    if no two measures connect, unless nothing is pruned, or for more edges than fit into memory.
     """
     rule = JoinRule(window, threshold, Metric.of() if metric is None else metric, prune)
+    library = retimed(library, rule, interval)
     boundaries = Boundaries.of(library, rule)
     joins = find_joins(library, boundaries, rule)
     return graph_of(library, boundaries, joins, node_facts(library, window), rule)

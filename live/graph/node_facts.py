@@ -1,6 +1,6 @@
 """NodeFacts: what is measured of every measure of a library: where it begins and ends, faces, and can be turned."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +12,7 @@ from live.motion.editing.feet import ANKLES, BALLS, Feet
 from live.motion.editing.rotation_insertion import support_turns
 from live.motion.posing.pipeline import PosePipeline, PoseSkeleton
 from live.motion.skeleton import SKELETON
+from live.motion.step_clip import StepClip
 
 Float64 = npt.NDArray[np.float64]
 
@@ -58,12 +59,23 @@ def node_facts(library: StepLibrary, window: float) -> NodeFacts:
 def _turns(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
     """Support turns of every node, (N, 8, 8), and how fast they are at the fastest, (N,)."""
     feet = _feet(library)
-    turns = [
-        support_turns(library.clips[n], int(m), window=min(window, 0.9), softness=TURN_SOFTNESS, feet=feet[n])
-        for n, m in zip(library.node_clip, library.node_measure, strict=True)
-    ]
+    turns = []
+    for node, clip in enumerate(library.node_clip):
+        step, measure = _measure(library, node)
+        turns.append(support_turns(step, measure, window=min(window, 0.9), softness=TURN_SOFTNESS, feet=feet[clip]))
     rows = np.ascontiguousarray(np.stack([turn.rows() for turn in turns]))
     return rows, np.array([float(turn.quickest) for turn in turns])
+
+
+def _measure(library: StepLibrary, node: int) -> tuple[StepClip, int]:
+    """The clip and the measure of it that a node is, or the node alone as a clip where its lines were moved (T140)."""
+    step, measure = library.clips[library.node_clip[node]], int(library.node_measure[node])
+    first = library.node_first[node] - library.node_lead[node]
+    size = library.node_last[node] - library.node_first[node]
+    as_cut = step.first + measure * step.samples_per_measure, step.samples_per_measure
+    if np.allclose((first, size), as_cut, rtol=0.0, atol=1e-3):
+        return step, measure
+    return replace(step, first=float(first), samples_per_measure=float(size), measures=1), 0
 
 
 def _feet(library: StepLibrary) -> list[Feet]:

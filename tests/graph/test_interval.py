@@ -1,0 +1,74 @@
+"""Transitions beside the measure line (T140): what lands late is joined where it has landed, and the metre is kept."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from live.graph.interval import retimed
+from live.graph.joins import JoinRule
+from live.graph.library import build_library
+from live.graph.motion_graph import build_graph
+from live.motion import quaternion
+from live.motion.skeleton import SKELETON
+from tests.made_steps import made_clip, made_steps
+
+
+def _late(name: str, samples: float):
+    """A sway whose arms come down to where sway begins `samples` after the measure line."""
+    step = made_clip(name)
+    count = step.clip.sample_count + 8
+    time = np.arange(count) - (step.first + step.samples_per_measure)
+    arm = np.where(time < -16, 1.2, np.interp(time - samples, (-10.0, -6.0), (-0.6, 1.2)))
+    rotation = np.concatenate([step.clip.rotation, step.clip.rotation[-1:].repeat(8, axis=0)]).copy()
+    for side, sign in (("left", -1.0), ("right", 1.0)):
+        turned = quaternion.from_axis_angle(np.array((0.0, 0.0, 1.0)), sign * arm)
+        rotation[:, SKELETON.index(f"{side}UpperArm")] = turned
+    root = np.concatenate([step.clip.root_position, step.clip.root_position[-1:].repeat(8, axis=0)])
+    contact = np.ones((count, 2), np.bool_)
+    clip = replace(step.clip, root_position=root, rotation=rotation, contact=contact)
+    return replace(step, clip=clip)
+
+
+def test_nothing_moves_by_default_or_where_nothing_is_gained():
+    library = build_library(made_steps())
+    assert retimed(library, JoinRule(), 0.0) is library
+    still = build_library([made_clip("sway", turn=0.0)])
+    assert np.array_equal(retimed(still, JoinRule(), 0.1).node_last, still.node_last)
+
+
+def test_a_step_that_lands_late_ends_where_it_lands():
+    library = build_library([made_clip("sway"), _late("late", 4.0)])
+    plain, moved = (build_graph(library, threshold=0.15, interval=interval, prune=False) for interval in (0.0, 0.125))
+    late = library.steps.index("late")
+
+    def distance(graph):
+        return [
+            cost
+            for u, v, cost in zip(graph.joins.source, graph.joins.target, graph.joins.cost, strict=True)
+            if (u, v) == (late, 1 - late)
+        ]
+
+    assert not distance(plain) or distance(moved)[0] < 0.5 * distance(plain)[0]
+    assert distance(moved)[0] < 0.1
+    assert moved.library.node_last[late] - library.node_last[late] == pytest.approx(4.0, abs=0.1)
+    # the measure is danced over its new length, from line to line, and its end is measured there
+    assert moved.node_end[late] == pytest.approx(plain.node_end[late], abs=0.05)
+
+
+def test_lines_stay_within_the_interval_and_inside_steps():
+    library = build_library([*made_steps(), _late("late", 3.0)])
+    moved = retimed(library, JoinRule(threshold=0.2), 0.1)
+    size = library.node_last - library.node_first
+    assert (np.abs(moved.node_first - library.node_first) <= 0.1 * size + 1e-9).all()
+    assert (np.abs(moved.node_last - library.node_last) <= 0.1 * size + 1e-9).all()
+    phrase = np.flatnonzero(library.node_step == library.steps.index("phrase"))
+    assert moved.node_last[phrase[0]] == library.node_last[phrase[0]]
+    assert moved.node_first[phrase[1]] == library.node_first[phrase[1]]
+    assert moved.node_last.max() <= len(library.clip_root) - 1
+
+
+@pytest.mark.parametrize("interval", [-0.1, 0.3, float("nan")])
+def test_intervals_that_cannot_be_are_refused(interval):
+    with pytest.raises(ValueError, match="interval around the measure line"):
+        build_graph(build_library(made_steps()), interval=interval)
