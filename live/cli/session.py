@@ -21,6 +21,7 @@ from live.control.osc import CannotListen, OscInput
 from live.show.core import Show
 from live.show.engine import Engine
 from live.show.journal import JournalError, JournalWriter
+from live.show.library_watch import LibraryWatch
 from live.show.load import LoadedShow, load_show
 from live.show.patch_file import find_patch, is_file
 from live.show.status import Status, StatusFile
@@ -142,11 +143,14 @@ class Session:
         self._journal: JournalWriter | None = None
         stall = max(STALL, 3.0 / wish.film_fps)  # a slow rate is no stall
         self.engine = Engine(show, clock=self.clock, inbox=self.inbox, status=self.status, stall=stall)
+        self._watch = self._make_watch()
         self._status_file: StatusFile | None = None
 
     def _last_refusal(self) -> str:
         """The last refusal in words: of a packet that was not understood the reason, of a control all that is known."""
         rejection = self.osc.last_rejection
+        if self._watch is not None and self._watch.problem:
+            return self._watch.problem
         if rejection is None:
             return ""
         return str(rejection) if rejection.address else f"an OSC packet: {rejection.reason}"
@@ -179,6 +183,8 @@ class Session:
             self._open_status()
             self._start_audio()
             self._open_journal()
+            if self._watch is not None:
+                self._watch.start()
             gc.collect()
             gc.freeze()
             gc.disable()
@@ -208,6 +214,15 @@ class Session:
             return AudioInput(self.sound.device, self.inbox, self.clock)
         return None
 
+    def _make_watch(self) -> LibraryWatch | None:
+        """Watches the show's own folder of steps, so that takes that are recorded meanwhile join the dance."""
+        folder = self.loaded.steps_folder
+        if folder is None:
+            return None
+        return LibraryWatch(
+            folder, self.show.graph, offer=self.show.offer, post=self.inbox.put, now=self.clock.now
+        )  # fmt: skip
+
     def _start_audio(self) -> None:
         if self._audio is None:
             return
@@ -228,12 +243,16 @@ class Session:
             told.append(f"{self._journal.dropped} lines of the journal could not be written: it will not replay")
         if self._status_file is not None and self._status_file.dropped:
             told.append(f"{self._status_file.dropped} status lines could not be written")
+        if self._watch is not None and self._watch.problem:
+            told.append(f"new steps could not be taken: {self._watch.problem}")
         return told
 
     def _stop(self) -> None:
         if self._audio is not None:
             self._audio.stop()
         self.osc.stop()
+        if self._watch is not None:
+            self._watch.stop()
         if self._journal is not None:
             self._journal.close(self.engine.ticks.index)
         if self._status_file is not None:

@@ -71,6 +71,16 @@ class SetSequence(ControlEvent):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class StepsAdded(ControlEvent):
+    """New takes were found in the folder of steps: they join the dance at the next measure line."""
+
+    clips: str
+    """Which, a line each."""
+    library: str
+    """Hash of the library with them."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SetMotion(ControlEvent):
     """How dancers vary and how motion is mended: one parameter, for one group or (group "") for all."""
 
@@ -132,7 +142,7 @@ EVENT_TYPES: dict[str, type[ControlEvent]] = {
     cls.__name__: cls
     for cls in (
         Attract, Repel, Spread, Clear, CallStep, SetSequence, SetMotion, Tap, One, SetTempo, Blackout, BeatHeard,
-        SourceChanged, TicksSkipped,
+        SourceChanged, StepsAdded, TicksSkipped,
     )
 }  # fmt: skip
 """Every kind of event by its name in the journal."""

@@ -5,6 +5,7 @@ The same patch, library, seed and (tick, event) list give bit-identical states, 
 
 import hashlib
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -20,10 +21,12 @@ from live.clock.moment import Moment
 from live.clock.ticks import TICK
 from live.control import events
 from live.control.events import ControlEvent
+from live.graph.insertion import insert_clips, stranded
 from live.graph.live_sequence import HORIZON, LiveSequence
 from live.graph.motion_graph import MotionGraph
 from live.graph.wanted import parse_sequence
 from live.motion.skeleton import JOINT_COUNT
+from live.motion.step_clip import StepClip
 from live.show.dancers import Dancers
 from live.show.measure import MeasureSpan
 from live.show.patch import Patch
@@ -54,9 +57,18 @@ class Show:
     """One show. Call `apply` for events, then `tick` for each due tick, and `fill` for each frame."""
 
     def __init__(
-        self, patch: Patch, graph: MotionGraph, *, seed: int | None = None, tempo: float | None = None
+        self,
+        patch: Patch,
+        graph: MotionGraph,
+        *,
+        seed: int | None = None,
+        tempo: float | None = None,
+        reserve: Mapping[str, StepClip] | None = None,
     ) -> None:
-        """`seed` and `tempo` [bpm] override the patch's. Raises UnknownStep for a step the library lacks."""
+        """`seed` and `tempo` [bpm] override the patch's; `reserve` holds clips that events may add, by name.
+
+        Raises UnknownStep for a step the library lacks.
+        """
         self.patch = patch
         self.graph = graph
         self.seed = patch.seed if seed is None else seed
@@ -93,6 +105,9 @@ class Show:
         self.blackout = False
         self.brightness = 1.0
         self.time = 0.0
+        self._reserve = dict(reserve or {})
+        self._offered: dict[str, MotionGraph] = {}
+        self._next_graph: MotionGraph | None = None
         self.refused = 0
         """Events that asked for something the show does not have (a step that is not there)."""
         self.refusal = ""
@@ -145,6 +160,8 @@ class Show:
                     programme.release()
             case events.CallStep():
                 self._call_step(event)
+            case events.StepsAdded():
+                self._add_steps(event)
             case events.SetSequence():
                 self._set_sequence(event)
             case events.SetMotion():
@@ -196,6 +213,32 @@ class Show:
             return
         for programme in self.scheduler.programmes:
             programme.call(step, measures=event.measures)
+
+    def offer(self, library: str, graph: MotionGraph) -> None:
+        """Hold a graph ready for the event StepsAdded that names its library's hash. Thread: any."""
+        self._offered[library] = graph
+
+    def _add_steps(self, event: events.StepsAdded) -> None:
+        graph = self._offered.pop(event.library, None)
+        if graph is None:  # a replay has no thread that would have joined them
+            keys = event.clips.split("\n")
+            if any(key not in self._reserve for key in keys):
+                self._refuse(f"{event.source}: the new steps are not there any more")
+                return
+            graph = insert_clips(self._next_graph or self.graph, [self._reserve[key] for key in keys])
+        self._next_graph = graph
+
+    def _take_graph(self) -> None:
+        """Dance in the new graph, unless it would leave somebody without a way on."""
+        graph, self._next_graph = self._next_graph, None
+        if graph is None:
+            return
+        if stranded(graph, self.dancers.node).any():
+            self._refuse("library: the new steps would leave dancers without a next step; they wait")
+            return
+        self.graph = graph
+        self.dancers.take_graph(graph)
+        self.scheduler.take_graph(graph)
 
     def _set_sequence(self, event: events.SetSequence) -> None:
         """Change what a group dances, if its dancers can dance it within two measures; else the dance goes on."""
@@ -270,6 +313,7 @@ class Show:
             self.scheduler.decide(self.span, self.timeline, time, self.state, self.elements)
         line = self.span.end
         self.dancers.cross_measure_line()
+        self._take_graph()
         self.span = self.span.next(self.timeline)
         self._begin_measure(line)
 

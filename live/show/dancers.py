@@ -36,6 +36,12 @@ class Dancers:
             setattr(self._legs, name, getattr(self._pipeline, name))
         self._everybody = np.arange(dancer_count)
 
+    def take_graph(self, graph: MotionGraph) -> None:
+        """Go on in a graph in which all nodes of the old one keep their indices."""
+        self.graph = graph
+        for danced in (self.past, self.present, self.coming):
+            danced.graph = graph
+
     @property
     def node(self) -> Int32:
         """Node danced now, shape (A,)."""

@@ -1,7 +1,8 @@
 """Loading a show: patch, steps and graph, ready to run; the same for live, offline and replay."""
 
 import hashlib
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -28,13 +29,23 @@ class LoadedShow:
     patch: Patch
     graph: MotionGraph
     recordings: Path | None = None
+    reserve: Mapping[str, StepClip] = field(default_factory=dict)
+    """Clips left out at the start, for events that add them, by `clip_key`."""
 
     def start(self, *, seed: int | None = None, tempo: float | None = None) -> Show:
         """A fresh show at its first moment; PersonError for a step that is not there."""
         try:
-            return Show(self.patch, self.graph, seed=seed, tempo=tempo)
+            return Show(self.patch, self.graph, seed=seed, tempo=tempo, reserve=self.reserve)
         except UnknownStep as error:
             raise PersonError(f"{self.path}: {error}") from None
+
+    @property
+    def steps_folder(self) -> Path | None:
+        """The folder of this show's own steps, None if it dances the project's."""
+        folder = self.recordings or find_beside(self.patch.steps, self.path)
+        common = PATCHES / "steps"
+        own = folder is not None and folder.is_dir() and not (common.is_dir() and common.samefile(folder))
+        return folder if own else None
 
     @property
     def music_path(self) -> Path | None:
@@ -64,13 +75,20 @@ def load_show(path: Path, *, recordings: Path | None = None) -> LoadedShow:
     return show_of(read_patch(path), path, recordings=recordings)
 
 
-def show_of(patch: Patch, path: Path, *, recordings: Path | None = None) -> LoadedShow:
-    """The show of a patch that was read already; `path` is where its names are looked up."""
+def show_of(
+    patch: Patch, path: Path, *, recordings: Path | None = None, later: frozenset[str] = frozenset()
+) -> LoadedShow:
+    """The show of a patch that was read already; `path` is where its names are looked up.
+
+    Clips whose `clip_key` is in `later` are left out, and kept in reserve.
+    """
     if recordings is None:
         clips = _sketched(patch, path)
     else:
         clips = load_folder(recordings)
         patch = for_recordings(patch, clips)
+    reserve = {key: clip for clip in clips if (key := clip_key(clip)) in later}
+    clips = [clip for clip in clips if clip_key(clip) not in reserve]
     fitting = [clip for clip in clips if clip.beats_per_measure == patch.clock.beats_per_measure]
     if not fitting:
         metres = ", ".join(str(beats) for beats in sorted({clip.beats_per_measure for clip in clips}))
@@ -88,7 +106,7 @@ def show_of(patch: Patch, path: Path, *, recordings: Path | None = None) -> Load
     if recordings is not None:
         patch = with_steps_of(patch, graph)
     _refuse_other_metres(patch, path, clips)
-    return LoadedShow(path, patch, graph, recordings)
+    return LoadedShow(path, patch, graph, recordings, reserve)
 
 
 def _refuse_other_metres(patch: Patch, path: Path, clips: list[StepClip]) -> None:
@@ -134,6 +152,11 @@ def with_steps_of(patch: Patch, graph: MotionGraph) -> Patch:
         group.model_copy(update={"steps": names, "choose": "random", "travel_step": None}) for group in patch.group
     )
     return patch.model_copy(update={"group": groups})
+
+
+def clip_key(clip: StepClip) -> str:
+    """What tells a clip from all others of a folder, on one line."""
+    return f"{clip.step} | {clip.clip.name} | {'mirrored' if clip.mirrored else 'as made'}"
 
 
 def library_hash(library: StepLibrary) -> str:

@@ -86,6 +86,14 @@ class GroupProgramme:
         """Dance `step` from the next measure on that is not chosen yet, for a number of measures (rounded up)."""
         self._call = _Call(step, max(1, int(np.ceil(measures))))
 
+    def take_graph(self, graph: MotionGraph) -> None:
+        """Choose in a graph that has all nodes and steps of the old one; who drew from all steps draws the new, too."""
+        old, self._graph = self._graph, graph
+        everything = {step for step in range(len(old.library.steps)) if len(old.entries(step))}
+        if self._random and everything <= set(self._steps):
+            new = range(len(old.library.steps), len(graph.library.steps))
+            self._steps += [step for step in new if len(graph.entries(step))]
+
     def dance(self, wanted: list[Wanted]) -> None:
         """Dance these in order, again and again, from the next measure on that is not chosen yet."""
         self._call, self._live = None, list(wanted)
@@ -110,8 +118,8 @@ class GroupProgramme:
     def wanted(self, measure: int, nodes: Nodes) -> int:
         """The step to dance in `measure`, ANY_STEP if any will do.
 
-        To be asked in the order of the measures, for dancers who were in `nodes` before it. Asked again for the same measure it gives the same answer. Before the first downbeat (measures below 0) it is
-        the first step.
+        To be asked in the order of the measures, for dancers who were in `nodes` before it. Asked again for the same
+        measure it gives the same answer. Before the first downbeat (measures below 0) it is the first step.
         """
         if self._asked is not None and self._asked[0] == measure:
             return self._asked[1]

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
-from live.control.events import TicksSkipped
+from live.control.events import StepsAdded, TicksSkipped
 from live.show.core import Show
 from live.show.journal import Journal
 from live.show.load import library_hash, show_of
@@ -30,7 +30,9 @@ def reload(journal: Journal) -> Show:
     except (KeyError, TypeError, ValueError) as error:
         raise ReplayError(f"the journal's first line does not hold a whole show: {error}") from None
     try:
-        loaded = show_of(patch, path, recordings=recordings)
+        added = (line.event for line in journal.lines if isinstance(line.event, StepsAdded))
+        later = frozenset(key for event in added for key in event.clips.split("\n"))
+        loaded = show_of(patch, path, recordings=recordings, later=later)
         found = library_hash(loaded.graph.library)
         if found != wanted:
             raise ReplayError(

@@ -16,6 +16,7 @@ from live.agents.model import AgentState
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
 from live.graph.kernels import choose_edges
+from live.graph.motion_graph import MotionGraph
 from live.show.danced import Danced
 from live.show.dancers import Dancers
 from live.show.foresight import Foresight
@@ -65,12 +66,7 @@ class Scheduler:
         self._edge = np.zeros(count, np.int32)
         self._wanted = np.zeros(count, np.int32)
         self._row = np.zeros(count, np.int32)
-        self.foresight = Foresight(dancers.graph)
-        self._ahead = np.zeros((2 * len(programmes), dancers.graph.library.node_count))
-        library = dancers.graph.library
-        reach = [library.reach(step) for step in range(len(library.steps))]
-        self._reach = np.array([*reach, max(reach)])
-        """How far one measure of each step goes [m]; last, as for ANY_STEP, of the farthest."""
+        self.take_graph(dancers.graph)
         self.last_target: Float64 | None = None
         """Where the dancers were last sent [m], shape (A, 2); None before the first decision."""
         self.last_heading = np.zeros(count)
@@ -79,6 +75,17 @@ class Scheduler:
         """How often a dancer could not dance the wanted step at once, since the start."""
         self.dead_ends = 0
         """How often a dancer found no next measure and repeated hers, since the start."""
+
+    def take_graph(self, graph: MotionGraph) -> None:
+        """Choose in this graph from now on; called when nobody's next measure is decided."""
+        library = graph.library
+        self.foresight = Foresight(graph)
+        self._ahead = np.zeros((2 * len(self.programmes), library.node_count))
+        reach = [library.reach(step) for step in range(len(library.steps))]
+        # how far one measure of each step goes [m]; last, as for ANY_STEP, of the farthest
+        self._reach = np.array([*reach, max(reach)])
+        for programme in self.programmes:
+            programme.take_graph(graph)
 
     def set_speed(self, measure: int, timeline: Timeline) -> None:
         """Let the agents of each group go as fast as its steps and the correction can follow."""

@@ -1,0 +1,153 @@
+"""LibraryWatch: takes that are recorded while the show runs join the dance, and a replay knows them."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from live.base.inbox import Inbox
+from live.clock.source import ManualClock
+from live.control import events
+from live.show.engine import Engine
+from live.show.journal import JournalWriter, read_journal
+from live.show.library_watch import LibraryWatch
+from live.show.load import load_show
+from live.show.replay import ReplayError, reload, replay
+from live.show.status import Status
+
+STEPS = Path(__file__).resolve().parents[2] / "patches" / "steps"
+PATCH = """
+name = "growing"
+steps = "moves"
+[[group]]
+name = "all"
+dancers = 6
+steps = ["groove", "side step"]
+choose = "random"
+[[group]]
+name = "one"
+dancers = 1
+steps = ["groove"]
+"""
+
+
+@pytest.fixture
+def patch(tmp_path):
+    """A show with a folder of two steps of its own; others come from the project, under other names."""
+    (tmp_path / "moves").mkdir()
+    for name in ("groove", "side_step"):
+        shutil.copy(STEPS / f"{name}.toml", tmp_path / "moves")
+    (tmp_path / "show.toml").write_text(PATCH)
+    return tmp_path / "show.toml"
+
+
+def add_step(patch, name="new bow"):
+    text = (STEPS / "samba.toml").read_text().replace('name = "samba"', f'name = "{name}"')
+    assert name in text
+    (patch.parent / "moves" / "another.toml").write_text(text)
+
+
+class Night:
+    """A journalled show over a folder that grows, driven by hand."""
+
+    def __init__(self, patch):
+        self.loaded = load_show(patch)
+        self.show, self.clock, self.inbox = self.loaded.start(), ManualClock(), Inbox()
+        self.journal = patch.parent / "night.jsonl"
+        writer = JournalWriter(self.journal, self.loaded.header(self.show, tempo=None))
+        status = Status(self.show, rejected=dict, memory=lambda: 0.0)
+        self.engine = Engine(self.show, clock=self.clock, inbox=self.inbox, status=status, journal=writer)
+        self.watch = LibraryWatch(
+            self.loaded.steps_folder, self.show.graph, offer=self.show.offer, post=self.inbox.put, now=self.clock.now
+        )
+        self.frame, self.writer = 0, writer
+
+    def run(self, seconds):
+        for _ in range(int(seconds * 50)):
+            self.frame += 1
+            self.clock.set(self.frame / 50)
+            self.engine.frame(lambda view: None)
+
+    def names(self):
+        library = self.show.graph.library
+        return {library.steps[s] for s in library.node_step[self.show.dancers.node]}
+
+
+def test_a_new_take_is_danced_from_the_next_measure_line_on(patch):
+    night = Night(patch)
+    night.run(3)
+    before = night.show.graph
+    add_step(patch)
+    assert not night.watch.look()  # the folder has changed: it may still be written
+    assert night.watch.look()
+    night.run(3)
+    assert night.show.graph is not before
+    assert night.show.graph.library.steps[: len(before.library.steps)] == before.library.steps
+    assert night.show.apply(events.CallStep(time=0.0, source="test", name="new bow"))
+    night.run(6)
+    assert "new bow" in night.names()
+    assert not night.watch.look()
+
+
+def test_a_replay_of_such_a_night_is_bit_identical(patch):
+    night = Night(patch)
+    night.run(3)
+    add_step(patch)
+    night.watch.look()
+    assert night.watch.look()
+    night.run(4)
+    night.inbox.put(events.CallStep(time=night.clock.now(), source="test", name="new bow"))
+    night.run(10)
+    night.writer.close(night.engine.ticks.index)
+    journal = read_journal(night.journal)
+    fresh = reload(journal)
+    assert "new bow" not in fresh.graph.library.steps
+    result = replay(fresh, journal)
+    assert result.measures >= 6
+    assert result.differences == ()
+    (patch.parent / "moves" / "another.toml").unlink()
+    assert replay(reload(journal), journal).differences  # the take is gone: the replay says so
+
+
+def test_what_cannot_be_read_is_told_and_the_show_goes_on(patch):
+    night = Night(patch)
+    night.run(1)
+    (patch.parent / "moves" / "broken.toml").write_text('name = "x"\nbeats = ')
+    night.watch.look()
+    assert not night.watch.look()
+    assert "broken.toml" in night.watch.problem
+    night.run(3)
+    (patch.parent / "moves" / "broken.toml").unlink()
+    add_step(patch)
+    night.watch.look()
+    assert night.watch.look()
+    assert night.watch.problem == ""
+
+
+def test_an_event_without_its_graph_is_refused(patch):
+    night = Night(patch)
+    event = events.StepsAdded(time=0.0, source="osc", clips="nothing | here | as made", library="00")
+    assert not night.show.apply(event)
+    assert "not there" in night.show.refusal
+
+
+def test_the_thread_starts_and_stops(patch):
+    night = Night(patch)
+    night.watch.start()
+    night.watch.stop()
+    night.watch.stop()
+
+
+def test_the_projects_own_steps_are_not_watched():
+    from live.show.patch_file import DEFAULT_PATCH
+
+    assert load_show(DEFAULT_PATCH).steps_folder is None
+
+
+def test_a_journal_whose_steps_are_others_is_refused(patch):
+    night = Night(patch)
+    night.run(1)
+    night.writer.close(night.engine.ticks.index)
+    add_step(patch)
+    with pytest.raises(ReplayError, match="changed"):
+        reload(read_journal(night.journal))
