@@ -112,6 +112,8 @@ class _Rows:
         node = np.flatnonzero(chosen & (count > 0))
         length = count[node]
         first = np.cumsum(length) - length
+        if chosen.all():  # nothing to pick out
+            return cls(node, first, edges.target, edges.cost)
         edge = np.arange(int(length.sum())) + np.repeat(edges.start[node] - first, length)
         return cls(node, first, edges.target[edge], edges.cost[edge])
 
