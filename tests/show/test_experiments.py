@@ -5,8 +5,8 @@ import pytest
 
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import DIRECTIONS
-from live.show.load import load_show
-from live.show.patch_file import find_patch
+from live.show.load import load_show, show_of
+from live.show.patch_file import find_patch, read_patch
 from live.show.report import FrameReport
 
 EXPERIMENTS = ("samba", "tap", "contemporary", "ballet")
@@ -130,6 +130,21 @@ def test_ballet_connects_whatever_a_human_can_dance():
     assert {name: int(library.node_measures[library.node_step == i].max()) for i, name in enumerate(library.steps)} == {
         "couru": 1, "spring point": 1, "echappe": 2, "sissonne": 4,
     }  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_whatever_ballet_is_drawn_by_chance_is_danced(seed):
+    """A hundred measures of steps at random: never another step than the one that was drawn."""
+    path = find_patch("ballet")
+    patch = read_patch(path)
+    steps = ("couru", "echappe", "spring point", "sissonne")
+    group = patch.group[0].model_copy(update={"steps": steps, "choose": "random"})
+    show = show_of(patch.model_copy(update={"group": (group,)}), path).start(seed=seed)
+    tick = 0
+    while show.span.number < 100:
+        tick += 1
+        show.tick(tick / 64)
+    assert show.scheduler.detours == show.scheduler.dead_ends == 0
 
 
 def test_ballet_has_the_structure_of_the_thesis():
