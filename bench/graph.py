@@ -182,19 +182,28 @@ def _bridge(graph: MotionGraph, repeats: int) -> float:
 
 
 def _decisions(dancers: int, measures: int) -> Float64:
-    """CPU time [ms] that the scheduler takes for each measure line: looking ahead, paths, steps, edges, parting."""
+    """CPU time [ms] of the planning for each measure line: looking ahead, paths, steps, edges, parting."""
     show = crowd(dancers, load_show(DEFAULT_PATCH))
     clock = ManualClock()
     engine = Engine(show, clock=clock, inbox=Inbox[ControlEvent](), status=Status(show, rejected=Counter, memory=float))
     spent = np.zeros(measures + 2)
-    work = show.scheduler.work
+    inside = False
 
-    def timed(*arguments: object) -> None:
-        begin = time.thread_time_ns()
-        work(*arguments)  # type: ignore[arg-type]
-        spent[min(show.span.number, measures + 1)] += (time.thread_time_ns() - begin) * 1e-6
+    def timed(work: Callable[..., object]) -> Callable[..., None]:
+        def timed_work(*arguments: object, **named: object) -> None:
+            nonlocal inside
+            if inside:  # the decision finishes the look-ahead, and is timed with it
+                work(*arguments, **named)
+                return
+            inside, begin = True, time.thread_time_ns()
+            work(*arguments, **named)
+            inside = False
+            spent[min(show.span.number, measures + 1)] += (time.thread_time_ns() - begin) * 1e-6
 
-    show.scheduler.work = timed  # type: ignore[method-assign,assignment]
+        return timed_work
+
+    for owner, name in ((show.scheduler, "decide"), (show.scheduler._look, "begin"), (show.scheduler._look, "work")):
+        setattr(owner, name, timed(getattr(owner, name)))
     frame = 0
     while show.span.number <= measures:
         clock.set(frame / FPS)
