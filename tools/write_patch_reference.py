@@ -70,6 +70,8 @@ def _type_words(annotation: Any) -> str:
     if origin is tuple:
         kinds = get_args(annotation)
         return "list of texts" if kinds[-1] is Ellipsis else f"[{', '.join('number' for _ in kinds)}]"
+    if origin is dict:
+        return f"table of {_type_words(get_args(annotation)[1])}s by name"
     if hasattr(annotation, "__metadata__"):
         return _type_words(get_args(annotation)[0])
     if isinstance(annotation, type) and issubclass(annotation, Section):

@@ -11,6 +11,7 @@ import numpy as np
 from live.base.errors import PersonError
 from live.base.stage_view import Camera, Look, Scene
 from live.graph.library import StepLibrary, build_library
+from live.graph.metric.weights import Metric
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.motion.skeleton import JOINT_COUNT
 from live.motion.step_clip import StepClip
@@ -99,9 +100,10 @@ def show_of(
     limits = patch.locomotion
     window = min(1.0, limits.transition_beats / patch.clock.beats_per_measure)
     try:
-        graph = build_graph(build_library(fitting), window=window, threshold=limits.threshold_m)
+        metric = Metric.of(limits.weights, limits.emphasis)
+        graph = build_graph(build_library(fitting), window=window, threshold=limits.threshold_m, metric=metric)
     except ValueError as error:
-        remedy = "locomotion.threshold_m in the patch" if recordings is None else "fps, drop_frames and bpm in the TOML"
+        remedy = "[locomotion] in the patch" if recordings is None else "fps, drop_frames and bpm in the TOML"
         raise PersonError(f"{path}: {error}", f"look at {remedy}") from None
     if recordings is not None:
         patch = with_steps_of(patch, graph)

@@ -113,6 +113,10 @@ class LocomotionSection(Section):
     """How far a dancer may be carried beyond the step's own way within one measure."""
     turn_deg: Annotated[float, Field(ge=0, le=180)] = 50.0
     """How far she may be turned beyond it within one measure."""
+    weights: dict[str, Annotated[float, Field(ge=0, le=100)]] = {}
+    """How much joints count when poses are compared, by name; most count 1, hips and feet 2, hands 0.4 (T032)."""
+    emphasis: Annotated[float, Field(ge=0, le=1)] = 0.5
+    """How much more the pose at the measure line counts than those before it."""
 
 
 class MotionSection(Section):

@@ -8,8 +8,8 @@ import pytest
 
 from live.base.errors import PersonError
 from live.show import load
-from live.show.load import show_of
-from live.show.patch_file import parse_patch
+from live.show.load import load_show, show_of
+from live.show.patch_file import DEFAULT_PATCH, parse_patch
 from tests.made_steps import made_clip, made_steps
 from tests.show.made_show import PATCH
 
@@ -64,3 +64,17 @@ def test_no_step_of_the_metre_names_those_there_are(monkeypatch):
     patch = PATCH.replace("bpm = 120", "bpm = 120\nbeats_per_measure = 7")
     with pytest.raises(PersonError, match="no step has 7 beats a measure; those there are have 4"):
         loaded(monkeypatch, made_steps(), patch, recordings=None)
+
+
+def test_weights_of_the_metric_come_from_the_patch(tmp_path):
+    """Where hands alone count, other poses are alike than where feet alone do; an unknown joint is named."""
+    text = DEFAULT_PATCH.read_text()
+
+    def edges(weights):
+        path = tmp_path / "show.toml"
+        path.write_text(f"locomotion = {{weights = {{{weights}}}}}\n" + text)
+        return load_show(path).graph.edge_count
+
+    assert edges("leftHand = 50, rightHand = 50") != edges("leftFoot = 50, rightFoot = 50")
+    with pytest.raises(PersonError, match="leftHoof"):
+        edges("leftHoof = 1")
