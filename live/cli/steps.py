@@ -153,6 +153,9 @@ def graph(
     window: Annotated[
         float | None, typer.Option(help="Length of a transition as a share of the measure. Default: 0.75 beats.")
     ] = None,
+    bridges: Annotated[
+        bool, typer.Option("--bridges", help="Search the recordings for ways between steps that nothing joins.")
+    ] = False,
 ) -> None:
     """Show the motion graph: which step leads to which, how near, dead ends, and what is missing."""
     from live.cli.options import parse_number, writable_file
@@ -161,7 +164,7 @@ def graph(
     parse_number(threshold, "--threshold", 0.001, 10)
     parse_number(window, "--window", 0.01, 0.9)
     writable_file(svg, "--svg")
-    print_graph(library, as_json=json_out, as_dot=dot, svg=svg, threshold=threshold, window=window)
+    print_graph(library, as_json=json_out, as_dot=dot, svg=svg, threshold=threshold, window=window, bridges=bridges)
 
 
 @app.command("check")

@@ -54,20 +54,28 @@ def print_graph(
     svg: Path | None,
     threshold: float | None,
     window: float | None,
+    bridges: bool = False,
 ) -> None:
     """Print the graph of a library, or write its picture; PersonError if the library cannot be read."""
     report = _report(named_steps(library), threshold, window)
+    found: list[dict[str, Any]] | None = None
+    if bridges:
+        from live.cli.steps_bridges import find_missing_bridges, read_recordings_of
+
+        found = find_missing_bridges(report.graph, report.missing, read_recordings_of(library))
     if svg is not None:
         try:
             svg.write_text(svg_of(report), encoding="utf-8")
         except OSError as error:
             raise PersonError(f"--svg: cannot write {svg}: {error.strerror}") from None
     if as_json:
-        print(json.dumps(json_of(report), ensure_ascii=False, indent=1))
+        data = json_of(report) if found is None else json_of(report) | {"bridges": found}
+        print(json.dumps(data, ensure_ascii=False, indent=1))
     elif as_dot:
         print(dot_of(report), end="")
     else:
         _print(report, svg)
+        _print_bridges(found or [])
 
 
 def _report(steps: Sequence[NamedStep], threshold: float | None, window: float | None) -> Report:
@@ -279,3 +287,17 @@ def _print(report: Report, svg: Path | None) -> None:
         say(f"and {len(ends) - SHOWN} more dead ends (--json has them all)", "yellow")
     if svg is not None:
         say(f"\nthe picture is in {svg}", "green")
+
+
+def _print_bridges(bridges: list[dict[str, Any]]) -> None:
+    console = Console(highlight=False)
+    for row in bridges:
+        worse = 100 * max(row["begin_m"], row["end_m"])
+        words = "" if row["joins"] else ", more than the threshold"
+        console.print(
+            f"bridge {row['from']} → {row['to']}: {row['recording']} from {row['start_s']:.2f} s to "
+            f"{row['stop_s']:.2f} s (the worse join {worse:.1f} cm{words})",
+            style="green" if row["joins"] else "",
+            soft_wrap=True,
+            markup=False,
+        )

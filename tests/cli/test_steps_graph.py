@@ -17,6 +17,7 @@ from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
 from live.show.patch_file import PATCHES
 from tests.made_steps import made_clip, made_steps
+from tests.motion.made_bvh import body_bvh, danced
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -121,3 +122,26 @@ def test_what_cannot_be_is_told_in_a_line(tmp_path: Path):
         assert words in failed.output + str(failed.exception)
     empty = run.invoke(app, ["steps", "graph", str(tmp_path)])
     assert empty.exit_code != 0
+
+
+def test_bridges_are_found_in_the_recordings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Two measures of one recording that nothing joins: what lies between them in it leads from one to the other."""
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "cache"))
+    (tmp_path / "dance.bvh").write_text(body_bvh(danced(601)))
+    head = 'file = "dance.bvh"\nbpm = 120\nfirst_beat_s = 1.0\n'
+    (tmp_path / "steps.toml").write_text(
+        head + '[[step]]\nname = "one"\nstart_measure = 1\n[[step]]\nname = "three"\nstart_measure = 3\n'
+    )
+    printed = CliRunner().invoke(app, ["steps", "graph", str(tmp_path), "--bridges", "--json", "--threshold", "0.001"])
+    assert printed.exit_code == 0, printed.output
+    data = json.loads(printed.stdout)
+    assert {(row["from"], row["to"]) for row in data["bridges"]} == {(r["from"], r["to"]) for r in data["missing"]}
+    way = next(row for row in data["bridges"] if (row["from"], row["to"]) == ("one", "three"))
+    # the measure between them joins both without a seam; the motion repeats itself, so it need not be that one
+    assert max(way["begin_m"], way["end_m"]) < 0.02
+    assert way["stop_s"] - way["start_s"] == pytest.approx(2.0, abs=0.31)
+    told = CliRunner().invoke(app, ["steps", "graph", str(tmp_path), "--bridges", "--threshold", "0.001"])
+    assert "bridge one → three: dance from" in told.output
+    none = CliRunner().invoke(app, ["steps", "graph", str(PATCHES / "steps"), "--bridges"])
+    assert none.exit_code != 0
+    assert "no recordings to search" in none.output + str(none.exception)
