@@ -6,15 +6,17 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.stage_view import StageView
-from live.motion.skeleton import SKELETON
+from live.graph.dance_figures import RawClips, list_and_p95, median_and_p95, ratio
+from live.motion.quality.beats import alignment, motion_beats, offsets
+from live.motion.quality.feet import slides
+from live.motion.quality.smoothness import half_width, largest_around
+from live.motion.quality.trace import MotionTrace
 from live.show.core import Show
 
+Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
-
-FEET = tuple((SKELETON.index(f"{side}Foot"), SKELETON.index(f"{side}Toes")) for side in ("left", "right"))
-SKATE_HEIGHT = 0.05
-SKATE_SPEED = 0.5
-"""Skating ratio as in the GMD code: a foot lower than 5 cm (over its rest height) that moves faster than 0.5 m/s."""
+Int32 = npt.NDArray[np.int32]
+Bool = npt.NDArray[np.bool_]
 
 
 class FrameReport:
@@ -22,14 +24,20 @@ class FrameReport:
 
     def __init__(self, show: Show) -> None:
         self._show = show
-        self._rest = SKELETON.rest_positions()
         self._slides: list[Float64] = []
-        self._skating = 0
-        self._foot_frames = 0
-        self._previous: tuple[float, Float64] | None = None
+        self._previous: tuple[float, Float32, Bool] | None = None
+        self._trace: MotionTrace | None = None
+        self._times: list[float] = []
+        self._joins: list[tuple[float, float, Int32]] = []
+        """Of each measure line: its time, the length of the blend before it, who changed the clip there."""
+        self._clips: set[int] = set()
+        self._line = 0.0
+        """The beat at which the measure that is danced will end."""
         self._overlaps = 0
         self._nearest = np.inf
         self._beats: list[float] = []
+        self._music: list[float] = []
+        """Times of the Timeline's beats [s]."""
         self._last_phase: tuple[int, float, float] | None = None
         self._measure = -1
         self._steps: list[dict[str, Any]] = []
@@ -49,6 +57,7 @@ class FrameReport:
         show = self._show
         dancers, library = show.dancers, show.graph.library
         self._measure = show.span.number
+        self._note_joins()
         for dancer, node in enumerate(dancers.node):
             self._steps.append(
                 {
@@ -56,6 +65,8 @@ class FrameReport:
                     "measure": self._measure + 1,
                     "step": library.steps[library.node_step[node]],
                     "clip": library.describe(int(node)),
+                    "weight": round(1.0 - float(dancers.present.take_share[0, dancer]), 3),
+                    "cost": self._cost(int(dancers.past.node[dancer]), int(node)),
                 }
             )
         wanted, ends = show.scheduler.last_target, dancers.present.end_position()
@@ -65,23 +76,40 @@ class FrameReport:
             off = yaw - show.scheduler.last_heading
             self._heading_errors.append(float(np.degrees(np.abs(np.arctan2(np.sin(off), np.cos(off)))).mean()))
 
+    def _cost(self, before: int, node: int) -> float | None:
+        """Distance of the poses that are joined [m]; None at the beginning, and where a measure was repeated."""
+        graph = self._show.graph
+        if before < 0:
+            return None
+        edges = slice(graph.edge_start[before], graph.edge_start[before + 1])
+        cost = graph.edge_cost[edges][graph.edge_target[edges] == node]
+        return round(float(cost[0]), 4) if len(cost) else None
+
+    def _note_joins(self) -> None:
+        """Who changed the clip at the measure line just crossed, and which clips are danced."""
+        show = self._show
+        library, node = show.graph.library, show.dancers.node
+        self._clips.update(library.node_clip[node].tolist())
+        if self._times:  # the first measure begins with no blend
+            seconds = library.beats_per_measure * 60.0 / show.timeline.tempo
+            changed = np.flatnonzero(library.node_measure[node] == 0).astype(np.int32)
+            self._joins.append((show.timeline.time_at(self._line), show.graph.window * seconds, changed))
+
     def _feet(self, view: StageView) -> None:
-        position = view.joint_position[:, [joint for pair in FEET for joint in pair]].astype(np.float64)
+        position = view.joint_position.copy()
         contact = self._show.dancers.contact(self._show.span.fraction(view.beat))
         if self._previous is not None:
-            time, before = self._previous
+            time, before, stood = self._previous
             dt = view.time - time
             if dt > 0:
-                moved = np.hypot(*(position - before)[..., (0, 2)].transpose(2, 0, 1)) / dt
-                speed = moved.reshape(len(position), 2, 2).min(axis=2)  # heel or ball, whichever stands stiller
-                self._slides.append(speed[contact])
-                height = position.reshape(len(position), 2, 2, 3)[..., 1] - np.array(
-                    [[self._rest[j, 1] for j in pair] for pair in FEET]
-                )
-                skates = (height.min(axis=2) < SKATE_HEIGHT) & (speed > SKATE_SPEED)
-                self._skating += int(skates.any(axis=1).sum())
-                self._foot_frames += len(position)
-        self._previous = (view.time, position)
+                self._slides.append(slides(np.stack([before, position]), np.stack([stood, contact]), 1.0 / dt))
+                if self._trace is None:
+                    self._trace = MotionTrace(1.0 / dt)
+                    self._trace.add(before)
+                self._trace.add(position)
+        self._times.append(view.time)
+        self._line = self._show.span.end
+        self._previous = (view.time, position, contact)
 
     def _distances(self, view: StageView) -> None:
         hips = view.joint_position[:, 0][:, (0, 2)].astype(np.float64)
@@ -104,25 +132,21 @@ class FrameReport:
             if before < whole <= total:
                 shown = time + (whole - before) / (total - before) * (view.time - time)
                 beat = round(self._show.timeline.beat_at(shown))
-                self._beats.append(shown - self._show.timeline.time_at(beat))
+                self._music.append(self._show.timeline.time_at(beat))
+                self._beats.append(shown - self._music[-1])
         self._last_phase = (number, danced, view.time)
 
     def result(self) -> dict[str, Any]:
         """The figures; null where nothing was measured."""
-        slides = np.concatenate(self._slides) if self._slides else np.zeros(0)
-        beats = np.abs(self._beats) * 1e3
+        found = np.concatenate(self._slides) if self._slides else np.zeros(0)
         return {
-            "foot_slide_mean": _or_none(slides, np.mean),
-            "foot_slide_p99": _or_none(slides, lambda v: np.percentile(v, 99)),
-            "skating_ratio": self._skating / self._foot_frames if self._foot_frames else None,
-            "beat_offset_ms": {
-                "annotated": {
-                    "median": _or_none(beats, np.median),
-                    "p95": _or_none(beats, lambda v: np.percentile(v, 95)),
-                }
-            },
-            "path_error_m": _list_and_p95(self._path_errors),
-            "heading_error_deg": _list_and_p95(self._heading_errors),
+            "foot_slide_mean": float(found.mean()) if len(found) else None,
+            "foot_slide_p99": float(np.percentile(found, 99)) if len(found) else None,
+            "skating_ratio": None if self._trace is None else self._trace.skating_ratio(),
+            **self._join_ratios(),
+            **self._beat_figures(),
+            "path_error_m": list_and_p95(self._path_errors),
+            "heading_error_deg": list_and_p95(self._heading_errors),
             "overlaps": self._overlaps,
             "min_distance_m": None if np.isinf(self._nearest) else self._nearest,
             "steps": self._steps,
@@ -130,10 +154,48 @@ class FrameReport:
             "missing": [{"from": None, "to": None, "needs": text} for text in self._show.graph.missing],
         }
 
+    def _join_ratios(self) -> dict[str, Any]:
+        """The largest velocity change and acceleration at joins, against those of the raw clips at this tempo."""
+        values: dict[str, Any] = {"join_velocity_ratio": None, "join_acceleration_ratio": None}
+        if self._trace is None or not self._joins:
+            return values
+        show, rate = self._show, self._rate
+        half = half_width(max(blend for _, blend, _ in self._joins))
+        seconds = show.graph.library.beats_per_measure * 60.0 / show.timeline.tempo
+        raw = RawClips(tuple(show.graph.library.clips[clip] for clip in sorted(self._clips)), seconds, rate).p99(half)
+        for key, trace, peer in zip(values, self._trace.largest(), raw, strict=True):
+            joins = [
+                largest_around(trace[:, dancer], np.array([line - 0.5 * blend - self._times[0]]), half, rate)
+                for line, blend, changed in self._joins
+                for dancer in changed
+            ]
+            values[key] = ratio(np.concatenate(joins), peer) if joins else None
+        return values
 
-def _or_none(values: Any, figure: Any) -> float | None:
-    return float(figure(values)) if len(values) else None
+    def _beat_figures(self) -> dict[str, Any]:
+        """Offsets and alignment, of the clips' annotated beats and of those that the motion itself has."""
+        near: list[Float64] = []
+        music: list[float] = []
+        kinematic: list[float] = []
+        if self._trace is not None:
+            times = np.array(self._music)
+            for speed in self._trace.speeds().T:
+                own = motion_beats(speed, self._rate, self._times[0])
+                near.append(offsets(times, own))
+                music += [value] if (value := alignment(times, own)) is not None else []
+                kinematic += [value] if (value := alignment(own, times)) is not None else []
+        return {
+            "beat_offset_ms": {
+                "annotated": median_and_p95(np.array(self._beats)),
+                "kinematic": median_and_p95(np.concatenate(near) if near else np.zeros(0)),
+            },
+            "beat_alignment": {
+                "music": float(np.mean(music)) if music else None,
+                "kinematic": float(np.mean(kinematic)) if kinematic else None,
+            },
+        }
 
-
-def _list_and_p95(values: list[float]) -> dict[str, Any]:
-    return {"list": values, "p95": float(np.percentile(values, 95)) if values else None}
+    @property
+    def _rate(self) -> float:
+        """Pictures a second."""
+        return (len(self._times) - 1) / (self._times[-1] - self._times[0])

@@ -67,6 +67,20 @@ def test_feet_hold_and_clips_land_on_the_beat(danced):
     assert {"groove", "side step", "samba", "turn", "mambo", "arm wave", "jump"} <= steps
 
 
+def test_joins_are_as_smooth_as_the_steps_and_beats_are_measured_both_ways(danced):
+    _, _, figures = danced
+    assert 0.2 < figures["join_velocity_ratio"] <= 1.0
+    assert 0.2 < figures["join_acceleration_ratio"] <= 1.2
+    assert 0.0 < figures["skating_ratio"] < 0.3
+    assert 0.0 < figures["beat_offset_ms"]["kinematic"]["median"] < 300.0
+    assert 0.2 < figures["beat_alignment"]["music"] < 1.0
+    assert 0.2 < figures["beat_alignment"]["kinematic"] < 1.0
+    rows = [row for row in figures["steps"] if row["measure"] > 2]
+    assert all(row["weight"] <= 1.0 for row in rows)
+    assert max(row["cost"] for row in rows if row["cost"] is not None) < 0.5
+    assert sum(row["cost"] is not None for row in rows) > 0.9 * len(rows)
+
+
 def test_dancers_of_one_group_dance_together(danced):
     """In measure 2, before anybody has to travel, each group dances one step."""
     show, _, figures = danced

@@ -37,19 +37,23 @@ def slides(position: Float, contact: Bool, rate: float) -> Float64:
 
 
 def skates(position: Float, rate: float) -> Bool:
-    """Frames at 20 a second in which a ball skates, (F, ...) from joints (T, ..., J, 3).
-
-    Lower than 5 cm over its place on the floor in two adjacent frames, and faster than 0.5 m/s now and in the mean of
-    five frames; either foot.
-    """
+    """Frames at 20 a second in which a ball skates, (F, ...) from joints (T, ..., J, 3); see `skating_balls`."""
     count = int((len(position) - 1) * SKATING_RATE / rate + 1e-6) + 1
-    if count < 2:
-        return np.zeros((0, *position.shape[1:-2]), np.bool_)
     at = np.minimum(np.arange(count) * rate / SKATING_RATE, len(position) - 1.0)
     low = at.astype(np.int64)
     part = (at - low).reshape(-1, *(1,) * (position.ndim - 1))
     balls = position[..., BALLS, :].astype(np.float64)
-    balls = (1.0 - part) * balls[low] + part * balls[np.minimum(low + 1, len(balls) - 1)]
+    return skating_balls((1.0 - part) * balls[low] + part * balls[np.minimum(low + 1, len(balls) - 1)])
+
+
+def skating_balls(balls: Float) -> Bool:
+    """Whether a ball skates, (F - 1, ...) from the balls of both feet at 20 frames a second, (F, ..., 2, 3) [m].
+
+    Lower than 5 cm over its place on the floor in two adjacent frames, and faster than 0.5 m/s now and in the mean of
+    five frames; either foot.
+    """
+    if len(balls) < 2:
+        return np.zeros((0, *balls.shape[1:-2]), np.bool_)
     moved = np.diff(balls, axis=0)
     speed = np.hypot(moved[..., 0], moved[..., 2]) * SKATING_RATE
     on_floor = balls[..., 1] - TOES_OVER_SOLE < SKATING_HEIGHT

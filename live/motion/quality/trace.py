@@ -1,0 +1,87 @@
+"""MotionTrace: the figures of many dancers' motion while it is shown, picture by picture, in little memory."""
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion.editing.feet import BALLS
+from live.motion.quality.beats import mean_speed
+from live.motion.quality.feet import SKATING_RATE, skating_balls
+from live.motion.quality.smoothness import at_samples
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Bool = npt.NDArray[np.bool_]
+
+BLOCK = 64
+"""Pictures that are worked on together."""
+OVERLAP = 4
+"""Pictures of the block before that the next one needs: accelerations reach two to both sides."""
+
+
+class MotionTrace:
+    """Takes one picture after another, evenly spaced in time at `rate` a second; asked when all are in.
+
+    Kept are three numbers for each dancer and picture, and the balls of the feet twenty times a second.
+    """
+
+    def __init__(self, rate: float) -> None:
+        self._rate = rate
+        self._waiting: list[Float32] = []
+        self._change: list[Float64] = []
+        self._acceleration: list[Float64] = []
+        self._speed: list[Float64] = []
+        self._balls: list[Float32] = []
+        self.count = 0
+
+    def add(self, position: Float32) -> None:
+        """The next picture: joints of all dancers, (A, J, 3) [m]; copied."""
+        picture = np.array(position, np.float32)
+        self.count += 1
+        self._waiting.append(picture)
+        self._follow_balls(picture)
+        if len(self._waiting) >= BLOCK + OVERLAP:
+            self._work()
+
+    def largest(self) -> tuple[Float64, Float64]:
+        """Largest velocity change [m/s] and acceleration [m/s²] of any joint in each picture, (T, A) each."""
+        self._work()
+        return self._all(self._change, 1), self._all(self._acceleration, 2)
+
+    def speeds(self) -> Float64:
+        """Mean speed of the joints between neighbouring pictures [m/s], (T - 1, A)."""
+        self._work()
+        return np.concatenate(self._speed) if self._speed else np.zeros((0, 0))
+
+    def skating_ratio(self) -> float | None:
+        """Share of dancers' frames, of 20 a second, in which a foot skates; None if there was no second one."""
+        found = skating_balls(np.stack(self._balls)) if self._balls else np.zeros((0, 0), np.bool_)
+        return float(found.mean()) if found.size else None
+
+    def _follow_balls(self, picture: Float32) -> None:
+        """The balls at those of the times k / 20 s that lie between the picture before and this one."""
+        if len(self._waiting) < 2:
+            self._balls.append(picture[:, BALLS])
+            return
+        before, now = self._waiting[-2][:, BALLS], picture[:, BALLS]
+        while (at := len(self._balls) * self._rate / SKATING_RATE) <= self.count - 1 + 1e-6:
+            part = np.float32(at - (self.count - 2))
+            self._balls.append((1 - part) * before + part * now)
+
+    def _all(self, blocks: list[Float64], edge: int) -> Float64:
+        """The blocks one after another, with zeros for the pictures at both ends that have no value."""
+        if not blocks:
+            return np.zeros((self.count, 0))
+        zeros = np.zeros((edge, blocks[0].shape[1]))
+        return np.concatenate([zeros, *blocks, zeros])[: self.count]
+
+    def _work(self) -> None:
+        """Everything that the pictures that wait can say; the last OVERLAP of them wait on."""
+        if len(self._waiting) <= OVERLAP:
+            return
+        block = np.stack(self._waiting)
+        change, acceleration = at_samples(block, self._rate)
+        fresh = slice(1, -1) if not self._change else slice(OVERLAP - 1, -1)
+        self._change.append(change[fresh])
+        self._acceleration.append(acceleration[2:-2])
+        self._speed.append(mean_speed(block, self._rate)[0 if len(self._speed) == 0 else OVERLAP - 1 :])
+        self._waiting = self._waiting[-OVERLAP:]

@@ -1,0 +1,74 @@
+"""Slide and skating: feet that are pulled along at known speeds, and the published definition written out."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from live.motion.contact import TOES_OVER_SOLE
+from live.motion.quality.feet import skates, skating_balls, slide_speeds, slides
+from live.motion.skeleton import SKELETON
+
+
+def standing(count, *, speed=0.0, rate=60.0):
+    """The rest pose on a floor that moves at `speed` [m/s] along x, (T, J, 3)."""
+    position = np.repeat(SKELETON.rest_positions()[None].astype(np.float64), count, axis=0)
+    position[..., 0] += speed * np.arange(count)[:, None] / rate
+    return position
+
+
+@given(st.floats(0.0, 3.0), st.sampled_from([30.0, 60.0, 120.0]))
+def test_a_body_that_is_pulled_slides_at_that_speed(speed, rate):
+    position = standing(20, speed=speed, rate=rate)
+    np.testing.assert_allclose(slide_speeds(position, rate), speed, atol=1e-9)
+    both = np.ones((20, 2), np.bool_)
+    assert slides(position, both, rate).shape == (38,)
+    both[10] = False
+    assert slides(position, both, rate).shape == (34,)
+
+
+def test_of_heel_and_ball_the_stiller_counts():
+    """A foot that turns about its ball stands."""
+    position = standing(10)
+    position[:, SKELETON.index("leftFoot"), 0] += 0.1 * np.arange(10)
+    assert slide_speeds(position, 60.0)[:, 0] == pytest.approx(0.0)
+
+
+def test_many_dancers_are_each_of_them():
+    one, two = standing(30, speed=0.2), standing(30, speed=1.0)
+    both = np.stack([one, two], axis=1)
+    np.testing.assert_allclose(slide_speeds(both, 60.0)[:, 1], slide_speeds(two, 60.0))
+    np.testing.assert_array_equal(skates(both, 60.0), np.stack([skates(one, 60.0), skates(two, 60.0)], axis=1))
+
+
+@pytest.mark.parametrize(("speed", "skating"), [(0.4, 0.0), (0.6, 1.0)])
+def test_who_is_pulled_faster_than_half_a_metre_a_second_skates(speed, skating):
+    found = skates(standing(200, speed=speed), 60.0)
+    assert found[3:-3].mean() == skating
+
+
+def test_a_foot_in_the_air_does_not_skate():
+    position = standing(100, speed=2.0)
+    position[..., 1] += 0.06
+    assert not skates(position, 60.0).any()
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(2, 30))
+def test_skating_as_it_is_written(seed, count):
+    """Frame by frame, with loops."""
+    chance = np.random.default_rng(seed)
+    balls = np.cumsum(chance.normal(0.0, 0.03, (count, 2, 3)), axis=0)
+    balls[..., 1] = TOES_OVER_SOLE + np.abs(chance.normal(0.0, 0.06, (count, 2)))
+    found = skating_balls(balls)
+    speed = np.zeros((count - 1, 2))
+    for n in range(count - 1):
+        for foot in range(2):
+            x, _, z = balls[n + 1, foot] - balls[n, foot]
+            speed[n, foot] = np.hypot(x, z) * 20.0
+    for n in range(count - 1):
+        expected = False
+        for foot in range(2):
+            low = max(balls[n, foot, 1], balls[n + 1, foot, 1]) - TOES_OVER_SOLE < 0.05
+            five = sum(speed[k, foot] for k in range(n - 2, n + 3) if 0 <= k < count - 1) / 5.0
+            expected |= bool(low and speed[n, foot] > 0.5 and five > 0.5)
+        assert found[n] == expected

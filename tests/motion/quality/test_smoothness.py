@@ -1,0 +1,84 @@
+"""Changes of velocity and accelerations: on motions whose derivatives are known, and random places of raw clips."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from live.motion.quality.smoothness import (
+    accelerations,
+    at_samples,
+    half_width,
+    largest_around,
+    p99_of_raw,
+    velocity_changes,
+)
+
+
+def test_a_parabola_has_its_acceleration_and_a_kink_its_jump():
+    time = np.arange(60) / 60.0
+    position = np.zeros((60, 3, 3))
+    position[:, 1, 0] = 2.0 * time**2  # 4 m/s²
+    position[30:, 2, 2] = 1.5 * (time[30:] - time[30])  # from 0 to 1.5 m/s
+    change, acceleration = velocity_changes(position, 60.0), accelerations(position, 60.0)
+    assert change.shape == (58, 3)
+    assert acceleration.shape == (56, 3)
+    np.testing.assert_allclose(acceleration[:, 1], 4.0, atol=1e-9)
+    np.testing.assert_allclose(change[:, 1], 4.0 / 60.0, atol=1e-9)
+    assert change[:, 2].max() == pytest.approx(1.5)
+    assert int(change[:, 2].argmax()) + 1 == 30
+    assert acceleration[:, 2].max() == pytest.approx(1.5 * 60.0 / 3.0)
+    largest = at_samples(position, 60.0)
+    assert largest[0][30] == pytest.approx(1.5)
+    assert largest[0][[0, -1]].tolist() == [0.0, 0.0]
+    assert largest[1][[0, 1, -2, -1]].tolist() == [0.0] * 4
+
+
+@pytest.mark.parametrize("count", range(6))
+def test_short_motions_have_zeros(count):
+    change, acceleration = at_samples(np.zeros((count, 2, 22, 3)), 60.0)
+    assert change.shape == acceleration.shape == (count, 2)
+    assert not change.any()
+    assert not acceleration.any()
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 200), st.floats(0.05, 1.0))
+def test_the_largest_around_a_time_by_a_loop(seed, count, half):
+    chance = np.random.default_rng(seed)
+    values, middle = chance.uniform(0.0, 1.0, count), chance.uniform(0.0, count / 60.0, 5)
+    found = largest_around(values, middle, half, 60.0)
+    for time, value in zip(middle, found, strict=True):
+        inside = [values[n] for n in range(count) if abs(n / 60.0 - time) <= half]
+        if inside:
+            assert value == max(inside)
+        assert value in values
+
+
+def test_the_window_covers_the_blend():
+    assert half_width(0.2) == 0.2
+    assert half_width(0.5) == pytest.approx(0.3)
+
+
+def test_p99_of_raw_is_that_of_every_place():
+    """A trace with a spike that 3 % of all windows see, and one that 0.2 % see."""
+    trace = np.ones(20_000)
+    trace[5000:5560] = 3.0
+    trace[12_000:12_010] = 50.0
+    assert p99_of_raw([trace], 0.1, 60.0) == 3.0
+    windows = np.lib.stride_tricks.sliding_window_view(trace, 13).max(axis=1)
+    assert np.percentile(windows, 99) == 3.0
+    assert p99_of_raw([], 0.1, 60.0) == 0.0
+    assert p99_of_raw([np.array([1.0, 2.0]), np.array([3.0])], 0.2, 60.0) == 3.0
+
+
+def test_longer_clips_count_more():
+    short, long = np.full(100, 9.0), np.full(100_000, 1.0)
+    assert p99_of_raw([short, long], 0.1, 60.0) == 1.0
+    assert p99_of_raw([short, long[:2000]], 0.1, 60.0) == 9.0
+
+
+def test_the_same_places_every_time():
+    trace = np.random.default_rng(1).uniform(size=5000) ** math.pi
+    assert p99_of_raw([trace], 0.2, 60.0) == p99_of_raw([trace], 0.2, 60.0)

@@ -1,0 +1,45 @@
+"""The trace that a film leaves, picture by picture, against the whole motion at once."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from live.motion.quality.beats import mean_speed
+from live.motion.quality.feet import skates
+from live.motion.quality.smoothness import at_samples
+from live.motion.quality.trace import MotionTrace
+
+
+@settings(max_examples=30)
+@given(st.integers(0, 2**32 - 1), st.integers(5, 300), st.sampled_from([24.0, 30.0, 60.0]))
+def test_picture_by_picture_is_all_at_once(seed, count, rate):
+    chance = np.random.default_rng(seed)
+    motion = np.cumsum(chance.normal(0.0, 0.02, (count, 3, 22, 3)), axis=0).astype(np.float32)
+    trace = MotionTrace(rate)
+    for picture in motion:
+        trace.add(picture)
+    change, acceleration = at_samples(motion, rate)
+    found = trace.largest()
+    np.testing.assert_allclose(found[0], change, atol=1e-9)
+    np.testing.assert_allclose(found[1], acceleration, atol=1e-9)
+    np.testing.assert_allclose(trace.speeds(), mean_speed(motion, rate), atol=1e-9)
+    frames = skates(motion, rate)
+    if len(frames):
+        assert trace.skating_ratio() == pytest.approx(float(frames.mean()), abs=1.5 / frames.size)
+
+
+def test_pictures_are_copied():
+    trace, picture = MotionTrace(60.0), np.zeros((1, 22, 3), np.float32)
+    for _ in range(10):
+        trace.add(picture)
+        picture += 1.0  # as a show fills the same array again and again
+    assert trace.speeds() == pytest.approx(np.sqrt(3.0) * 60.0)
+
+
+def test_one_picture_says_nothing():
+    trace = MotionTrace(60.0)
+    trace.add(np.zeros((2, 22, 3), np.float32))
+    assert trace.skating_ratio() is None
+    assert trace.speeds().size == 0
+    assert trace.largest()[0].shape[0] == 1
