@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from live.cli.graph_report import dot_of, json_of, report_of, svg_of
 from live.cli.graph_svg import Arrow, State, state_machine
 from live.cli.main import app
-from live.cli.steps_graph import dot_of, json_of, report_of, svg_of
 from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
 from live.show.patch_file import PATCHES
