@@ -130,11 +130,21 @@ def list_(library: Library = None, json_out: JsonOut = False) -> None:
 
 @app.command("show")
 def show(
-    step: Annotated[str, typer.Argument(help="The step's name.")], library: Library = None, json_out: JsonOut = False
+    step: Annotated[str, typer.Argument(help="The step's name.")],
+    library: Library = None,
+    json_out: JsonOut = False,
+    reach: Annotated[
+        Path | None,
+        typer.Option(help="Draw where one measure of it can lead, seen from above.", metavar="OUT.svg|OUT.png"),
+    ] = None,
 ) -> None:
     """Show a step: all that is said of it, its variations, contacts on the beats, and what can follow it."""
     from live.cli.steps_show import print_step
 
+    if reach is not None:
+        from live.cli.steps_reach import write_reach
+
+        write_reach(step, library, reach)
     print_step(step, library, json_out)
 
 
