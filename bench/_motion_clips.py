@@ -10,10 +10,15 @@ from typing import Any
 import numpy as np
 
 from live.motion import quaternion
+from live.motion.body_tracks import body_tracks
 from live.motion.clip import Clip
+from live.motion.glitch_repair import repair
+from live.motion.glitches import find_glitches
 from live.motion.retarget import retarget
+from live.motion.run_in import find_beginning
 from live.motion.sketch import parse_sketch
 from live.motion.sketch_clip import step_clip
+from live.motion.source_motion import SourceMotion
 from live.motion.step_clip import StepClip
 from live.steps.motion_file import read_motion
 
@@ -67,12 +72,7 @@ def _beats(mocap: Path) -> dict[str, dict[str, Any]]:
 @cache
 def _recording(mocap: Path, name: str) -> Material:
     row = _index(mocap).get(name, {})
-    clip = retarget(
-        read_motion(mocap / name),
-        name=name,
-        fps=row.get("true_fps"),
-        drop_frames=1 if row.get("tpose_first_frame") else 0,
-    )
+    clip = _mended(read_motion(mocap / name), name, row.get("true_fps"))
     if name in WALK_BPM:
         return Material(name, clip, tuple(measures_of(clip, "walk", 0.0, WALK_BPM[name], 1)))
     beats = _beats(mocap)[name]
@@ -80,6 +80,14 @@ def _recording(mocap: Path, name: str) -> Material:
         bpm = 240.0 / beats["four_beats_s"]
         return Material(name, clip, tuple(measures_of(clip, "salsa", beats["phase_of_4beats_s"], bpm, 2)))
     return Material(name, clip, tuple(measures_of(clip, "solo", 0.0, beats["bpm"], 1)))
+
+
+def _mended(motion: SourceMotion, name: str, fps: float | None) -> Clip:
+    """As `live steps add --repair` takes it: without T-pose and run-in, tracking faults bridged where that is safe."""
+    tracks = body_tracks(motion, fps=fps)
+    drop = find_beginning(tracks).drop_frames
+    mended, _ = repair(motion, find_glitches(tracks, motion.parents, start=drop), fps=fps)
+    return retarget(mended, name=name, fps=fps, drop_frames=drop)
 
 
 def measures_of(clip: Clip, step: str, anchor: float, bpm: float, measures: int) -> list[StepClip]:

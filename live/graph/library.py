@@ -113,7 +113,7 @@ def build_library(clips: Sequence[StepClip]) -> StepLibrary:
             rows.append((index, step, measure, clip.measures, first, last, begin))
     root = np.concatenate([clip.clip.root_position for clip in clips], dtype=np.float32)
     rotation = np.concatenate([clip.clip.rotation for clip in clips], dtype=np.float32)
-    # neighbours of one sign: the pose pipeline goes straight from one sample to the next
+    # signs between which bodies bend: the pose pipeline goes straight from one sample, and one clip, to the next
     one_sign(rotation, starts)
     node = np.array(rows, np.float64).T
     begins, ends = np.ascontiguousarray(node[4]), np.ascontiguousarray(node[5])
@@ -160,15 +160,13 @@ def joined_library(first: StepLibrary, second: StepLibrary) -> StepLibrary:
 
     root, rotation = both("clip_root"), both("clip_rotation")
     legs = np.concatenate([first.leg_store.rotation, second.leg_store.rotation])
-    mean = second.store.mean
-    sign = np.where(np.sum(mean * first.store.mean[0], axis=-1, keepdims=True) < 0.0, np.float32(-1.0), np.float32(1.0))
     return StepLibrary(
         steps=tuple(steps),
         clips=first.clips + second.clips,
         clip_root=root,
         clip_rotation=rotation,
         clip_contact=both("clip_contact"),
-        store=ClipStore(root, rotation, np.concatenate([first.store.mean, mean * sign])),
+        store=ClipStore(root, rotation, np.concatenate([first.store.mean, second.store.mean])),
         leg_store=ClipStore(root, legs, first.leg_store.mean),
         node_clip=both("node_clip", len(first.clips)),
         node_step=np.concatenate([first.node_step, number[second.node_step]]),

@@ -12,19 +12,29 @@ Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
 
-@kernel("void(f4[:,:,::1],i8[::1])")
+@kernel("void(f4[:,:,::1], i8[::1])")
 def one_sign(rotation: Float32, clip_start: Int64) -> None:
-    """Flip rotations (S, J, 4) in place so that each is nearest to the one before it in its clip.
+    """Give rotations (S, J, 4) in place the signs between which a body bends.
 
-    clip_start (clips + 1,): first sample of each clip, and S.
+    Within a clip each is nearest to the one before it, and each joint's are those nearest to the rest pose where it is
+    nearest to it at all. `clip_start` (clips + 1,): where the clips begin, and the end of the last.
     """
     for clip in range(clip_start.shape[0] - 1):
-        for s in range(clip_start[clip] + 1, clip_start[clip + 1]):
-            for j in range(rotation.shape[1]):
+        first, last = clip_start[clip], clip_start[clip + 1]
+        for j in range(rotation.shape[1]):
+            nearest = 0.0
+            for s in range(first, last):
                 dot = 0.0
-                for c in range(4):
-                    dot += rotation[s, j, c] * rotation[s - 1, j, c]
+                if s > first:
+                    for c in range(4):
+                        dot += rotation[s, j, c] * rotation[s - 1, j, c]
                 if dot < 0.0:
+                    for c in range(4):
+                        rotation[s, j, c] = -rotation[s, j, c]
+                if abs(rotation[s, j, 0]) > abs(nearest):
+                    nearest = rotation[s, j, 0]
+            if nearest < 0.0:
+                for s in range(first, last):
                     for c in range(4):
                         rotation[s, j, c] = -rotation[s, j, c]
 

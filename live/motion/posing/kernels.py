@@ -113,7 +113,7 @@ def _amplify(
 ) -> None:  # fmt: skip
     """Upper body farther from or nearer to its mean pose: q' = q_mean (q_mean^-1 q)^r (T058), a SLERP by r from it.
 
-    Within a transition the mean pose is blended, too (T060); the means of a library have one sign (ClipStore).
+    Within a transition the mean pose is blended, too (T060).
     """
     first, last = body[UPPER_FIRST], body[UPPER_LAST]
     for i in range(BLOCK):

@@ -73,9 +73,10 @@ class ClipStore:
     root: Float32
     """Hips [m], shape (S, 3)."""
     rotation: Float32
-    """Local rotations, shape (S, J, 4); neighbours within a clip have the same sign."""
+    """Local rotations, shape (S, J, 4); within a clip neighbours have one sign, and clips that are blended the signs
+    between which a body bends (see `slerp_rows`)."""
     mean: Float32
-    """Mean pose of each node, shape (N, J, 4), all of one sign; what amplitude is measured from (T058)."""
+    """Mean pose of each node, shape (N, J, 4), with its clip's signs; what amplitude is measured from (T058)."""
 
     @classmethod
     def of(cls, root: Float32, rotation: Float32, mean: Float32 | None = None) -> "ClipStore":
@@ -83,8 +84,6 @@ class ClipStore:
         if mean is None:
             mean = np.zeros((1, *rotation.shape[1:]), np.float32)
             mean[..., 0] = 1.0
-        # of one sign, joint by joint, so that the way from one to another is straight
-        mean = mean * np.where(np.sum(mean * mean[0], axis=-1, keepdims=True) < 0.0, np.float32(-1.0), np.float32(1.0))
         arrays = (np.require(array, np.float32, ["C", "W"]) for array in (root, rotation, mean))
         return cls(*arrays)
 

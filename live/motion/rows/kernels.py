@@ -24,6 +24,7 @@ _HALF: Any = np.float32(0.5)
 _ONE: Any = np.float32(1.0)
 _THREE_HALVES: Any = np.float32(1.5)
 _TWO: Any = np.float32(2.0)
+_FIVE: Any = np.float32(5.0)
 _TINY: Any = np.float32(1e-12)
 _TURN = 2.0 * math.pi
 _C2, _C4, _C6, _C8, _C10, _C12 = (np.float32((-1) ** (n // 2) / math.factorial(n)) for n in range(2, 14, 2))
@@ -46,18 +47,27 @@ def _slerp_share(t: Any, off: Any) -> Any:
 
 @part
 def slerp_rows(into: Float32, other: Float32, share: Float32, first: int, last: int) -> None:
-    """SLERP joints first..last-1 of `into` towards `other` by `share` (BLOCK,) along the shorter arc (T035, T045)."""
+    """SLERP joints first..last-1 of `into` towards `other` by `share` (BLOCK,) (T035, T045).
+
+    The root goes along the shorter arc. Of the other joints the signs count: clips have those nearest to the rest pose,
+    so a joint never goes round the side to which it cannot bend, and never changes its mind within a blend. Beyond a
+    right angle of the signs' own (half a turn of the joint) the chord takes the arc's place.
+    """
     for j in range(first, last):
+        shorter = j == 0
         for i in range(BLOCK):
             aw, ax, ay, az = into[j, 0, i], into[j, 1, i], into[j, 2, i], into[j, 3, i]
             bw, bx, by, bz = other[j, 0, i], other[j, 1, i], other[j, 2, i], other[j, 3, i]
             dot = aw * bw + ax * bx + ay * by + az * bz
-            off = abs(dot) - _ONE
+            sign = -_ONE if shorter and dot < _ZERO else _ONE
+            dot = dot * sign
+            off = max(dot, _ZERO) - _ONE
             t = share[i]
-            b = _slerp_share(t, off) * (_ONE if dot >= _ZERO else -_ONE)
-            a = _slerp_share(_ONE - t, off)
+            arc = min(max(dot * _FIVE, _ZERO), _ONE)  # 1: the arc, 0: the chord
+            a = arc * _slerp_share(_ONE - t, off) + (_ONE - arc) * (_ONE - t)
+            b = sign * (arc * _slerp_share(t, off) + (_ONE - arc) * t)
             w, x, y, z = a * aw + b * bw, a * ax + b * bx, a * ay + b * by, a * az + b * bz
-            scale = _THREE_HALVES - _HALF * (w * w + x * x + y * y + z * z)  # Newton: it is nearly unit
+            scale = _ONE / math.sqrt(max(w * w + x * x + y * y + z * z, _TINY))
             into[j, 0, i] = w * scale
             into[j, 1, i] = x * scale
             into[j, 2, i] = y * scale

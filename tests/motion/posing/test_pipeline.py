@@ -69,8 +69,8 @@ def test_sample_place_blend_and_forward_kinematics(seed, first, second, weight):
     pipeline.share[INTO_NEXT] = weight
     pipeline.run(ClipStore.of(root, rotation))
     a, b = (placed(at(root, rotation, s), p) for s, p in zip((first, second), places, strict=True))
-    # half a turn apart both ways round are the shortest, and rounding chooses
-    if weight in (0.0, 1.0) or np.abs((a[1] * b[1]).sum(-1)).min() > 0.05:
+    # towards half a turn apart the chord takes the arc's place
+    if weight in (0.0, 1.0) or np.abs((a[1] * b[1]).sum(-1)).min() > 0.2:
         close(pipeline, 0, blended(a, b, weight), 2e-3)
     assert np.linalg.norm(pipeline.rotation[0], axis=-1) == pytest.approx(1.0, abs=1e-3)
 
