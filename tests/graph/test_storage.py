@@ -26,14 +26,18 @@ def test_mean_poses_are_the_mean_pose_of_each_node():
         assert found[n] == pytest.approx(mean_pose(rotation[a : b + 1]), abs=1e-6)
 
 
-def test_signs_follow_each_clip_from_its_own_first_sample():
+def test_signs_follow_each_clip_and_are_those_nearest_to_the_rest_pose():
     clips = [_rotations(seed, 40) for seed in (1, 2, 3)]
     chance = np.random.default_rng(4)
     flipped = [clip * chance.choice([-1, 1], clip.shape[:2])[..., None].astype(np.float32) for clip in clips]
     together = np.concatenate(flipped)
     one_sign(together, np.array([0, 40, 80, 120]))
     for n, clip in enumerate(flipped):
-        assert np.array_equal(together[40 * n : 40 * n + 40], quaternion.continuous(clip).astype(np.float32))
+        found = together[40 * n : 40 * n + 40]
+        assert np.abs(found) == pytest.approx(np.abs(clip))
+        assert np.array_equal(found, quaternion.continuous(found).astype(np.float32))
+        nearest = np.argmax(np.abs(found[..., 0]), axis=0)
+        assert (np.take_along_axis(found[..., 0], nearest[None], axis=0) > 0).all()
 
 
 def test_a_joined_library_reads_the_same_samples():

@@ -75,6 +75,25 @@ def test_sample_place_blend_and_forward_kinematics(seed, first, second, weight):
     assert np.linalg.norm(pipeline.rotation[0], axis=-1) == pytest.approx(1.0, abs=1e-3)
 
 
+def test_a_blend_between_far_poses_never_jumps():
+    """An elbow bent by 100 degrees one way blends into 100 degrees the other way through the straight arm, not round
+    the back, and a moving clip never makes it change its mind: the shorter arc would."""
+    joint = SKELETON.index("leftLowerArm")
+    bends = np.concatenate([np.linspace(80, 110, SAMPLES), np.linspace(-80, -110, SAMPLES)])
+    rotation = np.zeros((2 * SAMPLES, JOINT_COUNT, 4), np.float32)
+    rotation[..., 0] = 1.0
+    rotation[:, joint] = quaternion.from_axis_angle(UP, np.radians(bends))
+    pipeline = PosePipeline(SAMPLES)
+    pipeline.sample[PRESENT] = np.arange(SAMPLES)
+    pipeline.sample[NEXT] = np.arange(SAMPLES, 2 * SAMPLES)
+    pipeline.share[INTO_NEXT] = np.linspace(0, 1, SAMPLES)
+    pipeline.run(ClipStore.of(np.zeros((2 * SAMPLES, 3), np.float32), rotation))
+    hand = pipeline.position[:, SKELETON.index("leftHand")]
+    way = np.linalg.norm(np.diff(hand, axis=0), axis=1)
+    assert way.max() < 3.0 * way.mean()
+    assert hand[:, 0].max() == pytest.approx(pipeline.position[0, joint, 0] + 0.245, abs=0.01)  # straight half way
+
+
 @settings(max_examples=15, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.floats(0, 1), st.floats(0, 1))
 def test_another_take_in_the_lower_and_in_the_upper_body(seed, lower, upper):
