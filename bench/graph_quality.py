@@ -208,7 +208,7 @@ def _path_rows(full: bool) -> list[Row]:
     for step in ("walk", "samba", "side step") if full else ("walk",):
         for line, points in (("square of 4 m", SQUARE), ("circle of 2 m radius", CIRCLE)):
             for facing in ("public", "path"):
-                targets = smoothed(follow_line(points, MEASURES, facing=facing))  # type: ignore[arg-type]
+                targets = smoothed(follow_line(points, MEASURES, facing=facing))
                 followed = follow_path(
                     graph,
                     targets,
