@@ -22,8 +22,8 @@ Bool = npt.NDArray[np.bool_]
 
 ANY: Final = -1
 BEAM: Final = 48
-MOST_ROWS: Final = 60_000
-"""Candidates weighed in one go, so that memory stays small in any graph."""
+MOST_ROWS: Final = 40_000
+"""Candidates weighed for one measure; of more, those whose own clips come nearest, so that any graph is quick."""
 PER_NODE: Final = 6
 """Hypotheses kept in one node: the others would differ by hairs."""
 HEADING: Final = 0.05
@@ -209,50 +209,51 @@ class _Search:
         self, line: int, back: Int32, cost: Float64, node: Int32, placement: Float64, start: Float64, to_go: Float64
     ) -> _Front:
         """The best candidates of all `node` (n,), each laid down at its placement, for the measure before `line`."""
-        count = np.diff(self.candidates.first)[node]
-        ends = np.cumsum(count)
-        kept: list[_Front] = []
-        scores: list[Float64] = []
-        begin = 0
-        while begin < len(node):
-            done = ends[begin] - count[begin]
-            stop = max(begin + 1, int(np.searchsorted(ends, done + MOST_ROWS, side="right")))
-            front, score = self._weigh_some(line, slice(begin, stop), back, cost, node, placement, start, to_go)
-            kept.append(front)
-            scores.append(score)
-            begin = stop
-        if len(kept) == 1:
-            return kept[0]
-        whole = _Front(*(np.concatenate([getattr(f, name) for f in kept]) for name in _Front.__slots__))
-        return _rows(whole, _best(np.concatenate(scores), whole.node, self.beam))
-
-    def _weigh_some(
-        self, line: int, some: slice, back: Int32, cost: Float64, node: Int32, placement: Float64, start: Float64,
-        to_go: Float64,
-    ) -> tuple[_Front, Float64]:  # fmt: skip
-        candidates, first = self.candidates, self.candidates.first[node[some]]
-        count = np.diff(candidates.first)[node[some]]
-        entry = some.start + np.repeat(np.arange(len(count)), count)
+        entry = self._worth_trying(line, cost, node, placement, to_go)
+        count = np.diff(self.candidates.first)[node[entry]]
         before = np.repeat(np.cumsum(count) - count, count)
-        row = (np.repeat(first, count) + np.arange(len(entry)) - before).astype(np.int32)
-        placed = placement[entry]
-        most = candidates.most_turn(self.seconds)[node[entry]]
-        turn = np.clip(
-            wrapped(self.targets.heading[line] - placed[:, 2] - candidates.facing[row]), -most, most
-        )  # fmt: skip
-        hips, heading = candidates.turned_end(row, placed, turn)
+        row = np.repeat(self.candidates.first[node[entry]], count) + np.arange(count.sum()) - before
+        entry = np.repeat(entry, count)
+        return self._best_of(line, row.astype(np.int32), entry, back, cost, node, placement, start, to_go)
+
+    def _worth_trying(
+        self, line: int, cost: Float64, node: Int32, placement: Float64, to_go: Float64
+    ) -> npt.NDArray[np.int64]:
+        """Rows of `node`: all, or, of too many, those whose own clips, unmixed, come nearest."""
+        count = np.diff(self.candidates.first)[node]
+        if count.sum() <= MOST_ROWS:
+            return np.arange(len(node))
+        row = self.candidates.first[node]
+        _, _, hips, heading = self._ends(line, row, placement)
+        score = cost + self._end_cost(line, hips, heading) + WRONG * to_go[node]
+        order = np.argsort(score, kind="stable")
+        return np.sort(order[np.cumsum(count[order]) <= MOST_ROWS])
+
+    def _ends(self, line: int, row: Int32, placement: Float64) -> tuple[Float64, Float64, Float64, Float64]:
+        """Turn (n,), correction (n, 2), hips (n, 2) and heading (n,) of candidates `row` (n,) at `placement` (n, 3)."""
+        candidates = self.candidates
+        most = candidates.most_turn(self.seconds)[candidates.node[row]]
+        turn = wrapped(self.targets.heading[line] - placement[:, 2] - candidates.facing[row])
+        turn = np.clip(turn, -most, most)
+        hips, heading = candidates.turned_end(row, placement, turn)
         correction = self.targets.place[line] - hips
         size = np.maximum(np.hypot(*correction.T), 1e-9)
         correction *= np.minimum(1.0, self.correction_m / size)[:, None]
-        hips = hips + correction
+        return turn, correction, hips + correction, heading
+
+    def _best_of(
+        self, line: int, row: Int32, entry: npt.NDArray[np.int64], back: Int32, cost: Float64, node: Int32,
+        placement: Float64, start: Float64, to_go: Float64,
+    ) -> _Front:  # fmt: skip
+        """The front of the best candidates `row` (n,), each for the row `entry` (n,) of the other arrays."""
+        turn, correction, hips, heading = self._ends(line, row, placement[entry])
         spent = cost[entry] + TURN * turn**2 + CORRECTED * (correction**2).sum(axis=1)
         score = spent + self._end_cost(line, hips, heading) + WRONG * to_go[node[entry]]
-        chosen = _best(score, node[entry], self.beam)
-        front = _Front(
-            cost=spent, node=node[entry], hips=hips, heading=heading, back=back[entry], row=row, turn=turn,
-            correction=correction, joined_at=start[entry],
+        best = _best(score, node[entry], self.beam)
+        return _Front(
+            cost=spent[best], node=node[entry[best]], hips=hips[best], heading=heading[best], back=back[entry[best]],
+            row=row[best], turn=turn[best], correction=correction[best], joined_at=start[entry[best]],
         )  # fmt: skip
-        return _rows(front, chosen), score[chosen]
 
     def _result(self, fronts: list[_Front], index: int, wrong: Bool) -> FollowedPath:
         picks = []
@@ -277,10 +278,6 @@ class _Search:
             heading_error=np.abs(ends[:, 2]),
             wrong=wrong[np.arange(len(node)), node],
         )
-
-
-def _rows(front: _Front, rows: npt.NDArray[np.int64]) -> _Front:
-    return _Front(*(getattr(front, name)[rows] for name in _Front.__slots__))
 
 
 def _best(score: Float64, node: Int32, beam: int) -> npt.NDArray[np.int64]:

@@ -201,6 +201,16 @@ def test_corrections_close_what_the_clips_leave_open(graph, candidates):
     assert not plain.correction.any()
 
 
+def test_of_too_many_candidates_the_nearest_are_tried(graph, candidates, monkeypatch):
+    """Of some 900 rows for each of the hypotheses only 1500 in all: the path is still followed."""
+    monkeypatch.setattr("live.graph.path_search.MOST_ROWS", 1500)
+    targets = smoothed(follow_line(SQUARE, 32))
+    walk = np.full(32, graph.library.steps.index("walk"))
+    followed = follow_path(graph, targets, seconds=2.0, wanted=walk, candidates=candidates, beam=24)
+    assert not followed.wrong.any()
+    assert followed.error.max() <= 0.2
+
+
 def test_no_turn_is_quicker_than_a_body(graph, candidates):
     targets = follow_line([(0, 0), (0, 0)], 4, facing=(0.0, math.pi))
     followed = follow_path(graph, targets, seconds=0.4, candidates=candidates, beam=8)

@@ -1,0 +1,117 @@
+"""The figures of a dance: jumps that are put in are seen, beats are found in the motion itself, keys are all there."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from live.graph.assemble import assemble
+from live.graph.dance_figures import DanceFigures, RawClips, list_and_p95, median_and_p95, ratio
+from live.graph.library import build_library
+from live.graph.motion_graph import build_graph
+from live.graph.path import Targets
+from live.motion.forward import forward_kinematics
+from live.motion.quality.smoothness import at_samples
+from tests.made_steps import made_clip
+from tests.steps_of_the_project import project_steps
+
+KEYS = {
+    "foot_slide_mean", "foot_slide_p99", "skating_ratio", "join_velocity_ratio", "join_acceleration_ratio",
+    "beat_offset_ms", "beat_alignment", "path_error_m", "heading_error_deg", "overlaps", "min_distance_m",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def graph():
+    return build_graph(build_library(project_steps("samba", "walk", "groove")))
+
+
+@pytest.fixture(scope="module")
+def dance(graph):
+    chance = np.random.default_rng(5)
+    path = [int(np.flatnonzero(graph.alive)[0])]
+    while len(path) < 8:
+        path.append(int(chance.choice(graph.edge_target[graph.edge_start[path[-1]] : graph.edge_start[path[-1] + 1]])))
+    return assemble(graph, path, bpm=117.0)
+
+
+def test_all_keys_of_the_contract_and_json(graph, dance):
+    targets = Targets(np.vstack([[0.0, 0.0], dance.end[:, :2]]), np.concatenate([[0.0], dance.end[:, 2]]))
+    values = DanceFigures(graph, dance, targets).result()
+    assert set(values) == KEYS
+    json.dumps(values, allow_nan=False)
+    assert values["foot_slide_mean"] < 0.02
+    assert 0.1 < values["join_velocity_ratio"] < 2.0
+    assert len(values["path_error_m"]["list"]) == 8
+    assert values["heading_error_deg"]["p95"] == pytest.approx(0.0, abs=1e-6)
+    assert DanceFigures(graph, dance).result()["path_error_m"] == {"list": [], "p95": None}
+
+
+def test_a_jump_at_a_join_is_seen_and_one_elsewhere_is_not(graph, dance):
+    whole = DanceFigures(graph, dance).joins
+
+    def jumped(seconds):
+        root = dance.clip.root_position.copy()
+        root[round(seconds * 60.0), 0] += 0.2  # one sample beside the others: 12 m/s to and fro
+        return DanceFigures(graph, replace(dance, clip=replace(dance.clip, root_position=root))).joins
+
+    join = dance.join[2]
+    seen = jumped(join.mean())
+    assert seen[0][2] > 10.0
+    assert seen[1][2] > 100.0
+    np.testing.assert_allclose(np.delete(seen[0], 2), np.delete(whole[0], 2))
+    beside = jumped(join[1] + 0.9)
+    np.testing.assert_allclose(beside[0], whole[0])
+
+
+def test_raw_clips_are_played_at_the_tempo_of_the_dance(graph):
+    """At half the tempo velocities are half, accelerations a quarter."""
+    steps = tuple(graph.library.clips[:4])
+    fast, slow = (RawClips(steps, seconds, 60.0) for seconds in (2.0, 4.0))
+    assert fast.slide.mean() == pytest.approx(2.0 * slow.slide.mean(), abs=2e-3)
+    step = steps[0]
+    position, _ = forward_kinematics(step.clip.root_position.astype(float), step.clip.rotation.astype(float))
+    own = step.samples_per_measure / step.clip.sample_rate
+    np.testing.assert_allclose(RawClips((step,), own, step.clip.sample_rate).played[0][0], position, atol=1e-5)
+    assert at_samples(fast.played[0][0], 60.0)[1].max() > 3.0 * at_samples(slow.played[0][0], 60.0)[1].max()
+
+
+def test_annotated_beats_are_shown_on_the_beat(graph, dance):
+    """As planned, and found again in the motion: when the arms are as the clip has them on its beat."""
+    figures = DanceFigures(graph, dance)
+    np.testing.assert_allclose(figures.annotated_offsets, 0.0, atol=1e-9)
+    library, clip = graph.library, dance.clip
+    off = []
+    for n, node in enumerate(dance.node):
+        step = library.clips[library.node_clip[node]]
+        for beat in (1, 2):
+            sample = round(library.node_first[node] + beat * step.samples_per_measure / 4)
+            pose = library.clip_rotation[sample, 4:14]
+            around = round(dance.beat_time[4 * n + beat] * 60.0) + np.arange(-12, 13)
+            near = np.abs(np.sum(clip.rotation[around][:, 4:14] * pose, axis=-1)).sum(axis=1)
+            if np.ptp(near) > 1e-2:
+                off.append(around[np.argmax(near)] / 60.0 - dance.beat_time[4 * n + beat])
+    assert len(off) >= 5
+    assert np.abs(off).max() <= 1.0 / 60.0
+
+
+def test_a_clip_whose_beats_are_annotated_wrong_is_found_late():
+    """The node ends early, so that the clip is played slower than its beats say."""
+    graph = build_graph(build_library([made_clip("sway"), made_clip("glide", way=(0.0, 0.5))]), threshold=0.3)
+    last = graph.library.node_last.copy()
+    last[0] -= 4.0  # of 32 samples
+    late = replace(graph, library=replace(graph.library, node_last=last))
+    dance = assemble(late, [0, 0], bpm=120.0)
+    offsets = DanceFigures(late, dance).annotated_offsets
+    np.testing.assert_allclose(offsets[0], np.arange(4) * 0.5 * (32.0 / 28.0 - 1.0))
+    assert DanceFigures(late, dance).result()["beat_offset_ms"]["annotated"]["p95"] > 100.0
+
+
+def test_small_forms():
+    assert ratio(np.array([2.0]), 4.0) == 0.5
+    assert ratio(np.zeros(0), 4.0) is None
+    assert ratio(np.ones(3), 0.0) is None
+    assert median_and_p95(np.zeros(0)) == {"median": None, "p95": None}
+    assert median_and_p95(np.array([-0.004, 0.002, 0.003]))["median"] == pytest.approx(3.0)
+    assert list_and_p95([]) == {"list": [], "p95": None}

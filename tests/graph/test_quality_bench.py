@@ -1,0 +1,23 @@
+"""The bench of graph quality: paths are followed without any recordings, and what has no data says so."""
+
+import pytest
+
+from live.cli.bench import load_bench
+
+
+@pytest.fixture(scope="module")
+def rows(tmp_path_factory):
+    return load_bench("graph-quality")(False, tmp_path_factory.mktemp("nothing"))
+
+
+def test_paths_with_the_projects_own_steps_hold_their_bars(rows):
+    paths = [row for row in rows if "path error" in row.name]
+    assert len(paths) == 4
+    assert all(row.ok for row in paths)
+    assert all(row.bar == 0.15 for row in paths)
+
+
+def test_without_recordings_rows_are_there_without_values(rows):
+    rest = [row for row in rows if "path error" not in row.name]
+    assert {row.name.split(":")[0] for row in rest} == {"salsa, leaders", "salsa, followers", "modern dance", "walks"}
+    assert all(row.value is None and row.ok is None for row in rest)
