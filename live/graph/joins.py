@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.graph.blends.possible import blendable
 from live.graph.library import StepLibrary, window_samples
 from live.graph.metric.flat import FlatClouds
 from live.graph.metric.near import near_pairs
@@ -114,7 +115,8 @@ def _between(
         (codes.leaving[leaves], codes.entering[enters]),
     )
     source, target = leaves[pairs.row].astype(np.int32), enters[pairs.column].astype(np.int32)
-    return Joins(source, target, pairs.distance, pairs.motion)
+    good = blendable(library, rule.window, source, target, pairs.motion[:, 2])
+    return Joins(source[good], target[good], pairs.distance[good], pairs.motion[good])
 
 
 def window_clouds(library: StepLibrary, line: Float64, rule: JoinRule) -> FlatClouds:
