@@ -13,11 +13,12 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 
-MOMENTS: Final = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
-"""Places in the blend, from its beginning to the measure line, at which the rotations are compared."""
+MOMENTS: Final = np.linspace(0.2, 0.8, 7)
+"""Places in the blend, from its beginning to the measure line, at which the rotations are compared; before and after
+them one of the two hardly counts."""
 LEAST_ROOT: Final = 0.3
 """Cosine of half the angle between the bodies: never farther than 145 degrees apart."""
-LEAST_CHORD: Final = 0.4
+LEAST_CHORD: Final = 0.5
 """Length of what is mixed of two unit rotations: shorter, it swings round in a moment. 1 where they are the same, 0
 where they are half a turn of sign apart and mixed half and half."""
 
