@@ -22,8 +22,10 @@ from live.steps.sketch_folder import load_steps
 
 Float64 = npt.NDArray[np.float64]
 
-THRESHOLD = 0.35
-"""Largest distance of a join [m], as `live dance` takes it for recordings."""
+USUAL = (0.75 / 4.0, 0.35)
+"""Length of a blend [measures] and largest distance of a join [m]: what `live dance` takes for recordings."""
+CLOSE = (1.0 / 4.0, 0.2)
+"""`live dance --window 1 --threshold 0.2`: fast music leaves little time for a blend, and near poses need less."""
 MEASURES = 32
 SQUARE = [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0), (-2.0, -2.0)]
 CIRCLE = [(2.0 * np.sin(phi), 2.0 * np.cos(phi)) for phi in np.linspace(0.0, 2.0 * np.pi, 361)]
@@ -44,8 +46,11 @@ def run(full: bool, shared: Path | None) -> list[Row]:
     folder = shared or Path(__file__).resolve().parents[2] / "shared"
     rows: list[Row] = []
     for name, files in _groups(full).items():
-        danced = _dance(name, folder, files, walks=12 if full else 4)
-        rows += _join_rows(name, danced) + _foot_rows(name, danced) + _beat_rows(name, danced)
+        walks = 24 if full else 8
+        close = _dance(name, folder, files, CLOSE, walks)
+        rows += _join_rows(f"{name}, blends of a beat within 20 cm", close)
+        rows += _join_rows(f"{name}, as usual", _dance(name, folder, files, USUAL, walks))
+        rows += _foot_rows(name, close) + _beat_rows(name, close)
     return rows + _path_rows(full)
 
 
@@ -58,7 +63,7 @@ def _groups(full: bool) -> dict[str, tuple[str, ...]]:
     }
 
 
-def _dance(name: str, shared: Path, files: tuple[str, ...], *, walks: int) -> Danced | None:
+def _dance(name: str, shared: Path, files: tuple[str, ...], setting: tuple[float, float], walks: int) -> Danced | None:
     """`walks` random walks at the recordings' own tempo; None without recordings, or where nothing joins."""
     material = recordings(shared, files)
     if not material:
@@ -66,7 +71,7 @@ def _dance(name: str, shared: Path, files: tuple[str, ...], *, walks: int) -> Da
     tempo = float(np.median([step.bpm for each in material for step in each.steps]))
     clips = [measure for each in material for step in each.steps for measure in _measures(step)]
     try:
-        graph = build_graph(build_library(clips), threshold=THRESHOLD)
+        graph = build_graph(build_library(clips), window=setting[0], threshold=setting[1])
     except ValueError:
         return None
     chance = np.random.default_rng(1)

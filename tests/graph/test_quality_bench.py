@@ -19,5 +19,5 @@ def test_paths_with_the_projects_own_steps_hold_their_bars(rows):
 
 def test_without_recordings_rows_are_there_without_values(rows):
     rest = [row for row in rows if "path error" not in row.name]
-    assert {row.name.split(":")[0] for row in rest} == {"salsa, leaders", "salsa, followers", "modern dance", "walks"}
+    assert {row.name.split(":")[0] for row in rest} >= {"salsa, leaders", "salsa, followers", "modern dance", "walks"}
     assert all(row.value is None and row.ok is None for row in rest)
