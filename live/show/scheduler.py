@@ -15,6 +15,7 @@ from live.agents.elements import ElementField
 from live.agents.model import AgentState
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
+from live.graph.candidates import QUICKEST_TURN
 from live.graph.kernels import choose_edges
 from live.graph.motion_graph import MotionGraph
 from live.show.danced import Danced
@@ -36,8 +37,6 @@ DECIDE_BEATS = 1.0
 # a metre off the place, a radian off the heading, a metre between poses, a measure away from the wanted step, a mirror
 # image where the group wants none (dearer than any place on the stage, cheaper than another step)
 WEIGHTS = np.array([1.0, 0.6, 0.8, 40.0, 20.0])
-QUICKEST_TURN = 5.0
-"""Dancers turn at most this fast [rad/s]: a measure that carries them on one foot for a moment only turns less."""
 
 
 class Scheduler:
