@@ -1,10 +1,11 @@
 """Loading a show: patch, steps and graph, ready to run; the same for live, offline and replay."""
 
+import contextlib
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -20,6 +21,9 @@ from live.show.patch import Patch, parse_entry
 from live.show.patch_file import PATCHES, find_beside, read_patch
 from live.show.programme import UnknownStep
 from live.steps.step_folder import load_folder
+
+RECORDED_M: Final = (0.25, 0.35)
+"""How far apart poses of recordings may be to be joined [m]: if possible, and if some step is left alone else."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,11 +101,11 @@ def show_of(
             f"{path}: no step has {patch.clock.beats_per_measure} beats a measure; those there are have {metres}",
             "change clock.beats_per_measure, or add such steps",
         )
-    limits = patch.locomotion
-    window = min(1.0, limits.transition_beats / patch.clock.beats_per_measure)
     try:
-        metric = Metric.of(limits.weights, limits.emphasis)
-        graph = build_graph(build_library(fitting), window=window, threshold=limits.threshold_m, metric=metric)
+        library = build_library(fitting)
+        if recordings is not None:
+            patch = _nearest_joins(library, patch)
+        graph = _graph_of(library, patch)
     except ValueError as error:
         remedy = "[locomotion] in the patch" if recordings is None else "fps, drop_frames and bpm in the TOML"
         raise PersonError(f"{path}: {error}", f"look at {remedy}") from None
@@ -109,6 +113,28 @@ def show_of(
         patch = with_steps_of(patch, graph)
     _refuse_other_metres(patch, path, clips)
     return LoadedShow(path, patch, graph, recordings, reserve)
+
+
+def _graph_of(library: StepLibrary, patch: Patch) -> MotionGraph:
+    limits = patch.locomotion
+    window = min(1.0, limits.transition_beats / patch.clock.beats_per_measure)
+    metric = Metric.of(limits.weights, limits.emphasis)
+    return build_graph(library, window=window, threshold=limits.threshold_m, metric=metric)
+
+
+def _nearest_joins(library: StepLibrary, patch: Patch) -> Patch:
+    """The patch with the smaller threshold for recordings, if that leaves no step alone; else with the larger one."""
+    least, most = (max(patch.locomotion.threshold_m, threshold) for threshold in RECORDED_M)
+    for threshold in (least, most):
+        patch = _with_locomotion(patch, threshold_m=threshold)
+        with contextlib.suppress(ValueError):  # the larger one is tried, and told, below
+            if not _graph_of(library, patch).missing:
+                break
+    return patch
+
+
+def _with_locomotion(patch: Patch, **changes: float) -> Patch:
+    return patch.model_copy(update={"locomotion": patch.locomotion.model_copy(update=changes)})
 
 
 def _refuse_other_metres(patch: Patch, path: Path, clips: list[StepClip]) -> None:
@@ -139,11 +165,11 @@ def _sketched(patch: Patch, path: Path) -> list[StepClip]:
 
 
 def for_recordings(patch: Patch, clips: list[StepClip]) -> Patch:
-    """The patch with the metre that most of the recordings have, and room for poses that differ more than sketches'."""
+    """The patch with the metre that most of the recordings have, and a beat for each blend: they differ more than
+    sketches, and hands must not cross faster than they do in the clips."""
     metres = [clip.beats_per_measure for clip in clips]
     clock = patch.clock.model_copy(update={"beats_per_measure": max(metres, key=metres.count)})
-    limits = patch.locomotion.model_copy(update={"threshold_m": max(patch.locomotion.threshold_m, 0.35)})
-    return patch.model_copy(update={"clock": clock, "locomotion": limits})
+    return _with_locomotion(patch.model_copy(update={"clock": clock}), transition_beats=1.0)
 
 
 def with_steps_of(patch: Patch, graph: MotionGraph) -> Patch:
