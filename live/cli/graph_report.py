@@ -162,7 +162,7 @@ def dot_of(report: Report) -> str:
                 words = [
                     one.side,
                     " → ".join(filter(None, (one.begin_pose, one.end_pose))),
-                    f"{len(one.nodes)} measures",
+                    "1 measure" if len(one.nodes) == 1 else f"{len(one.nodes)} measures",
                 ]
                 lines.append(f"    c{number} [label={_quoted(chr(10).join(filter(None, words)))}];")
         lines.append("  }")

@@ -159,7 +159,9 @@ def graph(
     svg: Annotated[
         Path | None, typer.Option(help="Write the steps and what leads where as a picture.", metavar="OUT.svg")
     ] = None,
-    threshold: Annotated[float | None, typer.Option(help="Largest distance of poses that are joined [m].")] = None,
+    threshold: Annotated[
+        float | None, typer.Option(help="Largest distance of poses that are joined, in metres.")
+    ] = None,
     window: Annotated[
         float | None, typer.Option(help="Length of a transition as a share of the measure. Default: 0.75 beats.")
     ] = None,
@@ -168,11 +170,16 @@ def graph(
     ] = False,
 ) -> None:
     """Show the motion graph: which step leads to which, how near, dead ends, and what is missing."""
+    from live.base.errors import PersonError
     from live.cli.options import parse_number, writable_file
     from live.cli.steps_graph import print_graph
 
     parse_number(threshold, "--threshold", 0.001, 10)
     parse_number(window, "--window", 0.01, 0.9)
+    if svg is not None and svg.suffix.lower() != ".svg":
+        raise PersonError(f"--svg {svg}: a name that ends in .svg expected", f"--svg {svg.with_suffix('.svg')}")
+    if json_out and dot:
+        raise PersonError("--json and --dot are two answers, and one is printed", "leave one of them out")
     writable_file(svg, "--svg")
     print_graph(library, as_json=json_out, as_dot=dot, svg=svg, threshold=threshold, window=window, bridges=bridges)
 

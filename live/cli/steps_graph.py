@@ -11,6 +11,7 @@ from rich.console import Console
 from live.base.errors import PersonError
 from live.cli.graph_report import Report, dead_ends, dot_of, json_of, report_of, svg_of
 from live.cli.steps_library import NamedStep, named_steps, threshold_for
+from live.cli.whole_file import write_whole
 from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
 
@@ -37,10 +38,7 @@ def print_graph(
 
         found = find_missing_bridges(report.graph, report.missing, read_recordings_of(library))
     if svg is not None:
-        try:
-            svg.write_text(svg_of(report), encoding="utf-8")
-        except OSError as error:
-            raise PersonError(f"--svg: cannot write {svg}: {error.strerror}") from None
+        write_whole(svg_of(report).encode(), svg, "--svg")
     if as_json:
         data = json_of(report) if found is None else json_of(report) | {"bridges": found}
         print(json.dumps(data, ensure_ascii=False, indent=1))

@@ -11,7 +11,7 @@ from live.graph.specification import MOST_MEASURES, Wanted, travels
 from live.motion.step_clip import DIRECTIONS
 
 ANY: Final = "*"
-_TIMES: Final = re.compile(r"(?P<what>.+?)\s+[x×]\s*(?P<times>[0-9]{1,9})")
+_TIMES: Final = re.compile(r"(?P<what>.+?)\s+[x×]\s*(?P<times>[0-9]{1,200})")
 _LENGTH: Final = re.compile(r"(?P<what>.+?)\s*:\s*(?P<measures>[0-9]{1,3})")
 _WAYS: Final = tuple(dict.fromkeys([*DIRECTIONS, *(way.split()[-1] for way in DIRECTIONS[1:])]))
 """Ways that may follow a step's name: the nine directions, or only where to."""
@@ -33,7 +33,10 @@ def parse_sequence(text: str, library: StepLibrary) -> list[Wanted]:
         what, times = _repeats(part.strip(), library)
         measures = len(wanted) + times  # at least: no entry is shorter than a measure
         if times < 1 or measures > MOST_MEASURES:
-            raise PersonError(f"{where}, {_short(part)}: 1 to {MOST_MEASURES} measures in all expected")
+            raise PersonError(
+                f"{where}, {_short(part)}: 1 to {MOST_MEASURES} measures in all expected",
+                "fewer repeats" if times else "leave the entry out",
+            )
         wanted += [_entry(what, library, where)] * times
     return wanted
 
@@ -79,7 +82,11 @@ def _entry(what: str, library: StepLibrary, where: str) -> Wanted:
             lengths
         )
     if measures is not None and measures not in lengths:
-        raise PersonError(f"{where}: {library.steps[step]!r} is {_listed(lengths)} measures long, not {measures}")
+        unit = "measure" if lengths == [1] else "measures"
+        raise PersonError(
+            f"{where}: {library.steps[step]!r} is {_listed(lengths)} {unit} long, not {measures}",
+            f"{library.steps[step]}:{lengths[0]}",
+        )
     if measures is None and len(lengths) > 1:
         raise PersonError(
             f"{where}: variations of {library.steps[step]!r} are {_listed(lengths)} measures long: say which",

@@ -179,7 +179,8 @@ def test_libraries_that_cannot_be_danced(library: Path, steps: list[str], argume
     [
         ({"sequence": "walk, grapvine"}, r"entry 2 of the sequence: there is no step 'grapvine' \(grapevine\)"),
         ({"sequence": ""}, "entry 1 of the sequence is empty"),
-        ({"sequence": "@nowhere.txt"}, "--sequence nowhere.txt: a file of at most 4 MB expected"),
+        ({"sequence": "@nowhere.txt"}, "--sequence @nowhere.txt: there is no such file"),
+        ({"sequence": "@."}, "--sequence @.: that is no file"),
         ({"sequence": "walk", "bpm": 0.0}, "--bpm 0: 20 to 400 expected"),
         ({"sequence": "walk", "bpm": float("nan")}, "--bpm nan"),
         ({"sequence": "walk", "window": 5.0}, "--window 5: at most a measure, 4 beats"),

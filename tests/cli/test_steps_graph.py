@@ -112,14 +112,19 @@ def test_the_command_tells_and_draws(tmp_path: Path):
 
 def test_what_cannot_be_is_told_in_a_line(tmp_path: Path):
     run = CliRunner()
+    recording = tmp_path / "take_3.bvh"
+    recording.write_text("not to be written over")
     for arguments, words in (
         (["--threshold", "0"], "--threshold"),
         (["--window", "2"], "--window"),
         (["--svg", str(tmp_path / "no" / "folder.svg")], "--svg"),
+        (["--svg", str(recording)], "a name that ends in .svg"),
+        (["--json", "--dot"], "--json and --dot"),
     ):
         failed = run.invoke(app, ["steps", "graph", str(PATCHES / "steps"), *arguments])
         assert failed.exit_code != 0
         assert words in failed.output + str(failed.exception)
+    assert recording.read_text() == "not to be written over"
     empty = run.invoke(app, ["steps", "graph", str(tmp_path)])
     assert empty.exit_code != 0
 
