@@ -95,7 +95,9 @@ def print_dance(plan: Plan, *, as_json: bool) -> None:
     told = Console(stderr=True, highlight=False, soft_wrap=True)
     if wrong.any():
         told.print(
-            f"{wrong.sum()} of {len(rows)} measures are not as wanted: this is the nearest dance", style="yellow"
+            f"{wrong.sum()} of {len(rows)} measures {'is' if wrong.sum() == 1 else 'are'} not as wanted: "
+            "this is the nearest dance",
+            style="yellow",
         )
     for one in plan.missing:
         where = "" if one.source is None else f" after {one.source}"

@@ -272,6 +272,7 @@ def _along_path(
         raise PersonError(f"--path: {error}") from None
     lacks = path_lacks(graph, candidates, targets, followed, seconds=seconds)
     missing = [*missing, *(Missing(lack.measures[0], None, lack.step, lack.text) for lack in lacks)]
+    missing.sort(key=lambda one: one.measure)
     cost = np.zeros(len(followed.node))
     for n in range(1, len(cost)):
         row = slice(graph.edge_start[followed.node[n - 1]], graph.edge_start[followed.node[n - 1] + 1])

@@ -13,6 +13,7 @@ from rich.console import Console
 
 from live.base.errors import PersonError
 from live.base.inbox import Inbox
+from live.cli.news import News
 from live.clock.source import SystemClock
 from live.clock.ticks import STALL
 from live.control.events import ControlEvent
@@ -137,20 +138,33 @@ class Session:
             rejected=self._rejected,
             memory=resident_megabytes(),
             level=lambda: getattr(self._audio, "level", None),
-            refusal=self._last_refusal,
+            refusal=lambda: self.news.refused,
         )
         self._tempo = tempo
         self._journal: JournalWriter | None = None
         stall = max(STALL, 3.0 / wish.film_fps)  # a slow rate is no stall
         self.engine = Engine(show, clock=self.clock, inbox=self.inbox, status=self.status, stall=stall)
         self._watch = self._make_watch()
+        self.news = self._make_news()
         self._status_file: StatusFile | None = None
 
-    def _last_refusal(self) -> str:
-        """The last refusal in words: of a packet that was not understood the reason, of a control all that is known."""
+    def _make_news(self) -> News:
+        """Tells on the terminal what is refused and what joins: with `--headless` there is no overlay that does."""
+        watch, console = self._watch, Console(stderr=True, highlight=False)
+        refusals: list[Callable[[], str]] = [self._osc_refusal, lambda: self.show.refusal]
+        others: list[Callable[[], str]] = []
+        if watch is not None:
+            refusals.append(lambda: watch.problem)
+            others.append(lambda: watch.joined)
+
+        def say(line: str) -> None:
+            console.print(line, style="yellow", soft_wrap=True, markup=False)
+
+        return News(refusals, others, say)
+
+    def _osc_refusal(self) -> str:
+        """The last refusal of OSC: of a packet that was not understood the reason, of a control all that is known."""
         rejection = self.osc.last_rejection
-        if self._watch is not None and self._watch.problem:
-            return self._watch.problem
         if rejection is None:
             return ""
         return str(rejection) if rejection.address else f"an OSC packet: {rejection.reason}"
@@ -185,6 +199,7 @@ class Session:
             self._open_journal()
             if self._watch is not None:
                 self._watch.start()
+            self.news.start()
             gc.collect()
             gc.freeze()
             gc.disable()
@@ -243,8 +258,6 @@ class Session:
             told.append(f"{self._journal.dropped} lines of the journal could not be written: it will not replay")
         if self._status_file is not None and self._status_file.dropped:
             told.append(f"{self._status_file.dropped} status lines could not be written")
-        if self._watch is not None and self._watch.problem:
-            told.append(f"new steps could not be taken: {self._watch.problem}")
         return told
 
     def _stop(self) -> None:
@@ -253,13 +266,14 @@ class Session:
         self.osc.stop()
         if self._watch is not None:
             self._watch.stop()
+        self.news.stop()
         if self._journal is not None:
             self._journal.close(self.engine.ticks.index)
         if self._status_file is not None:
             self._status_file.close(self.clock.now())
         console = Console(stderr=True, highlight=False)
         for warning in self.warnings():
-            console.print(f"note: {warning}", style="yellow", markup=False)
+            console.print(f"note: {warning}", style="yellow", soft_wrap=True, markup=False)
 
     def after_frame(self, started: float, previous: float) -> None:
         """Housekeeping after a frame: figures, the status line, and garbage of the youngest generation."""

@@ -40,7 +40,9 @@ class LibraryWatch:
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="library watch", daemon=True)
         self.problem = ""
-        """Why the last change of the folder could not be read; empty if it could."""
+        """Why the last change of the folder could not be taken; empty if it could."""
+        self.joined = ""
+        """What has joined last, in words; empty before."""
 
     def start(self) -> None:
         """Begin to watch."""
@@ -66,7 +68,7 @@ class LibraryWatch:
         try:
             clips = load_folder(self._folder)
         except (PersonError, OSError) as error:
-            self.problem = str(error)
+            self.problem = f"new steps: {error}"
             return False
         self.problem = ""
         return self._join([clip for clip in clips if clip_key(clip) not in self._known])
@@ -74,13 +76,16 @@ class LibraryWatch:
     def _join(self, clips: list[StepClip]) -> bool:
         fitting = [clip for clip in clips if clip.beats_per_measure == self._graph.library.beats_per_measure]
         if len(fitting) < len(clips):
-            self.problem = f"{len(clips) - len(fitting)} new steps have another metre than the show"
+            names = ", ".join(sorted({clip.step for clip in clips if clip not in fitting}))
+            beats = self._graph.library.beats_per_measure
+            self.problem = f"new steps: {names[:100]} can be danced only in another show: this one has {beats} beats"
         if not fitting:
             return False
         self._graph = insert_clips(self._graph, fitting)
         keys = [clip_key(clip) for clip in fitting]
         self._known.update(keys)
         found = library_hash(self._graph.library)
+        self.joined = f"new steps: {', '.join(sorted({clip.step for clip in fitting}))[:200]} can be danced"
         self._offer(found, self._graph)
         self._post(StepsAdded(time=self._now(), source="library", clips="\n".join(keys), library=found))
         return True

@@ -135,7 +135,7 @@ def test_the_nearest_dance_and_what_is_missing(library: Path) -> None:
     assert shown.returncode == 0
     assert shown.stdout.count("(not as wanted)") == 1
     assert shown.stderr.splitlines() == [
-        "1 of 3 measures are not as wanted: this is the nearest dance",
+        "1 of 3 measures is not as wanted: this is the nearest dance",
         "missing in measure 3 after b: no a that starts in y: record one (or b that ends in x)",
     ]
     free = run_live("dance", "sketches", "--sequence", "samba x2")

@@ -122,6 +122,17 @@ def test_what_cannot_be_read_is_told_and_the_show_goes_on(patch):
     night.watch.look()
     assert night.watch.look()
     assert night.watch.problem == ""
+    assert night.watch.joined == "new steps: new bow can be danced"
+
+
+def test_steps_of_another_metre_are_named(patch):
+    night = Night(patch)
+    text = (STEPS / "samba.toml").read_text().replace('name = "samba"', 'name = "march"')
+    (patch.parent / "moves" / "march.toml").write_text(text.replace("beats = ", "beats_per_measure = 2\nbeats = ", 1))
+    night.watch.look()
+    assert not night.watch.look()
+    assert "march" in night.watch.problem
+    assert "4 beats" in night.watch.problem
 
 
 def test_an_event_without_its_graph_is_refused(patch):
