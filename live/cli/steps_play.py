@@ -16,14 +16,11 @@ from live.motion.clip import Clip
 from live.motion.step_clip import StepClip
 from live.motion.step_figures import travel
 from live.show.load import LoadedShow
-from live.show.patch import (
-    CameraSection,
-    ClockSection,
-    GroupSection,
-    LocomotionSection,
-    Patch,
-    StageSection,
-)
+from live.show.patch import Patch
+from live.show.sections.group import GroupSection
+from live.show.sections.motion import LocomotionSection
+from live.show.sections.music import ClockSection
+from live.show.sections.stage import CameraSection, StageSection
 
 MOST = 16
 """Variations shown at once."""

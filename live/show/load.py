@@ -17,9 +17,10 @@ from live.graph.motion_graph import MotionGraph, build_graph
 from live.motion.skeleton import JOINT_COUNT
 from live.motion.step_clip import StepClip
 from live.show.core import Show
-from live.show.patch import Patch, parse_entry
+from live.show.patch import Patch
 from live.show.patch_file import PATCHES, find_beside, read_patch
 from live.show.programme import UnknownStep
+from live.show.sections.group import parse_entry
 from live.steps.step_folder import load_folder
 
 RECORDED_M: Final = (0.25, 0.35)

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from live.graph.live_sequence import HORIZON
 from live.graph.motion_graph import NEVER, MotionGraph
 from live.graph.specification import Wanted
-from live.show.patch import GroupSection, parse_entry
+from live.show.sections.group import GroupSection, parse_entry
 
 Nodes = npt.NDArray[np.int32]
 

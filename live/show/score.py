@@ -1,7 +1,8 @@
 """Score: the elements that the patch puts at measures, and those called live, as elements with beats (T132)."""
 
 from live.agents.elements import ATTRACTOR, REPULSOR, SPREADER, Element
-from live.show.patch import ElementSection, Patch
+from live.show.patch import Patch
+from live.show.sections.element import ElementSection
 
 KINDS = {"attract": ATTRACTOR, "repel": REPULSOR, "spread": SPREADER}
 

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from live.graph.takes import NO_TAKE
 from live.motion.editing.time_warp import F_MAX, draw_measure_warps
 from live.show.danced import Danced
-from live.show.patch import MotionSection
+from live.show.sections.motion import MotionSection
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]

@@ -5,8 +5,8 @@ import itertools
 import numpy as np
 import pytest
 
-from live.show.patch import GroupSection, parse_entry
 from live.show.programme import GroupProgramme, UnknownStep, find_step
+from live.show.sections.group import GroupSection, parse_entry
 from tests.show.made_show import GRAPH
 
 NOBODY = np.zeros(1, np.int32)

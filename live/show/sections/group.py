@@ -1,0 +1,56 @@
+"""Groups of dancers: `[[group]]`."""
+
+import re
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator
+
+from live.show.sections.motion import MotionSection
+from live.show.sections.section import Colour, Name, Place, Section, Size
+
+_REPEATED = re.compile(r"^(?P<step>.*?)(?:\s+x\s*(?P<times>[0-9]{1,3}))?$")
+
+
+def parse_entry(entry: str) -> tuple[str, int]:
+    """Step name and number of repeats of an entry like "groove x4"; repeats are 1 if none are given."""
+    match = _REPEATED.match(entry.strip())
+    if match is None:
+        return entry.strip(), 1
+    return match["step"].strip(), int(match["times"] or 1)
+
+
+class GroupSection(Section):
+    """`[[group]]`: some dancers who dance alike."""
+
+    name: Name
+    """Every group needs its own."""
+    dancers: Annotated[int, Field(ge=1, le=4000)]
+    """How many dancers it has."""
+    colour: Colour | None = None
+    """Colour of their clothes."""
+    steps: Annotated[tuple[str, ...], Field(min_length=1, max_length=10000)]
+    """Steps in order, one after the other and again from the start; "groove x4" repeats one. With
+    `choose = "random"` the set from which steps are drawn."""
+    choose: Literal["sequence", "random"] = "sequence"
+    """Steps in their order, or drawn by seeded chance, never the same twice in a row."""
+    travel_step: str | None = None
+    """The step danced instead when the way is farther than the step in turn can go."""
+    facing: Literal["public", "path", "centre"] = "public"
+    """Where dancers face when a measure ends: the public, along their way, or the group's centre."""
+    formation: Literal["grid", "line", "circle"] = "grid"
+    """The shape in which the group begins."""
+    centre: Place = (0.0, 0.0)
+    """Its middle (x, z) [m]."""
+    size: Size = (8.0, 5.0)
+    """Width and depth of the formation [m]."""
+    motion: MotionSection | None = None
+    """Keys as in `[motion]`, for this group alone; what is left out is as there."""
+
+    @field_validator("steps")
+    @classmethod
+    def _known_form(cls, steps: tuple[str, ...]) -> tuple[str, ...]:
+        for entry in steps:
+            name, times = parse_entry(entry)
+            if not name or times < 1:
+                raise ValueError(f"{entry!r} is no step: write a step's name, or 'groove x4' to repeat it")
+        return steps

@@ -1,0 +1,50 @@
+"""Stage, camera and light of a patch."""
+
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from live.show.sections.section import Colour, Far, Section, Share
+
+
+class StageSection(Section):
+    """`[stage]`: size of the floor."""
+
+    width: Annotated[float, Field(ge=2, le=200)] = 12.0
+    """Metres from side to side."""
+    depth: Annotated[float, Field(ge=2, le=200)] = 8.0
+    """Metres from back to front."""
+
+
+class CameraSection(Section):
+    """`[camera]`: where the picture is seen from [m], vertical field of view [degrees]."""
+
+    eye: tuple[Far, Far, Far] = (0.0, 3.4, 11.5)
+    """Where the camera stands: x, y (up), z [m]."""
+    target: tuple[Far, Far, Far] = (0.0, 0.9, 0.0)
+    """What it looks at [m]."""
+    field_of_view_deg: Annotated[float, Field(ge=5, le=120)] = 40.0
+    """Vertical angle of view."""
+
+    @model_validator(mode="after")
+    def _look_somewhere(self) -> "CameraSection":
+        if sum((a - b) ** 2 for a, b in zip(self.eye, self.target, strict=True)) < 1e-6:
+            raise ValueError("eye and target are the same point: the camera looks nowhere")
+        return self
+
+
+class LookSection(Section):
+    """`[look]`: light and colour (linear RGB from 0 to 1); what is left out keeps its default."""
+
+    background: Colour | None = None
+    """Colour of the dark behind the stage."""
+    floor: Colour | None = None
+    """Colour of the floor."""
+    key_light: Colour | None = None
+    """Colour of the light from the front, which casts the shadows."""
+    rim_light: Colour | None = None
+    """Colour of the light from behind."""
+    ambient: Share | None = None
+    """Strength of the light from everywhere."""
+    haze: Annotated[float, Field(ge=0, le=1)] | None = None
+    """How fast the depth of the stage fades [1/m]."""
