@@ -1,0 +1,78 @@
+"""Goals: where each agent is going, written as wants; way points are goals taken in order."""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.goals.kernels import ARRIVE, pass_way_points, seek_goals
+from live.agents.wants import Wants
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+APPROACH: Final = 1.0
+"""Speed per metre to go [1/s] near a goal, under ARRIVE."""
+NO_WALLS: Final = np.zeros((0, 4))
+
+
+class Goals:
+    """One goal for each of A agents; the caller may change `target` and `preferred` at any time."""
+
+    def __init__(
+        self, target: npt.ArrayLike, preferred: float | Float64 | Float32, *, law: int = ARRIVE, rate: float = APPROACH
+    ) -> None:
+        """`target` (A, 2) [m]; `preferred` speed [m/s], one number or (A,); `law` and `rate` as in kernels.py."""
+        self.target: Float32 = np.array(target, np.float32, order="C").reshape(-1, 2)
+        self.preferred: Float32 = np.zeros(len(self.target), np.float32)
+        self.preferred[:] = preferred
+        self.law = law
+        self.rate = rate
+        self._reached: Int32 = np.zeros(len(self.target), np.int32)
+        self._factor: Float32 = np.zeros(len(self.target), np.float32)
+
+    def __call__(self, wants: Wants, position: Float32, reach: float = 0.3) -> Int32:
+        """Write `wants.velocity` for all; the numbers of the agents within `reach` [m] of their targets.
+
+        What is returned is a view that the next call overwrites.
+        """
+        count = seek_goals(
+            wants.rows, self._reached, self._factor, position, self.target, self.preferred, self.law, self.rate, reach
+        )
+        return self._reached[:count]
+
+
+class WayPoints:
+    """Ways of A agents, each through one or more points in order; the last one is where she stays."""
+
+    def __init__(self, ways: Sequence[npt.ArrayLike], walls: Float64 = NO_WALLS) -> None:
+        """`ways`: for each agent her points (K, 2) [m], K >= 1; `walls` (W, 4) [m] hide a next point behind them."""
+        points = [np.asarray(way, np.float64).reshape(-1, 2) for way in ways]
+        if any(len(way) == 0 for way in points):
+            raise ValueError("every way needs a point")
+        self._points: Float64 = np.concatenate([np.zeros((0, 2)), *points])
+        self._start: Int32 = np.concatenate([[0], np.cumsum([len(way) for way in points])]).astype(np.int32)
+        self._walls: Float64 = np.ascontiguousarray(walls, np.float64)
+        self.at: Int32 = self._start[:-1].copy()
+
+    @property
+    def current(self) -> Float64:
+        """Where everybody goes now [m], shape (A, 2)."""
+        return self._points[self.at]
+
+    @property
+    def last(self) -> Float64:
+        """Where everybody will stay [m], shape (A, 2)."""
+        return self._points[self._start[1:] - 1]
+
+    @property
+    def on_last(self) -> npt.NDArray[np.bool_]:
+        """Who is on the way to her last point, shape (A,)."""
+        there: npt.NDArray[np.bool_] = self.at == self._start[1:] - 1
+        return there
+
+    def __call__(self, goals: Goals, position: Float32, reach: float, gate: float) -> None:
+        """Give those who are at, or past, a way point the next one as their goal (see `pass_way_points`)."""
+        pass_way_points(goals.target, self.at, position, self._points, self._start, self._walls, reach, gate)

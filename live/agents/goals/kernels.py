@@ -1,0 +1,127 @@
+"""Kernels of goals: the velocity towards a place under two arrival laws, who is there, way points in turn."""
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel, part
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+ARRIVE = 0
+"""Speed min(preferred, rate · d): full speed, then slower in proportion to what is left (Reynolds 1999, arrival)."""
+ATTRACTOR = 1
+"""Speed preferred · (1 - exp(-rate · d)): the attraction of T105, with the decay length 1 / rate."""
+
+_ONE = np.float32(1.0)
+_TINY = np.float32(1e-12)
+_FAR = np.float32(16.0)  # exp(-16) is nothing, in float32
+_PIECE = np.float32(-1.0 / 32.0)
+_C2, _C3, _C4, _C5 = np.float32(1 / 2), np.float32(1 / 6), np.float32(1 / 24), np.float32(1 / 120)
+
+
+@part
+def attraction(x: np.float32) -> np.float32:
+    """1 - exp(-x) for x >= 0, within 2e-6: a series for exp(-x / 32), squared five times, which vectorises."""
+    y = min(x, _FAR) * _PIECE
+    e = _ONE + y * (_ONE + y * (_C2 + y * (_C3 + y * (_C4 + y * _C5))))
+    e = e * e
+    e = e * e
+    e = e * e
+    e = e * e
+    e = e * e
+    return _ONE - e
+
+
+@kernel("i8(f4[:,::1],i4[::1],f4[::1],f4[:,::1],f4[:,::1],f4[::1],i8,f8,f8)")
+def seek_goals(
+    rows: Float32,
+    reached: Int32,
+    factor: Float32,
+    position: Float32,
+    target: Float32,
+    preferred: Float32,
+    law: int,
+    rate: float,
+    reach: float,
+) -> int:
+    """Write everybody's velocity towards her target into columns 0 and 1 of `rows`; return how many are there.
+
+    `rows` (A, 8) as in agents.wants; `position`, `target` (A, 2) [m], `preferred` (A,) [m/s]; `rate` [1/m] for
+    ATTRACTOR, [1/s] for ARRIVE. `reached` (A,) begins with the numbers of those within `reach` [m], in their order;
+    `factor` (A,) is scratch: lengths of their own loop are vectorised, the scattered writes are not.
+    """
+    agents = position.shape[0]
+    rate32, reach32 = np.float32(rate), np.float32(reach)
+    if law == ARRIVE:
+        for i in range(agents):
+            dx = target[i, 0] - position[i, 0]
+            dz = target[i, 1] - position[i, 1]
+            factor[i] = min(rate32, preferred[i] / np.sqrt(dx * dx + dz * dz + _TINY))
+    else:
+        for i in range(agents):
+            dx = target[i, 0] - position[i, 0]
+            dz = target[i, 1] - position[i, 1]
+            d = np.sqrt(dx * dx + dz * dz + _TINY)
+            factor[i] = preferred[i] * attraction(d * rate32) / d
+    count = 0
+    within = reach32 * reach32
+    for i in range(agents):
+        dx = target[i, 0] - position[i, 0]
+        dz = target[i, 1] - position[i, 1]
+        rows[i, 0] = dx * factor[i]
+        rows[i, 1] = dz * factor[i]
+        if dx * dx + dz * dz <= within:
+            reached[count] = i
+            count += 1
+    return count
+
+
+@kernel("b1(f8,f8,f8,f8,f8,f8,f8,f8)")
+def segments_cross(ax: float, az: float, bx: float, bz: float, cx: float, cz: float, dx: float, dz: float) -> bool:
+    """Whether the segments a-b and c-d meet; touching counts, running along each other does not."""
+    c = (bx - ax) * (cz - az) - (bz - az) * (cx - ax)
+    d = (bx - ax) * (dz - az) - (bz - az) * (dx - ax)
+    a = (dx - cx) * (az - cz) - (dz - cz) * (ax - cx)
+    b = (dx - cx) * (bz - cz) - (dz - cz) * (bx - cx)
+    return (c > 0.0) != (d > 0.0) and (a > 0.0) != (b > 0.0)
+
+
+@kernel("void(f4[:,::1],i4[::1],f4[:,::1],f8[:,::1],i4[::1],f8[:,::1],f8,f8)")
+def pass_way_points(
+    target: Float32,
+    at: Int32,
+    position: Float32,
+    points: Float64,
+    start: Int32,
+    walls: Float64,
+    reach: float,
+    gate: float,
+) -> None:
+    """Move everybody who is at her way point, or past it, on to the next; write it into `target` (A, 2).
+
+    `points` (P, 2) [m] holds all way points, those of agent i at start[i]:start[i + 1]; `at` (A,) which one is hers.
+    At it: within `reach` [m]. Past it: within `gate` [m], beyond the line through it across the way to the next, and
+    none of `walls` (W, 4) lies between her and the next; without this a crowd would turn back for a point in a door.
+    """
+    for i in range(position.shape[0]):
+        last = start[i + 1] - 1
+        here = at[i]
+        if here >= last:
+            continue
+        px, pz = float(position[i, 0]), float(position[i, 1])
+        wx, wz = points[here, 0], points[here, 1]
+        nx, nz = points[here + 1, 0], points[here + 1, 1]
+        d2 = (px - wx) * (px - wx) + (pz - wz) * (pz - wz)
+        passed = d2 <= reach * reach
+        if not passed and d2 <= gate * gate and (px - wx) * (nx - wx) + (pz - wz) * (nz - wz) > 0.0:
+            passed = True
+            for w in range(walls.shape[0]):
+                if segments_cross(px, pz, nx, nz, walls[w, 0], walls[w, 1], walls[w, 2], walls[w, 3]):
+                    passed = False
+                    break
+        if passed:
+            at[i] = here + 1
+            target[i, 0] = np.float32(nx)
+            target[i, 1] = np.float32(nz)

@@ -1,0 +1,107 @@
+"""Goals and way points against plain formulas."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from live.agents.goals.goals import Goals, WayPoints
+from live.agents.goals.kernels import ARRIVE, ATTRACTOR, segments_cross
+from live.agents.wants import Wants
+
+
+def wished(position, target, **options):
+    position = np.array(position, np.float32).reshape(-1, 2)
+    wants = Wants(len(position))
+    reached = Goals(target, 1.3, **options)(wants, position)
+    return wants.velocity.astype(float), list(reached)
+
+
+@given(st.integers(0, 2**31 - 1), st.integers(0, 33), st.floats(0.2, 4.0))
+@settings(max_examples=50, deadline=None)
+def test_arrive_slows_down_in_proportion_to_what_is_left(seed, count, rate):
+    chance = np.random.default_rng(seed)
+    position, target = chance.uniform(-9, 9, (2, count, 2)).astype(np.float32)
+    velocity, reached = wished(position, target, law=ARRIVE, rate=rate)
+    way = target.astype(float) - position
+    distance = np.linalg.norm(way, axis=1)
+    expected = way / distance[:, None] * np.minimum(1.3, rate * distance)[:, None]
+    np.testing.assert_allclose(velocity, expected, rtol=1e-4, atol=1e-5)
+    assert reached == list(np.flatnonzero(distance <= 0.3))
+
+
+@given(st.integers(0, 2**31 - 1), st.integers(0, 33), st.floats(0.2, 4.0))
+@settings(max_examples=50, deadline=None)
+def test_the_attractor_pulls_with_one_minus_f(seed, count, rate):
+    """T105: 1 - f(d), f(d) = exp(-d / decay), from millimetres to a hundred metres."""
+    chance = np.random.default_rng(seed)
+    angle, distance = chance.uniform(0, 7, count), 10 ** chance.uniform(-3, 2, count)
+    target = np.stack([np.sin(angle), np.cos(angle)], 1) * distance[:, None]
+    velocity, _ = wished(np.zeros((count, 2)), target, law=ATTRACTOR, rate=rate)
+    expected = target / distance[:, None] * 1.3 * (1 - np.exp(-rate * distance))[:, None]
+    np.testing.assert_allclose(velocity, expected, atol=4e-6)
+
+
+@pytest.mark.parametrize("law", [ARRIVE, ATTRACTOR])
+def test_on_the_spot_she_stands(law):
+    velocity, reached = wished([[2, 1], [5, 5]], [[2, 1], [5, 5.2]], law=law)
+    assert (velocity[0] == 0).all()
+    assert velocity[1, 1] > 0
+    assert reached == [0, 1]
+
+
+def test_nobody_is_no_trouble():
+    velocity, reached = wished(np.zeros((0, 2)), np.zeros((0, 2)))
+    assert velocity.shape == (0, 2)
+    assert reached == []
+
+
+def walk(way, start, gate=0.9):
+    """The numbers of the way points aimed at while walking straight from one to the next, 5 cm at a time."""
+    ways = WayPoints([way])
+    goals = Goals(ways.current, 1.0)
+    place, seen = np.array([start], np.float32), [0]
+    for _ in range(400):
+        ways(goals, place, 0.1, gate)
+        if ways.at[0] != seen[-1]:
+            seen.append(int(ways.at[0]))
+        wants = Wants(1)
+        goals(wants, place)
+        place = place + wants.velocity * np.float32(0.05)
+    return seen, place[0]
+
+
+def test_way_points_are_taken_in_order_and_the_last_one_is_kept():
+    seen, place = walk([[0, 0], [2, 0], [2, 3], [0, 0]], [-3, 0])
+    assert seen == [0, 1, 2, 3]
+    np.testing.assert_allclose(place, [0, 0], atol=1e-3)
+
+
+def test_who_has_been_pushed_past_a_way_point_goes_on():
+    way = WayPoints([[[0, 0], [4, 0]]] * 4)
+    goals = Goals(way.current, 1.0)
+    #  beside it and past; beside it, not yet past; past, but far beside; there
+    place = np.array([[0.1, 0.6], [-0.1, 0.6], [0.1, 1.5], [-0.05, 0.05]], np.float32)
+    way(goals, place, 0.3, 0.9)
+    assert list(way.on_last) == [True, False, False, True]
+    np.testing.assert_array_equal(goals.target[:, 0], [4, 0, 0, 4])
+    np.testing.assert_array_equal(way.last, [[4, 0]] * 4)
+
+
+def test_nobody_skips_a_way_point_through_a_wall():
+    door = np.array([[0.05, -5.0, 0.05, 0.3]])  # the way point stands at the door's edge, she behind the wall
+    way = WayPoints([[[0, 0.5], [4, 0.5]]], np.concatenate([door, [[0.05, 0.7, 0.05, 5.0]]]))
+    goals = Goals(way.current, 1.0)
+    way(goals, np.array([[0.01, 0.0]], np.float32), 0.1, 0.9)
+    assert not way.on_last[0]
+    way(goals, np.array([[0.01, 0.55]], np.float32), 0.01, 0.9)
+    assert way.on_last[0]
+
+
+def test_segments_cross_as_shapely_says():
+    from shapely import LineString
+
+    ends = np.random.default_rng(5).uniform(-1, 1, (300, 8))
+    for end in ends:
+        expected = LineString([end[:2], end[2:4]]).intersects(LineString([end[4:6], end[6:]]))
+        assert segments_cross(*end) == expected
