@@ -50,28 +50,33 @@ def seek_goals(
 
     `rows` (A, 8) as in agents.wants; `position`, `target` (A, 2) [m], `preferred` (A,) [m/s]; `rate` [1/m] for
     ATTRACTOR, [1/s] for ARRIVE. `reached` (A,) begins with the numbers of those within `reach` [m], in their order;
-    `factor` (A,) is scratch: lengths of their own loop are vectorised, the scattered writes are not.
+    `factor` (A,) is scratch: what is written close together is vectorised, the wants of agents are not.
     """
     agents = position.shape[0]
+    place, goal, wish = (
+        position.ravel(),
+        target.ravel(),
+        rows.ravel(),
+    )  # flat views: LLVM does not know that rows hold 2
     rate32, reach32 = np.float32(rate), np.float32(reach)
     if law == ARRIVE:
         for i in range(agents):
-            dx = target[i, 0] - position[i, 0]
-            dz = target[i, 1] - position[i, 1]
+            dx = goal[2 * i] - place[2 * i]
+            dz = goal[2 * i + 1] - place[2 * i + 1]
             factor[i] = min(rate32, preferred[i] / np.sqrt(dx * dx + dz * dz + _TINY))
     else:
         for i in range(agents):
-            dx = target[i, 0] - position[i, 0]
-            dz = target[i, 1] - position[i, 1]
+            dx = goal[2 * i] - place[2 * i]
+            dz = goal[2 * i + 1] - place[2 * i + 1]
             d = np.sqrt(dx * dx + dz * dz + _TINY)
             factor[i] = preferred[i] * attraction(d * rate32) / d
     count = 0
     within = reach32 * reach32
     for i in range(agents):
-        dx = target[i, 0] - position[i, 0]
-        dz = target[i, 1] - position[i, 1]
-        rows[i, 0] = dx * factor[i]
-        rows[i, 1] = dz * factor[i]
+        dx = goal[2 * i] - place[2 * i]
+        dz = goal[2 * i + 1] - place[2 * i + 1]
+        wish[8 * i] = dx * factor[i]
+        wish[8 * i + 1] = dz * factor[i]
         if dx * dx + dz * dz <= within:
             reached[count] = i
             count += 1
