@@ -123,6 +123,7 @@ class Dancers:
         phase = measure_warp(fraction, amplitude, frequency, start, sign, self.graph.window)
         if variation.warp_sequence.any():
             phase = phase + variation.sequence_warp(fraction)
+        phase = np.maximum(phase - variation.late, -1.0)
         late = (phase < 0.0) & (self.past.node >= 0)
         early = (phase > 1.0) & self.decided
         self._fill(self._everybody, present, self.coming, np.clip(phase, 0.0, 1.0), fraction)

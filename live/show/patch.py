@@ -61,6 +61,23 @@ class Patch(Section):
                 )
         return self
 
+    def leader_of(self, group: GroupSection) -> GroupSection:
+        """The group whose steps a group dances: itself, or the one that it is like."""
+        return next((other for other in self.group if other.name == group.like), group)
+
+    @model_validator(mode="after")
+    def _leaders_are_there(self) -> "Patch":
+        names = {group.name: group for group in self.group}
+        for group in self.group:
+            if group.like is None:
+                continue
+            leader = names.get(group.like)
+            if leader is None or leader is group:
+                raise ValueError(f"group {group.name!r} is like {group.like!r}: no other group is called that")
+            if leader.like is not None:
+                raise ValueError(f"group {group.name!r}: name {leader.like!r}, which {leader.name!r} is like itself")
+        return self
+
     @model_validator(mode="after")
     def _names_differ(self) -> "Patch":
         names = [group.name for group in self.group]

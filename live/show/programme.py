@@ -135,7 +135,7 @@ class GroupProgramme:
         library = self._graph.library
         # whoever is within a step of several measures finishes it: a call waits until somebody is free to follow it
         within = library.node_measure[nodes] < library.node_measures[nodes] - 1
-        if self._call is not None and not within.all():
+        if self._call is not None and not (len(nodes) and within.all()):
             step = self._call.step
             length = self._length(step)
             again = -(-(self._call.left + self._call.done % length) // length)

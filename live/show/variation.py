@@ -81,10 +81,22 @@ class Variation:
     """The varieties of all groups, and what is drawn from them for every dancer and measure."""
 
     def __init__(
-        self, varieties: list[Variety], group: Int32, *, seed: int, beats_per_measure: int, window: float
+        self,
+        varieties: list[Variety],
+        group: Int32,
+        *,
+        seed: int,
+        beats_per_measure: int,
+        window: float,
+        late: tuple[float, ...] = (),
     ) -> None:
+        """`group` (A,) is shared with the show, which calls `regrouped` when it has changed.
+
+        `late`: beats by which each group dances behind the others (canon, T147), less than a measure.
+        """
         self._varieties = varieties
         self._group = group
+        self._late = np.array(late or [0.0] * len(varieties)) / beats_per_measure
         self._seed = seed
         self._beats = beats_per_measure
         self._window = window
@@ -94,9 +106,13 @@ class Variation:
         self._amplitude_knots: Float64 = np.zeros((4, count))
         self._frequency_knots: Float64 = np.zeros((4, count))
         self.measure = 0
-        self._refresh()
+        self.late: Float64 = np.zeros(count)
+        """Share of a measure by which each dancer is behind the others on purpose (canon), shape (A,)."""
+        self.regrouped()
 
-    def _refresh(self) -> None:
+    def regrouped(self) -> None:
+        """Take up which group everybody is in, and what the groups want."""
+        self.late[:] = self._late[self._group]
         for name in Variety.names():
             values = np.array([getattr(variety, name) for variety in self._varieties], np.float64)
             setattr(self, name, values[self._group])
@@ -122,7 +138,7 @@ class Variation:
     def set(self, name: str, value: float, group: int) -> None:
         """Set one field of one group, by its index; it acts on what is drawn from now on."""
         self._varieties[group] = replace(self._varieties[group], **{name: value})
-        self._refresh()
+        self.regrouped()
 
     def draw(self, measure: int, danced: Danced) -> None:
         """Vary the measure numbered `measure` (from 0), whose nodes are chosen already."""

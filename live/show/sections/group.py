@@ -3,7 +3,7 @@
 import re
 from typing import Annotated, Literal
 
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from live.show.sections.motion import MotionSection
 from live.show.sections.section import Colour, Name, Place, Section, Size
@@ -28,9 +28,19 @@ class GroupSection(Section):
     """How many dancers it has."""
     colour: Colour | None = None
     """Colour of their clothes."""
-    steps: Annotated[tuple[str, ...], Field(min_length=1, max_length=10000)]
+    attributes: Annotated[tuple[Name, ...], Field(max_length=64)] = ()
+    """Words for its dancers ("tall", "red"), by which they can be chosen later."""
+    soloists: Annotated[int, Field(ge=0, le=4000)] = 0
+    """So many of its dancers, the first ones, are soloists: the others give way to them."""
+    steps: Annotated[tuple[str, ...], Field(max_length=10000)] = ()
     """Steps in order, one after the other and again from the start; "groove x4" repeats one. With
-    `choose = "random"` the set from which steps are drawn."""
+    `choose = "random"` the set from which steps are drawn. Needed, unless the group dances like another."""
+    like: Name | None = None
+    """It dances the steps of this other group ..."""
+    beats_later: Annotated[int, Field(ge=0, le=256)] = 0
+    """... so many beats later (a canon) ..."""
+    mirrored: bool = False
+    """... or as their mirror image, left for right."""
     choose: Literal["sequence", "random"] = "sequence"
     """Steps in their order, or drawn by seeded chance, never the same twice in a row."""
     travel_step: str | None = None
@@ -54,3 +64,15 @@ class GroupSection(Section):
             if not name or times < 1:
                 raise ValueError(f"{entry!r} is no step: write a step's name, or 'groove x4' to repeat it")
         return steps
+
+    @model_validator(mode="after")
+    def _dances_something(self) -> "GroupSection":
+        if self.like is None and not self.steps:
+            raise ValueError(f"group {self.name!r} has nothing to dance: give it steps, or say which group it is like")
+        if self.like is not None and self.steps:
+            raise ValueError(f"group {self.name!r} has steps of its own and is like {self.like!r}: leave one out")
+        if self.like is None and (self.beats_later or self.mirrored):
+            raise ValueError(f"group {self.name!r}: beats_later and mirrored need like = another group's name")
+        if self.soloists > self.dancers:
+            raise ValueError(f"group {self.name!r} has {self.soloists} soloists and only {self.dancers} dancers")
+        return self

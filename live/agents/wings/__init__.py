@@ -1,0 +1,1 @@
+"""Wings: where dancers enter the stage and leave it while the show runs."""

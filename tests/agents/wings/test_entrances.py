@@ -1,0 +1,75 @@
+"""Dancers come and go at measure lines, through gates, to open places."""
+
+import numpy as np
+
+from live.agents.wants import ABSENT, ON_STAGE, PASSING, Wants
+from live.agents.wings.entrances import CALLED, ENTERING, LEAVING, ON, WAITING, Entrances
+from live.agents.wings.gate import wings
+
+SIZE = (6.0, 4.0)
+
+
+def walk(entrances: Entrances, position: np.ndarray, seconds: float) -> Wants:
+    """Everybody goes exactly where she wants."""
+    wants = Wants(len(position))
+    for _ in range(round(seconds * 64)):
+        wants.rest()
+        wants.speed[:] = 1.2
+        entrances.write(wants, position)
+        position += wants.velocity / 64 * (wants.presence != ABSENT)[:, None]
+    return wants
+
+
+def test_who_is_called_comes_at_the_next_line_and_walks_in() -> None:
+    entrances = Entrances(6, 4, wings(*SIZE), SIZE)
+    position = np.zeros((6, 2), np.float32)
+    position[:4] = [(-2, 0), (2, 0), (0, 2), (0, -2)]
+    assert entrances.present.tolist() == [True] * 4 + [False] * 2
+    rows = entrances.call(1, entrances.gate_named("RIGHT"))
+    assert rows.tolist() == [4]
+    assert entrances.state[4] == CALLED
+    assert not entrances.present[4]
+    assert entrances.cross_measure_line(position).tolist() == [4]
+    assert position[4, 0] > 6.0
+    wants = walk(entrances, position, 0.1)
+    assert wants.presence.tolist() == [ON_STAGE] * 4 + [PASSING, ABSENT]
+    wants = walk(entrances, position, 12.0)
+    assert entrances.state[4] == ON
+    assert np.abs(position[4]).tolist() < [6.0, 4.0]
+    apart = np.hypot(*(position[:4] - position[4]).T)
+    assert apart.min() > 1.0
+
+
+def test_who_leaves_is_gone_at_the_first_line_after_she_is_out() -> None:
+    entrances = Entrances(3, 3, wings(*SIZE), SIZE)
+    position = np.array([(-4, 0), (4, 0), (0, -3)], np.float32)
+    assert entrances.send_off(np.array([True, False, True]), None, position) == 2
+    assert entrances.state.tolist() == [LEAVING, ON, LEAVING]
+    walk(entrances, position, 8.0)
+    assert position[0, 0] < -6.0
+    assert position[2, 1] < -4.0
+    assert entrances.present.all()
+    entrances.cross_measure_line(position)
+    assert entrances.present.tolist() == [False, True, False]
+    assert entrances.state[0] == WAITING
+
+
+def test_more_than_wait_cannot_come_and_each_has_her_own_place() -> None:
+    entrances = Entrances(8, 2, wings(*SIZE), SIZE)
+    position = np.zeros((8, 2), np.float32)
+    assert len(entrances.call(100, None)) == 6
+    assert len(entrances.call(1, None)) == 0
+    entrances.cross_measure_line(position)
+    assert (entrances.state[2:] == ENTERING).all()
+    goals = entrances.goal[2:]
+    apart = np.hypot(*(goals[:, None] - goals[None]).transpose(2, 0, 1))[np.triu_indices(6, 1)]
+    assert apart.min() > 0.7
+
+
+def test_a_call_can_be_taken_back() -> None:
+    entrances = Entrances(2, 1, wings(*SIZE), SIZE)
+    position = np.zeros((2, 2), np.float32)
+    entrances.call(1, None)
+    assert entrances.send_off(np.array([False, True]), None, position) == 0
+    assert len(entrances.cross_measure_line(position)) == 0
+    assert entrances.state[1] == WAITING

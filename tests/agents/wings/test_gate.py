@@ -1,0 +1,52 @@
+"""Gates lie on the stage's edge and let dancers wait outside."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from live.agents.wings.gate import APART, OUTSIDE, Gate, wings
+
+metres = st.floats(-50, 50)
+
+
+@given(x=metres, z=metres, width=st.floats(0.1, 40), half=st.tuples(st.floats(1, 20), st.floats(1, 20)))
+def test_a_gate_lies_on_the_edge_and_its_places_outside(
+    x: float, z: float, width: float, half: tuple[float, float]
+) -> None:
+    gate = Gate.at_edge("g", (x, z), width, half_width=half[0], half_depth=half[1])
+    on_side = math.isclose(abs(gate.x), half[0]) and abs(gate.z) <= half[1] + 1e-9
+    on_depth = math.isclose(abs(gate.z), half[1]) and abs(gate.x) <= half[0] + 1e-9
+    assert on_side or on_depth
+    assert math.hypot(gate.out_x, gate.out_z) == 1.0
+    places = gate.places(7)
+    out = (places - (gate.x, gate.z)) @ (gate.out_x, gate.out_z)
+    assert out.min() >= OUTSIDE - 1e-9
+    inside = gate.inside(0.5)
+    assert abs(inside[0]) <= half[0]
+    assert abs(inside[1]) <= half[1]
+
+
+def test_those_who_wait_stand_apart_and_within_the_gates_width() -> None:
+    gate = wings(6.0, 4.0)[2]
+    places = gate.places(20)
+    apart = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1))[np.triu_indices(20, 1)]
+    assert apart.min() >= APART - 1e-9
+    assert np.abs(places[:, 0] - gate.x).max() <= gate.width / 2
+    assert (places[:, 1] <= -4.0 - OUTSIDE + 1e-9).all()
+
+
+def test_the_wings_of_a_stage_that_names_none() -> None:
+    assert [(gate.name, gate.x, gate.z) for gate in wings(6.0, 4.0)] == [
+        ("left", -6.0, 0.0),
+        ("right", 6.0, 0.0),
+        ("back", 0.0, -4.0),
+    ]
+
+
+@pytest.mark.parametrize(("at", "width"), [((math.nan, 0.0), 1.0), ((0.0, math.inf), 1.0), ((0.0, 0.0), 0.0)])
+def test_no_gate_without_a_place_and_a_width(at: tuple[float, float], width: float) -> None:
+    with pytest.raises(ValueError, match="gate 'g'"):
+        Gate.at_edge("g", at, width, half_width=6.0, half_depth=4.0)
