@@ -1,0 +1,129 @@
+"""The scenarios on which avoidance engines are compared: head on, circles, crossings, a gap, corridors, formations."""
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from live.agents.scenarios.rules import ever_on, through_gap
+from live.agents.scenarios.scenario import Float64, Scenario
+
+RADIUS: Final = 0.25
+PREFERRED: Final = 1.3
+MAXIMUM: Final = 1.8
+GOAL_RADIUS: Final = 0.3
+
+
+def dart_throwing(
+    chance: np.random.Generator, count: int, spacing: float, low: tuple[float, float], high: tuple[float, float]
+) -> Float64:
+    """Uniform places in a rectangle, none closer than `spacing` [m] to another (Poisson disk), shape (count, 2)."""
+    places = np.empty((0, 2))
+    for _ in range(400 * count + 10000):
+        if len(places) == count:
+            return places
+        dart = chance.uniform(low, high)
+        if len(places) == 0 or np.min(np.sum((places - dart) ** 2, axis=1)) >= spacing * spacing:
+            places = np.vstack([places, dart])
+    raise ValueError(f"{count} places {spacing} m apart do not fit between {low} and {high}")
+
+
+def _scenario(duration: float, start: Float64, goal: Float64, walls: Float64 | None = None) -> Scenario:
+    return Scenario(
+        duration,
+        RADIUS,
+        PREFERRED,
+        MAXIMUM,
+        GOAL_RADIUS,
+        start,
+        tuple(point.reshape(1, 2) for point in goal),
+        walls=np.zeros((0, 4)) if walls is None else walls,
+    )
+
+
+def opposite(points: list[tuple[float, float]]) -> Scenario:
+    """Exactly symmetric: everybody goes to the point opposite."""
+    start = np.array(points, float)
+    return _scenario(30.0, start, -start)
+
+
+def circle(count: int, ring: float, seed: int) -> Scenario:
+    """Everybody on a circle of radius `ring` [m], started within a centimetre of her place, to its far side."""
+    angle = np.arange(count) * (2.0 * np.pi / count)
+    exact = ring * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    jitter = np.random.default_rng(1000 + seed).uniform(-0.01, 0.01, exact.shape)
+    return _scenario(60.0, exact + jitter, -exact)
+
+
+def cross(half: int, spacing: float, seed: int) -> Scenario:
+    """Crossing over (T110): two groups of `half` change sides, each to her mirror image."""
+    chance = np.random.default_rng(1000 + seed)
+    left = dart_throwing(chance, half, spacing, (-7.5, -4.5), (-1.0, 4.5))
+    right = dart_throwing(chance, half, spacing, (1.0, -4.5), (7.5, 4.5))
+    start = np.concatenate([left, right])
+    return _scenario(60.0, start, start * (-1.0, 1.0))
+
+
+def bottleneck(count: int, seed: int) -> Scenario:
+    """Out of a room of 8 m x 8 m through a gap 1.2 m wide and 0.4 m long."""
+    chance = np.random.default_rng(1000 + seed)
+    start = dart_throwing(chance, count, 0.65, (-3.6, -3.6), (2.6, 3.6))
+    goal = np.stack([np.full(count, 9.0), chance.uniform(-3.0, 3.0, count)], axis=1)
+    walls = [[-4.0, -4.0, -4.0, 4.0]]
+    for side in (-1.0, 1.0):
+        walls += [[-4.0, 4.0 * side, 4.4, 4.0 * side], [4.0, 0.6 * side, 4.4, 0.6 * side]]
+        walls += [[x, 0.6 * side, x, 4.0 * side] for x in (4.0, 4.4)]
+    plain = _scenario(120.0, start, goal, np.array(walls))
+    return Scenario(
+        **{name: getattr(plain, name) for name in Scenario.__slots__ if name != "rule"}, rule=through_gap(goal)
+    )
+
+
+def formation(seed: int) -> Scenario:
+    """Fifty dancers from anywhere to a grid of 10 x 5 at 1 m, matched so that all ways together are shortest."""
+    chance = np.random.default_rng(1000 + seed)
+    start = dart_throwing(chance, 50, 0.9, (-6.5, -4.5), (6.5, 4.5))
+    grid = np.stack(np.meshgrid(np.arange(10) - 4.5, np.arange(5) - 2.0), axis=-1).reshape(-1, 2)
+    _, column = linear_sum_assignment(np.linalg.norm(start[:, None] - grid[None], axis=2))
+    return _scenario(60.0, start, grid[column])
+
+
+def random_goals(count: int, seed: int) -> Scenario:
+    """Half a dancer per square metre, each to a random place, and on to another for ever."""
+    half_width = float(np.sqrt(count / 0.5)) / 2.0
+    chance = np.random.default_rng(1000 + seed)
+    start = dart_throwing(chance, count, 0.8, (-half_width, -half_width), (half_width, half_width))
+    goal = chance.uniform(-half_width, half_width, (count, 2))
+    plain = _scenario(60.0, start, goal)
+    changed = {"rule": ever_on(seed, half_width), "endless": True}
+    return Scenario(**{**{name: getattr(plain, name) for name in Scenario.__slots__}, **changed})
+
+
+def corridor(half: int, seed: int) -> Scenario:
+    """Two opposite streams of `half` in a corridor 4 m wide: from one end of its 20 m to the other, 11 m on."""
+    chance = np.random.default_rng(1000 + seed)
+    spacing = min(0.9, 0.6 * float(np.sqrt(50.0 / half)))
+    left = dart_throwing(chance, half, spacing, (-10.0, -1.65), (-1.0, 1.65))
+    right = dart_throwing(chance, half, spacing, (1.0, -1.65), (10.0, 1.65))
+    ahead = np.repeat([[11.0, 0.0], [-11.0, 0.0]], half, axis=0)
+    start = np.concatenate([left, right])
+    walls = np.array([[-12.0, side * 2.0, 12.0, side * 2.0] for side in (-1.0, 1.0)])
+    return _scenario(60.0, start, start + ahead, walls)
+
+
+SCENARIOS: Final[dict[str, Callable[[int], Scenario]]] = {
+    "headon-2": lambda _seed: opposite([(-4, 0), (4, 0)]),
+    "sym-4": lambda _seed: opposite([(-4, 0), (4, 0), (0, -4), (0, 4)]),
+    "circle-20": lambda seed: circle(20, 4.0, seed),
+    "circle-50": lambda seed: circle(50, 8.0, seed),
+    "circle-100": lambda seed: circle(100, 16.0, seed),
+    "cross-50": lambda seed: cross(25, 0.90, seed),
+    "cross-100": lambda seed: cross(50, 0.72, seed),
+    "corridor-50": lambda seed: corridor(25, seed),
+    "corridor-100": lambda seed: corridor(50, seed),
+    "bottleneck-60": lambda seed: bottleneck(60, seed),
+    "formation-hung": formation,
+    "random-100": lambda seed: random_goals(100, seed),
+}
+"""Every scenario by name, made from a seed; the symmetric ones have one start."""

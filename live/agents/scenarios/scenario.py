@@ -1,0 +1,56 @@
+"""Scenario: who starts where and wants to go where, between which walls, for how long."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+Float64 = npt.NDArray[np.float64]
+
+Rule = Callable[[Float64, Float64], None]
+"""Called before each tick with the positions (A, 2) [m] and the targets (A, 2) [m], which it may change in place."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scenario:
+    """A agents with radii and goals; metres, seconds; points are (x, z)."""
+
+    duration: float
+    """How long it runs [s]."""
+    radius: float
+    """Body radius of everybody [m]."""
+    preferred_speed: float
+    """Speed at which everybody walks when nothing is in the way [m/s]."""
+    max_speed: float
+    """Speed nobody exceeds [m/s]."""
+    goal_radius: float
+    """Who has been within this distance of her last goal has arrived [m]."""
+    start: Float64
+    """Where everybody stands at time 0, at rest [m], shape (A, 2)."""
+    goals: tuple[Float64, ...]
+    """For each agent the points to go to in order [m], shapes (K, 2), K >= 1."""
+    stage: tuple[float, float, float, float] | None = None
+    """The rectangle x0, z0, x1, z1 [m] that nobody leaves; None: the plane."""
+    walls: Float64 = field(default_factory=lambda: np.zeros((0, 4)))
+    """Segments x1, z1, x2, z2 [m] that nobody crosses, shape (W, 4)."""
+    rule: Callable[[], Rule] | None = None
+    """Makes what changes the targets while it runs, afresh for each run; None: the goals are fixed."""
+    endless: bool = False
+    """Goals are redrawn for ever: nobody arrives."""
+
+    @property
+    def agent_count(self) -> int:
+        """Number of agents A."""
+        return len(self.start)
+
+    @property
+    def last_goal(self) -> Float64:
+        """Where everybody will stay [m], shape (A, 2)."""
+        return np.array([way[-1] for way in self.goals]).reshape(-1, 2)
+
+    @property
+    def straight(self) -> Float64:
+        """Length of the way from the start through all goals [m], shape (A,)."""
+        ways = (np.vstack([start, way]) for start, way in zip(self.start, self.goals, strict=True))
+        return np.array([np.linalg.norm(np.diff(way, axis=0), axis=1).sum() for way in ways]).reshape(-1)
