@@ -15,11 +15,13 @@ Int32 = npt.NDArray[np.int32]
 
 APPROACH: Final = 1.0
 """Speed per metre to go [1/s] near a goal, under ARRIVE."""
+PASS: Final = 1e9
+"""The rate at which nobody slows down."""
 NO_WALLS: Final = np.zeros((0, 4))
 
 
 class Goals:
-    """One goal for each of A agents; the caller may change `target` and `preferred` at any time."""
+    """One goal for each of A agents; the caller may change `target`, `preferred` and `rate` at any time."""
 
     def __init__(
         self, target: npt.ArrayLike, preferred: float | Float64 | Float32, *, law: int = ARRIVE, rate: float = APPROACH
@@ -29,7 +31,7 @@ class Goals:
         self.preferred: Float32 = np.zeros(len(self.target), np.float32)
         self.preferred[:] = preferred
         self.law = law
-        self.rate = rate
+        self.rate: Float32 = np.full(len(self.target), rate, np.float32)
         self._reached: Int32 = np.zeros(len(self.target), np.int32)
         self._factor: Float32 = np.zeros(len(self.target), np.float32)
 
@@ -39,7 +41,7 @@ class Goals:
         What is returned is a view that the next call overwrites.
         """
         count = seek_goals(
-            wants.rows, self._reached, self._factor, position, self.target, self.preferred, self.law, self.rate, reach
+            wants.rows, self._reached, self._factor, position, self.target, self.preferred, self.rate, self.law, reach
         )
         return self._reached[:count]
 
@@ -47,14 +49,17 @@ class Goals:
 class WayPoints:
     """Ways of A agents, each through one or more points in order; the last one is where she stays."""
 
-    def __init__(self, ways: Sequence[npt.ArrayLike], walls: Float64 = NO_WALLS) -> None:
-        """`ways`: for each agent her points (K, 2) [m], K >= 1; `walls` (W, 4) [m] hide a next point behind them."""
+    def __init__(self, ways: Sequence[npt.ArrayLike], walls: Float64 = NO_WALLS, rate: float = APPROACH) -> None:
+        """`ways`: for each agent her points (K, 2) [m], K >= 1; `walls` (W, 4) [m] hide a next point behind them;
+        `rate`: how everybody slows down for her last point, as in `Goals`.
+        """
         points = [np.asarray(way, np.float64).reshape(-1, 2) for way in ways]
         if any(len(way) == 0 for way in points):
             raise ValueError("every way needs a point")
         self._points: Float64 = np.concatenate([np.zeros((0, 2)), *points])
         self._start: Int32 = np.concatenate([[0], np.cumsum([len(way) for way in points])]).astype(np.int32)
         self._walls: Float64 = np.ascontiguousarray(walls, np.float64)
+        self._rate = rate
         self.at: Int32 = self._start[:-1].copy()
 
     @property
@@ -73,6 +78,14 @@ class WayPoints:
         there: npt.NDArray[np.bool_] = self.at == self._start[1:] - 1
         return there
 
+    def begin(self, goals: Goals) -> None:
+        """Give everybody her first point as her goal; from now on `goals.rate` is kept, too."""
+        self.at[:] = self._start[:-1]
+        goals.target[:] = self.current
+        goals.rate[:] = np.where(self.on_last, self._rate, PASS)
+
     def __call__(self, goals: Goals, position: Float32, reach: float, gate: float) -> None:
         """Give those who are at, or past, a way point the next one as their goal (see `pass_way_points`)."""
-        pass_way_points(goals.target, self.at, position, self._points, self._start, self._walls, reach, gate)
+        pass_way_points(
+            goals.target, goals.rate, self.at, position, self._points, self._start, self._walls, reach, gate, self._rate
+        )

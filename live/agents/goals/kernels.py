@@ -34,7 +34,7 @@ def attraction(x: np.float32) -> np.float32:
     return _ONE - e
 
 
-@kernel("i8(f4[:,::1],i4[::1],f4[::1],f4[:,::1],f4[:,::1],f4[::1],i8,f8,f8)")
+@kernel("i8(f4[:,::1],i4[::1],f4[::1],f4[:,::1],f4[:,::1],f4[::1],f4[::1],i8,f8)")
 def seek_goals(
     rows: Float32,
     reached: Int32,
@@ -42,14 +42,14 @@ def seek_goals(
     position: Float32,
     target: Float32,
     preferred: Float32,
+    rate: Float32,
     law: int,
-    rate: float,
     reach: float,
 ) -> int:
     """Write everybody's velocity towards her target into columns 0 and 1 of `rows`; return how many are there.
 
-    `rows` (A, 8) as in agents.wants; `position`, `target` (A, 2) [m], `preferred` (A,) [m/s]; `rate` [1/m] for
-    ATTRACTOR, [1/s] for ARRIVE. `reached` (A,) begins with the numbers of those within `reach` [m], in their order;
+    `rows` (A, 8) as in agents.wants; `position`, `target` (A, 2) [m], `preferred` (A,) [m/s]; `rate` (A,) [1/m]
+    for ATTRACTOR, [1/s] for ARRIVE. `reached` (A,) begins with the numbers of those within `reach` [m], in their order;
     `factor` (A,) is scratch: what is written close together is vectorised, the wants of agents are not.
     """
     agents = position.shape[0]
@@ -58,18 +58,18 @@ def seek_goals(
         target.ravel(),
         rows.ravel(),
     )  # flat views: LLVM does not know that rows hold 2
-    rate32, reach32 = np.float32(rate), np.float32(reach)
+    reach32 = np.float32(reach)
     if law == ARRIVE:
         for i in range(agents):
             dx = goal[2 * i] - place[2 * i]
             dz = goal[2 * i + 1] - place[2 * i + 1]
-            factor[i] = min(rate32, preferred[i] / np.sqrt(dx * dx + dz * dz + _TINY))
+            factor[i] = min(rate[i], preferred[i] / np.sqrt(dx * dx + dz * dz + _TINY))
     else:
         for i in range(agents):
             dx = goal[2 * i] - place[2 * i]
             dz = goal[2 * i + 1] - place[2 * i + 1]
             d = np.sqrt(dx * dx + dz * dz + _TINY)
-            factor[i] = preferred[i] * attraction(d * rate32) / d
+            factor[i] = preferred[i] * attraction(d * rate[i]) / d
     count = 0
     within = reach32 * reach32
     for i in range(agents):
@@ -93,9 +93,10 @@ def segments_cross(ax: float, az: float, bx: float, bz: float, cx: float, cz: fl
     return (c > 0.0) != (d > 0.0) and (a > 0.0) != (b > 0.0)
 
 
-@kernel("void(f4[:,::1],i4[::1],f4[:,::1],f8[:,::1],i4[::1],f8[:,::1],f8,f8)")
+@kernel("void(f4[:,::1],f4[::1],i4[::1],f4[:,::1],f8[:,::1],i4[::1],f8[:,::1],f8,f8,f8)")
 def pass_way_points(
     target: Float32,
+    rate: Float32,
     at: Int32,
     position: Float32,
     points: Float64,
@@ -103,10 +104,12 @@ def pass_way_points(
     walls: Float64,
     reach: float,
     gate: float,
+    last_rate: float,
 ) -> None:
     """Move everybody who is at her way point, or past it, on to the next; write it into `target` (A, 2).
 
     `points` (P, 2) [m] holds all way points, those of agent i at start[i]:start[i + 1]; `at` (A,) which one is hers.
+    Nobody slows down for a point that is not her last: `rate` (A,) becomes `last_rate` when it is.
     At it: within `reach` [m]. Past it: within `gate` [m], beyond the line through it across the way to the next, and
     none of `walls` (W, 4) lies between her and the next; without this a crowd would turn back for a point in a door.
     """
@@ -130,3 +133,5 @@ def pass_way_points(
             at[i] = here + 1
             target[i, 0] = np.float32(nx)
             target[i, 1] = np.float32(nz)
+            if here + 1 == last:
+                rate[i] = np.float32(last_rate)

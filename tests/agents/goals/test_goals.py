@@ -60,6 +60,7 @@ def walk(way, start, gate=0.9):
     """The numbers of the way points aimed at while walking straight from one to the next, 5 cm at a time."""
     ways = WayPoints([way])
     goals = Goals(ways.current, 1.0)
+    ways.begin(goals)
     place, seen = np.array([start], np.float32), [0]
     for _ in range(400):
         ways(goals, place, 0.1, gate)
@@ -75,6 +76,18 @@ def test_way_points_are_taken_in_order_and_the_last_one_is_kept():
     seen, place = walk([[0, 0], [2, 0], [2, 3], [0, 0]], [-3, 0])
     assert seen == [0, 1, 2, 3]
     np.testing.assert_allclose(place, [0, 0], atol=1e-3)
+
+
+def test_nobody_slows_down_but_for_her_last_point():
+    way = WayPoints([[[1, 0], [1.5, 0]]], rate=1.0)
+    goals, wants = Goals(way.current, 1.3), Wants(1)
+    way.begin(goals)
+    place = np.array([[0.9, 0.0]], np.float32)
+    goals(wants, place)
+    np.testing.assert_allclose(wants.velocity, [[1.3, 0]], rtol=1e-5)
+    way(goals, place, 0.3, 0.9)
+    goals(wants, place)
+    np.testing.assert_allclose(wants.velocity, [[0.6, 0]], rtol=1e-5)
 
 
 def test_who_has_been_pushed_past_a_way_point_goes_on():
