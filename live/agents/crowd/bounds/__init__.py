@@ -1,0 +1,1 @@
+"""Bounds: stage edges, walls and obstacles."""

@@ -1,0 +1,1 @@
+"""Cells: who stands near whom, by a counting sort."""

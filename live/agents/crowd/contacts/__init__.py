@@ -1,0 +1,1 @@
+"""Contacts: bodies that come too near are kept apart, whatever was wanted."""

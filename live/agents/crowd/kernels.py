@@ -1,0 +1,80 @@
+"""One tick of the crowd: cells, neighbours, motion, contacts, bounds."""
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.crowd.bounds.kernels import bend_at_surroundings, keep_on_stage, outside_surroundings
+from live.agents.crowd.cells.kernels import sort_agents
+from live.agents.crowd.contacts.kernels import land_softly, part_bodies
+from live.agents.crowd.motion.kernels import FIRM_HORIZON, steer_agents
+from live.agents.crowd.neighbours.kernels import sum_neighbours
+from live.base.jit import kernel
+
+Float32 = npt.NDArray[np.float32]
+Int32 = npt.NDArray[np.int32]
+
+
+@kernel(
+    "void(f4[::1], f4[::1], f4[:,::1], f4[:,::1], f4[:,::1], i8, f4[:,::1], i8, f4[::1], i8, f8, f8, f4[:,::1], i4[:,::1], i4[::1])"
+)
+def advance_crowd(
+    out: Float32,
+    state: Float32,
+    model: Float32,
+    wants: Float32,
+    walls: Float32,
+    wall_count: int,
+    obstacles: Float32,
+    obstacle_count: int,
+    params: Float32,
+    seed: int,
+    time: float,
+    dt: float,
+    rows: Float32,
+    numbers: Int32,
+    start: Int32,
+) -> None:
+    """Advance all agents by dt [s] from `state` to `out` (8 A,).
+
+    model (A, 2): radius, responsibility; wants (A, 8); rows (32, A), numbers (16, A), start: scratch.
+    """
+    a = wants.shape[0]
+    grid = np.empty(4)
+    sorted_, sums, moved, change, asks = rows[0:6], rows[6:16], rows[16:20], rows[20:23], rows[23:25]
+    slot_agent = numbers[0]
+    pairs = numbers[4:16].reshape(12 * a)
+    n = sort_agents(state, wants, model, sorted_, slot_agent, numbers[1:3].reshape(2 * a), start, grid)
+    for s in range(n):
+        i = slot_agent[s]
+        separation = max(wants[i, 3], np.float32(1e-6))
+        asks[0, s] = np.float32(1.0) / (separation * separation)
+        asks[1, s] = params[6] + wants[i, 6] * (np.float32(FIRM_HORIZON) - params[6])
+    pair_count = sum_neighbours(sorted_, start, grid, asks, sums, params, pairs)
+    steer_agents(out, state, wants, sums, moved, slot_agent, n, params, dt)
+    land_softly(moved, sorted_, pairs, pair_count, change, n, dt)
+    bend_at_surroundings(moved, sorted_, n, walls, wall_count, obstacles, obstacle_count)
+    keep_on_stage(moved, sorted_, wants, slot_agent, n, params)
+    for s in range(n):
+        moved[2, s] = sorted_[0, s] + moved[0, s] * np.float32(dt)
+        moved[3, s] = sorted_[1, s] + moved[1, s] * np.float32(dt)
+    part_bodies(moved, sorted_, pairs, pair_count, change, n)
+    for i in range(a):
+        if wants[i, 7] <= 0.0:
+            for k in range(2):
+                out[2 * i + k], out[2 * a + 2 * i + k], out[4 * a + 2 * i + k] = state[2 * i + k], 0.0, 0.0
+            out[6 * a + i], out[7 * a + i] = 0.0, 0.0
+    for s in range(n):
+        i = slot_agent[s]
+        x, z = float(moved[2, s]), float(moved[3, s])
+        if wall_count + obstacle_count > 0:
+            x, z = outside_surroundings(
+                x, z, sorted_[0, s], sorted_[1, s], sorted_[4, s], walls, wall_count, obstacles, obstacle_count
+            )
+        if wants[i, 7] < 2.0:
+            limit = max(params[0], abs(sorted_[0, s]))
+            x = min(max(x, -limit), limit)
+            limit = max(params[1], abs(sorted_[1, s]))
+            z = min(max(z, -limit), limit)
+        out[2 * i], out[2 * i + 1] = x, z
+        out[2 * a + 2 * i], out[2 * a + 2 * i + 1] = moved[0, s], moved[1, s]
+        out[6 * a + i], out[7 * a + i] = 0.0, 0.0

@@ -1,0 +1,129 @@
+"""AgentModel, AgentState and Steering: what stays and what changes of the agents; one agent per dancer."""
+
+import math
+from dataclasses import dataclass, fields
+from typing import Final, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+Float32 = npt.NDArray[np.float32]
+
+Avoidance = Literal["predictive", "thesis"]
+AVOIDANCES: Final[tuple[Avoidance, ...]] = ("predictive", "thesis")
+
+STATE_COLUMNS: Final = 8
+"""Numbers an agent's state has: position 2, velocity 2, acceleration 2, rest, heed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Steering:
+    """Parameters of the steering behaviours; metres, seconds, radians. The order is the order in the kernels' vector.
+
+    Where a number comes from a paper it is named; all others were tuned on the scenarios of `live bench crowd`.
+    """
+
+    half_width: float | None = 6.0
+    """Half the stage width [m]; None: unbounded."""
+    half_depth: float | None = 4.0
+    """Half the stage depth [m]; None: unbounded."""
+    avoidance: Avoidance = "predictive"
+    """How agents avoid each other: by time to collision, or by the two distances of T108."""
+    acceleration: float = 6.0
+    """Largest acceleration [m/s²]."""
+    turn_rate: float = 3.5
+    """Fastest turn of the way an agent goes [rad/s] while she walks."""
+    relaxation: float = 0.4
+    """Seconds in which the velocity comes near the desired one (T081: force = desired - current velocity)."""
+    horizon: float = 3.0
+    """Seconds that the predictive mode looks ahead (Karamouzas, Skinner & Guy 2014: τ0 = 3 s)."""
+    strength: float = 1.5
+    """k of the power law [m²/s²] (Karamouzas, Skinner & Guy 2014: 1.5)."""
+    side: float = 0.05
+    """Angle [rad] by which others are seen farther to the left than they are: all keep to the right; < 0: left."""
+    d_s: float = 0.8
+    """T108, thesis mode [m]: closer than this all other behaviours are ignored and the speed is limited."""
+    d_f: float = 2.0
+    """T108, thesis mode [m]: between d_s and this all forces are combined; farther off nobody is avoided."""
+    edge: float = 0.25
+    """Seconds: nobody goes at a stage edge, a wall or an obstacle faster than she would reach it in this time."""
+
+    lag: float = 0.06
+    """Seconds by which accelerations lag: nobody's push comes at once, and the jerk stays low."""
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.name in ("avoidance", "half_width", "half_depth", "side"):
+                continue
+            if not (math.isfinite(value) and value >= 0.0):
+                raise ValueError(f"{field.name} has to be a number of at least 0")
+        if self.avoidance not in AVOIDANCES:
+            raise ValueError(f"avoidance has to be one of {', '.join(AVOIDANCES)}")
+
+    def vector(self) -> Float32:
+        """All parameters in their order, shape (13,); an unbounded side is inf."""
+        values: list[float] = []
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.name == "avoidance":
+                value = float(AVOIDANCES.index(value))
+            values.append(math.inf if value is None else value)
+        return np.array(values, np.float32)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AgentModel:
+    """What does not change during a show (A agents)."""
+
+    radius: Float32
+    """Body radius [m], shape (A,)."""
+    responsibility: Float32
+    """Share of avoiding that an agent takes, shape (A,): 1 usual, 0 a soloist who has right of way."""
+    steering: Steering
+    seed: int
+
+    def __post_init__(self) -> None:
+        if self.responsibility.shape != self.radius.shape:
+            raise ValueError("every agent needs a radius and a responsibility")
+        if not (np.isfinite(self.radius).all() and (self.radius > 0).all()):
+            raise ValueError("every agent needs a radius above 0 m")
+        if not ((self.responsibility >= 0).all() and (self.responsibility <= 1).all()):
+            raise ValueError("responsibilities are between 0 and 1")
+
+    @property
+    def agent_count(self) -> int:
+        """Number of agents A."""
+        return len(self.radius)
+
+
+class AgentState:
+    """The agents at one tick (A agents); the arrays are contiguous parts of `flat`, which the kernels take."""
+
+    __slots__ = ("acceleration", "flat", "heed", "position", "rest", "velocity")
+
+    def __init__(self, agent_count: int) -> None:
+        a = agent_count
+        self.flat: Float32 = np.zeros(STATE_COLUMNS * a, np.float32)
+        """Everything below, one after another, shape (8 A,)."""
+        self.position: Float32 = self.flat[: 2 * a].reshape(a, 2)
+        """Stage position (x, z) [m], shape (A, 2)."""
+        self.velocity: Float32 = self.flat[2 * a : 4 * a].reshape(a, 2)
+        """Velocity [m/s], shape (A, 2)."""
+        self.acceleration: Float32 = self.flat[4 * a : 6 * a].reshape(a, 2)
+        """Acceleration [m/s²], shape (A, 2): it lags behind what steering asks for."""
+        self.rest: Float32 = self.flat[6 * a : 7 * a]
+        """Seconds for which she has stood still and nothing has moved her, shape (A,); she sleeps from SLEEP on."""
+        self.heed: Float32 = self.flat[7 * a :]
+        """Separation [m] with which she came to rest, shape (A,): another one wakes her."""
+
+    @staticmethod
+    def at(position: npt.NDArray[np.floating]) -> "AgentState":
+        """Agents at rest at `position` [m], shape (A, 2)."""
+        state = AgentState(len(position))
+        state.position[:] = position
+        return state
+
+    def copy_from(self, other: "AgentState") -> None:
+        """Take over the values of another state of the same size."""
+        self.flat[:] = other.flat

@@ -1,0 +1,1 @@
+"""Motion: from what is asked of an agent to her new velocity."""

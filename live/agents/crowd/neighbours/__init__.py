@@ -1,0 +1,1 @@
+"""Neighbours: what the others ask of an agent, all in one pass."""
