@@ -1,0 +1,121 @@
+"""A scenario danced by nobody: our crowd on it, tick by tick."""
+
+import numpy as np
+
+from live.agents.crowd.advance import Advance
+from live.agents.crowd.model import AgentModel, AgentState, Avoidance, Steering
+from live.agents.crowd.surroundings import Surroundings
+from live.agents.goals.goals import PASS, Goals, WayPoints
+from live.agents.scenarios.scenario import Float64, Scenario
+from live.agents.wants import Wants
+
+TICK = 1.0 / 64.0
+APPROACH = 1.0
+"""Speed per metre to go [1/s] when everybody slows down for her last goal."""
+
+
+class Simulation:
+    """One run of a scenario; the same ticks come out however they are asked for."""
+
+    def __init__(self, scenario: Scenario, *, avoidance: Avoidance = "predictive", seed: int = 0) -> None:
+        self._scenario = scenario
+        stage = scenario.stage
+        self._middle = np.zeros(2) if stage is None else np.array([stage[0] + stage[2], stage[1] + stage[3]]) / 2.0
+        sides = (None, None) if stage is None else ((stage[2] - stage[0]) / 2.0, (stage[3] - stage[1]) / 2.0)
+        count = scenario.agent_count
+        model = AgentModel(
+            np.full(count, scenario.radius, np.float32),
+            np.ones(count, np.float32),
+            Steering(half_width=sides[0], half_depth=sides[1], avoidance=avoidance),
+            seed,
+        )
+        self._advance = Advance(model)
+        self._surroundings = Surroundings()
+        walls = scenario.walls - np.tile(self._middle, 2)
+        for number, (x1, z1, x2, z2) in enumerate(walls.tolist()):
+            self._surroundings.put_wall(f"wall {number + 1}", x1, z1, x2, z2)
+        self._state = AgentState.at(scenario.start - self._middle)
+        self._spare = AgentState.at(scenario.start - self._middle)
+        self._wants = Wants(count)
+        self._wants.speed[:] = scenario.max_speed
+        self._ways = WayPoints([way - self._middle for way in scenario.goals], walls, APPROACH)
+        self._goals = Goals(self._ways.current, scenario.preferred_speed)
+        self._ways.begin(self._goals)
+        self._rule = scenario.rule() if scenario.rule is not None else None
+        self._targets = self._ways.current + self._middle
+        self._arrived = np.full(count, np.nan)
+        self._tick = 0
+        self._note_arrivals()
+
+    @property
+    def time(self) -> float:
+        """Seconds since the start."""
+        return self._tick * TICK
+
+    @property
+    def position(self) -> Float64:
+        """Where everybody is [m], shape (A, 2)."""
+        return self._state.position.astype(np.float64) + self._middle
+
+    @property
+    def arrived(self) -> Float64:
+        """When everybody first was within goal_radius of her last goal [s], NaN if not yet, shape (A,)."""
+        return self._arrived.copy()
+
+    def tick(self) -> None:
+        """Advance by one tick."""
+        scenario, wants = self._scenario, self._wants
+        if self._rule is not None:
+            self._rule(self.position, self._targets)
+            self._goals.target[:] = self._targets - self._middle
+            passing = (self._targets != scenario.last_goal).any(axis=1) & (not scenario.endless)
+            self._goals.rate[:] = np.where(passing, PASS, APPROACH)
+        else:
+            gate = 3.0 * max(scenario.goal_radius, scenario.radius)
+            self._ways(self._goals, self._state.position, scenario.goal_radius, gate)
+        wants.rest()
+        self._goals(wants, self._state.position, scenario.goal_radius)
+        self._advance(self._state, self._spare, wants=wants, surroundings=self._surroundings, time=self.time, dt=TICK)
+        self._state, self._spare = self._spare, self._state
+        self._tick += 1
+        self._note_arrivals()
+
+    def _note_arrivals(self) -> None:
+        scenario = self._scenario
+        if scenario.endless or scenario.agent_count == 0:
+            return
+        away = np.linalg.norm(self.position - scenario.last_goal, axis=1)
+        there = (away <= scenario.goal_radius) & np.isnan(self._arrived)
+        if self._rule is None:
+            there &= self._ways.on_last
+        self._arrived[there] = self.time
+
+
+def ticks_in(duration: float) -> int:
+    """How many ticks reach `duration` [s]."""
+    return int(np.ceil(duration / TICK - 1e-9))
+
+
+def simulate(
+    scenario: Scenario, *, avoidance: Avoidance = "predictive", seed: int = 0, stop_when_settled: bool = False
+) -> tuple[Float64, Float64, Float64]:
+    """Run all of it: time (T,) [s], position (T, A, 2) [m] with the start, arrival times (A,) [s], NaN if never.
+
+    With `stop_when_settled` the run ends when everybody is within 0.2 m of her last goal, if that is earlier.
+    """
+    run = Simulation(scenario, avoidance=avoidance, seed=seed)
+    ticks = ticks_in(scenario.duration)
+    position = np.empty((ticks + 1, scenario.agent_count, 2))
+    position[0] = run.position
+    last = 0
+    while last < ticks:
+        run.tick()
+        last += 1
+        position[last] = run.position
+        if stop_when_settled and last % 16 == 0 and not scenario.endless and _settled(scenario, position[last]):
+            break
+    return np.arange(last + 1) * TICK, position[: last + 1], run.arrived
+
+
+def _settled(scenario: Scenario, position: Float64) -> bool:
+    return bool((np.linalg.norm(position - scenario.last_goal, axis=1) <= 0.2).all())
