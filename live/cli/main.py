@@ -14,7 +14,22 @@ from rich.text import Text
 
 from live import __version__
 from live.base.errors import PersonError
-from live.cli import bench, bvh, check, dance, devices, doctor, export, play, render, replay, steps, sync, warm
+from live.cli import (
+    bench,
+    bvh,
+    check,
+    dance,
+    devices,
+    doctor,
+    export,
+    play,
+    render,
+    replay,
+    simulate,
+    steps,
+    sync,
+    warm,
+)
 
 EXIT_PERSON_ERROR = 2
 EXIT_INTERRUPTED = 130
@@ -39,6 +54,7 @@ app.command("doctor")(doctor.doctor)
 app.command("bench")(bench.bench)
 app.command("bvh")(bvh.bvh)
 app.command("export")(export.export)
+app.command("simulate")(simulate.simulate)
 app.command("warm")(warm.warm)
 app.command("sync")(sync.sync)
 app.add_typer(steps.app, name="steps")

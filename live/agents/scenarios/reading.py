@@ -18,7 +18,7 @@ MOST_BYTES: Final = 1 << 26
 NUMBERS: Final = {
     "duration": (1.0 / 64.0, MOST_SECONDS),
     "radius": (0.01, 5.0),
-    "preferred_speed": (0.0, 20.0),
+    "preferred_speed": (0.01, 20.0),
     "max_speed": (0.01, 20.0),
     "goal_radius": (0.001, 100.0),
 }
@@ -82,7 +82,17 @@ class _Reader:
                     raise self._wrong(f"{field}.{key}", "missing", 'write {"position": [x, z], "goal": [x, z]}')
             starts.append(self._start(f"{field}.position", agent["position"], stage))
             goals.append(self._way(f"{field}.goal", agent["goal"]))
-        return Scenario(**numbers, start=np.array(starts).reshape(-1, 2), goals=tuple(goals), stage=stage, walls=walls)
+        return Scenario(
+            numbers["duration"],
+            numbers["radius"],
+            numbers["preferred_speed"],
+            numbers["max_speed"],
+            numbers["goal_radius"],
+            start=np.array(starts, float).reshape(-1, 2),
+            goals=tuple(goals),
+            stage=stage,
+            walls=walls,
+        )
 
     def _number(self, field: str, value: object, low: float, high: float) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):

@@ -114,7 +114,8 @@ def simulate(
         position[last] = run.position
         if stop_when_settled and last % 16 == 0 and not scenario.endless and _settled(scenario, position[last]):
             break
-    return np.arange(last + 1) * TICK, position[: last + 1], run.arrived
+    time: Float64 = np.arange(last + 1, dtype=np.float64) * TICK
+    return time, position[: last + 1], run.arrived
 
 
 def _settled(scenario: Scenario, position: Float64) -> bool:
