@@ -4,7 +4,8 @@ import sys
 from pathlib import Path
 
 from live.control import osc_decode as limits
-from live.control.registry import NAME_LENGTH, REGISTRY, TEXT_LENGTH, Argument, Control
+from live.control.control import NAME_LENGTH, TEXT_LENGTH, Argument, Control
+from live.control.registry import REGISTRY
 
 PATH = Path(__file__).resolve().parent.parent / "docs" / "osc.md"
 TYPES = {"float": "number (f i d h)", "bool": "switch (T F, or 0 1 as i f d h)", "name": "text (s)", "text": "text (s)"}

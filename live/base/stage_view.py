@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
+Bool = npt.NDArray[np.bool_]
 Colour = tuple[float, float, float]
 
 ATTRACTOR: Final = 0
@@ -65,6 +66,8 @@ class StageView:
     """World rotations of the joints from the rest pose, unit quaternions (w, x, y, z), shape (A, J, 4)."""
     group: Int32
     """Group of each dancer, shape (A,): the index of its colour."""
+    present: Bool
+    """Who is on the stage or on her way in or out, shape (A,); the others are not drawn."""
     element_kind: Int32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.int32))
     element_position: Float32 = field(default_factory=lambda: np.zeros((ELEMENT_CAPACITY, 2), np.float32))
     """Stage positions (x, z) [m] of the elements in force, shape (256, 2); the first `element_count` count."""
@@ -93,4 +96,5 @@ class StageView:
             joint_position=np.zeros((dancer_count, joint_count, 3), np.float32),
             joint_rotation=rotation,
             group=np.zeros(dancer_count, np.int32),
+            present=np.ones(dancer_count, np.bool_),
         )

@@ -7,44 +7,58 @@ import math
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
+from live.control.element_events import Attract, PlaceElement, Repel, Spread, Voice
+from live.control.event import ControlEvent
+from live.control.group_events import (
+    DefineFormation,
+    Enter,
+    Evolve,
+    Leave,
+    Pause,
+    Performer,
+    PlaceObstacle,
+    PlaceWall,
+    Regroup,
+    Release,
+    RemoveObstacle,
+    Travel,
+)
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ControlEvent:
-    """One event: when it arrived (`time`, seconds of the show) and from where (`source`: "osc", "key", "audio" …)."""
-
-    time: float
-    source: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Attract(ControlEvent):
-    """Dancers gather at (x, z) [m] for a number of measures (T105)."""
-
-    x: float
-    z: float
-    strength: float = 1.0
-    measures: float = 4.0
-    drag: bool = False
-    """True if this moves the one that the same source set last, instead of adding another."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Repel(ControlEvent):
-    """Dancers leave the surroundings of (x, z) [m] for a number of measures (T105)."""
-
-    x: float
-    z: float
-    strength: float = 1.0
-    measures: float = 4.0
-    drag: bool = False
-    """True if this moves the one that the same source set last, instead of adding another."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Spread(ControlEvent):
-    """Dancers spread over the stage for a number of measures (T109)."""
-
-    measures: float = 4.0
+__all__ = [
+    "EVENT_TYPES",
+    "Attract",
+    "BeatHeard",
+    "Blackout",
+    "CallStep",
+    "Clear",
+    "ControlEvent",
+    "DefineFormation",
+    "Enter",
+    "Evolve",
+    "Leave",
+    "One",
+    "Pause",
+    "Performer",
+    "PlaceElement",
+    "PlaceObstacle",
+    "PlaceWall",
+    "Regroup",
+    "Release",
+    "RemoveObstacle",
+    "Repel",
+    "SetMotion",
+    "SetSequence",
+    "SetTempo",
+    "SourceChanged",
+    "Spread",
+    "StepsAdded",
+    "Tap",
+    "TicksSkipped",
+    "Travel",
+    "Voice",
+    "event_from_json",
+    "event_to_json",
+]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,10 +68,11 @@ class Clear(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CallStep(ControlEvent):
-    """All dancers dance this step from the next free measure on, for a number of measures."""
+    """Dancers dance this step from the next free measure on, for a number of measures."""
 
     name: str
     measures: float = 4.0
+    group: str = "*"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -141,8 +156,9 @@ class TicksSkipped(ControlEvent):
 EVENT_TYPES: dict[str, type[ControlEvent]] = {
     cls.__name__: cls
     for cls in (
-        Attract, Repel, Spread, Clear, CallStep, SetSequence, SetMotion, Tap, One, SetTempo, Blackout, BeatHeard,
-        SourceChanged, StepsAdded, TicksSkipped,
+        Attract, Repel, Spread, Voice, PlaceElement, Evolve, DefineFormation, Travel, Pause, Release, Regroup, Enter,
+        Leave, PlaceObstacle, PlaceWall, RemoveObstacle, Performer, Clear, CallStep, SetSequence, SetMotion, Tap, One,
+        SetTempo, Blackout, BeatHeard, SourceChanged, StepsAdded, TicksSkipped,
     )
 }  # fmt: skip
 """Every kind of event by its name in the journal."""

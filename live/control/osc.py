@@ -20,9 +20,10 @@ from pythonosc.osc_message_builder import OscMessageBuilder
 
 from live.base.inbox import Inbox
 from live.clock.source import Clock
+from live.control.control import Reply
 from live.control.events import ControlEvent
 from live.control.osc_decode import IMMEDIATELY, MAX_PACKET_BYTES, OscRejected, decode
-from live.control.registry import REGISTRY, Registry, Reply
+from live.control.registry import REGISTRY, Registry
 from live.control.rejections import Reason, Rejection, Tally
 
 RECEIVE_BUFFER_BYTES: Final = 4 * 1024 * 1024

@@ -99,15 +99,21 @@ class Crowd:
         count = len(view.joint_position)
         if count > self._capacity:
             self._allocate(count)
-        self._counts = {"all": count, "near": 0, "far": 0}
-        if count == 0:
+        there = self._there(view)
+        self._counts = {"all": len(there), "near": 0, "far": 0}
+        if len(there) == 0:
             return
         pose_texels(view.joint_position, view.joint_rotation, self._rest, self._texels)
         self._poses.write(self._texels)
         if not np.array_equal(view.group, self._group[:count]):
             self._dress(view, count)
-        self._lists["all"].write(self._indices[:count])
-        self._split(view, count)
+        self._lists["all"].write(there)
+        self._split(view, there)
+
+    def _there(self, view: StageView) -> Float32:
+        """Numbers of the dancers who are drawn, as the lists of instances hold them."""
+        indices = self._indices[: len(view.present)]
+        return indices if view.present.all() else np.ascontiguousarray(indices[view.present])
 
     def _dress(self, view: StageView, count: int) -> None:
         """New clothes, only when somebody changes group."""
@@ -118,15 +124,16 @@ class Crowd:
         columns = padded.reshape(blocks, rows, MATERIALS, 4).transpose(1, 0, 2, 3)
         self._wardrobe.write(np.ascontiguousarray(columns))
 
-    def _split(self, view: StageView, count: int) -> None:
+    def _split(self, view: StageView, there: Float32) -> None:
+        count = len(there)
         near = min(self._quality.near_count, count)
         if near == count:
             self._counts["near"] = count
-            self._lists["near"].write(self._indices[:count])
+            self._lists["near"].write(there)
             return
-        distance = np.matmul(view.joint_position[:, 0], self._forward, out=self._distance[:count])
-        order = np.argpartition(distance, near)
-        np.take(self._indices, order, out=self._chosen[:count], mode="clip")
+        distance = np.matmul(view.joint_position[:, 0], self._forward, out=self._distance[: len(view.present)])
+        order = np.argpartition(distance if count == len(distance) else distance[view.present], near)
+        np.take(there, order, out=self._chosen[:count], mode="clip")
         self._lists["near"].write(self._chosen[:near])
         self._lists["far"].write(self._chosen[near:count])
         self._counts["near"], self._counts["far"] = near, count - near

@@ -61,6 +61,14 @@ class Dancers:
         self.past.node[:] = UNDECIDED
         self.coming.node[:] = UNDECIDED
 
+    def place(self, rows: npt.NDArray[np.intp], position: Float64, heading: Float64) -> None:
+        """Put dancers `rows` (n,), whom nobody sees, at `position` (n, 2) [m]: there they begin the present measure."""
+        danced = self.present
+        danced.placement[rows] = begun(self.graph, danced.node[rows], position, heading)
+        danced.correction[rows] = 0.0
+        self.past.node[rows] = UNDECIDED
+        self.lock.state[rows] = 0.0
+
     def hips(self, fraction: float) -> Float32:
         """Where the hips of each dancer are at the share `fraction` of the measure [m], float32, shape (A, 2)."""
         library, danced = self.graph.library, self.present

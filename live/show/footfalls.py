@@ -69,6 +69,7 @@ class Footfalls:
     def frame(self, view: StageView) -> list[Footfall]:
         """The footfalls since the last frame, in the order of their times."""
         position = view.joint_position
+        there = view.present
         heights = np.stack((position[:, _TOES, 1] - TOES_OVER_SOLE, position[:, _ANKLES, 1] - SOLE_BELOW_ANKLE)).astype(
             np.float64
         )  # (ball or heel, A, foot)
@@ -77,9 +78,10 @@ class Footfalls:
             self._contact = self._show.dancers.contact(self._fraction(view.time))
             return []
         before = self._time
-        falls = self._landings(before, view, heights)
+        falls = [fall for fall in self._landings(before, view, heights) if there[fall.dancer]]
         landed = {(fall.dancer, fall.foot) for fall in falls}
-        falls += [fall for fall in self._drops(before, view, heights) if (fall.dancer, fall.foot) not in landed]
+        drops = self._drops(before, view, heights)
+        falls += [fall for fall in drops if there[fall.dancer] and (fall.dancer, fall.foot) not in landed]
         self._time, self._heights = view.time, heights
         return sorted(falls, key=lambda fall: (fall.time, fall.dancer, fall.foot, fall.part))
 

@@ -12,7 +12,7 @@ from live.show.sections.group import GroupSection
 from live.show.sections.motion import LocomotionSection, MotionSection
 from live.show.sections.music import ClockSection, MusicSection, SoundSection
 from live.show.sections.section import Name, Section
-from live.show.sections.stage import CameraSection, LookSection, StageSection
+from live.show.sections.stage import CameraSection, GateSection, LookSection, ObstacleSection, StageSection
 
 
 class Patch(Section):
@@ -26,10 +26,16 @@ class Patch(Section):
     """Folder of sketched steps, looked up in the patch's folder, then in the project's patches."""
     loop_measures: Annotated[int, Field(ge=1, le=100000)] | None = None
     """The score's elements come again after so many measures; never if left out."""
+    reserve: Annotated[int, Field(ge=0, le=1000)] = 4
+    """Dancers who wait in the wings, for `/dance/enter`."""
+    selections: dict[Name, Annotated[str, Field(min_length=1, max_length=400)]] = Field(default={})
+    """Names for dancers chosen by group, attribute, number or place: `pair = "ember & 1-2"`."""
     music: MusicSection = MusicSection()
     sound: SoundSection = SoundSection()
     clock: ClockSection = ClockSection()
     stage: StageSection = StageSection()
+    gate: Annotated[tuple[GateSection, ...], Field(max_length=32)] = ()
+    obstacle: Annotated[tuple[ObstacleSection, ...], Field(max_length=64)] = ()
     camera: CameraSection = CameraSection()
     look: LookSection = LookSection()
     locomotion: LocomotionSection = LocomotionSection()

@@ -112,7 +112,7 @@ class FrameReport:
         self._previous = (view.time, position, contact)
 
     def _distances(self, view: StageView) -> None:
-        hips = view.joint_position[:, 0][:, (0, 2)].astype(np.float64)
+        hips = view.joint_position[view.present, 0][:, (0, 2)].astype(np.float64)
         if len(hips) < 2:
             return
         apart = np.hypot(*(hips[:, None] - hips[None]).transpose(2, 0, 1))

@@ -309,6 +309,56 @@ def test_start_and_stop_leave_no_thread_and_no_open_file():
 OSCSEND = shutil.which("oscsend")
 
 
+def group_controls():
+    """What is sent to each control of elements and group motion, and the event that comes of it."""
+
+    def element(kind, points="", **others):
+        return events.PlaceElement(kind=kind, points=points, **others, **STAMP)
+
+    at, line = ["ff", "1.5", "-2"], ["ffii", "0", "-4", "0", "4"]
+    drawn = "-3 0, 0 -2.5, 3 0"
+    return {
+        "/dance/attract/line": (line, element("attract", "0.0 -4.0, 0.0 4.0")),
+        "/dance/attract/drawn": (["s", drawn], element("attract", drawn)),
+        "/dance/attract/region": (["fff", "1.5", "-2", "2"], element("attract", "1.5 -2.0", radius=2.0)),
+        "/dance/voice": (at, events.Voice(x=1.5, z=-2.0, **STAMP)),
+        "/dance/repel/line": (line, element("repel", "0.0 -4.0, 0.0 4.0")),
+        "/dance/repel/region": (["fff", "1.5", "-2", "2"], element("repel", "1.5 -2.0", radius=2.0)),
+        "/dance/cross": (
+            [line[0] + "ffsT", *line[1:], "1", "8", "tide & left"],
+            element("cross", "0.0 -4.0, 0.0 4.0", measures=8.0, group="tide & left", next=True),
+        ),
+        "/dance/flow": (line, element("flow", "0.0 -4.0, 0.0 4.0", flow="uniform")),
+        "/dance/flow/radial": (["fff", "1.5", "-2", "-1"], element("flow", "1.5 -2.0", flow="radial", strength=-1.0)),
+        "/dance/flow/vortex": (at, element("flow", "1.5 -2.0", flow="vortex")),
+        "/dance/flow/drawn": (["s", drawn], element("flow", drawn, flow="drawn")),
+        "/dance/path": (["s", drawn], element("path", drawn)),
+        "/dance/wander": ([], element("wander")),
+        "/dance/flock": (["ff", "2", "8"], element("flock", strength=2.0, measures=8.0)),
+        "/dance/follow": (["s", "7"], element("follow", whom="7")),
+        "/dance/pursue": (["s", "tide"], element("pursue", whom="tide")),
+        "/dance/evade": (["s", "tide"], element("evade", whom="tide")),
+        "/dance/formation": (
+            ["sfs", "star:6", "2", "ember"],
+            events.Evolve(formation="star:6", measures=2.0, group="ember", **STAMP),
+        ),
+        "/dance/formation/define": (
+            ["ss", "flower", "circle poisson"],
+            events.DefineFormation(name="flower", formation="circle poisson", **STAMP),
+        ),
+        "/dance/travel": (["s", drawn], events.Travel(points=drawn, **STAMP)),
+        "/dance/pause": (["f", "2"], events.Pause(measures=2.0, **STAMP)),
+        "/dance/release": ([], events.Release(**STAMP)),
+        "/dance/regroup": (["ss", "1-4", "tide"], events.Regroup(dancers="1-4", group="tide", **STAMP)),
+        "/dance/enter": (["i", "3"], events.Enter(count=3.0, **STAMP)),
+        "/dance/leave": (["ss", "7", "left"], events.Leave(dancers="7", gate="left", **STAMP)),
+        "/dance/obstacle": (["sff", "box", "1", "2"], events.PlaceObstacle(name="box", x=1.0, z=2.0, **STAMP)),
+        "/dance/wall": (["sffff", "w", "0", "1", "2", "3"], events.PlaceWall(name="w", x=0, z=1, x2=2, z2=3, **STAMP)),
+        "/dance/obstacle/remove": (["s", "box"], events.RemoveObstacle(name="box", **STAMP)),
+        "/dance/performer": (["sff", "Ana", "1", "2"], events.Performer(name="Ana", x=1.0, z=2.0, **STAMP)),
+    }
+
+
 @pytest.mark.liblo
 @pytest.mark.skipif(OSCSEND is None, reason="liblo's oscsend is not installed (Debian: liblo-tools)")
 def test_liblos_oscsend_sends_every_control(stage):
@@ -352,6 +402,7 @@ def test_liblos_oscsend_sends_every_control(stage):
         ),
         "/dance/blackout": (["T"], events.Blackout(on=True, **STAMP)),
         "/dance/ping": ([], None),
+        **group_controls(),
     }
     assert set(sent) == {control.address for control in REGISTRY}
     for count, (address, (arguments, event)) in enumerate(sent.items(), start=1):

@@ -9,8 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from live.control import events
+from live.control.control import NAME_LENGTH, Argument, Control, Released, Reply
 from live.control.events import ControlEvent
-from live.control.registry import NAME_LENGTH, REGISTRY, Argument, Control, Registry, Released, Reply
+from live.control.registry import REGISTRY, Registry
 from live.control.rejections import Reason, Rejection, Tally, merged
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -72,7 +73,7 @@ def test_every_control_makes_its_event(address, values, event):
         ("/dance/attract", (), Reason.MISSING),
         ("/dance/attract", (1.0,), Reason.MISSING),
         ("/dance/attract", (None, 1.0), Reason.MISSING),
-        ("/dance/attract", (1.0, 2.0, 1.0, 4.0, 5.0), Reason.EXTRA),
+        ("/dance/attract", (1.0, 2.0, 1.0, 4.0, "*", True, 5.0), Reason.EXTRA),
         ("/dance/attract", (math.nan, 0.0), Reason.NOT_FINITE),
         ("/dance/attract", (0.0, -math.inf), Reason.NOT_FINITE),
         ("/dance/attract", (1e30, 0.0), Reason.OUT_OF_RANGE),

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
-from live.show.sections.section import Colour, Far, Section, Share
+from live.show.sections.section import Colour, Far, Name, Place, Section, Share
 
 
 class StageSection(Section):
@@ -14,6 +14,30 @@ class StageSection(Section):
     """Metres from side to side."""
     depth: Annotated[float, Field(ge=2, le=200)] = 8.0
     """Metres from back to front."""
+
+
+class GateSection(Section):
+    """`[[gate]]`: an opening in the stage's edge for dancers who come and go; left, right and back if there is none."""
+
+    name: Name
+    """What `/dance/enter` and `/dance/leave` call it."""
+    at: Place
+    """Near which place of the edge it is (x, z) [m]."""
+    width: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)] = 3.0
+    """How wide it is [m]."""
+
+
+class ObstacleSection(Section):
+    """`[[obstacle]]`: an item of the set that dancers go around."""
+
+    name: Name
+    """What `/dance/obstacle` calls it."""
+    at: Place
+    """Its middle (x, z) [m]; of a wall, where it begins."""
+    radius: Annotated[float, Field(gt=0, le=50, allow_inf_nan=False)] = 0.5
+    """How far it reaches around that [m]; of no meaning for a wall."""
+    wall_to: Place | None = None
+    """It is a wall from `at` to here (x, z) [m]."""
 
 
 class CameraSection(Section):
