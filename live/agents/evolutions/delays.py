@@ -1,0 +1,104 @@
+"""Who starts when: together, staggered, as a ripple through the group; arriving with the measure line (T096, T147)."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+import numpy.typing as npt
+
+Float64 = npt.NDArray[np.float64]
+
+
+class Order(StrEnum):
+    """In which order dancers start."""
+
+    LEFT = "left"
+    """From the left of the stage to the right, as the audience sees it."""
+    RIGHT = "right"
+    """From right to left."""
+    FRONT = "front"
+    """From the front to the back."""
+    BACK = "back"
+    """From the back to the front."""
+    CENTRE = "centre"
+    """From the middle of the group outwards."""
+    OUTSIDE = "outside"
+    """From outside inwards."""
+    ID = "id"
+    """By their numbers."""
+    RANDOM = "random"
+    """By seeded chance."""
+
+
+class Arrive(StrEnum):
+    """When dancers who start at different times arrive."""
+
+    TOGETHER = "together"
+    """All exactly at the end."""
+    APART = "apart"
+    """Each as long after her start as the others, the last one exactly at the end."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ripple:
+    """Starts spread over `beats` in an order; 0 beats: all together."""
+
+    beats: float = 0.0
+    """Beats from the first start to the last; at most three quarters of the time there is."""
+    order: Order = Order.LEFT
+    arrive: Arrive = Arrive.TOGETHER
+
+
+def delays(ripple: Ripple, start: npt.ArrayLike, numbers: npt.ArrayLike, *, seed: int = 0) -> Float64:
+    """Beats that each dancer waits, shape (D,), from 0 to `ripple.beats`; equals start together.
+
+    `start` (D, 2) [m] where they stand, `numbers` (D,) their IDs, which chance is drawn from, too. Evenly spread
+    over the different values, so a grid starts row by row.
+    """
+    places = np.asarray(start, np.float64)
+    ids = np.asarray(numbers)
+    if len(places) == 0 or ripple.beats <= 0.0:
+        return np.zeros(len(places))
+    key = np.round(_key(ripple.order, places, ids, seed), 3)  # what differs by less than a millimetre is one row
+    different, rank = np.unique(key, return_inverse=True)
+    return np.asarray(ripple.beats * rank.reshape(-1) / max(len(different) - 1, 1), np.float64)
+
+
+def _key(order: Order, places: Float64, ids: npt.NDArray[np.generic], seed: int) -> Float64:
+    x, z = places[:, 0], places[:, 1]
+    if order is Order.LEFT:
+        return np.asarray(x)
+    if order is Order.RIGHT:
+        return np.asarray(-x)
+    if order is Order.FRONT:
+        return np.asarray(-z)
+    if order is Order.BACK:
+        return np.asarray(z)
+    if order in (Order.CENTRE, Order.OUTSIDE):
+        distance = np.hypot(*(places - places.mean(axis=0)).T)
+        return np.asarray(distance if order is Order.CENTRE else -distance)
+    if order is Order.ID:
+        return np.asarray(ids, np.float64)
+    chance = [int(np.random.default_rng([seed, int(number)]).integers(1 << 40)) for number in ids]
+    return np.asarray(chance, np.float64)
+
+
+def squeezed(wait: npt.ArrayLike, time: float) -> Float64:
+    """Waits (D,), all shortened by one factor if the longest would leave less than a quarter of `time` [beats]."""
+    waits = np.maximum(np.asarray(wait, np.float64), 0.0)
+    longest = float(waits.max(initial=0.0))
+    return waits if longest <= 0.75 * time else waits * (0.75 * time / longest)
+
+
+def times(
+    begin: float, end: float, waits: Float64, arrive: Arrive = Arrive.TOGETHER, longest: float | None = None
+) -> Float64:
+    """Beats at which each dancer starts and arrives, shape (D, 2), for `waits` (D,) [beats] as `squeezed` leaves them.
+
+    `longest` is the wait of who arrives at the very end when dancers arrive apart; the longest of `waits` if left out.
+    """
+    if arrive is Arrive.TOGETHER:
+        arrival = np.full(len(waits), float(end))
+    else:
+        arrival = end - (float(waits.max(initial=0.0)) if longest is None else longest) + waits
+    return np.stack([begin + waits, arrival], axis=1)

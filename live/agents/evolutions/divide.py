@@ -1,0 +1,83 @@
+"""Divide and conquer: ways that meet are bent apart (T101, Schulz 2011, 4.3.2, after Perlin)."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from live.agents.evolutions.kernels import nearest_approach, part_ways, sample_ways, smooth_ways
+from live.agents.evolutions.locomotion import Float32, Locomotion
+from live.agents.evolutions.pieces import Pieces, at_once
+
+LEVELS = 6
+"""1/2, 1/4 and 3/4, ... down to 1/64 of the time are looked at."""
+SMOOTHING = 6
+"""Passes of 1/4, 1/2, 1/4 after the ways have been parted."""
+ROUNDS = 8
+"""The thesis parts and smooths once; what the smoothing brings together again is parted anew, so many times at most."""
+PIECE = 200_000
+"""Looks at a pair at a time that make one piece of work: about a millisecond."""
+
+
+def divided(
+    locomotion: Locomotion,
+    clear: float,
+    *,
+    seed: int = 0,
+    rounds: int = ROUNDS,
+    smoothing: int = SMOOTHING,
+    half: tuple[float, float] | None = None,
+) -> Locomotion:
+    """The same journey with ways bent so that dancers keep `clear` [m] between their centres, as far as that goes.
+
+    Of all rounds the ways with the fewest pairs that meet are kept (the earliest of equals). The result's ways are
+    knots at even *times*, with the speeds of the journey in them. `half` keeps them on the stage [m]. Starts and goals
+    stay. Same seed, same ways.
+    """
+    return at_once(dividing(locomotion, clear, seed=seed, rounds=rounds, smoothing=smoothing, half=half))
+
+
+def dividing(
+    locomotion: Locomotion,
+    clear: float,
+    *,
+    seed: int = 0,
+    rounds: int = ROUNDS,
+    smoothing: int = SMOOTHING,
+    half: tuple[float, float] | None = None,
+) -> Pieces[Locomotion]:
+    """`divided` in pieces."""
+    begin, end = locomotion.begin, locomotion.end
+    beats = np.linspace(begin, end, 2**LEVELS + 1)
+    count = locomotion.count
+    sample = np.zeros((len(beats), count, 2), np.float32)
+    sample_ways(beats, locomotion.ways, locomotion.times, locomotion.soft, 0, count, sample)
+    ways = np.ascontiguousarray(sample.transpose(1, 0, 2))
+    offset = np.zeros_like(ways)
+    best, fewest = ways.copy(), (yield from _meeting(ways, clear))
+    for turn in range(rounds):
+        if fewest == 0:
+            break
+        part_ways(ways, offset, clear, 1.15 + 0.05 * turn, seed + turn)
+        yield
+        for _ in range(smoothing):
+            smooth_ways(offset)
+        ways += offset
+        if half is not None:
+            np.clip(ways[:, 1:-1], (-half[0], -half[1]), half, out=ways[:, 1:-1])
+        meeting = yield from _meeting(ways, clear)
+        if meeting < fewest:
+            best, fewest = ways.copy(), meeting
+    times = np.repeat(np.array([[begin, end]]), count, axis=0)
+    return replace(locomotion, ways=best, times=times, soft=0.0)
+
+
+def _meeting(ways: Float32, clear: float) -> Pieces[int]:
+    """How many pairs come nearer than `clear` [m]."""
+    count = len(ways)
+    distance, when = np.full((count, count), np.inf, np.float32), np.zeros((count, count), np.float32)
+    sample: Float32 = np.ascontiguousarray(ways.transpose(1, 0, 2))
+    rows = max(1, PIECE // max(1, count * len(sample)))
+    for first in range(0, count, rows):
+        nearest_approach(sample, first, min(first + rows, count), distance, when)
+        yield
+    return int(np.triu(distance < clear, 1).sum())

@@ -1,0 +1,177 @@
+"""Motion intentions: what a group is to do, whenever and by whomever; stored once, referred to by name (T085-T087)."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.evolutions.matching import Cost, Fill
+from live.agents.evolutions.orientation import Facing, Orientation
+from live.base.errors import PersonError
+
+
+class FormationLike(Protocol):
+    """What evolutions need of a formation; `agents.formations` makes them."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def slots(self) -> npt.NDArray[np.floating]: ...
+    @property
+    def heading(self) -> npt.NDArray[np.floating]: ...
+    @property
+    def marks(self) -> Sequence[str]: ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Places:
+    """A formation as plain numbers."""
+
+    name: str
+    slots: npt.NDArray[np.floating]
+    """Places (S, 2) [m]."""
+    heading: npt.NDArray[np.floating]
+    """Heading at each place (S,) [rad]."""
+    marks: Sequence[str] = ()
+    """An attribute for each place, "" for anybody; or nothing at all."""
+
+
+class By(StrEnum):
+    """How it is decided who goes where."""
+
+    COST = "cost"
+    """By an assignment of least cost."""
+    ID = "id"
+    """The first dancer of the group to the first place, and so on (T097)."""
+
+
+class Way(StrEnum):
+    """What is done about ways that meet."""
+
+    MENDED = "mended"
+    """Straight; where dancers would meet, starts are changed, then ways bent."""
+    STRAIGHT = "straight"
+    """Straight, whatever happens: steering keeps dancers apart."""
+    DIVIDED = "divided"
+    """Straight; where dancers would meet, ways are bent by divide and conquer (T101)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Matching:
+    """Who goes to which place (T097-T100)."""
+
+    by: By = By.COST
+    cost: Cost = Cost.SQUARED
+    equal_weight: float = 0.5
+    """Weight of equal ways against short ones in `Cost.BOTH`."""
+    fill: Fill = Fill.NEAREST
+
+
+@dataclass(frozen=True, slots=True)
+class Hold:
+    """Fixed condition: be in a formation (T095); who is not there yet goes there within the first measure."""
+
+    formation: str
+    matching: Matching = Matching()
+
+
+@dataclass(frozen=True, slots=True)
+class Evolve:
+    """Boundary condition: go from wherever the last motion left the group into a formation (T096)."""
+
+    formation: str
+    matching: Matching = Matching()
+    way: Way = Way.MENDED
+    orientation: Orientation = Orientation()
+    soft: float = 0.25
+    """Share of the time in which speed is gathered, and lost; 0: constant speed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """Initial condition: keep the places the last motion left (T103)."""
+
+
+class Follow(StrEnum):
+    """How a group follows a drawn way."""
+
+    SHIFTED = "shifted"
+    """Each from her own place: the formation is carried along."""
+    FILE = "file"
+    """In single file, one after the other."""
+
+
+@dataclass(frozen=True, slots=True)
+class Trajectory:
+    """Initial condition: follow a drawn way (T103)."""
+
+    path: str
+    follow: Follow = Follow.SHIFTED
+    gap: float = 0.8
+    """Metres between two dancers in single file."""
+    orientation: Orientation = Orientation(Facing.TANGENT)
+    soft: float = 0.25
+
+
+@dataclass(frozen=True, slots=True)
+class Procedural:
+    """Initial condition with evolution rules: elements move the group, so nothing is prescribed (T103, 4.4)."""
+
+    marks: tuple[str, ...] = ()
+    """Names of the elements, for storyboards; what they do is theirs."""
+
+
+Intention = Hold | Evolve | Pause | Trajectory | Procedural
+
+
+@dataclass(frozen=True, slots=True)
+class Repertoire:
+    """Formations, drawn ways and intentions under their names; an edit reaches every segment that refers to them."""
+
+    formations: Mapping[str, FormationLike] = field(default_factory=dict)
+    paths: Mapping[str, npt.NDArray[np.floating]] = field(default_factory=dict)
+    """Polylines (N, 2) [m]."""
+    intentions: Mapping[str, Intention] = field(default_factory=dict)
+
+    def with_formation(self, formation: FormationLike) -> "Repertoire":
+        """The same with this formation new or edited."""
+        return replace(self, formations={**self.formations, formation.name: formation})
+
+    def with_path(self, name: str, polyline: npt.ArrayLike) -> "Repertoire":
+        """The same with this drawn way new or edited."""
+        return replace(self, paths={**self.paths, name: np.asarray(polyline, np.float64)})
+
+    def with_intention(self, name: str, intention: Intention) -> "Repertoire":
+        """The same with this intention new or edited."""
+        return replace(self, intentions={**self.intentions, name: intention})
+
+    def formation(self, name: str) -> FormationLike:
+        """The formation of this name, or a PersonError that says which there are."""
+        if name not in self.formations:
+            raise PersonError(f"no formation is called {name!r}", _there_are(self.formations))
+        return self.formations[name]
+
+    def path(self, name: str) -> npt.NDArray[np.floating]:
+        """The drawn way of this name, or a PersonError."""
+        if name not in self.paths:
+            raise PersonError(f"no way is called {name!r}", _there_are(self.paths))
+        return self.paths[name]
+
+    def intention(self, of: "str | Intention") -> Intention:
+        """What a segment refers to; what it names must exist (PersonError otherwise)."""
+        if isinstance(of, str):
+            if of not in self.intentions:
+                raise PersonError(f"no intention is called {of!r}", _there_are(self.intentions))
+            of = self.intentions[of]
+        if isinstance(of, Hold | Evolve):
+            self.formation(of.formation)
+        if isinstance(of, Trajectory):
+            self.path(of.path)
+        return of
+
+
+def _there_are(names: Mapping[str, object]) -> str:
+    return f"there are: {', '.join(sorted(names))}" if names else "there are none yet"

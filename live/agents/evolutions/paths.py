@@ -1,0 +1,92 @@
+"""Ways on the floor: straight, along a drawn line, in single file (T101, T103)."""
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.errors import PersonError
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+
+KNOTS = 65
+"""Knots of a drawn way."""
+
+
+def straight(start: npt.ArrayLike, goal: npt.ArrayLike) -> Float32:
+    """Straight ways from `start` to `goal`, both (D, 2) [m]: knots of shape (D, 2, 2)."""
+    ends = np.stack([np.asarray(start, np.float64), np.asarray(goal, np.float64)], axis=1)
+    return np.ascontiguousarray(ends, np.float32)
+
+
+def even(polyline: npt.ArrayLike, knots: int = KNOTS) -> Float64:
+    """`knots` points at even lengths along a polyline (N, 2) [m], the first and the last being its ends."""
+    points = np.asarray(polyline, np.float64)
+    if points.ndim != 2 or points.shape[1] != 2 or len(points) == 0 or not np.isfinite(points).all():
+        raise PersonError("a drawn way needs points [x, z] of finite metres")
+    length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    if length[-1] < 1e-9:
+        return np.repeat(points[:1], knots, axis=0)
+    at = np.linspace(0.0, length[-1], knots)
+    return np.stack([np.interp(at, length, points[:, 0]), np.interp(at, length, points[:, 1])], axis=1)
+
+
+def svg_path(data: str, *, metres_per_unit: float = 1.0, knots: int = 257) -> Float64:
+    """An SVG path (the text of its attribute d) as a polyline (N, 2) [m]; down in the drawing is to the audience."""
+    import svgpathtools
+
+    try:
+        path = svgpathtools.parse_path(data)
+        lengths = [segment.length() for segment in path]
+    except Exception as error:  # svgpathtools raises whatever its parsing meets
+        raise PersonError(f"SVG path {data[:40]!r} cannot be read: {error}") from error
+    if not path or sum(lengths) <= 0.0:
+        raise PersonError(f"SVG path {data[:40]!r} draws nothing")
+    points: list[complex] = []
+    for segment, length in zip(path, lengths, strict=True):
+        share = max(2, round(knots * length / sum(lengths)))
+        points.extend(segment.point(t) for t in np.linspace(0.0, 1.0, share))
+    flat = np.array([[point.real, point.imag] for point in points]) * metres_per_unit
+    if not np.isfinite(flat).all():
+        raise PersonError(f"SVG path {data[:40]!r} leads to infinity")
+    return flat
+
+
+def shifted(polyline: npt.ArrayLike, start: npt.ArrayLike, knots: int = KNOTS) -> Float32:
+    """Everybody goes the drawn way from her own place, so the formation is carried along; shape (D, knots, 2).
+
+    `polyline` (N, 2) is taken as a motion: only how it goes on from its first point matters.
+    """
+    way = even(polyline, knots)
+    places = np.asarray(start, np.float64)
+    return np.ascontiguousarray(places[:, None, :] + (way - way[0])[None], np.float32)
+
+
+def single_file(polyline: npt.ArrayLike, start: npt.ArrayLike, *, gap: float = 0.8, knots: int = 129) -> Float32:
+    """One after the other along a drawn way, as on a string: knots (D, knots, 2).
+
+    Who stands nearest to the beginning of the way goes first and stops at its end, the others stay `gap` [m] apart
+    behind her; each comes from her own place, and reaches the beginning of the way when it is her turn. The knots lie
+    at even lengths of the *first* dancer's way, so all have to travel at the same times.
+    """
+    places = np.asarray(start, np.float64).reshape(-1, 2)
+    way = even(polyline, max(knots, 257))
+    at = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(way, axis=0).T))])
+    order = np.argsort(np.hypot(*(places - way[0]).T), kind="stable")
+    ways = np.empty((len(places), knots, 2), np.float32)
+    approach = float(np.hypot(*(places[order[0]] - way[0]))) if len(order) else 0.0
+    gone = np.linspace(0.0, approach + at[-1], knots)
+    for rank, dancer in enumerate(order):
+        turn = approach + rank * gap  # what the first has gone when this one reaches the beginning of the way
+        share = np.clip(gone / max(turn, 1e-9), 0.0, 1.0)[:, None] if turn > 0.0 else np.ones((knots, 1))
+        coming = places[dancer] + share * (way[0] - places[dancer])
+        along = np.stack([np.interp(gone - turn, at, way[:, 0]), np.interp(gone - turn, at, way[:, 1])], axis=1)
+        ways[dancer] = np.where((gone >= turn)[:, None], along, coming)
+        if turn == 0.0:
+            ways[dancer, 0] = places[dancer]
+    return np.ascontiguousarray(ways)
+
+
+def lengths(ways: npt.NDArray[np.floating]) -> Float64:
+    """Length of each way (D, K, 2) [m], shape (D,)."""
+    steps = np.diff(np.asarray(ways, np.float64), axis=1)
+    return np.asarray(np.hypot(steps[..., 0], steps[..., 1]).sum(axis=1))

@@ -1,0 +1,122 @@
+"""The linked timeline: every dancer at every beat in exactly one segment, auxiliary ones in between (T089, Fig 4.3)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Mask = npt.NDArray[np.bool_]
+
+AUXILIARY = -1
+"""Source of segments that nobody wrote: pauses in gaps, and junctions (of no length) where groups divide or join."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Span:
+    """When and for whom a segment is written."""
+
+    begin: float
+    """Beat."""
+    end: float
+    """Beat."""
+    dancers: Mask
+    """Who, shape (A,)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Link:
+    """A piece of the linked timeline, in beats."""
+
+    begin: float
+    end: float
+    dancers: Mask
+    """Who, shape (A,)."""
+    source: int
+    """Index of the span it comes from, or `AUXILIARY`."""
+    before: tuple[int, ...] = ()
+    """The links (their indices) it continues: one, unless it is a junction; none at the very beginning."""
+    after: tuple[int, ...] = ()
+    """The links that continue it."""
+
+
+def linked(spans: Sequence[Span], dancers: int, length: float) -> tuple[Link, ...]:
+    """One linked sequence from beat 0 to beat `length` in which everybody has exactly one segment at a time.
+
+    The span that begins later replaces what its dancers had, for good; of two that begin together the one written
+    later counts. A group changes only through a junction: a link of no length that holds who comes together there.
+    """
+    pieces: dict[tuple[float, float, int], Mask] = {}
+    for dancer in range(dancers):
+        for piece in _of_one(spans, dancer, length):
+            pieces.setdefault(piece, np.zeros(dancers, np.bool_))[dancer] = True
+    links = [Link(begin, end, mask, source) for (begin, end, source), mask in sorted(pieces.items(), key=_first)]
+    return _joined(links)
+
+
+def _of_one(spans: Sequence[Span], dancer: int, length: float) -> list[tuple[float, float, int]]:
+    own = [(span.begin, index) for index, span in enumerate(spans) if span.dancers[dancer] and span.begin < length]
+    own = [item for item in sorted(own) if spans[item[1]].end > item[0]]
+    own = [item for item, following in zip(own, [*own[1:], None], strict=True) if not _same_begin(item, following)]
+    pieces: list[tuple[float, float, int]] = []
+    at = 0.0
+    for (begin, index), following in zip(own, [*own[1:], None], strict=True):
+        if begin > at:
+            pieces.append((at, begin, AUXILIARY))
+        at = min(spans[index].end, length, following[0] if following else length)
+        pieces.append((max(begin, 0.0), at, index))
+    if at < length:
+        pieces.append((at, length, AUXILIARY))
+    return pieces
+
+
+def _same_begin(one: tuple[float, int], other: tuple[float, int] | None) -> bool:
+    return other is not None and other[0] <= max(one[0], 0.0)
+
+
+def _first(item: tuple[tuple[float, float, int], Mask]) -> tuple[float, float, int, int]:
+    (begin, end, source), mask = item
+    return begin, end, source, int(np.argmax(mask))
+
+
+def _joined(links: list[Link]) -> tuple[Link, ...]:
+    """Put junctions in, sort, and connect."""
+    everything = list(links)
+    edges: list[tuple[Link, Link]] = []
+    for beat in sorted({link.begin for link in links} - {0.0}):
+        ending = [link for link in links if link.end == beat]
+        starting = [link for link in links if link.begin == beat]
+        for before, after in _parties(ending, starting):
+            if len(before) == len(after) == 1:
+                edges.append((before[0], after[0]))
+                continue
+            together = np.logical_or.reduce([link.dancers for link in before])
+            junction = Link(beat, beat, together, AUXILIARY)
+            everything.append(junction)
+            edges += [(link, junction) for link in before] + [(junction, link) for link in after]
+    everything.sort(key=lambda link: (link.begin, link.end, int(np.argmax(link.dancers))))
+    index = {id(link): number for number, link in enumerate(everything)}
+    into: list[list[int]] = [[] for _ in everything]
+    out: list[list[int]] = [[] for _ in everything]
+    for one, other in edges:
+        out[index[id(one)]].append(index[id(other)])
+        into[index[id(other)]].append(index[id(one)])
+    return tuple(
+        Link(link.begin, link.end, link.dancers, link.source, tuple(sorted(before)), tuple(sorted(after)))
+        for link, before, after in zip(everything, into, out, strict=True)
+    )
+
+
+def _parties(ending: list[Link], starting: list[Link]) -> list[tuple[list[Link], list[Link]]]:
+    """Which of the links that end go over into which that start: the connected parties."""
+    parties: list[tuple[list[Link], list[Link], Mask]] = []
+    for link in ending:
+        parties.append(([link], [], link.dancers))
+    for link in starting:
+        touched = [party for party in parties if (party[2] & link.dancers).any()]
+        rest = [party for party in parties if not (party[2] & link.dancers).any()]
+        before = [each for party in touched for each in party[0]]
+        after = [each for party in touched for each in party[1]] + [link]
+        mask = np.logical_or.reduce([party[2] for party in touched] + [link.dancers])
+        parties = [*rest, (before, after, mask)]
+    return [(before, after) for before, after, _ in parties if before and after]
