@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -47,6 +48,10 @@ class Ripple:
     """Beats from the first start to the last; at most three quarters of the time there is."""
     order: Order = Order.LEFT
     arrive: Arrive = Arrive.TOGETHER
+
+
+TOGETHER: Final = Ripple()
+"""All start at once."""
 
 
 def delays(ripple: Ripple, start: npt.ArrayLike, numbers: npt.ArrayLike, *, seed: int = 0) -> Float64:

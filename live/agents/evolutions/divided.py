@@ -98,8 +98,7 @@ class DividedMatching:
     def _divide(self, who: Index, where: Index) -> None:
         if min(len(who), len(where)) == 0:
             return
-        longer = max(len(who), len(where))
-        if longer <= (self._exact if longer == max(len(self._start), len(self._slots)) else LEAF):
+        if max(len(who), len(where)) <= self._exact:
             self._pieces.append(lambda: self._assign(who, where))
             return
         if len(who) != len(where):

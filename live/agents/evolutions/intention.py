@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from typing import Protocol
+from typing import Final, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -11,6 +11,11 @@ import numpy.typing as npt
 from live.agents.evolutions.matching import Cost, Fill
 from live.agents.evolutions.orientation import Facing, Orientation
 from live.base.errors import PersonError
+
+EVENLY: Final = Orientation()
+"""Evenly from the first heading to the last."""
+ALONG_THE_WAY: Final = Orientation(Facing.TANGENT)
+"""Facing the way."""
 
 
 class FormationLike(Protocol):
@@ -85,7 +90,7 @@ class Evolve:
     formation: str
     matching: Matching = Matching()
     way: Way = Way.MENDED
-    orientation: Orientation = Orientation()
+    orientation: Orientation = EVENLY
     soft: float = 0.25
     """Share of the time in which speed is gathered, and lost; 0: constant speed."""
 
@@ -112,7 +117,7 @@ class Trajectory:
     follow: Follow = Follow.SHIFTED
     gap: float = 0.8
     """Metres between two dancers in single file."""
-    orientation: Orientation = Orientation(Facing.TANGENT)
+    orientation: Orientation = ALONG_THE_WAY
     soft: float = 0.25
 
 

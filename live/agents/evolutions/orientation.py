@@ -126,6 +126,12 @@ def travelled(places: npt.NDArray[np.floating], rest: npt.ArrayLike, still: floa
     return np.where(np.hypot(steps[..., 0], steps[..., 1]) < still, resting, heading)
 
 
+def final_direction(ways: npt.NDArray[np.floating], rest: npt.ArrayLike) -> Float64:
+    """Where each way (D, K, 2) leads at its end, shape (D,) [rad]; `rest` (D,) for who has no way."""
+    moving, direction = _directions(np.asarray(ways, np.float64))
+    return np.where(moving, direction[:, -1], np.asarray(rest, np.float64))
+
+
 def _directions(knots: Float64) -> tuple[npt.NDArray[np.bool_], Float64]:
     """Who moves at all (D,), and the direction of each piece (D, K - 1); pieces at rest take that of the last one."""
     steps = np.diff(knots, axis=1)

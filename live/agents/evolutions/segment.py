@@ -1,9 +1,9 @@
-"""Motion segments: how an intention sits on the timeline: who, when, for how long, with which variations (T085, T086)."""
+"""Motion segments: how an intention sits on the timeline: who, when, how long, how varied (T085, T086)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from live.agents.evolutions.delays import Ripple
+from live.agents.evolutions.delays import TOGETHER, Ripple
 from live.agents.evolutions.intention import Intention
 from live.agents.groups.relations import Line, canon
 from live.base.errors import PersonError
@@ -21,7 +21,7 @@ class Segment:
     """Measure at whose line it begins, from 0."""
     measures: int = 1
     """Measures until all have arrived."""
-    ripple: Ripple = Ripple()
+    ripple: Ripple = TOGETHER
     """Starts that differ from dancer to dancer."""
     mirror: Line | None = None
     """Formation or way are mirrored about this line."""

@@ -1,0 +1,49 @@
+"""Where dancers stand for whom a formation has no place: along the edges of the stage (T096)."""
+
+import numpy as np
+import numpy.typing as npt
+
+Float64 = npt.NDArray[np.float64]
+
+
+def clear_places(
+    count: int, start: npt.ArrayLike, slots: npt.ArrayLike, *, half: tuple[float, float], gap: float = 1.0
+) -> Float64:
+    """`count` places (count, 2) [m], `gap` from each other and from all `slots` (S, 2), for dancers at `start` (D, 2).
+
+    The sides and the back of the stage come first, as near to the dancers as may be; if the edges are full, the next
+    row inwards. If the whole stage is full, rows go on beyond its sides.
+    """
+    taken = np.asarray(slots, np.float64).reshape(-1, 2)
+    dancers = np.asarray(start, np.float64).reshape(-1, 2)
+    found: list[Float64] = []
+    for ring in range(1000):
+        candidates = _ring(ring, half, gap)
+        for fixed in (taken, *found):
+            if len(fixed) and len(candidates):
+                distance = np.hypot(*np.moveaxis(candidates[:, None] - fixed[None], -1, 0)).min(axis=1)
+                candidates = candidates[distance >= gap - 1e-6]
+        if len(candidates):
+            near = np.zeros(len(candidates))
+            if len(dancers):
+                near = np.hypot(*np.moveaxis(candidates[:, None] - dancers[None], -1, 0)).min(axis=1)
+            wanted = count - sum(map(len, found))
+            found.append(candidates[np.argsort(near, kind="stable")[:wanted]])
+        if sum(map(len, found)) >= count:
+            break
+    return np.concatenate([*found, np.zeros((0, 2))])[:count]
+
+
+def _ring(ring: int, half: tuple[float, float], gap: float) -> Float64:
+    """Sides and back of the rectangle `ring` rows in from the edges; those too far in lie beyond the sides instead."""
+    inset = 0.5 + ring * gap
+    width, depth = half[0] - inset, half[1] - inset
+    if width < 0.0 or depth < 0.0:
+        beyond = half[0] + gap * (1 + ring - int(min(half) // gap))
+        z = np.arange(-half[1], half[1] + 1e-9, gap)
+        return np.concatenate([np.stack([np.full(len(z), side * beyond), z], axis=1) for side in (-1.0, 1.0)])
+    z = np.linspace(-depth, depth, max(1, int(2 * depth / gap) + 1))
+    inner = max(0, int(2 * width / gap) - 1)
+    x = np.linspace(-width, width, inner + 2)[1:-1]
+    sides = [np.stack([np.full(len(z), side * width), z], axis=1) for side in (-1.0, 1.0)]
+    return np.concatenate([*sides, np.stack([x, np.full(len(x), -depth)], axis=1)])
