@@ -1,0 +1,1 @@
+"""Reynolds' behaviours of one agent: what she wants of her own motion, before neighbours are looked at."""

@@ -1,0 +1,138 @@
+"""ElementTable: elements as rows of numbers for the kernels; bounded, the oldest gives way."""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.procedural.drawn import GRID_COLUMNS, GRID_ROWS, corners_of, grid_along
+from live.agents.procedural.element import FADE_BEATS, Element
+from live.agents.procedural.kinds import CROSSING, DRAWN, FLOCK, FLOW, GRID, KIND_COUNT, VERTEX_COUNT
+from live.agents.procedural.table import kernels as column
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+UInt64 = npt.NDArray[np.uint64]
+
+SLOTS: Final = 8
+"""Drawn flows at a time; the flow drawn first gives way."""
+CROSSING_SEPARATION: Final = 0.7
+"""Dancers who cross keep this distance [m]: more would hold the two streams apart."""
+
+
+class ElementTable:
+    """Rows of elements, oldest first, in arrays that are allocated once."""
+
+    def __init__(self, capacity: int, *, half_width: float, half_depth: float, separation: float) -> None:
+        """`capacity` elements at most; half sizes of the stage [m]; the usual `separation` [m]."""
+        self.elements: list[Element] = []
+        self.rows: Float64 = np.zeros((capacity, column.COLUMNS))
+        self.masks: UInt64 = np.zeros(capacity, np.uint64)
+        self.vertices: Float32 = np.zeros((capacity, VERTEX_COUNT, 2), np.float32)
+        self.grids: Float32 = np.zeros((SLOTS, GRID_ROWS, GRID_COLUMNS, 2), np.float32)
+        self.active: Int32 = np.zeros(KIND_COUNT + 1 + capacity, np.int32)
+        """Where each kind begins, and the rows that act, sorted by kind: see `refresh_table`."""
+        self._half = (half_width, half_depth)
+        self._separation = separation
+        self._capacity = capacity
+        self._serial = 0
+        self._slot_use: list[int] = [0] * SLOTS
+
+    def __len__(self) -> int:
+        return len(self.elements)
+
+    def add(self, element: Element, grid: Float32 | None = None) -> bool:
+        """Put one more row at the end. If all are taken, the oldest voice gives way, to others also the oldest element.
+
+        False if a voice found only elements of the show itself, which it does not push out.
+        """
+        if len(self.elements) >= self._capacity:
+            place = next((row for row, old in enumerate(self.elements) if old.fair), None)
+            if place is None and element.fair:
+                return False
+            self.remove(place or 0)
+        row = len(self.elements)
+        self.elements.append(element)
+        self._serial += 1
+        self.rows[row, column.SERIAL] = self._serial
+        self.rows[row, column.SLOT] = -1.0
+        self._write(row, element)
+        if element.kind == FLOW and element.flow in (DRAWN, GRID):
+            self._take_slot(row, grid_along(element.points, *self._half) if grid is None else grid)
+        return True
+
+    def replace(self, row: int, element: Element) -> None:
+        """Put `element` into the place of another; it keeps its number, so a crossing is not danced again."""
+        old = self.elements[row]
+        self.elements[row] = element
+        self._write(row, element)
+        if element.kind == FLOW and element.flow == DRAWN and element.points != old.points:
+            self._take_slot(row, grid_along(element.points, *self._half))
+
+    def _write(self, row: int, element: Element) -> None:
+        corners = corners_of(element.points)
+        self.vertices[row, : len(corners)] = corners
+        usual = CROSSING_SEPARATION if element.kind == CROSSING else self._separation
+        flock = element.kind == FLOCK
+        values = {
+            column.START: element.start_beat,
+            column.END: element.end_beat,
+            column.KIND: element.table_kind,
+            column.STRENGTH: element.strength,
+            column.CORNERS: len(corners),
+            column.CLOSED: element.closed and len(corners) > 2,
+            column.RADIUS: element.radius,
+            column.DECAY: element.decay_length,
+            column.SEPARATION: usual if element.separation is None else element.separation,
+            column.ALIGNMENT: element.alignment if flock else 0.0,
+            column.COHESION: element.cohesion if flock else 0.0,
+            column.FLOW_KIND: element.flow,
+            column.TARGET: element.target,
+            column.TARGET_GROUP: element.target_group,
+            column.WEDGE: element.wedge,
+            column.X: element.x,
+            column.Z: element.z,
+        }
+        for place, value in values.items():
+            self.rows[row, place] = value
+        self.masks[row] = element.groups
+
+    def _take_slot(self, row: int, grid: Float32) -> None:
+        slot = int(self.rows[row, column.SLOT])
+        serial = int(self.rows[row, column.SERIAL])
+        if slot < 0 or self._slot_use[slot] != serial:
+            slot = min(range(SLOTS), key=self._slot_use.__getitem__)
+        for other in range(len(self.elements)):
+            if other != row and self.rows[other, column.SLOT] == slot:  # its flow has given way
+                self.rows[other, column.STRENGTH], self.rows[other, column.SLOT] = 0.0, -1.0
+        self._slot_use[slot] = serial
+        self.rows[row, column.SLOT] = slot
+        self.grids[slot] = grid
+
+    def remove(self, row: int) -> None:
+        """Take one row out; those after it move up."""
+        if self.rows[row, column.SLOT] >= 0.0:
+            self._slot_use[int(self.rows[row, column.SLOT])] = 0
+        last = len(self.elements)
+        for array in (self.rows, self.masks, self.vertices):
+            array[row : last - 1] = array[row + 1 : last]
+        del self.elements[row]
+
+    def refresh(self, beat: float) -> None:
+        """Set levels and the list of who acts at `beat`; rows that have ended go."""
+        if column.refresh_table(self.rows, len(self.elements), beat, FADE_BEATS, self.active):
+            for row in reversed(range(len(self.elements))):
+                if self.elements[row].end_beat <= beat:
+                    self.remove(row)
+            column.refresh_table(self.rows, len(self.elements), beat, FADE_BEATS, self.active)
+
+    @property
+    def acting(self) -> Int32:
+        """The rows that act, sorted by kind."""
+        first = KIND_COUNT + 1
+        return self.active[first : first + int(self.active[KIND_COUNT])]
+
+    def acts(self, kind: int) -> bool:
+        """Whether an element of this kind acts."""
+        return bool(self.active[kind] < self.active[kind + 1])

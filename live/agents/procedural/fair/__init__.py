@@ -1,0 +1,1 @@
+"""Fair attraction: the many voices of an audience (T106)."""

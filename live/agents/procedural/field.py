@@ -1,0 +1,198 @@
+"""ElementField: the elements in force, and what they wish of every agent at a tick (T105-T110, T132)."""
+
+from dataclasses import replace
+from typing import Literal, Protocol
+
+import numpy as np
+
+from live.agents.procedural.crossing.kernels import MEMORY_COLUMNS, claim
+from live.agents.procedural.drawn import GRID_COLUMNS, GRID_ROWS
+from live.agents.procedural.element import Element
+from live.agents.procedural.element_table import ElementTable, Float32, Float64, UInt64
+from live.agents.procedural.fair.kernels import AUDIENCES, PLACE_COLUMNS, PLACES, gather
+from live.agents.procedural.kernels import (
+    HALF_DEPTH,
+    HALF_WIDTH,
+    NUMBERS,
+    PLACE_COUNT,
+    SCRATCH_COLUMNS,
+    SEED,
+    SWITCHED,
+    TIME,
+    line_up,
+    spread_groups,
+    wish_of_all,
+)
+from live.agents.procedural.kinds import CROSSING, ELEMENT_CAPACITY, FLOW, FOLLOW, GRID, SPREADER, VOICE
+from live.agents.procedural.spreading.kernels import CELLS, MESH, fill_cosines
+from live.agents.procedural.table.kernels import LEVEL
+from live.agents.wants import Wants
+from live.base.errors import PersonError
+from live.base.stage_view import StageView
+
+
+class Moving(Protocol):
+    """What the field reads of the agents' state: position [m] and velocity [m/s], each (A, 2)."""
+
+    @property
+    def position(self) -> Float32:
+        """Stage position (x, z) [m], shape (A, 2)."""
+
+    @property
+    def velocity(self) -> Float32:
+        """Velocity [m/s], shape (A, 2)."""
+
+
+class ElementField:
+    """The elements of a show of A agents. Each tick: `refresh`, then `wish` (as often as needed, also on copies)."""
+
+    def __init__(
+        self,
+        agent_count: int,
+        *,
+        half_width: float,
+        half_depth: float,
+        seed: int = 0,
+        separation: float = 1.0,
+        combine: Literal["blended", "switched"] = "blended",
+        capacity: int = ELEMENT_CAPACITY,
+    ) -> None:
+        """Half sizes of the stage [m]; `separation` [m] of dancers whom elements move, unless an element says another.
+
+        `combine`: wishes are summed, or urgent ones take the speed first (T083). At most `capacity` elements.
+        """
+        self._table = ElementTable(capacity, half_width=half_width, half_depth=half_depth, separation=separation)
+        self.influence: Float32 = np.zeros(agent_count, np.float32)
+        """How far the last `wish` has taken each agent from her plan, 0 to 1, shape (A,)."""
+        self._memory: Float64 = np.zeros((agent_count, MEMORY_COLUMNS))
+        self._scratch: Float64 = np.zeros((agent_count, SCRATCH_COLUMNS))
+        self._places: Float64 = np.zeros((PLACES * AUDIENCES, PLACE_COLUMNS))
+        self._audience: UInt64 = np.zeros(PLACES * AUDIENCES, np.uint64)
+        self._density: Float64 = np.zeros(capacity)
+        self._numbers: Float64 = np.zeros(NUMBERS)
+        self._numbers[SEED] = seed
+        self._numbers[HALF_WIDTH], self._numbers[HALF_DEPTH] = half_width, half_depth
+        self._numbers[SWITCHED] = combine == "switched"
+        self._area = np.array([-half_width, half_width, -half_depth, half_depth], np.float64)
+        self._mesh: Float32 = np.zeros((3, MESH, MESH), np.float32)
+        self._cosines: Float32 = np.zeros((MESH + 1, MESH, MESH), np.float32)
+        fill_cosines(self._cosines)
+        self._start = np.zeros(CELLS * CELLS + 1, np.int32)
+        self._order = np.zeros((2, agent_count), np.int32)
+
+    # -- elements come, move and go ----------------------------------------------------------------------------
+
+    @property
+    def elements(self) -> tuple[Element, ...]:
+        """The elements that have not ended, oldest first."""
+        return tuple(self._table.elements)
+
+    def add(self, element: Element, grid: Float32 | None = None) -> bool:
+        """Put one more element in force; if there is no place, the oldest voice, else the oldest element gives way.
+
+        `grid` (24, 32, 2): the flow of an element of kind FLOW with flow GRID, at nodes over the stage, the first row
+        at the back. False if a voice found no place. Raises PersonError for a grid that is missing, or of another form.
+        """
+        if element.kind == FLOW and element.flow == GRID:
+            if grid is None or grid.shape != (GRID_ROWS, GRID_COLUMNS, 2) or not np.isfinite(grid).all():
+                raise PersonError("flow: its grid is missing or has another form", "give 24 rows of 32 finite (x, z)")
+        return self._table.add(element, grid)
+
+    def move(self, old: Element, new: Element) -> Element:
+        """Put `new` in the place of `old` without fading in anew (a dragged attractor stays one); returns what acts.
+
+        If `old` is no longer in force, `new` begins for itself.
+        """
+        for row, element in enumerate(self._table.elements):
+            if element is old:
+                moved = replace(new, start_beat=min(old.start_beat, new.start_beat))
+                self._table.replace(row, moved)
+                return moved
+        self.add(new)
+        return new
+
+    def end(self, beat: float, *, source: str | None = None, kind: int | None = None, groups: int | None = None) -> int:
+        """Let the elements that fit all that is given fade out from `beat` on, from the level they have.
+
+        Those yet to come never begin. `groups`: those that address any of these bits. Returns how many it were.
+        """
+        count = 0
+        for row in reversed(range(len(self._table))):
+            element = self._table.elements[row]
+            fits = (source is None or element.source == source) and (kind is None or element.kind == kind)
+            if not fits or (groups is not None and not element.groups & groups):
+                continue
+            count += 1
+            if element.level(beat) > 0.0:
+                self._table.replace(row, element.ending(beat))
+            else:
+                self._table.remove(row)
+        return count
+
+    def clear(self, beat: float) -> None:
+        """Let every element fade out from `beat` on."""
+        self.end(beat)
+
+    # -- each tick ---------------------------------------------------------------------------------------------
+
+    def refresh(self, beat: float, wants: Wants, state: Moving, groups: UInt64) -> None:
+        """Once a tick, first: who acts at `beat`; whoever is to cross over gets her place on the other side.
+
+        `groups` (A,) uint64: the bits of the groups each agent belongs to.
+        """
+        table, numbers = self._table, self._numbers
+        table.refresh(beat)
+        if table.acts(CROSSING):
+            claim(
+                table.rows, table.masks, table.vertices, table.active, state.position, wants.rows, groups,
+                self._memory, numbers[HALF_WIDTH], numbers[HALF_DEPTH], int(numbers[SEED]),
+            )  # fmt: skip
+        numbers[PLACE_COUNT] = 0.0
+        if table.acts(VOICE):
+            numbers[PLACE_COUNT] = gather(
+                table.rows, table.masks, table.active, self._places, self._audience, self._density
+            )
+
+    def wish(
+        self, wants: Wants, state: Moving, groups: UInt64, *, time: float, influence: Float32 | None = None
+    ) -> Float32:
+        """Blend what the elements wish into `wants`: (1 - influence) of the planned velocity and firmness, and theirs.
+
+        Also raises separation, alignment and cohesion to what they ask for. `time` [s] is for seeded chance. Writes
+        the influence of each agent, 0 to 1, into `influence` (A,) or else into the field's own, and returns it. It
+        changes nothing else, so a look-ahead may call it on copies (with an `influence` of its own).
+        """
+        out = self.influence if influence is None else influence
+        table = self._table
+        if not table.active[-1 - len(table.rows)]:
+            out[:] = 0.0
+            return out
+        self._numbers[TIME] = time
+        if table.acts(SPREADER):
+            spread_groups(
+                table.rows, table.masks, table.active, state.position, wants.rows, groups, self._area,
+                self._mesh, self._cosines, self._start, self._order, self._scratch,
+            )  # fmt: skip
+        if table.acts(FOLLOW):
+            line_up(table.rows, table.masks, table.active, wants.rows, groups, self._scratch)
+        wish_of_all(
+            state.position, state.velocity, wants.rows, groups, table.rows, table.masks, table.vertices, table.active,
+            table.grids, self._places, self._audience, self._memory, self._scratch, self._numbers, out,
+        )  # fmt: skip
+        return out
+
+    # -- what is seen ------------------------------------------------------------------------------------------
+
+    def show(self, view: StageView) -> None:
+        """Copy what acts now into the drawing snapshot: kind, first point and level."""
+        acting = self._table.acting[: len(view.element_kind)]
+        view.element_count = len(acting)
+        for place, row in enumerate(acting):
+            element = self._table.elements[row]
+            view.element_kind[place] = element.kind
+            view.element_position[place] = element.points[0]
+            view.element_level[place] = self._table.rows[row, LEVEL]
+
+    def shown(self) -> list[tuple[Element, float]]:
+        """The elements that act now with their levels, for pictures that draw lines and regions."""
+        return [(self._table.elements[row], float(self._table.rows[row, LEVEL])) for row in self._table.acting]

@@ -1,0 +1,1 @@
+"""Attractors and repulsors of any shape (T105, T106)."""

@@ -1,0 +1,134 @@
+"""How an element's shape is seen from a place: distance and direction of point, line or region, and force laws."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.behaviours.kernels import hash_unit, nearest_on_line
+from live.agents.procedural.kinds import KIND_COUNT
+from live.agents.procedural.table.kernels import CLOSED, CORNERS, DECAY, LEVEL, RADIUS, STRENGTH, X, Z, addresses
+from live.base.jit import kernel
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+UInt64 = npt.NDArray[np.uint64]
+
+ROWS = KIND_COUNT + 1
+"""Where the list of acting rows begins in `active`."""
+
+
+@kernel("b1(f4[:,:,::1],i8,i8,f8,f8)")
+def inside(vertices: Float32, row: int, count: int, x: float, z: float) -> bool:
+    """Whether (x, z) lies in the polygon of a row of `vertices` (E, V, 2), by the even-odd rule."""
+    within = False
+    before = count - 1
+    for v in range(count):
+        ax, az = vertices[row, v, 0], vertices[row, v, 1]
+        bx, bz = vertices[row, before, 0], vertices[row, before, 1]
+        if (az > z) != (bz > z) and x < ax + (z - az) / (bz - az) * (bx - ax):
+            within = not within
+        before = v
+    return within
+
+
+@kernel("UniTuple(f8,3)(f8[:,::1],f4[:,:,::1],i8,f8,f8)")
+def seen_from(table: Float64, vertices: Float32, row: int, x: float, z: float) -> tuple[float, float, float]:
+    """Distance [m] of an element's shape from (x, z), negative inside of it, and the unit vector to its border.
+
+    The vector is (0, 0) on a border or point itself, where every direction is as good.
+    """
+    corners = int(table[row, CORNERS])
+    radius = table[row, RADIUS]
+    within = False
+    if corners == 1:
+        dx, dz = table[row, X] - x, table[row, Z] - z
+        d = math.sqrt(dx * dx + dz * dz)
+    else:
+        closed = table[row, CLOSED] > 0.0
+        d2, px, pz, _, _ = nearest_on_line(vertices, row, corners, closed, x, z)
+        dx, dz, d = px - x, pz - z, math.sqrt(d2)
+        within = closed and inside(vertices, row, corners, x, z)
+    if d < 1e-6:
+        dx, dz = 0.0, 0.0
+    else:
+        dx, dz = dx / d, dz / d
+    if within:  # from the border of a polygon outwards, and over the radius around it
+        return -d - radius, dx, dz
+    d -= radius
+    if d < 0.0:  # in a disc, or a broad line: its border lies away from its middle
+        return d, -dx, -dz
+    return d, dx, dz
+
+
+@kernel("UniTuple(f8,3)(f8,f8,f8,f8,f8)")
+def attraction(d: float, to_x: float, to_z: float, strength: float, decay: float) -> tuple[float, float, float]:
+    """Wish towards a source at distance `d` [m], 1 - exp(-d / decay) (T105); none inside a region. And 1: it is asked.
+
+    Fast far away, slow as the agent arrives.
+    """
+    if d <= 0.0:
+        return 0.0, 0.0, 1.0
+    size = strength * (1.0 - math.exp(-d / decay))
+    return size * to_x, size * to_z, 1.0
+
+
+@kernel("UniTuple(f8,3)(f8,f8,f8,f8,f8)")
+def repulsion(d: float, to_x: float, to_z: float, strength: float, decay: float) -> tuple[float, float, float]:
+    """Wish away from a source at distance `d` [m], exp(-d / decay) (T105); inside a region out of it. And its size."""
+    if d <= 0.0:
+        return strength * to_x, strength * to_z, 1.0
+    size = strength * math.exp(-d / decay)
+    return -size * to_x, -size * to_z, min(abs(size), 1.0)
+
+
+@kernel("UniTuple(f8,3)(f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],i8,b1,f8,f8,u8,i8,i8)")
+def nearest_source(
+    table: Float64,
+    masks: UInt64,
+    vertices: Float32,
+    active: Int32,
+    kind: int,
+    repels: bool,
+    x: float,
+    z: float,
+    groups: np.uint64,
+    seed: int,
+    agent: int,
+) -> tuple[float, float, float]:
+    """Wish, as a share of the top speed, by the nearest source of a kind alone (T106), and its influence (0 to 1).
+
+    While the nearest one fades in or out, the rest of its share goes to the next nearest, so nothing jumps; four are
+    asked at most.
+    """
+    wish_x, wish_z, influence, left = 0.0, 0.0, 0.0, 1.0
+    last, last_row = -1e30, -1
+    first, end = ROWS + active[kind], ROWS + active[kind + 1]
+    for _ in range(4):
+        best, best_row, to_x, to_z = 1e30, -1, 0.0, 0.0
+        for k in range(first, end):
+            row = active[k]
+            if not addresses(masks[row], groups):
+                continue
+            d, ux, uz = seen_from(table, vertices, row, x, z)
+            if d < best and (d > last or (d == last and row > last_row)):
+                best, best_row, to_x, to_z = d, row, ux, uz
+        if best_row < 0:
+            break
+        if to_x == 0.0 and to_z == 0.0:  # on the spot itself: let chance, seeded, choose
+            angle = 2.0 * math.pi * hash_unit(seed, agent, 77)
+            to_x, to_z = math.sin(angle), math.cos(angle)
+        share = left * table[best_row, LEVEL]
+        if repels:
+            fx, fz, asked = repulsion(best, to_x, to_z, table[best_row, STRENGTH], table[best_row, DECAY])
+        else:
+            fx, fz, asked = attraction(best, to_x, to_z, table[best_row, STRENGTH], table[best_row, DECAY])
+        wish_x += share * fx
+        wish_z += share * fz
+        influence = max(influence, table[best_row, LEVEL] * asked)
+        left -= share
+        last, last_row = best, best_row
+        if left < 1e-3:
+            break
+    return wish_x, wish_z, influence

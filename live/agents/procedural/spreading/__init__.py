@@ -1,0 +1,1 @@
+"""Spreading out on the stage (T109)."""

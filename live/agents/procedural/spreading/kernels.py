@@ -1,0 +1,262 @@
+"""Spreading out (T109): dancers as like charges on a stage that is charged evenly against them.
+
+The thesis puts a repulsor into every over-populated cell of a grid and an attractor into every under-populated one.
+Cells cannot see an imbalance between their neighbours' neighbours, and what they even out is their own grid. Here the
+same idea has no cells that show: the population, smoothed by a Gaussian, minus its mean is the source of a potential
+(a Poisson equation on a mesh, solved exactly by cosines, so the stage edges reflect), whose gradient takes dancers
+from crowded places to empty ones however far away. What the Gaussian has smoothed away is given back by a repulsion
+between near neighbours, which keeps distances even (particle-particle particle-mesh after Hockney & Eastwood 1981).
+"""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+MESH = 32
+"""Mesh nodes along an axis at most."""
+CELLS = 64
+"""Neighbour cells along an axis at most."""
+PACE = 0.6
+"""Seconds in which an uneven population would even out if nobody's speed were limited."""
+SMOOTHING = 0.62
+"""Width of the Gaussian, as a share of the mean distance between dancers."""
+REACH = 2.6
+"""Neighbours repel each other within so many widths of the Gaussian."""
+
+
+@kernel("void(f4[:,:,::1])")
+def fill_cosines(cosines: Float32) -> None:
+    """cos(pi k (j + 1/2) / n) for n nodes into cosines[n, k, j]; cosines (MESH + 1, MESH, MESH)."""
+    for n in range(1, MESH + 1):
+        for k in range(n):
+            for j in range(n):
+                cosines[n, k, j] = math.cos(math.pi * k * (j + 0.5) / n)
+
+
+@kernel("void(f4[:,:,::1],i8,i8,i8,f4[:,:,::1],f8,f8,f8)")
+def solve(
+    mesh: Float32, nx: int, nz: int, source: int, cosines: Float32, step_x: float, step_z: float, s: float
+) -> None:
+    """Potential of mesh[source] (nz, nx) with reflecting edges, smoothed by a Gaussian of width `s` [m], in place.
+
+    -laplace(potential) = source. mesh[1] and mesh[2] are overwritten.
+    """
+    for r in range(nz):  # cosine transform along x, then along z
+        for k in range(nx):
+            total = np.float32(0.0)
+            for j in range(nx):
+                total += mesh[source, r, j] * cosines[nx, k, j]
+            mesh[1, r, k] = total
+    for m in range(nz):
+        for k in range(nx):
+            mesh[2, m, k] = 0.0
+        for r in range(nz):
+            c = cosines[nz, m, r]
+            for k in range(nx):
+                mesh[2, m, k] += c * mesh[1, r, k]
+    for m in range(nz):
+        wz = math.pi * m / (nz * step_z)
+        for k in range(nx):
+            wx = math.pi * k / (nx * step_x)
+            w2 = wx * wx + wz * wz
+            if w2 == 0.0:
+                mesh[2, m, k] = 0.0
+                continue
+            scale = (1.0 if k == 0 else 2.0) * (1.0 if m == 0 else 2.0) / (nx * nz)
+            mesh[2, m, k] *= scale * math.exp(-0.5 * s * s * w2) / w2
+    for m in range(nz):  # and back
+        for j in range(nx):
+            mesh[1, m, j] = 0.0
+        for k in range(nx):
+            c = mesh[2, m, k]
+            for j in range(nx):
+                mesh[1, m, j] += c * cosines[nx, k, j]
+    for r in range(nz):
+        for j in range(nx):
+            mesh[source, r, j] = 0.0
+        for m in range(nz):
+            c = cosines[nz, m, r]
+            for j in range(nx):
+                mesh[source, r, j] += c * mesh[1, m, j]
+
+
+@kernel("UniTuple(f8,3)(f8,f8,i8)")
+def node_of(place: float, step: float, nodes: int) -> tuple[float, float, float]:
+    """The nodes on both sides of a place (from the edge, [m]) and how far it lies from the first to the second."""
+    u = place / step - 0.5
+    low = math.floor(u)
+    return float(min(max(low, 0), nodes - 1)), float(min(max(low + 1, 0), nodes - 1)), u - low
+
+
+@kernel("void(f4[:,:,::1],i8,i8,f8,f8,f8,f8,f4[:,::1],i4[::1],i8,f8)")
+def deposit(
+    mesh: Float32,
+    nx: int,
+    nz: int,
+    left: float,
+    back: float,
+    step_x: float,
+    step_z: float,
+    position: Float32,
+    member: Int32,
+    members: int,
+    scale: float,
+) -> None:
+    """Population minus its mean onto mesh[0] (nz, nx), shared out between nodes; `scale`: what one dancer adds."""
+    mean = scale * members / (nx * nz)
+    for r in range(nz):
+        for c in range(nx):
+            mesh[0, r, c] = -mean
+    for k in range(members):
+        i = member[k]
+        c0, c1, u = node_of(position[i, 0] - left, step_x, nx)
+        r0, r1, v = node_of(position[i, 1] - back, step_z, nz)
+        a, b, e, f = int(c0), int(c1), int(r0), int(r1)
+        mesh[0, e, a] += scale * (1.0 - u) * (1.0 - v)
+        mesh[0, e, b] += scale * u * (1.0 - v)
+        mesh[0, f, a] += scale * (1.0 - u) * v
+        mesh[0, f, b] += scale * u * v
+
+
+@kernel("void(f4[:,:,::1],i8,i8,f8,f8)")
+def slope(mesh: Float32, nx: int, nz: int, step_x: float, step_z: float) -> None:
+    """Downhill slope of the potential mesh[0] into mesh[1] (along x) and mesh[2] (along z); level at the edges."""
+    for r in range(nz):
+        above, below = max(r - 1, 0), min(r + 1, nz - 1)
+        for c in range(nx):
+            before, after = max(c - 1, 0), min(c + 1, nx - 1)
+            mesh[1, r, c] = (mesh[0, r, before] - mesh[0, r, after]) / (2.0 * step_x)
+            mesh[2, r, c] = (mesh[0, above, c] - mesh[0, below, c]) / (2.0 * step_z)
+
+
+@kernel("UniTuple(f8,2)(f4[:,:,::1],i8,i8,f8,f8,f8,f8)")
+def slope_at(mesh: Float32, nx: int, nz: int, x: float, z: float, step_x: float, step_z: float) -> tuple[float, float]:
+    """The slope at a place (from the left and back edge, [m]), bilinear; mirrored beyond the edges."""
+    c0, c1, u = node_of(x, step_x, nx)
+    r0, r1, v = node_of(z, step_z, nz)
+    a, b, e, f = int(c0), int(c1), int(r0), int(r1)
+    # between the outermost nodes and the edge the slope towards it falls to nothing
+    edge_x = min(max(min(x, nx * step_x - x) / (0.5 * step_x), 0.0), 1.0)
+    edge_z = min(max(min(z, nz * step_z - z) / (0.5 * step_z), 0.0), 1.0)
+    gx = (mesh[1, e, a] * (1.0 - u) + mesh[1, e, b] * u) * (1.0 - v) + (
+        mesh[1, f, a] * (1.0 - u) + mesh[1, f, b] * u
+    ) * v
+    gz = (mesh[2, e, a] * (1.0 - u) + mesh[2, e, b] * u) * (1.0 - v) + (
+        mesh[2, f, a] * (1.0 - u) + mesh[2, f, b] * u
+    ) * v
+    return gx * edge_x, gz * edge_z
+
+
+@kernel("i8(f8,f8,i8)")
+def cell_along(place: float, size: float, cells: int) -> int:
+    """Cell of a place (from the edge, [m]) along one axis; places beyond the edges belong to the outermost cells."""
+    return int(min(max(math.floor(place / size), 0), cells - 1))
+
+
+@kernel("void(f4[:,::1],i4[::1],i8,f8,f8,f8,f8,i8,i8,i4[::1],i4[::1])")
+def sort_members(
+    position: Float32,
+    member: Int32,
+    members: int,
+    left: float,
+    back: float,
+    size_x: float,
+    size_z: float,
+    columns: int,
+    rows: int,
+    start: Int32,
+    order: Int32,
+) -> None:
+    """Counting sort: members of cell c are order[start[c]:start[c + 1]], in the order of their numbers."""
+    for c in range(columns * rows + 1):
+        start[c] = 0
+    for k in range(members):
+        i = member[k]
+        row = cell_along(position[i, 1] - back, size_z, rows)
+        start[row * columns + cell_along(position[i, 0] - left, size_x, columns) + 1] += 1
+    for c in range(columns * rows):
+        start[c + 1] += start[c]
+    for k in range(members - 1, -1, -1):
+        i = member[k]
+        row = cell_along(position[i, 1] - back, size_z, rows)
+        c = row * columns + cell_along(position[i, 0] - left, size_x, columns) + 1
+        start[c] -= 1
+        order[start[c]] = i
+    for c in range(columns * rows):
+        start[c] = start[c + 1]
+    start[columns * rows] = members
+
+
+@kernel("f8(f8,f8)")
+def push(d: float, reach: float) -> float:
+    """Repulsion of a neighbour at `d` [m]: what the smoothing took from 1 / d, nothing from `reach` [m] on."""
+    if d >= reach:
+        return 0.0
+    t = d / reach
+    return (1.0 - t * t) * (1.0 - t * t) / max(d, 0.05)
+
+
+@kernel("void(f4[:,::1],i4[::1],i8,f8[::1],f4[:,:,::1],f4[:,:,::1],i4[::1],i4[::1],f8[:,::1])")
+def spread(
+    position: Float32,
+    member: Int32,
+    members: int,
+    area: Float64,
+    mesh: Float32,
+    cosines: Float32,
+    start: Int32,
+    order: Int32,
+    wish: Float64,
+) -> None:
+    """The velocity [m/s] in which each member of a group spreads over an area, into wish (A, 2) (T109).
+
+    position (A, 2) [m]; member: the agents who spread, the first `members` count; area: left, right, back, front [m];
+    mesh (3, MESH, MESH), cosines, start (CELLS² + 1,), order (A,): scratch.
+    """
+    left, right, back, front = area[0], area[1], area[2], area[3]
+    width, depth = right - left, front - back
+    spacing = math.sqrt(width * depth / max(members, 1))
+    s = max(SMOOTHING * spacing, width / MESH, depth / MESH)
+    nx = int(min(max(math.ceil(width / s), 2), MESH))
+    nz = int(min(max(math.ceil(depth / s), 2), MESH))
+    step_x, step_z = width / nx, depth / nz
+    # in units in which an even population is 1: a dancer is an area, a mesh cell has one, too
+    share = width * depth / max(members, 1)
+    deposit(mesh, nx, nz, left, back, step_x, step_z, position, member, members, share / (step_x * step_z))
+    solve(mesh, nx, nz, 0, cosines, step_x, step_z, s)
+    slope(mesh, nx, nz, step_x, step_z)
+    reach = REACH * s
+    columns = int(min(max(math.floor(width / reach), 1), CELLS))
+    rows = int(min(max(math.floor(depth / reach), 1), CELLS))
+    size_x, size_z = width / columns, depth / rows
+    sort_members(position, member, members, left, back, size_x, size_z, columns, rows, start, order)
+    for k in range(members):
+        i = member[k]
+        x, z = float(position[i, 0]), float(position[i, 1])
+        gx, gz = slope_at(mesh, nx, nz, min(max(x - left, 0.0), width), min(max(z - back, 0.0), depth), step_x, step_z)
+        px, pz = 0.0, 0.0
+        column, row = cell_along(x - left, size_x, columns), cell_along(z - back, size_z, rows)
+        for r in range(max(row - 1, 0), min(row + 2, rows)):
+            for c in range(max(column - 1, 0), min(column + 2, columns)):
+                for n in range(start[r * columns + c], start[r * columns + c + 1]):
+                    j = order[n]
+                    dx, dz = x - position[j, 0], z - position[j, 1]
+                    d2 = dx * dx + dz * dz
+                    if d2 < reach * reach and j != i:
+                        d = math.sqrt(d2)
+                        f = push(d, reach) / max(d, 1e-6)
+                        px += f * dx
+                        pz += f * dz
+        # her own images in the edges: without them the outermost would stand on the edge itself
+        px += push(2.0 * max(x - left, 0.0), reach) - push(2.0 * max(right - x, 0.0), reach)
+        pz += push(2.0 * max(z - back, 0.0), reach) - push(2.0 * max(front - z, 0.0), reach)
+        near = share / (2.0 * math.pi)
+        wish[i, 0] = (gx + near * px + min(max(left - x, 0.0), 1.0) * 2.0 - min(max(x - right, 0.0), 1.0) * 2.0) / PACE
+        wish[i, 1] = (gz + near * pz + min(max(back - z, 0.0), 1.0) * 2.0 - min(max(z - front, 0.0), 1.0) * 2.0) / PACE

@@ -1,0 +1,1 @@
+"""The elements in force as rows of numbers."""
