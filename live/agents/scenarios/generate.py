@@ -1,6 +1,7 @@
 """The scenarios on which avoidance engines are compared: head on, circles, crossings, a gap, corridors, formations."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -74,10 +75,7 @@ def bottleneck(count: int, seed: int) -> Scenario:
     for side in (-1.0, 1.0):
         walls += [[-4.0, 4.0 * side, 4.4, 4.0 * side], [4.0, 0.6 * side, 4.4, 0.6 * side]]
         walls += [[x, 0.6 * side, x, 4.0 * side] for x in (4.0, 4.4)]
-    plain = _scenario(120.0, start, goal, np.array(walls))
-    return Scenario(
-        **{name: getattr(plain, name) for name in Scenario.__slots__ if name != "rule"}, rule=through_gap(goal)
-    )
+    return replace(_scenario(120.0, start, goal, np.array(walls)), rule=through_gap(goal))
 
 
 def formation(seed: int) -> Scenario:
@@ -95,9 +93,7 @@ def random_goals(count: int, seed: int) -> Scenario:
     chance = np.random.default_rng(1000 + seed)
     start = dart_throwing(chance, count, 0.8, (-half_width, -half_width), (half_width, half_width))
     goal = chance.uniform(-half_width, half_width, (count, 2))
-    plain = _scenario(60.0, start, goal)
-    changed = {"rule": ever_on(seed, half_width), "endless": True}
-    return Scenario(**{**{name: getattr(plain, name) for name in Scenario.__slots__}, **changed})
+    return replace(_scenario(60.0, start, goal), rule=ever_on(seed, half_width), endless=True)
 
 
 def corridor(half: int, seed: int) -> Scenario:

@@ -1,7 +1,7 @@
 """Scenario: who starts where and wants to go where, between which walls, for how long."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -38,6 +38,10 @@ class Scenario:
     """Makes what changes the targets while it runs, afresh for each run; None: the goals are fixed."""
     endless: bool = False
     """Goals are redrawn for ever: nobody arrives."""
+
+    def lasting(self, duration: float) -> "Scenario":
+        """The same scenario for `duration` [s]."""
+        return replace(self, duration=duration)
 
     @property
     def agent_count(self) -> int:
