@@ -178,9 +178,9 @@ def _trajectory(
         segment, ways, trajectory.soft, Way.STRAIGHT, trajectory.orientation, departure, closing=False
     )
     after = departure.heading
-    if trajectory.orientation.facing in (Facing.TANGENT, Facing.MEASURES):
+    if facing.facing in (Facing.TANGENT, Facing.MEASURES):
         after = orientation.final_direction(ways, departure.heading)
-    return _turned(moved, trajectory.orientation, departure, after, closing=False)
+    return _turned(moved, facing, departure, after, closing=False)
 
 
 def _timed(

@@ -6,11 +6,12 @@ dancers arrive on the danced measure line wherever "this is the one" has moved i
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.evolutions.intention import Procedural, Repertoire
+from live.agents.evolutions.intention import Repertoire
 from live.agents.evolutions.journey import Departure
 from live.agents.evolutions.kernels import track
 from live.agents.evolutions.locomotion import Float32, Setting
@@ -18,8 +19,15 @@ from live.agents.evolutions.motion import Motion
 from live.agents.evolutions.segment import Segment
 from live.agents.groups.roster import Mask, Roster
 from live.agents.groups.selection import selection
-from live.agents.model import AgentState
 from live.agents.wants import Wants
+
+
+class Standing(Protocol):
+    """A state of agents: where they are."""
+
+    position: Float32
+    """Places [m], shape (A, 2)."""
+
 
 WITHIN = 0.3
 """Seconds within which a dancer who was pushed aside makes up for it."""
@@ -166,7 +174,7 @@ class Plan:
         self._forget(beat)
         return motions
 
-    def write(self, wants: Wants, state: AgentState, beat: float, beats_per_second: float) -> None:
+    def write(self, wants: Wants, state: Standing, beat: float, beats_per_second: float) -> None:
         """Ask the dancers under a segment to be where it says at `beat`: desired velocity, firmly."""
         setting = self.at(beat)
         track(state.position, setting.position, setting.velocity, setting.under, beats_per_second, WITHIN, wants.rows)
@@ -256,7 +264,3 @@ class Plan:
             if motion.begin <= beat:
                 held[motion.who[motion.keep == 1]] = True
         self._motions = kept[::-1]
-
-    def is_free(self, segment: Segment) -> bool:
-        """Whether elements drive this segment's dancers."""
-        return isinstance(self._repertoire.intention(segment.intention), Procedural)
