@@ -174,9 +174,8 @@ def _trajectory(
         segment = replace(segment, ripple=replace(segment.ripple, beats=0.0))
     else:
         ways = paths.shifted(line, departure.position)
-    moved = yield from _timed(
-        segment, ways, trajectory.soft, Way.STRAIGHT, trajectory.orientation, departure, closing=False
-    )
+    facing = trajectory.orientation
+    moved = yield from _timed(segment, ways, trajectory.soft, Way.STRAIGHT, facing, departure, closing=False)
     after = departure.heading
     if facing.facing in (Facing.TANGENT, Facing.MEASURES):
         after = orientation.final_direction(ways, departure.heading)
