@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from typing import Final, Protocol
+from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
@@ -29,6 +29,16 @@ class FormationLike(Protocol):
     def heading(self) -> npt.NDArray[np.floating]: ...
     @property
     def marks(self) -> Sequence[str]: ...
+
+
+@runtime_checkable
+class FormationMaker(Protocol):
+    """A formation whose places depend on how many dancers it is for."""
+
+    @property
+    def name(self) -> str: ...
+    def made(self, count: int) -> FormationLike:
+        """The places for `count` dancers."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -136,12 +146,12 @@ Intention = Hold | Evolve | Pause | Trajectory | Procedural
 class Repertoire:
     """Formations, drawn ways and intentions under their names; an edit reaches every segment that refers to them."""
 
-    formations: Mapping[str, FormationLike] = field(default_factory=dict)
+    formations: Mapping[str, FormationLike | FormationMaker] = field(default_factory=dict)
     paths: Mapping[str, npt.NDArray[np.floating]] = field(default_factory=dict)
     """Polylines (N, 2) [m]."""
     intentions: Mapping[str, Intention] = field(default_factory=dict)
 
-    def with_formation(self, formation: FormationLike) -> "Repertoire":
+    def with_formation(self, formation: FormationLike | FormationMaker) -> "Repertoire":
         """The same with this formation new or edited."""
         return replace(self, formations={**self.formations, formation.name: formation})
 
@@ -153,11 +163,12 @@ class Repertoire:
         """The same with this intention new or edited."""
         return replace(self, intentions={**self.intentions, name: intention})
 
-    def formation(self, name: str) -> FormationLike:
-        """The formation of this name, or a PersonError that says which there are."""
+    def formation(self, name: str, count: int) -> FormationLike:
+        """The formation of this name for `count` dancers, or a PersonError that says which there are."""
         if name not in self.formations:
             raise PersonError(f"no formation is called {name!r}", _there_are(self.formations))
-        return self.formations[name]
+        formation = self.formations[name]
+        return formation.made(count) if isinstance(formation, FormationMaker) else formation
 
     def path(self, name: str) -> npt.NDArray[np.floating]:
         """The drawn way of this name, or a PersonError."""
@@ -172,7 +183,7 @@ class Repertoire:
                 raise PersonError(f"no intention is called {of!r}", _there_are(self.intentions))
             of = self.intentions[of]
         if isinstance(of, Hold | Evolve):
-            self.formation(of.formation)
+            self.formation(of.formation, 1)
         if isinstance(of, Trajectory):
             self.path(of.path)
         return of

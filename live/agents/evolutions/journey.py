@@ -84,11 +84,11 @@ class Journey:
 def travelling(segment: Segment, intention: Intention, repertoire: Repertoire, departure: Departure) -> Pieces[Journey]:
     """Work out a segment whose intention prescribes places (all but `Procedural`), in pieces."""
     if isinstance(intention, Hold):
-        formation = repertoire.formation(intention.formation)
+        formation = repertoire.formation(intention.formation, len(departure.numbers))
         soon = replace(departure, end=min(departure.end, departure.begin + departure.measure_beats))
         return (yield from _evolve(segment, Evolve(intention.formation, intention.matching), formation, soon))
     if isinstance(intention, Evolve):
-        formation = repertoire.formation(intention.formation)
+        formation = repertoire.formation(intention.formation, len(departure.numbers))
         return (yield from _evolve(segment, intention, formation, departure))
     if isinstance(intention, Trajectory):
         return (yield from _trajectory(segment, intention, repertoire.path(intention.path), departure))

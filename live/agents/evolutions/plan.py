@@ -59,6 +59,8 @@ class Plan:
     ) -> None:
         """`half` is half the width and depth of the stage [m], `radius` (A,) or one for all the body radii [m]."""
         self.roster = roster
+        self.available: Mask = np.ones(roster.count, np.bool_)
+        """Who takes part in segments that begin, shape (A,): not those who wait in the wings or are leaving."""
         self.measure_beats = measure_beats
         self._repertoire = repertoire
         self._half = half
@@ -78,7 +80,7 @@ class Plan:
 
     @property
     def segments(self) -> tuple[Segment, ...]:
-        """All segments in the order in which they were added."""
+        """The segments that have not begun, in the order in which they were added."""
         return tuple(entry.segment for entry in self._entries)
 
     @property
@@ -153,6 +155,7 @@ class Plan:
         self._coming = {number: motions for number, motions in self._coming.items() if number > measure}
         self._motions.extend(coming)
         self._forget(line)
+        self._entries = [entry for entry in self._entries if entry.segment.start > measure]
         return coming
 
     def start_now(
@@ -218,7 +221,7 @@ class Plan:
             begin = segment.begin_beat(self.measure_beats) if now is None else now
             end = segment.end_beat(self.measure_beats) if now is None else self._end_of(segment, now)
             where, facing = self._setting_left(begin, positions, headings)
-            dancers = selection(segment.group, self.roster, where, self._half) & ~entry.without
+            dancers = selection(segment.group, self.roster, where, self._half) & self.available & ~entry.without
             who = np.flatnonzero(dancers).astype(np.int32)
             if not len(who):
                 continue

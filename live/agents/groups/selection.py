@@ -26,6 +26,8 @@ def selection(
     """
     if not expression.strip():
         return np.ones(roster.count, np.bool_)
+    if roster.having(expression.strip()).any():  # the whole is one name, which may hold blanks
+        return roster.having(expression.strip())
     return _evaluate(parse(expression), roster, positions, half, ())
 
 
