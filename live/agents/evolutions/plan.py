@@ -80,7 +80,7 @@ class Plan:
 
     @property
     def segments(self) -> tuple[Segment, ...]:
-        """The segments that have not begun, in the order in which they were added."""
+        """All segments that are not forgotten, in the order in which they were added."""
         return tuple(entry.segment for entry in self._entries)
 
     @property
@@ -99,6 +99,10 @@ class Plan:
         selection(segment.group, self.roster, np.zeros((self.roster.count, 2)), self._half)
         self._entries.append(_Entry(segment, np.zeros(self.roster.count, np.bool_)))
         self._coming.pop(segment.start, None)
+
+    def forget(self, measure: int) -> None:
+        """Forget the segments of measures before `measure`: a show that lasts hours adds them again and again."""
+        self._entries = [entry for entry in self._entries if entry.segment.start >= measure]
 
     def clear(self, dancers: Mask) -> None:
         """These dancers (A,) have no segments any more, now and later; until told otherwise elements move them."""
@@ -155,7 +159,6 @@ class Plan:
         self._coming = {number: motions for number, motions in self._coming.items() if number > measure}
         self._motions.extend(coming)
         self._forget(line)
-        self._entries = [entry for entry in self._entries if entry.segment.start > measure]
         return coming
 
     def start_now(
