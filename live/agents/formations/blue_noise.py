@@ -1,0 +1,145 @@
+"""Dancers scattered or evenly spread inside a region: blue noise and Lloyd's method, exact counts (T091, T144)."""
+
+import math
+from collections.abc import Callable
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+
+from live.agents.formations.kernels import eliminate, even_out
+from live.agents.formations.symmetry import SymmetryLine
+
+Float64 = npt.NDArray[np.float64]
+Density = Callable[[Float64], Float64]
+
+CANDIDATES: Final = 5
+"""Points from which one dancer's place is chosen (Yuksel 2015 takes five)."""
+FEWEST_CANDIDATES: Final = 100
+GROUND: Final = 10
+FEWEST_GROUND: Final = 1500
+ROUNDS: Final = 24
+STRIDE: Final = 1.6
+
+
+def scatter(region: Any, count: int, seed: int, *, density: Density | None = None, even: bool = False) -> Float64:
+    """`count` places in a region, shape (count, 2): Poisson disk by sample elimination, or evenly with `even`.
+
+    `density` tells how dense they are to be at points (K, 2). The same seed gives the same places.
+    """
+    return _scatter(region, count, float(region.area), seed, density, even, None, np.zeros((0, 2)))
+
+
+def scatter_mirrored(
+    half: Any, line: SymmetryLine, count: int, seed: int, *, density: Density | None = None, even: bool = False
+) -> Float64:
+    """`count` places, symmetrical about `line`, in a half region and its reflection; an odd one is on the line."""
+    middle = np.zeros((0, 2))
+    if count % 2:
+        middle = middle_of_line(half, line)[None]
+    places = _scatter(half, count // 2, 2.0 * float(half.area), seed, density, even, line, middle)
+    return np.concatenate([places, middle, line.reflect(places)])
+
+
+def middle_of_line(half: Any, line: SymmetryLine) -> Float64:
+    """The middle of the longest part of the symmetry line in the region; beside it if no part is, shape (2,)."""
+    low_x, low_z, high_x, high_z = half.bounds
+    far = math.hypot(high_x - low_x, high_z - low_z)
+    centre = np.array([(low_x + high_x) / 2, (low_z + high_z) / 2])
+    foot = centre - line.side(centre[None])[0] * line.normal
+    cut = shapely.LineString([foot - far * line.along, foot + far * line.along]).intersection(half.buffer(1e-6))
+    parts = [part for part in shapely.get_parts(cut) if part.length > 1e-5]
+    if not parts:
+        return np.asarray(foot)
+    longest = max(parts, key=lambda part: part.length)
+    point = shapely.get_coordinates(longest.interpolate(0.5, normalized=True))[0]
+    return np.asarray(point - line.side(point[None])[0] * line.normal)
+
+
+def thin_out(points: Float64, keep: int, spacing: float) -> Float64:
+    """Of `points` (M, 2) the `keep` that are best spread, in their order."""
+    weight = np.zeros(len(points))
+    nobody = np.zeros((0, 2))
+    eliminate(np.ascontiguousarray(points), nobody, nobody, np.ones(len(points)), keep, 2.0 * spacing, 0.0, weight)
+    return np.asarray(points[weight >= 0.0])
+
+
+def hexagonal_spacing(area: float, count: int) -> float:
+    """Distance of neighbours if `count` dancers stood on a hexagonal lattice [m]: nobody can be farther apart."""
+    return math.sqrt(2.0 * area / (math.sqrt(3.0) * max(count, 1)))
+
+
+def _scatter(
+    region: Any,
+    count: int,
+    area: float,
+    seed: int,
+    density: Density | None,
+    even: bool,
+    line: SymmetryLine | None,
+    fixed: Float64,
+) -> Float64:
+    """`count` places in `region`; `area` [m²] is that of all dancers together, reflected ones too."""
+    if count == 0:
+        return np.zeros((0, 2))
+    chance = np.random.default_rng(seed)
+    number = max(CANDIDATES * count, FEWEST_CANDIDATES)
+    points = _uniform(region, number if density is None else 4 * number, chance)
+    scale = np.ones(number)
+    if density is not None:
+        dense = density(points)
+        kept = np.sort(chance.choice(len(points), number, replace=False, p=dense / dense.sum()))
+        points = points[kept]
+        scale = np.sqrt(dense[kept] * (1.0 / np.mean(1.0 / dense[kept])) ** -1)
+    people = count if line is None else 2 * count
+    reach = hexagonal_spacing(area, people + len(fixed))
+    least = 0.5 * reach * (1.0 - (count / number) ** 1.5) * 0.65
+    reflected = np.zeros((0, 2)) if line is None else np.ascontiguousarray(line.reflect(points))
+    weight = np.zeros(number)
+    eliminate(np.ascontiguousarray(points), reflected, np.ascontiguousarray(fixed), scale, count, reach, least, weight)
+    places = points[weight >= 0.0]
+    return _evened(region, places, fixed, density, chance) if even else places
+
+
+def _uniform(region: Any, number: int, chance: np.random.Generator) -> Float64:
+    """`number` points, evenly likely everywhere in the region, however thin it is, shape (number, 2)."""
+    triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(region))
+    corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
+    share = np.cumsum(shapely.area(triangles))
+    drawn = chance.random((number, 3))
+    picked = np.minimum(np.searchsorted(share, drawn[:, 0] * share[-1], side="right"), len(share) - 1)
+    root = np.sqrt(drawn[:, 1])
+    weights = np.stack([1.0 - root, root * (1.0 - drawn[:, 2]), root * drawn[:, 2]], axis=1)
+    return np.asarray((weights[:, :, None] * corners[picked]).sum(axis=1))
+
+
+def _evened(
+    region: Any, places: Float64, fixed: Float64, density: Density | None, chance: np.random.Generator
+) -> Float64:
+    """The places moved until each has about the same share of the ground; those led outside go to their own ground."""
+    ground = np.ascontiguousarray(_ground(region, max(GROUND * len(places), FEWEST_GROUND), chance))
+    dense = np.ones(len(ground)) if density is None else np.ascontiguousarray(density(ground))
+    sites = np.concatenate([places, fixed])
+    nearest = np.zeros(len(ground), np.int64)
+    even_out(ground, dense, sites, len(places), ROUNDS, STRIDE, np.zeros((len(sites), 3)), nearest)
+    outside = ~shapely.intersects_xy(region, sites[: len(places), 0], sites[: len(places), 1])
+    for n in np.flatnonzero(outside):
+        own = ground[nearest == n]
+        own = own if len(own) else ground
+        sites[n] = own[np.argmin(((own - sites[n]) ** 2).sum(axis=1))]
+    return np.asarray(sites[: len(places)])
+
+
+def _ground(region: Any, number: int, chance: np.random.Generator) -> Float64:
+    """About `number` points all over the region: a fine grid, or by chance where the region is thinner than that."""
+    low_x, low_z, high_x, high_z = region.bounds
+    pitch = math.sqrt(region.area / number)
+    columns, rows = math.ceil((high_x - low_x) / pitch), math.ceil((high_z - low_z) / pitch)
+    if columns * rows > 20 * number:
+        return _uniform(region, number, chance)
+    x = low_x + (np.arange(columns) + 0.5) * (high_x - low_x) / columns
+    z = low_z + (np.arange(rows) + 0.5) * (high_z - low_z) / rows
+    grid = np.stack(np.meshgrid(x, z), axis=-1).reshape(-1, 2)
+    inside = grid[shapely.contains_xy(region, grid[:, 0], grid[:, 1])]
+    return inside if len(inside) > number / 2 else _uniform(region, number, chance)

@@ -1,0 +1,184 @@
+"""A formation: the places of a group on the stage, made from its spec (T090-T093, T144)."""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import cKDTree
+
+from live.agents.formations.drawing import Drawing, drawing_of
+from live.agents.formations.first_shapes import staggered_rows
+from live.agents.formations.headings import headings
+from live.agents.formations.inside import count_by_spacing, place_inside
+from live.agents.formations.on_lines import place_on_lines
+from live.agents.formations.sections import section_sizes, sections_along, sections_in_area
+from live.agents.formations.soloists import make_room, soloist_places
+from live.agents.formations.spec import MOST_DANCERS, FormationSpec
+from live.agents.formations.symmetry import SymmetryLine, symmetry_line
+
+Float64 = npt.NDArray[np.float64]
+Int64 = npt.NDArray[np.int64]
+
+TOUCHING: Final = 0.5
+"""Bodies of radius 0.25 m touch when their centres are this near [m]."""
+CLEAR: Final = 0.71
+"""Straight ways into a formation are free of collisions if its places are farther apart than this (CAPT) [m]."""
+NO_SECTION: Final = -1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Formation:
+    """S places; place k is for the dancer number k, if they are numbered soloists first, then section by section."""
+
+    name: str
+    slots: Float64
+    """Places (x, z) [m], shape (S, 2)."""
+    heading: Float64
+    """Where she faces there [rad], shape (S,)."""
+    section: Int64
+    """Section of each place, from 0; NO_SECTION for soloists and where there are no sections, shape (S,)."""
+    soloist: npt.NDArray[np.bool_]
+    """Whether it is a soloist's, shape (S,)."""
+    closest: float
+    """Smallest distance of two places [m]; infinite if there are fewer than two."""
+    waiting: int
+    """Dancers for whom there is no place."""
+    empty: int
+    """Places for which there is no dancer; they are the last ones."""
+    warnings: tuple[str, ...]
+    """What a person should know, each one line."""
+    lines: tuple[Float64, ...]
+    """The drawn lines, each (P, 2) [m]."""
+    symmetry: SymmetryLine | None
+    """The symmetry line, if there is one."""
+
+    def extent(self) -> tuple[float, float, float, float]:
+        """(least x, least z, greatest x, greatest z) of the places [m]; zeros if there are none."""
+        if not len(self.slots):
+            return (0.0, 0.0, 0.0, 0.0)
+        low, high = self.slots.min(axis=0), self.slots.max(axis=0)
+        return (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
+
+
+def check_formation(spec: FormationSpec) -> None:
+    """Raise the PersonError that `formation_of` would raise; later calls with this spec are fast and raise none."""
+    formation_of(spec, max(2, spec.soloists + 2), 0)
+
+
+def formation_of(spec: FormationSpec, count: int, seed: int = 0) -> Formation:
+    """The formation of a spec for `count` dancers; the same arguments give the same places, bit for bit.
+
+    As many places as dancers, unless the spec has a count, density or spacing of its own; then `waiting` and `empty`
+    say what is over. PersonError, naming the field, if the shape cannot be used as the spec says.
+    """
+    drawing = drawing_of(spec)
+    line = symmetry_line(spec, drawing.middle)
+    places_wanted = _place_count(spec, drawing, count)
+    soloists = min(spec.soloists, places_wanted)
+    room = make_room(spec, drawing, line) if soloists else drawing
+    others, ways = _others(spec, room, places_wanted - soloists, seed, line)
+    order, section = _sections(spec, others)
+    others = others[order]
+    alone = soloist_places(spec, drawing, others)[:soloists]
+    middle = np.array(drawing.middle)
+    heading = headings(spec, others, None if ways is None else ways[order], middle, drawing.curves)
+    facing = 0.0 if spec.heading != "angle" else math.radians(spec.heading_deg)
+    slots = np.ascontiguousarray(np.concatenate([alone, others]))
+    closest = _closest(slots)
+    waiting, empty = max(0, count - places_wanted), max(0, places_wanted - count)
+    formation = Formation(
+        name=spec.name,
+        slots=slots,
+        heading=np.concatenate([np.full(soloists, facing), heading]),
+        section=np.concatenate([np.full(soloists, NO_SECTION), section]),
+        soloist=np.arange(places_wanted) < soloists,
+        closest=closest,
+        waiting=waiting,
+        empty=empty,
+        warnings=_warnings(spec, drawing, closest, waiting, empty, line, others),
+        lines=tuple(curve.points for curve in drawing.curves) if spec.shape != "grid" else (),
+        symmetry=line,
+    )
+    for array in (formation.slots, formation.heading, formation.section, formation.soloist):
+        array.setflags(write=False)
+    return formation
+
+
+def _place_count(spec: FormationSpec, drawing: Drawing, dancers: int) -> int:
+    """How many places there are, soloists included."""
+    if spec.count is not None:
+        return spec.count
+    if spec.density is None and spec.spacing is None:
+        return max(0, dancers)
+    if spec.density is not None:
+        number = round(spec.density * float(drawing.region.area))
+    elif drawing.region is not None:
+        number = count_by_spacing(spec, drawing.region, float(spec.spacing or 1.0))
+    else:
+        gaps = [round(curve.length / float(spec.spacing or 1.0) - sum(curve.gaps)) for curve in drawing.curves]
+        ends = [0 if curve.closed else 1 for curve in drawing.curves]
+        number = sum(max(gap + end, 0) for gap, end in zip(gaps, ends, strict=True))
+    if number + spec.soloists > MOST_DANCERS:
+        field = "density" if spec.density is not None else "spacing"
+        spec.refuse(field, f"makes {number} places; {MOST_DANCERS} at most")
+    return number + spec.soloists
+
+
+def _others(
+    spec: FormationSpec, drawing: Drawing, count: int, seed: int, line: SymmetryLine | None
+) -> tuple[Float64, Float64 | None]:
+    """Places of all but the soloists, and for those on lines the way along it."""
+    if spec.shape == "grid":
+        yaw = math.radians(spec.rotation_deg)
+        turn = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])
+        return staggered_rows(count, spec.size or (8.0, 5.0)) @ turn + np.array(spec.centre), None
+    if spec.inside:
+        return place_inside(spec, drawing, count, seed, line), None
+    if count == 0:
+        return np.zeros((0, 2)), np.zeros((0, 2))
+    return place_on_lines(spec, drawing, count, line)
+
+
+def _sections(spec: FormationSpec, others: Float64) -> tuple[Int64, Int64]:
+    """The order in which places stand section by section, and the section of each place in that order."""
+    everybody = np.arange(len(others))
+    if not spec.sections:
+        return everybody, np.full(len(others), NO_SECTION)
+    sizes = section_sizes(spec.sections, len(others))
+    on_one_way = not spec.inside and spec.shape != "grid" and spec.mirror is None
+    section = sections_along(sizes) if on_one_way else sections_in_area(others, sizes)
+    order = np.argsort(section, kind="stable")
+    return order, section[order]
+
+
+def _closest(slots: Float64) -> float:
+    if len(slots) < 2:
+        return math.inf
+    return float(cKDTree(slots).query(slots, k=2)[0][:, 1].min())
+
+
+def _warnings(
+    spec: FormationSpec,
+    drawing: Drawing,
+    closest: float,
+    waiting: int,
+    empty: int,
+    line: SymmetryLine | None,
+    others: Float64,
+) -> tuple[str, ...]:
+    found = []
+    if waiting:
+        found.append(f"{waiting} dancers have no place: give a greater count, or leave it out")
+    if empty:
+        found.append(f"{empty} places stay empty: give a smaller count, or leave it out")
+    if closest < CLEAR:
+        what = "bodies touch" if closest < TOUCHING else "ways into it may need steering"
+        size = f"make it {CLEAR / closest:.2f} times as large" if closest > 0.01 else "some lines share a place"
+        found.append(f"two dancers are only {closest:.2f} m apart, {what}: {size}, or take fewer dancers")
+    if 0 < len(others) < len(drawing.curves) and not spec.inside:
+        found.append(f"{len(drawing.curves)} lines and only {len(others)} dancers for them: some lines stay empty")
+    if line is not None and len(others) % 2 and not (np.abs(line.side(others)) < 1e-3).any():
+        found.append("an odd number of dancers: one has no partner on the other side of the symmetry line")
+    return tuple(found)

@@ -1,0 +1,106 @@
+"""Dancers inside a region: which pattern makes the places, with and without symmetry (T091, T092, T144)."""
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+
+from live.agents.formations.blue_noise import (
+    Density,
+    hexagonal_spacing,
+    middle_of_line,
+    scatter,
+    scatter_mirrored,
+)
+from live.agents.formations.drawing import Drawing
+from live.agents.formations.lattice import place_on_lattice
+from live.agents.formations.on_lines import density_at, place_mirrored, place_on_curves
+from live.agents.formations.silhouettes import silhouettes, unmarked
+from live.agents.formations.spec import FormationSpec
+from live.agents.formations.symmetry import SymmetryLine, half_drawing
+
+Float64 = npt.NDArray[np.float64]
+
+
+def place_inside(spec: FormationSpec, drawing: Drawing, count: int, seed: int, line: SymmetryLine | None) -> Float64:
+    """`count` places inside the drawing's region, shape (count, 2)."""
+    if count == 0:
+        return np.zeros((0, 2))
+    region, half = drawing.region, None
+    if line is not None:
+        half = half_drawing(spec, drawing, line)[2]
+        region = shapely.union(half, line.reflect_shape(half), grid_size=None)
+        shapely.prepare(region)
+    if count == 1:
+        return (_middle(region) if half is None or line is None else middle_of_line(half, line))[None]
+    pattern = spec.distribution
+    if pattern in ("grid", "diagonal"):
+        found = _on_lattice(spec, region, count, line)
+        if found is not None:
+            return found
+    if pattern == "concentric":
+        return _in_silhouettes(spec, region, count, line)
+    density: Density | None = (lambda points: density_at(spec, points)) if pattern == "weighted" else None
+    even = pattern in ("even", "grid", "diagonal")
+    if half is not None and line is not None:
+        return scatter_mirrored(half, line, count, seed, density=density, even=even)
+    return scatter(region, count, seed, density=density, even=even)
+
+
+def count_by_spacing(spec: FormationSpec, region: Any, spacing: float) -> int:
+    """About how many dancers fit inside with neighbours `spacing` [m] apart."""
+    area = float(region.area)
+    if spec.distribution == "concentric":
+        return round(area / spacing**2 + float(region.length) / (2.0 * spacing))
+    # share of the hexagonal spacing that the pattern reaches
+    reached = {"poisson": 0.7, "weighted": 0.6, "even": 0.85}.get(spec.distribution)
+    if reached is None:
+        return round(area / spacing**2)
+    return round((reached * hexagonal_spacing(area, 1) / spacing) ** 2)
+
+
+def _middle(region: Any) -> Float64:
+    """The middle of the widest place inside, or of the whole if that is inside, shape (2,)."""
+    low_x, low_z, high_x, high_z = region.bounds
+    centre = np.array([(low_x + high_x) / 2, (low_z + high_z) / 2])
+    if shapely.contains_xy(region, centre[0], centre[1]):
+        return centre
+    return np.asarray(shapely.get_coordinates(shapely.maximum_inscribed_circle(region))[0])
+
+
+def _on_lattice(spec: FormationSpec, region: Any, count: int, line: SymmetryLine | None) -> Float64 | None:
+    diagonal = spec.distribution == "diagonal"
+    if line is None:
+        yaw = math.radians(spec.rotation_deg)
+        turn = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])
+        turned = shapely.get_coordinates(region) @ turn.T
+        origin = ((turned.min(axis=0) + turned.max(axis=0)) / 2) @ turn
+        return place_on_lattice(region, count, origin, yaw, diagonal=diagonal)
+    low_x, low_z, high_x, high_z = region.bounds
+    centre = np.array([(low_x + high_x) / 2, (low_z + high_z) / 2])
+    origin = centre - line.side(centre[None])[0] * line.normal
+    yaw = math.atan2(line.along[0], line.along[1])
+    found = place_on_lattice(region, count, origin, yaw, diagonal=diagonal, symmetrical=True)
+    if found is None:
+        return None
+    kept = found[line.side(found) > 1e-4]
+    on_line = found[np.abs(line.side(found)) <= 1e-4]
+    on_line = on_line - line.side(on_line)[:, None] * line.normal
+    if 2 * len(kept) + len(on_line) != count:  # a place so near the border that its reflection fell outside
+        return None
+    return np.concatenate([kept, on_line, line.reflect(kept)])
+
+
+def _in_silhouettes(spec: FormationSpec, region: Any, count: int, line: SymmetryLine | None) -> Float64:
+    curves, middle = silhouettes(region, count)
+    curves = unmarked(curves, count)
+    corners = spec.mark_corners is not False
+    if line is None:
+        return np.concatenate([place_on_curves(curves, count - len(middle), corners=corners)[0], middle])
+    on_line = middle - line.side(middle)[:, None] * line.normal
+    rings = Drawing(tuple(curves), None, (0.0, 0.0))
+    kept, straight, _ = half_drawing(spec, rings, line)
+    places = place_mirrored(kept, straight, line, count - len(middle), corners=corners)[0]
+    return np.concatenate([places, on_line])

@@ -1,0 +1,135 @@
+"""Dancers on a grid inside a region, straight or diagonal, with exact counts (T091, Fig 4.5 a and b).
+
+A lattice that is laid symmetrically gains or loses several dancers at once when its spacing changes, so many offsets
+are tried and the widest spacing taken that holds exactly as many as asked for.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+
+from live.agents.formations.blue_noise import thin_out
+from live.agents.formations.kernels import fill_rows
+
+Float64 = npt.NDArray[np.float64]
+
+_DEPTHS: Final = (0.0, 0.5, 0.25, 0.75, 0.125, 0.375, 0.625, 0.875)
+_ANYHOW: Final = ((0.31, 0.0), (0.17, 0.5), (0.31, 0.22), (0.17, 0.61), (0.42, 0.37), (0.08, 0.83))
+"""Offsets that are not symmetrical, tried when no symmetrical one holds the right number."""
+_CENTRED: Final = 1.03
+"""How much wider another lattice has to be than one laid symmetrically from front to back as well."""
+_SWEEP: Final = 40
+_HALVINGS: Final = 10
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Ground:
+    """A region in the lattice's own axes, and what the kernel needs of it."""
+
+    edges: Float64
+    bounds: Float64
+    crossings: Float64
+    area: float
+    diagonal: bool
+
+    def count(self, offset: tuple[float, float], spacing: float, out: Float64) -> int:
+        """How many places there are; they stand in `out` as far as it reaches."""
+        step = spacing * math.sqrt(2.0) if self.diagonal else spacing
+        x0, z0 = offset[0] * step, offset[1] * step
+        found = int(fill_rows(self.edges, self.bounds, step, step, x0, z0, self.crossings, out))
+        if self.diagonal:  # a second straight lattice between the rows of the first
+            rest = out[min(found, len(out)) :]
+            x0, z0 = x0 + 0.5 * step, z0 + 0.5 * step
+            found += int(fill_rows(self.edges, self.bounds, step, step, x0, z0, self.crossings, rest))
+        return found
+
+
+def place_on_lattice(
+    region: Any, count: int, origin: Float64, yaw: float, *, diagonal: bool, symmetrical: bool = False
+) -> Float64 | None:
+    """`count` places of a square lattice in a region, front rows first, shape (count, 2); None if none holds so many.
+
+    It is laid symmetrically about the line through `origin` along z turned by `yaw`, if that can be; a diagonal one
+    is turned by 45 degrees more. With `symmetrical` no other way of laying it is tried.
+    """
+    turn = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])
+    ground = _ground(region, origin, turn, diagonal)
+    across = (0.0,) if diagonal else (0.0, 0.5)
+    best = _widest(ground, count, [(a, b) for b in _DEPTHS for a in across])
+    if best is None and not symmetrical:
+        best = _widest(ground, count, list(_ANYHOW))
+        best = _thinned(ground, count) if best is None else best
+    if best is None:
+        return None
+    order = np.lexsort((np.round(best[:, 0], 9), np.round(-best[:, 1], 9)))
+    return np.asarray(best[order] @ turn + origin)
+
+
+def _ground(region: Any, origin: Float64, turn: Float64, diagonal: bool) -> _Ground:
+    sides = []
+    for part in shapely.get_parts(region):
+        for ring in (part.exterior, *part.interiors):
+            points = (shapely.get_coordinates(ring) - origin) @ turn.T
+            sides.append(np.concatenate([points[:-1], points[1:]], axis=1))
+    edges = np.ascontiguousarray(np.concatenate(sides))
+    bounds = np.array([edges[:, 1].min(), edges[:, 1].max()])
+    return _Ground(edges, bounds, np.zeros(len(edges)), float(region.area), diagonal)
+
+
+def _widest(ground: _Ground, count: int, offsets: list[tuple[float, float]]) -> Float64 | None:
+    """The places of the exact lattice of the widest spacing over all offsets."""
+    best, chosen = 0.0, None
+    for offset in offsets:
+        spacing = _exact(ground, count, offset)
+        worth = 0.0 if spacing is None else spacing * (_CENTRED if offset[1] in (0.0, 0.5) else 1.0)
+        if spacing is not None and worth > best * (1.0 + 1e-9):
+            best, chosen = worth, (offset, spacing)
+    if chosen is None:
+        return None
+    out = np.zeros((count, 2))
+    ground.count(chosen[0], chosen[1], out)
+    return out
+
+
+def _exact(ground: _Ground, count: int, offset: tuple[float, float]) -> float | None:
+    """A spacing at which exactly `count` places are in the region, of the widest such spacings."""
+    nothing = np.zeros((0, 2))
+    middle = math.sqrt(ground.area / count)
+    wide, narrow = (2.2, 0.4) if count < 12 else (1.4, 0.75)
+    before = middle * wide
+    for spacing in middle * np.geomspace(wide, narrow, _SWEEP):
+        held = ground.count(offset, float(spacing), nothing)
+        if held == count:
+            return float(spacing)
+        if held > count:
+            return _between(ground, count, offset, before, float(spacing))
+        before = float(spacing)
+    return None
+
+
+def _between(ground: _Ground, count: int, offset: tuple[float, float], wide: float, narrow: float) -> float | None:
+    """An exact spacing between one that holds too few and one that holds too many."""
+    nothing = np.zeros((0, 2))
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (wide + narrow)
+        held = ground.count(offset, middle, nothing)
+        if held == count:
+            return middle
+        wide, narrow = (middle, narrow) if held < count else (wide, middle)
+    return None
+
+
+def _thinned(ground: _Ground, count: int) -> Float64 | None:
+    """A lattice with more places than asked for, of which the most crowded are left out."""
+    spacing = math.sqrt(ground.area / count)
+    for _ in range(4):
+        spacing *= 0.8
+        out = np.zeros((8 * count + 16, 2))
+        held = ground.count((0.0, 0.0), spacing, out)
+        if count <= held <= len(out):
+            return thin_out(out[:held], count, spacing)
+    return None

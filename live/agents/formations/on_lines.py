@@ -1,0 +1,138 @@
+"""Dancers on the lines of a drawing: even or weighted, symmetrical where wished, and never two on one joint (T091)."""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import cKDTree
+
+from live.agents.formations.along import along, share_over_curves
+from live.agents.formations.curve import SHARED, Curve
+from live.agents.formations.drawing import Drawing
+from live.agents.formations.spec import FormationSpec
+from live.agents.formations.symmetry import SymmetryLine, half_drawing, places_on_line, shared_ends
+
+Float64 = npt.NDArray[np.float64]
+Placed = tuple[Float64, Float64]
+"""Places (S, 2) [m] and unit vectors along the line (S, 2)."""
+
+NEAR: Final = 0.6
+"""Dancers of different lines nearer than this share of the spacing are moved apart along their lines."""
+DENSE: Final = 500
+"""Points of a weighted line."""
+_MARKED: Final = ("text", "polygon", "rectangle", "star")
+
+
+def place_on_lines(spec: FormationSpec, drawing: Drawing, count: int, line: SymmetryLine | None) -> Placed:
+    """`count` places on the lines of a drawing, in the order of the lines."""
+    corners = spec.shape in _MARKED if spec.mark_corners is None else spec.mark_corners
+    if line is None:
+        return place_on_curves([_weighted(spec, curve) for curve in drawing.curves], count, corners=corners)
+    kept, on_line, _ = half_drawing(spec, drawing, line)
+    return place_mirrored(
+        [_weighted(spec, curve) for curve in kept],
+        [_weighted(spec, curve) for curve in on_line],
+        line,
+        count,
+        corners=corners,
+    )
+
+
+def place_on_curves(curves: list[Curve], count: int, *, corners: bool) -> Placed:
+    """`count` places over all lines, with gaps as equal as can be."""
+    if not curves:
+        return np.zeros((0, 2)), np.zeros((0, 2))
+    number = share_over_curves(count, curves)
+    at = [along(curve, int(k), corners=corners) for curve, k in zip(curves, number, strict=True)]
+    places = [curve.place(each) for curve, each in zip(curves, at, strict=True)]
+    for n in _crowded(places, curves):
+        options = [at[n], *_other_ways(curves[n], int(number[n]), corners)]
+        apart = [_apart([*places[:n], curves[n].place(each), *places[n + 1 :]]) for each in options]
+        at[n] = options[int(np.argmax(np.round(apart, 6)))]
+        places[n] = curves[n].place(at[n])
+    ways = [curve.tangent(each) for curve, each in zip(curves, at, strict=True)]
+    return np.concatenate(places), np.concatenate(ways)
+
+
+def place_mirrored(kept: list[Curve], on_line: list[Curve], line: SymmetryLine, count: int, *, corners: bool) -> Placed:
+    """`count` places, symmetrical about `line`, on the kept halves of lines, their reflections, and lines on it.
+
+    If the count is odd and no line meets the symmetry line, one more place lies on it, in the middle.
+    """
+    whole = 2.0 * sum(curve.length for curve in kept)
+    straight = sum(curve.length for curve in on_line)
+    single = round(count * straight / (whole + straight))
+    single += (count - single) % 2 if kept and on_line else 0
+    if on_line:
+        middle_places, middle_ways = place_on_curves(on_line, min(single, count), corners=corners)
+    else:
+        middle_places = places_on_line(kept, line, count, corners=corners)
+        if (count - len(middle_places)) % 2:
+            centre = np.mean([curve.points.mean(axis=0) for curve in kept], axis=0)
+            middle_places = np.array([centre - line.side(centre[None])[0] * line.normal])
+        middle_ways = np.tile(line.along, (len(middle_places), 1))
+    pairs = (count - len(middle_places)) // 2
+    halves = [shared_ends(curve, middle_places, SHARED) for curve in kept]
+    places, ways = place_on_curves(halves, pairs, corners=corners) if halves else (np.zeros((0, 2)), np.zeros((0, 2)))
+    return (
+        np.concatenate([places, middle_places, line.reflect(places)[::-1]]),
+        np.concatenate([ways, middle_ways, line.reflect_ways(ways)[::-1]]),
+    )
+
+
+def _crowded(places: list[Float64], curves: list[Curve]) -> list[int]:
+    """Numbers of the lines on which somebody stands too near to another, in falling order."""
+    everybody = np.concatenate(places)
+    if len(everybody) < 2:
+        return []
+    owner = np.repeat(np.arange(len(curves)), [len(each) for each in places])
+    spacing = sum(curve.length for curve in curves) / len(everybody)
+    near = cKDTree(everybody).query_pairs(NEAR * spacing, output_type="ndarray")
+    return sorted({int(owner[pair[1]]) for pair in near}, reverse=True)
+
+
+def _other_ways(curve: Curve, count: int, corners: bool) -> list[Float64]:
+    """The same line with its dancers begun elsewhere: a closed one turned on, an open one drawn in at its ends."""
+    if count == 0:
+        return []
+    if curve.closed:
+        return [along(curve, count, corners=False, phase=phase / 8) for phase in range(8)]
+    drawn_in = [
+        Curve(curve.points, curve.at, False, curve.corners, (a, b))
+        for a in (curve.gaps[0], 0.5)
+        for b in (curve.gaps[1], 0.5)
+    ]
+    return [along(each, count, corners=marked) for each in drawn_in for marked in {corners, False}]
+
+
+def _apart(places: list[Float64]) -> float:
+    """The smallest distance of two places [m]."""
+    everybody = np.concatenate(places)
+    return float(cKDTree(everybody).query(everybody, k=2)[0][:, 1].min()) if len(everybody) > 1 else np.inf
+
+
+def _weighted(spec: FormationSpec, curve: Curve) -> Curve:
+    """The line measured in mass instead of metres, where dancers are to be denser in some parts of it."""
+    if spec.distribution != "weighted":
+        return curve
+    at = np.union1d(curve.at, np.linspace(0.0, curve.length, DENSE))
+    points = curve.place(np.minimum(at, curve.length * (1.0 - 1e-12)))
+    if not curve.closed:
+        points[-1] = curve.points[-1]
+    density = density_at(spec, points)
+    if spec.weights:
+        weights = np.array([*spec.weights, spec.weights[0]] if curve.closed else spec.weights, np.float64)
+        density = density * np.interp(at / curve.length, np.linspace(0.0, 1.0, len(weights)), weights)
+    density = np.maximum(density, 1e-6 * density.max())
+    mass = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(at))])
+    mass *= curve.length / mass[-1]
+    corners = tuple(float(each) for each in np.interp(curve.corners, at, mass)) if curve.corners else ()
+    return Curve(points, mass, curve.closed, corners, curve.gaps)
+
+
+def density_at(spec: FormationSpec, points: Float64) -> Float64:
+    """How dense dancers are at `points` (K, 2) by the focus: 1 far from it, 1 + strength in it, shape (K,)."""
+    if spec.focus is None:
+        return np.ones(len(points))
+    squared = ((points - np.array(spec.focus)) ** 2).sum(axis=1)
+    return np.asarray(1.0 + spec.focus_strength * np.exp(-np.minimum(squared / (2.0 * spec.focus_reach**2), 700.0)))

@@ -1,0 +1,268 @@
+"""What a formation is to be: shape, density, pattern and the rest, as one frozen value (T087, T090-T093).
+
+Metres and degrees; a point is (x, z) on the stage: +x to the right as the audience sees it, +z towards the audience.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Final, Literal, NoReturn
+
+from live.base.errors import PersonError
+
+Point = tuple[float, float]
+Shape = Literal[
+    "grid", "line", "arc", "circle", "ellipse", "polygon", "rectangle", "star", "spiral", "text", "path", "polyline"
+]
+Pattern = Literal["even", "weighted", "grid", "diagonal", "concentric", "poisson"]
+
+SHAPES: Final = (
+    "grid",
+    "line",
+    "arc",
+    "circle",
+    "ellipse",
+    "polygon",
+    "rectangle",
+    "star",
+    "spiral",
+    "text",
+    "path",
+    "polyline",
+)
+PATTERNS: Final = ("even", "weighted", "grid", "diagonal", "concentric", "poisson")
+INSIDE_PATTERNS: Final = ("grid", "diagonal", "concentric", "poisson")
+MOST_DANCERS: Final = 4000
+MOST_POINTS: Final = 20_000
+LONGEST_TEXT: Final = 40
+LONGEST_PATH: Final = 200_000
+FARTHEST: Final = 1000.0
+"""No place of a formation lies farther than this from the centre of the stage [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class FormationSpec:
+    """A formation as a choreographer wishes it; every field has a meaning only where it is named.
+
+    PersonError, naming the field, if a value cannot be.
+    """
+
+    shape: Shape = "grid"
+    """Lines on the floor; "grid" is staggered rows that fill `size`."""
+    name: str = ""
+    """What others call it by."""
+    centre: Point = (0.0, 0.0)
+    """Middle of the formation (x, z) [m]; `points` without a `size` are moved by it."""
+    size: Point | None = None
+    """Width and depth [m] into which the shape is fitted; left out: 8 x 5, and `points` stay as drawn."""
+    proportions: Literal["keep", "stretch"] | None = None
+    """Whether the shape keeps its proportions in `size`; left out: line, grid, rectangle, ellipse, and a circle
+    with a `size`, are stretched, all others keep them."""
+    rotation_deg: float = 0.0
+    """The shape is turned about its middle; positive turns its front towards +x."""
+    corners: int = 5
+    """Corners of a polygon without points, points of a star."""
+    inner: float = 0.4
+    """Inner radius of a star as a share of the outer one."""
+    turns: float = 2.5
+    """Turns of a spiral."""
+    arc_deg: float = 180.0
+    """How much of a circle an arc is; its middle lies at the back, so that it opens to the public."""
+    text: str = ""
+    """Letters A to Z, digits, blanks and hyphens of a text, readable from the public."""
+    path: tuple[str, ...] = ()
+    """SVG paths (the text of `d`); their y points to the public."""
+    points: tuple[tuple[Point, ...], ...] = ()
+    """Drawn lines, each a tuple of points (x, z) [m]; a polygon has one."""
+    closed: bool | None = None
+    """Whether drawn lines are closed; left out: if the last point is the first one, or dancers are inside."""
+    dancers: Literal["on", "inside"] | None = None
+    """On the lines or inside closed ones; left out: as the pattern needs it, else on."""
+    pattern: Pattern | None = None
+    """On lines: even or weighted. Inside: even, weighted, grid, diagonal, concentric, poisson. Left out: even, or
+    weighted where weights or a focus are given."""
+    mark_corners: bool | None = None
+    """Whether corners of lines get a dancer before the rest; left out: for text, polygon, rectangle and star."""
+    weights: tuple[float, ...] = ()
+    """How dense dancers are along each line, at equal distances from its start to its end."""
+    focus: Point | None = None
+    """A place (x, z) [m] around which dancers are denser."""
+    focus_reach: float = 2.0
+    """How far the focus reaches [m]."""
+    focus_strength: float = 3.0
+    """How much denser they are at the focus than far from it: 1 + this."""
+    count: int | None = None
+    """How many places there are, soloists included; left out: as many as dancers, or as density or spacing say."""
+    density: float | None = None
+    """Dancers per square metre inside; the count follows."""
+    spacing: float | None = None
+    """Distance between neighbours [m]; the count follows."""
+    mirror: Literal["left-right", "front-back"] | tuple[Point, Point] | None = None
+    """Symmetry line: from back to front or from side to side through the centre, or through two points."""
+    mirror_keep: Literal["left", "right", "front", "back"] | None = None
+    """The side of the symmetry line that is reflected over it, as the audience sees it; left out: left, else back."""
+    soloists: int = 0
+    """How many dancers stand apart from the others."""
+    soloist_place: Literal["front", "centre"] = "front"
+    """In front of the others, or in the middle of the shape, where the others make room."""
+    soloist_gap: float = 1.5
+    """How far from the others [m]."""
+    sections: tuple[int, ...] = ()
+    """Sizes of sections whose dancers get neighbouring places; shares, if their sum is another than the count."""
+    heading: Literal["public", "centre", "outwards", "along", "angle"] = "public"
+    """Where dancers face: the public, the middle, away from it, along the line, or `heading_deg`."""
+    heading_deg: float = 0.0
+    """Heading for "angle": 0 faces the public, positive towards +x."""
+
+    def __post_init__(self) -> None:
+        _check_words(self)
+        _check_numbers(self)
+        _check_shape(self)
+        _check_pattern(self)
+        _check_mirror(self)
+
+    @property
+    def inside(self) -> bool:
+        """Whether dancers are inside closed lines, not on them."""
+        if self.dancers is not None:
+            return self.dancers == "inside"
+        return self.pattern in INSIDE_PATTERNS
+
+    @property
+    def distribution(self) -> Pattern:
+        """The pattern, also where it is left out."""
+        if self.pattern is not None:
+            return self.pattern
+        return "weighted" if self.weights or self.focus is not None else "even"
+
+    def refuse(self, field: str, what: str, remedy: str | None = None) -> NoReturn:
+        """Raise a PersonError that names this formation and the field."""
+        named = f"formation {self.name!r}" if isinstance(self.name, str) and self.name else "formation"
+        raise PersonError(f"{named}: {field}: {what}", remedy)
+
+
+_WORDS: Final[dict[str, tuple[str, ...]]] = {
+    "shape": SHAPES,
+    "pattern": PATTERNS,
+    "proportions": ("keep", "stretch"),
+    "dancers": ("on", "inside"),
+    "mirror_keep": ("left", "right", "front", "back"),
+    "soloist_place": ("front", "centre"),
+    "heading": ("public", "centre", "outwards", "along", "angle"),
+}
+_RANGES: Final[dict[str, tuple[float, float]]] = {
+    "rotation_deg": (-3600, 3600),
+    "inner": (0.05, 0.95),
+    "turns": (0.25, 20),
+    "arc_deg": (1, 359),
+    "focus_reach": (0.1, 100),
+    "focus_strength": (0, 100),
+    "density": (0.001, 100),
+    "spacing": (0.1, 100),
+    "soloist_gap": (0.1, 50),
+    "heading_deg": (-3600, 3600),
+}
+_WHOLE: Final[dict[str, tuple[int, int]]] = {"corners": (3, 100), "count": (0, MOST_DANCERS), "soloists": (0, 100)}
+
+
+def _check_words(spec: FormationSpec) -> None:
+    if not isinstance(spec.name, str) or len(spec.name) > 64:
+        spec.refuse("name", "a name of 64 letters at most expected")
+    for field, allowed in _WORDS.items():
+        value = getattr(spec, field)
+        if value is not None and value not in allowed:
+            spec.refuse(field, f"{str(value)[:60]!r} is unknown; there are: {', '.join(allowed)}")
+
+
+def _check_numbers(spec: FormationSpec) -> None:
+    for field, (low, high) in {**_RANGES, **_WHOLE}.items():
+        value = getattr(spec, field)
+        whole = field in _WHOLE
+        if value is None and (field in ("density", "spacing", "count")):
+            continue
+        if not _is_number(value) or (whole and value != int(value)) or not low <= value <= high:
+            kind = "a whole number" if whole else "a number"
+            spec.refuse(field, f"{str(value)[:60]}: {kind} from {low:g} to {high:g} expected")
+    _check_point(spec, "centre", spec.centre, 100)
+    if spec.focus is not None:
+        _check_point(spec, "focus", spec.focus, FARTHEST)
+    if spec.size is not None:
+        _check_point(spec, "size", spec.size, 200)
+        if min(spec.size) < 0.1 and not (spec.shape == "line" and spec.size[0] >= 0.1 and spec.size[1] >= 0):
+            spec.refuse("size", f"{spec.size[0]:g} x {spec.size[1]:g} m: each from 0.1 to 200 m expected")
+    if len([value for value in (spec.count, spec.density, spec.spacing) if value is not None]) > 1:
+        spec.refuse(
+            "count", "only one of count, density and spacing can be given: each says how many dancers there are"
+        )
+    for field, most in (("weights", 1000.0), ("sections", float(MOST_DANCERS))):
+        values = getattr(spec, field)
+        if not isinstance(values, tuple) or not all(_is_number(each) and 0 <= each <= most for each in values):
+            spec.refuse(field, f"numbers from 0 to {most:g} expected")
+        if values and not (len(values) <= 1000 and sum(values) > 0):
+            spec.refuse(field, "at most 1000 numbers, one of them above 0, expected")
+
+
+def _check_shape(spec: FormationSpec) -> None:
+    if spec.shape == "text" and not (isinstance(spec.text, str) and spec.text.strip()):
+        spec.refuse("text", "the letters of the text expected", 'text = "LIVE"')
+    if not isinstance(spec.text, str) or len(spec.text) > LONGEST_TEXT:
+        spec.refuse("text", f"{LONGEST_TEXT} letters at most expected")
+    if spec.shape == "path" and not spec.path:
+        spec.refuse("path", "an SVG path expected", 'path = "M 0 0 C 2 3 4 3 6 0"')
+    if not isinstance(spec.path, tuple) or not all(isinstance(each, str) for each in spec.path):
+        spec.refuse("path", "SVG paths as texts expected")
+    if sum(map(len, spec.path)) > LONGEST_PATH:
+        spec.refuse("path", f"longer than {LONGEST_PATH} signs", "draw it with fewer points")
+    if spec.shape == "polyline" and not spec.points:
+        spec.refuse("points", "a list of points [x, z] expected", "points = [[-3, 0], [0, -2], [3, 0]]")
+    if sum(map(len, spec.points)) > MOST_POINTS:
+        spec.refuse("points", f"more than {MOST_POINTS} points", "draw with fewer points")
+    if spec.shape == "polygon" and len(spec.points) > 1:
+        spec.refuse("points", "a polygon has one line", "several lines are shape = 'polyline'")
+    for line in spec.points:
+        if len(line) < 2:
+            spec.refuse("points", "a line needs two points at least")
+        for point in line:
+            _check_point(spec, "points", point, FARTHEST)
+
+
+def _check_pattern(spec: FormationSpec) -> None:
+    if spec.pattern == "weighted" and not spec.weights and spec.focus is None:
+        spec.refuse("pattern", "weighted needs weights along the line, or a focus", "focus = [0, 2]")
+    if spec.inside and spec.weights:
+        spec.refuse("weights", "weights run along lines; inside a shape a focus says where dancers are denser")
+    if spec.pattern in INSIDE_PATTERNS and spec.dancers == "on":
+        spec.refuse("pattern", f"{spec.pattern!r} is for dancers inside; on lines: even or weighted")
+    if spec.pattern in (*INSIDE_PATTERNS, "even") and (spec.weights or spec.focus is not None):
+        spec.refuse("pattern", f"{spec.pattern!r} knows no weights and no focus", "pattern = 'weighted'")
+    if spec.shape == "grid" and (spec.dancers == "on" or spec.pattern not in (None, "even")):
+        spec.refuse("pattern", "a grid is rows already", "shape = 'rectangle' takes all patterns")
+    if spec.shape == "grid" and (spec.weights or spec.focus is not None):
+        spec.refuse("pattern", "a grid is even rows", "shape = 'rectangle' with pattern = 'weighted'")
+    if spec.density is not None and not spec.inside and spec.shape != "grid":
+        spec.refuse("density", "is for dancers inside a shape; on lines give the spacing", "spacing = 1.0")
+
+
+def _check_mirror(spec: FormationSpec) -> None:
+    mirror = spec.mirror
+    if mirror is not None and spec.shape == "grid":
+        spec.refuse(
+            "mirror", "a grid is staggered rows, which have no symmetry", "shape = 'rectangle', pattern = 'grid'"
+        )
+    if mirror is None or mirror in ("left-right", "front-back"):
+        return
+    if not isinstance(mirror, tuple) or len(mirror) != 2:
+        spec.refuse("mirror", "'left-right', 'front-back' or two points expected", "mirror = [[0, -4], [0, 4]]")
+    for point in mirror:
+        _check_point(spec, "mirror", point, FARTHEST)
+    if math.dist(mirror[0], mirror[1]) < 1e-3:
+        spec.refuse("mirror", "both points are the same: there is no line through them")
+
+
+def _check_point(spec: FormationSpec, field: str, point: object, most: float) -> None:
+    pair = isinstance(point, tuple) and len(point) == 2
+    if not (pair and isinstance(point, tuple) and all(_is_number(each) and abs(each) <= most for each in point)):
+        spec.refuse(field, f"{str(point)[:60]}: two numbers up to {most:g} m expected")
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)

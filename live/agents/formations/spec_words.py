@@ -1,0 +1,53 @@
+"""Formations in short words: "circle", "star", "star:6 poisson", "text:LIVE" (for the command line and live calls)."""
+
+from typing import Any, Final
+
+from live.agents.formations.spec import INSIDE_PATTERNS, SHAPES, FormationSpec
+from live.agents.formations.spec_table import spec_from_table
+from live.base.errors import PersonError
+
+_POLYGONS: Final = {"triangle": 3, "pentagon": 5, "hexagon": 6, "octagon": 8}
+_AFTER_COLON: Final = {"text": "text", "path": "path", "star": "corners", "polygon": "corners", "spiral": "turns"}
+EXAMPLES: Final = "circle, line, grid, star, star:6, triangle, spiral, text:LIVE, 'circle poisson', 'star inside'"
+
+
+def spec_from_words(words: str) -> FormationSpec:
+    """The spec that words say: a shape, then inside, on, or a pattern. PersonError with examples if they say none.
+
+    After a colon stands what the shape needs: text:LIVE, star:6 (points), spiral:3 (turns), path:D. All that follows
+    "text:" and "path:" belongs to it.
+    """
+    first, _, after = words.strip().partition(":")
+    if first in ("text", "path") and after:
+        return spec_from_table({"shape": first, _AFTER_COLON[first]: after, "name": words[:64]}, repr(words[:60]))
+    parts = words.split()
+    if not parts:
+        raise PersonError("a formation expected", f"such as {EXAMPLES}")
+    table: dict[str, Any] = {**_shape(parts[0]), "name": words[:64]}
+    for part in parts[1:]:
+        if part in ("inside", "on"):
+            table["dancers"] = part
+        elif part in INSIDE_PATTERNS or part == "even":
+            table["pattern"] = part
+        else:
+            raise PersonError(
+                f"{part[:60]!r} is no pattern; there are: even, {', '.join(INSIDE_PATTERNS)}, inside, on",
+                f"such as {EXAMPLES}",
+            )
+    return spec_from_table(table, repr(words[:60]))
+
+
+def _shape(word: str) -> dict[str, Any]:
+    shape, _, number = word.partition(":")
+    if shape in _POLYGONS and not number:
+        return {"shape": "polygon", "corners": _POLYGONS[shape]}
+    if shape not in SHAPES:
+        raise PersonError(f"{word[:60]!r} is no formation", f"such as {EXAMPLES}")
+    if not number:
+        return {"shape": shape}
+    if shape not in _AFTER_COLON:
+        raise PersonError(f"{word[:60]!r}: nothing can follow {shape!r}", f"such as {EXAMPLES}")
+    try:
+        return {"shape": shape, _AFTER_COLON[shape]: float(number) if shape == "spiral" else int(number)}
+    except ValueError:
+        raise PersonError(f"{word[:60]!r}: a number expected after the colon", f"such as {EXAMPLES}") from None

@@ -1,0 +1,82 @@
+"""SVG paths as lines of points (T090): any path's `d`, and all that an SVG file draws."""
+
+import re
+import warnings
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.errors import PersonError
+
+Float64 = npt.NDArray[np.float64]
+
+LARGEST_FILE: Final = 2_000_000
+"""Longest text of an SVG file that is read."""
+MOST_PIECES: Final = 2000
+SAMPLES: Final = 24
+"""Points for each curved piece."""
+_PATH_SIGNS: Final = re.compile(r"[MmZzLlHhVvCcSsQqTtAa0-9eE+\-.,\s]*\Z")
+
+
+def path_lines(d: str, where: str) -> list[Float64]:
+    """Lines of one path, each (P, 2) in its own units, y down; a closed one ends in its first point.
+
+    PersonError, beginning with `where`, if it is no path.
+    """
+    import svgpathtools  # takes a second to load, and most formations need none of it
+
+    if not _PATH_SIGNS.match(d):
+        raise PersonError(f"{where}: not an SVG path: {d[:40]!r}", "a path is such as M 0 0 L 3 0 C 4 1 4 3 3 4 Z")
+    try:
+        path = svgpathtools.parse_path(d)
+    except Exception as error:  # its parser lets any error of its own through
+        raise PersonError(f"{where}: not an SVG path: {str(error)[:80] or d[:40]}") from None
+    return _lines(path, where)
+
+
+def svg_file_paths(text: str, where: str) -> tuple[str, ...]:
+    """The paths that an SVG file draws (also its circles, rectangles, lines; groups moved), as texts of `d`.
+
+    PersonError, beginning with `where`, if it is no SVG, or draws nothing.
+    """
+    from xml.parsers.expat import ExpatError
+
+    import svgpathtools
+
+    if len(text) > LARGEST_FILE:
+        raise PersonError(f"{where}: larger than {LARGEST_FILE // 1_000_000} MB", "draw it with fewer points")
+    if "<!ENTITY" in text:
+        raise PersonError(f"{where}: declares entities, which are not read", "save it as plain SVG")
+    try:
+        paths = svgpathtools.Document.from_svg_string(text).paths()
+    except (ExpatError, SyntaxError) as error:
+        raise PersonError(f"{where}: not an SVG file: {str(error)[:80]}") from None
+    except Exception as error:  # a shape or a transform in it that its reader stumbles over
+        raise PersonError(f"{where}: cannot be read: {str(error)[:80] or type(error).__name__}") from None
+    found = tuple(path.d() for path in paths if len(path))
+    if not found:
+        raise PersonError(f"{where}: draws no line", "turn texts and pictures into paths in the drawing program")
+    return found
+
+
+def _lines(path: object, where: str) -> list[Float64]:
+    import svgpathtools
+
+    assert isinstance(path, svgpathtools.Path)
+    if len(path) > MOST_PIECES:
+        raise PersonError(f"{where}: more than {MOST_PIECES} pieces", "simplify the path in the drawing program")
+    lines: list[Float64] = []
+    with np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for piece in path.continuous_subpaths():
+            points: list[complex] = [piece[0].start]
+            for segment in piece:
+                ends = (
+                    np.array([1.0]) if isinstance(segment, svgpathtools.Line) else np.arange(1, SAMPLES + 1) / SAMPLES
+                )
+                points += [complex(segment.point(float(t))) for t in ends]
+            lines.append(np.array([(point.real, point.imag) for point in points]))
+    if not lines or not all(np.isfinite(line).all() and np.abs(line).max() < 1e9 for line in lines):
+        raise PersonError(f"{where}: the path has no points, or one that is no number")
+    return lines

@@ -1,0 +1,160 @@
+"""Symmetry about a line: what lies on one side is reflected over it (T092, Fig 4.6)."""
+
+import math
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+
+from live.agents.formations.curve import FREE, HALF, MEETS, Curve, curve_of
+from live.agents.formations.drawing import Drawing, met
+from live.agents.formations.spec import FARTHEST, FormationSpec
+
+Float64 = npt.NDArray[np.float64]
+
+ON_LINE: Final = 1e-6
+"""Nearer than this to the symmetry line [m] is on it."""
+_SIDES: Final = {"left": (-1.0, 0.0), "right": (1.0, 0.0), "front": (0.0, 1.0), "back": (0.0, -1.0)}
+_SLANTED: Final = math.sin(math.radians(14.0))
+"""A line that reaches the symmetry line more slanted than this makes a corner with its reflection."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SymmetryLine:
+    """A line through `point` whose unit `normal` points to the side that is kept."""
+
+    point: Float64
+    normal: Float64
+
+    @property
+    def along(self) -> Float64:
+        """Unit vector along the line, towards the public where it can be."""
+        way = np.array([-self.normal[1], self.normal[0]])
+        return -way if way[1] < -1e-12 else way
+
+    def side(self, points: Float64) -> Float64:
+        """Distance from the line [m], shape (K,), positive on the kept side."""
+        return np.asarray((points - self.point) @ self.normal)
+
+    def reflect(self, points: Float64) -> Float64:
+        """The points (K, 2) on the other side."""
+        return np.asarray(points - 2.0 * self.side(points)[:, None] * self.normal)
+
+    def reflect_ways(self, ways: Float64) -> Float64:
+        """Directions (K, 2), reflected."""
+        return np.asarray(ways - 2.0 * (ways @ self.normal)[:, None] * self.normal)
+
+    def reflect_shape(self, shape: Any) -> Any:
+        """A shapely geometry on the other side."""
+        return shapely.transform(shape, self.reflect)
+
+    def kept_half(self) -> Any:
+        """The half of the plane that is kept, as a polygon that reaches beyond every stage."""
+        far = 8.0 * FARTHEST
+        a, b = self.point + self.along * far, self.point - self.along * far
+        return shapely.Polygon([a, b, b + self.normal * far, a + self.normal * far])
+
+
+def symmetry_line(spec: FormationSpec, middle: tuple[float, float]) -> SymmetryLine | None:
+    """The symmetry line of a spec; PersonError if the side to keep does not fit the line."""
+    if spec.mirror is None:
+        return None
+    if spec.mirror == "left-right":
+        a, b = np.array(middle), np.array([middle[0], middle[1] + 1.0])
+    elif spec.mirror == "front-back":
+        a, b = np.array(middle), np.array([middle[0] + 1.0, middle[1]])
+    else:
+        a, b = np.array(spec.mirror[0], np.float64), np.array(spec.mirror[1], np.float64)
+    way = (b - a) / np.hypot(*(b - a))
+    normal = np.array([way[1], -way[0]])
+    keep = spec.mirror_keep or ("left" if abs(normal[0]) > 1e-9 else "back")
+    towards = float(normal @ np.array(_SIDES[keep]))
+    if abs(towards) < 1e-9:
+        other = "front or back" if keep in ("left", "right") else "left or right"
+        spec.refuse("mirror_keep", f"the symmetry line has no {keep} side", f"keep {other}")
+    return SymmetryLine(a, normal if towards > 0 else -normal)
+
+
+def half_drawing(spec: FormationSpec, drawing: Drawing, line: SymmetryLine) -> tuple[list[Curve], list[Curve], Any]:
+    """The lines on the kept side, those on the symmetry line itself, and the kept half of the region.
+
+    Ends that lie on the symmetry line have the gap HALF. PersonError if nothing lies on the kept side.
+    """
+    half = line.kept_half()
+    region = None if drawing.region is None else drawing.region.intersection(half)
+    kept: list[Curve] = []
+    on_line: list[Curve] = []
+    for curve in drawing.curves:
+        for points, closed in _clipped(curve, line, half):
+            part = curve_of(points, closed=closed)
+            if part is not None:
+                (on_line if np.abs(line.side(part.points)).max() < ON_LINE else kept).append(part)
+    if not (kept or on_line) or (region is not None and region.area < 1e-6):
+        spec.refuse("mirror", "nothing lies on the side that is kept", "keep the other side (mirror_keep)")
+    on_axis = [shapely.LineString(curve.points) for curve in on_line]
+    return [_halved(curve, line, on_axis) for curve in met(kept)], on_line, region
+
+
+def _clipped(curve: Curve, line: SymmetryLine, half: Any) -> list[tuple[Float64, bool]]:
+    side = line.side(curve.points)
+    if side.min() >= ON_LINE or np.abs(side).max() < ON_LINE:
+        return [(curve.points, curve.closed)]
+    if side.max() < -ON_LINE:
+        return []
+    cut = shapely.LineString(curve.points).intersection(half)
+    parts = [part for part in shapely.get_parts(cut) if part.geom_type == "LineString"]
+    if not parts:
+        return []
+    merged = shapely.line_merge(shapely.MultiLineString(parts)) if len(parts) > 1 else parts[0]
+    return [(shapely.get_coordinates(part), False) for part in shapely.get_parts(merged)]
+
+
+def _halved(curve: Curve, line: SymmetryLine, on_axis: list[Any]) -> Curve:
+    if curve.closed:
+        return curve
+    gaps = list(curve.gaps)
+    for n, end in enumerate((curve.points[0], curve.points[-1])):
+        if abs(float(line.side(end[None])[0])) < ON_LINE:
+            touches = any(shapely.distance(each, shapely.Point(end)) < 1e-3 for each in on_axis)
+            gaps[n] = MEETS if touches else HALF
+    return Curve(curve.points, curve.at, False, curve.corners, (gaps[0], gaps[1]))
+
+
+def places_on_line(curves: list[Curve], line: SymmetryLine, count: int, *, corners: bool) -> Float64:
+    """Where dancers can stand on the symmetry line itself, as many as leave an even number, shape (K, 2).
+
+    One for an odd `count`, at a corner if there is one and else nearest the public; with `corners` as many corners as
+    parity allows.
+    """
+    ends: list[tuple[bool, float, Float64]] = []
+    for curve in curves:
+        for n in (0, -1):
+            if curve.closed or curve.gaps[n] not in (HALF,):
+                continue
+            end = curve.points[n]
+            way = curve.points[1 if n == 0 else -2] - end
+            slanted = abs(float(way @ line.along)) > _SLANTED * float(np.hypot(*way))
+            if not any(np.hypot(*(end - other)) < 1e-3 for _, _, other in ends):
+                ends.append((slanted, float(end @ line.along), end))
+    middle = np.mean([end for _, _, end in ends], axis=0) @ line.along if ends else 0.0
+    ends.sort(key=lambda each: (not each[0], -abs(each[1] - middle) if each[0] else 0.0, -each[1]))
+    wanted = count % 2
+    if corners:
+        slanted_ends = sum(1 for each in ends if each[0])
+        wanted = max(wanted, slanted_ends - (slanted_ends - count) % 2)
+    wanted = min(wanted, len(ends), count)
+    wanted -= (count - wanted) % 2 if wanted > 0 else 0
+    return np.array([end for _, _, end in ends[: max(wanted, 0)]]).reshape(-1, 2)
+
+
+def shared_ends(curve: Curve, places: Float64, shared: float) -> Curve:
+    """The line with the gap `shared` at ends where one of `places` (K, 2) is taken."""
+    if curve.closed or not len(places):
+        return curve
+    gaps = [
+        shared if gap != FREE and np.hypot(*(places - end).T).min() < 1e-3 else gap
+        for gap, end in zip(curve.gaps, (curve.points[0], curve.points[-1]), strict=True)
+    ]
+    return Curve(curve.points, curve.at, False, curve.corners, (gaps[0], gaps[1]))
