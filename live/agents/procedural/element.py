@@ -1,5 +1,6 @@
 """Element: one procedural element, as a value: what, where, for whom, how strongly, between which beats."""
 
+import itertools
 import math
 from dataclasses import dataclass, replace
 from typing import Final
@@ -146,7 +147,7 @@ class Element:
 
 def line_length(points: Points) -> float:
     """Length [m] of a polyline."""
-    return sum(math.dist(a, b) for a, b in zip(points, points[1:], strict=False))
+    return sum(math.dist(a, b) for a, b in itertools.pairwise(points))
 
 
 def line_through(x: float, z: float, angle: float) -> Points:

@@ -10,22 +10,20 @@ from live.agents.procedural.drawn import GRID_COLUMNS, GRID_ROWS
 from live.agents.procedural.element import Element
 from live.agents.procedural.element_table import ElementTable, Float32, Float64, UInt64
 from live.agents.procedural.fair.kernels import AUDIENCES, PLACE_COLUMNS, PLACES, gather
-from live.agents.procedural.kernels import (
+from live.agents.procedural.kernels import wish_of_all
+from live.agents.procedural.kinds import CROSSING, ELEMENT_CAPACITY, FLOW, GRID, VOICE
+from live.agents.procedural.spreading.kernels import CELLS, MESH, fill_cosines
+from live.agents.procedural.table.kernels import (
     HALF_DEPTH,
     HALF_WIDTH,
+    LEVEL,
     NUMBERS,
     PLACE_COUNT,
-    SCRATCH_COLUMNS,
     SEED,
+    SUM_COLUMNS,
     SWITCHED,
     TIME,
-    line_up,
-    spread_groups,
-    wish_of_all,
 )
-from live.agents.procedural.kinds import CROSSING, ELEMENT_CAPACITY, FLOW, FOLLOW, GRID, SPREADER, VOICE
-from live.agents.procedural.spreading.kernels import CELLS, MESH, fill_cosines
-from live.agents.procedural.table.kernels import LEVEL
 from live.agents.wants import Wants
 from live.base.errors import PersonError
 from live.base.stage_view import StageView
@@ -65,7 +63,8 @@ class ElementField:
         self.influence: Float32 = np.zeros(agent_count, np.float32)
         """How far the last `wish` has taken each agent from her plan, 0 to 1, shape (A,)."""
         self._memory: Float64 = np.zeros((agent_count, MEMORY_COLUMNS))
-        self._scratch: Float64 = np.zeros((agent_count, SCRATCH_COLUMNS))
+        self._sums: Float64 = np.zeros((agent_count, SUM_COLUMNS))
+        self._spreading: Float64 = np.zeros((agent_count, 2))
         self._places: Float64 = np.zeros((PLACES * AUDIENCES, PLACE_COLUMNS))
         self._audience: UInt64 = np.zeros(PLACES * AUDIENCES, np.uint64)
         self._density: Float64 = np.zeros(capacity)
@@ -164,20 +163,14 @@ class ElementField:
         """
         out = self.influence if influence is None else influence
         table = self._table
-        if not table.active[-1 - len(table.rows)]:
+        if not len(table.acting):
             out[:] = 0.0
             return out
         self._numbers[TIME] = time
-        if table.acts(SPREADER):
-            spread_groups(
-                table.rows, table.masks, table.active, state.position, wants.rows, groups, self._area,
-                self._mesh, self._cosines, self._start, self._order, self._scratch,
-            )  # fmt: skip
-        if table.acts(FOLLOW):
-            line_up(table.rows, table.masks, table.active, wants.rows, groups, self._scratch)
         wish_of_all(
             state.position, state.velocity, wants.rows, groups, table.rows, table.masks, table.vertices, table.active,
-            table.grids, self._places, self._audience, self._memory, self._scratch, self._numbers, out,
+            table.grids, self._places, self._audience, self._memory, self._area, self._mesh, self._cosines, self._start,
+            self._order, self._spreading, self._numbers, self._sums, out,
         )  # fmt: skip
         return out
 

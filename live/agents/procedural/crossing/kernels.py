@@ -5,10 +5,19 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.behaviours.kernels import hash_unit
+from live.agents.behaviours.kernels import arrive, hash_unit
 from live.agents.procedural.kinds import CROSSING
-from live.agents.procedural.sources.kernels import ROWS
-from live.agents.procedural.table.kernels import SERIAL, addresses
+from live.agents.procedural.table.kernels import (
+    HEARD,
+    LEVEL,
+    ROWS,
+    SERIAL,
+    STRENGTH,
+    SWITCHED,
+    addresses,
+    newest,
+    take,
+)
 from live.agents.wants import PRESENCE
 from live.base.jit import kernel
 
@@ -27,6 +36,8 @@ MARGIN = 0.45
 """Nor nearer to the stage edge [m]."""
 APART = 0.75
 """Nor two places to each other [m]."""
+SLOWING = 1.0
+"""Within this distance [m] of her place a dancer slows down."""
 PARTING_WORK = 3_000_000
 """Pairs looked at while places part, at most: larger crowds are left to separation."""
 
@@ -164,3 +175,27 @@ def claim(
             part_goals(memory, table[row, SERIAL], ax, az, nx, nz, half_width, half_depth, seed)
         claimed += new
     return claimed
+
+
+@kernel("void(f8[:,::1],u8[::1],i4[::1],f4[:,::1],u8[::1],f8[:,::1],f8[::1],f8[:,::1])")
+def cross_over(
+    table: Float64,
+    masks: UInt64,
+    active: Int32,
+    position: Float32,
+    groups: UInt64,
+    memory: Float64,
+    numbers: Float64,
+    sums: Float64,
+) -> None:
+    """Add the wish of those who cross over (T110): to her place on the other side, where she stays."""
+    switched = numbers[SWITCHED] > 0.0
+    for i in range(position.shape[0]):
+        if sums[i, HEARD] <= 0.0:
+            continue
+        row = newest(table, masks, active, CROSSING, groups[i])
+        if row < 0 or memory[i, OWNER] != table[row, SERIAL]:
+            continue
+        fx, fz = arrive(float(position[i, 0]), float(position[i, 1]), memory[i, GOAL_X], memory[i, GOAL_Z], SLOWING)
+        size = table[row, LEVEL] * max(table[row, STRENGTH], 0.0)
+        take(sums, i, size * fx, size * fz, table[row, LEVEL], switched)

@@ -11,10 +11,21 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.procedural.kinds import VOICE
-from live.agents.procedural.sources.kernels import ROWS
-from live.agents.procedural.table.kernels import LEVEL, STRENGTH, X, Z, addresses
+from live.agents.procedural.table.kernels import (
+    HEARD,
+    LEVEL,
+    PLACE_COUNT,
+    ROWS,
+    STRENGTH,
+    SWITCHED,
+    X,
+    Z,
+    addresses,
+    take,
+)
 from live.base.jit import kernel
 
+Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 UInt64 = npt.NDArray[np.uint64]
@@ -44,7 +55,7 @@ def closeness(ax: float, az: float, bx: float, bz: float) -> float:
 
 
 @kernel("b1(f8[:,::1],u8[::1],i4[::1],f8[:,::1],u8[::1],f8[::1],u8,f8,i8)")
-def _next_place(
+def next_place(
     table: Float64,
     masks: UInt64,
     active: Int32,
@@ -94,15 +105,10 @@ def _next_place(
     return True
 
 
-@kernel("i8(f8[:,::1],u8[::1],i4[::1],f8[:,::1],u8[::1],f8[::1])")
-def gather(table: Float64, masks: UInt64, active: Int32, places: Float64, audience: UInt64, density: Float64) -> int:
-    """Find the places of the voices that act, and return how many there are.
-
-    places (PLACES * AUDIENCES, 5) and audience (PLACES * AUDIENCES,), the group mask of each place, are written;
-    density (E,) is scratch: it holds each voice's weight around it, and -1 once a voice belongs to a place.
-    """
+@kernel("void(f8[:,::1],u8[::1],i4[::1],f8[::1])")
+def weigh_voices(table: Float64, masks: UInt64, active: Int32, density: Float64) -> None:
+    """The weight of the voices around each voice, its own included, into density (E,)."""
     first, end = ROWS + active[VOICE], ROWS + active[VOICE + 1]
-    count = 0
     for k in range(first, end):
         a = active[k]
         density[a] = 0.0
@@ -111,54 +117,82 @@ def gather(table: Float64, masks: UInt64, active: Int32, places: Float64, audien
             if masks[a] == masks[b]:
                 near = closeness(table[a, X], table[a, Z], table[b, X], table[b, Z])
                 density[a] += near * table[b, LEVEL] * max(table[b, STRENGTH], 0.0)
+
+
+@kernel("i8(f8[:,::1],u8[::1],i4[::1],f8[:,::1],u8[::1],f8[::1],u8,i8)")
+def places_of(
+    table: Float64,
+    masks: UInt64,
+    active: Int32,
+    places: Float64,
+    audience: UInt64,
+    density: Float64,
+    mask: np.uint64,
+    begin: int,
+) -> int:
+    """The places of the voices of one group mask, from row `begin` on; returns the row after the last one."""
+    first, end = ROWS + active[VOICE], ROWS + active[VOICE + 1]
+    total, most, count = 0.0, 0.0, begin
+    for k in range(first, end):
+        if masks[active[k]] == mask:
+            total += table[active[k], LEVEL] * max(table[active[k], STRENGTH], 0.0)
+    for _ in range(PLACES):
+        if not next_place(table, masks, active, places, audience, density, mask, total, count):
+            break
+        most = max(most, places[count, SHARE])
+        count += 1
+    for p in range(begin, count):
+        places[p, SHARE] = (places[p, SHARE] / most) ** SHARPNESS
+    for k in range(first, end):
+        if masks[active[k]] == mask:
+            density[active[k]] = -1.0
+    return count
+
+
+@kernel("i8(f8[:,::1],u8[::1],i4[::1],f8[:,::1],u8[::1],f8[::1])")
+def gather(table: Float64, masks: UInt64, active: Int32, places: Float64, audience: UInt64, density: Float64) -> int:
+    """Find the places of the voices that act, and return how many there are.
+
+    places (PLACES * AUDIENCES, 5) and audience (PLACES * AUDIENCES,), the group mask of each place, are written;
+    density (E,) is scratch: it holds each voice's weight around it, and -1 once a voice belongs to a place.
+    """
+    weigh_voices(table, masks, active, density)
+    count = 0
     for _ in range(AUDIENCES):
-        of, total = -1, 0.0
-        for k in range(first, end):
+        of = -1
+        for k in range(ROWS + active[VOICE], ROWS + active[VOICE + 1]):
             if density[active[k]] >= 0.0:
                 of = active[k]
                 break
         if of < 0:
             break
-        mask, begin = masks[of], count
-        for k in range(first, end):
-            if masks[active[k]] == mask:
-                total += table[active[k], LEVEL] * max(table[active[k], STRENGTH], 0.0)
-        for _p in range(PLACES):
-            if not _next_place(table, masks, active, places, audience, density, mask, total, count):
-                break
-            count += 1
-        most = 0.0
-        for p in range(begin, count):
-            most = max(most, places[p, SHARE])
-        for p in range(begin, count):
-            places[p, SHARE] = (places[p, SHARE] / most) ** SHARPNESS
-        for k in range(first, end):
-            if masks[active[k]] == mask:
-                density[active[k]] = -1.0
+        count = places_of(table, masks, active, places, audience, density, masks[of], count)
     return count
 
 
-@kernel("UniTuple(f8,3)(f8[:,::1],u8[::1],i8,f8,f8,u8)")
+@kernel("void(f8[:,::1],u8[::1],f4[:,::1],u8[::1],f8[::1],f8[:,::1])")
 def fair_attraction(
-    places: Float64, audience: UInt64, count: int, x: float, z: float, groups: np.uint64
-) -> tuple[float, float, float]:
-    """Wish towards the places of an audience, as a share of the top speed, and how much of it is asked (0 to 1).
+    places: Float64, audience: UInt64, position: Float32, groups: UInt64, numbers: Float64, sums: Float64
+) -> None:
+    """Add the wish towards the places of an audience.
 
     Weights are share ** SHARPNESS * exp(-SHARPNESS * d / NEARNESS): smooth, so that nobody trembles between two places
     of equal right, and so sharp that a place with a few voices among many does not count.
     """
-    wish_x, wish_z, pull, total = 0.0, 0.0, 0.0, 0.0
-    for p in range(count):
-        if not addresses(audience[p], groups):
+    for i in range(position.shape[0]):
+        if sums[i, HEARD] <= 0.0:
             continue
-        dx, dz = places[p, PLACE_X] - x, places[p, PLACE_Z] - z
-        d = math.sqrt(dx * dx + dz * dz)
-        weight = places[p, SHARE] * math.exp(-SHARPNESS * d / NEARNESS)
-        size = weight * places[p, PULL] * (1.0 - math.exp(-d / places[p, DECAY])) / max(d, 1e-9)
-        wish_x += size * dx
-        wish_z += size * dz
-        pull += weight * places[p, PULL]
-        total += weight
-    if total <= 0.0:
-        return 0.0, 0.0, 0.0
-    return wish_x / total, wish_z / total, pull / total
+        wish_x, wish_z, pull, total = 0.0, 0.0, 0.0, 0.0
+        for p in range(int(numbers[PLACE_COUNT])):
+            if not addresses(audience[p], groups[i]):
+                continue
+            dx, dz = places[p, PLACE_X] - position[i, 0], places[p, PLACE_Z] - position[i, 1]
+            d = math.sqrt(dx * dx + dz * dz)
+            weight = places[p, SHARE] * math.exp(-SHARPNESS * d / NEARNESS)
+            size = weight * places[p, PULL] * (1.0 - math.exp(-d / places[p, DECAY])) / max(d, 1e-9)
+            wish_x += size * dx
+            wish_z += size * dz
+            pull += weight * places[p, PULL]
+            total += weight
+        if total > 0.0:
+            take(sums, i, wish_x / total, wish_z / total, pull / total, numbers[SWITCHED] > 0.0)

@@ -6,17 +6,28 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.behaviours.kernels import hash_unit, nearest_on_line
-from live.agents.procedural.kinds import KIND_COUNT
-from live.agents.procedural.table.kernels import CLOSED, CORNERS, DECAY, LEVEL, RADIUS, STRENGTH, X, Z, addresses
-from live.base.jit import kernel
+from live.agents.procedural.table.kernels import (
+    CLOSED,
+    CORNERS,
+    DECAY,
+    HEARD,
+    LEVEL,
+    RADIUS,
+    ROWS,
+    SEED,
+    STRENGTH,
+    SWITCHED,
+    X,
+    Z,
+    addresses,
+    take,
+)
+from live.base.jit import kernel, part
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 UInt64 = npt.NDArray[np.uint64]
-
-ROWS = KIND_COUNT + 1
-"""Where the list of acting rows begins in `active`."""
 
 
 @kernel("b1(f4[:,:,::1],i8,i8,f8,f8)")
@@ -83,52 +94,79 @@ def repulsion(d: float, to_x: float, to_z: float, strength: float, decay: float)
     return -size * to_x, -size * to_z, min(abs(size), 1.0)
 
 
-@kernel("UniTuple(f8,3)(f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],i8,b1,f8,f8,u8,i8,i8)")
-def nearest_source(
+@part
+def next_source(
+    table: Float64,
+    masks: UInt64,
+    vertices: Float32,
+    active: Int32,
+    kind: int,
+    x: float,
+    z: float,
+    groups: np.uint64,
+    after: float,
+    after_row: int,
+) -> tuple[float, int, float, float]:
+    """The nearest source of a kind beyond distance `after`: distance, row (-1: none) and the unit vector to it."""
+    best, best_row, to_x, to_z = 1e30, -1, 0.0, 0.0
+    for k in range(ROWS + active[kind], ROWS + active[kind + 1]):
+        row = int(active[k])
+        if not addresses(masks[row], groups):
+            continue
+        if table[row, CORNERS] == 1.0 and table[row, RADIUS] == 0.0:
+            ux, uz = table[row, X] - x, table[row, Z] - z
+            d = math.sqrt(ux * ux + uz * uz)
+            scale = 1.0 / d if d > 1e-6 else 0.0
+            ux, uz = ux * scale, uz * scale
+        else:
+            d, ux, uz = seen_from(table, vertices, row, x, z)
+        if d < best and (d > after or (d == after and row > after_row)):
+            best, best_row, to_x, to_z = d, row, ux, uz
+    return best, best_row, to_x, to_z
+
+
+@kernel("void(f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],i8,b1,f4[:,::1],u8[::1],f8[::1],f8[:,::1])")
+def nearest_sources(
     table: Float64,
     masks: UInt64,
     vertices: Float32,
     active: Int32,
     kind: int,
     repels: bool,
-    x: float,
-    z: float,
-    groups: np.uint64,
-    seed: int,
-    agent: int,
-) -> tuple[float, float, float]:
-    """Wish, as a share of the top speed, by the nearest source of a kind alone (T106), and its influence (0 to 1).
+    position: Float32,
+    groups: UInt64,
+    numbers: Float64,
+    sums: Float64,
+) -> None:
+    """Add each agent's wish by the nearest source of a kind alone (T106).
 
     While the nearest one fades in or out, the rest of its share goes to the next nearest, so nothing jumps; four are
     asked at most.
     """
-    wish_x, wish_z, influence, left = 0.0, 0.0, 0.0, 1.0
-    last, last_row = -1e30, -1
-    first, end = ROWS + active[kind], ROWS + active[kind + 1]
-    for _ in range(4):
-        best, best_row, to_x, to_z = 1e30, -1, 0.0, 0.0
-        for k in range(first, end):
-            row = active[k]
-            if not addresses(masks[row], groups):
-                continue
-            d, ux, uz = seen_from(table, vertices, row, x, z)
-            if d < best and (d > last or (d == last and row > last_row)):
-                best, best_row, to_x, to_z = d, row, ux, uz
-        if best_row < 0:
-            break
-        if to_x == 0.0 and to_z == 0.0:  # on the spot itself: let chance, seeded, choose
-            angle = 2.0 * math.pi * hash_unit(seed, agent, 77)
-            to_x, to_z = math.sin(angle), math.cos(angle)
-        share = left * table[best_row, LEVEL]
-        if repels:
-            fx, fz, asked = repulsion(best, to_x, to_z, table[best_row, STRENGTH], table[best_row, DECAY])
-        else:
-            fx, fz, asked = attraction(best, to_x, to_z, table[best_row, STRENGTH], table[best_row, DECAY])
-        wish_x += share * fx
-        wish_z += share * fz
-        influence = max(influence, table[best_row, LEVEL] * asked)
-        left -= share
-        last, last_row = best, best_row
-        if left < 1e-3:
-            break
-    return wish_x, wish_z, influence
+    seed, switched = int(numbers[SEED]), numbers[SWITCHED] > 0.0
+    for i in range(position.shape[0]):
+        if sums[i, HEARD] <= 0.0:
+            continue
+        x, z = float(position[i, 0]), float(position[i, 1])
+        wish_x, wish_z, influence, left = 0.0, 0.0, 0.0, 1.0
+        last, last_row = -1e30, -1
+        for _ in range(4):
+            d, row, to_x, to_z = next_source(table, masks, vertices, active, kind, x, z, groups[i], last, last_row)
+            if row < 0:
+                break
+            if to_x == 0.0 and to_z == 0.0:  # on the spot itself: let chance, seeded, choose
+                angle = 2.0 * math.pi * hash_unit(seed, i, 77)
+                to_x, to_z = math.sin(angle), math.cos(angle)
+            share = left * table[row, LEVEL]
+            if repels:
+                fx, fz, asked = repulsion(d, to_x, to_z, table[row, STRENGTH], table[row, DECAY])
+            else:
+                fx, fz, asked = attraction(d, to_x, to_z, table[row, STRENGTH], table[row, DECAY])
+            wish_x += share * fx
+            wish_z += share * fz
+            influence = max(influence, table[row, LEVEL] * asked)
+            left -= share
+            last, last_row = d, row
+            if left < 1e-3:
+                break
+        take(sums, i, wish_x, wish_z, influence, switched)

@@ -1,11 +1,18 @@
 """The table of elements: its columns, and who of them acts at a beat (T105, T132)."""
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
 from live.agents.procedural.kinds import KIND_COUNT
-from live.base.jit import kernel
+from live.agents.wants import ALIGNMENT as WANTS_ALIGNMENT
+from live.agents.wants import COHESION as WANTS_COHESION
+from live.agents.wants import PRESENCE
+from live.agents.wants import SEPARATION as WANTS_SEPARATION
+from live.base.jit import kernel, part
 
+Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 UInt64 = npt.NDArray[np.uint64]
@@ -17,14 +24,71 @@ ALIGNMENT, COHESION, FLOW_KIND, SLOT, TARGET = 10, 11, 12, 13, 14
 TARGET_GROUP, WEDGE, SERIAL, X, Z = 15, 16, 17, 18, 19
 COLUMNS = 20
 
-ALL_BITS: np.uint64 = np.uint64(0xFFFFFFFFFFFFFFFF)
-_NONE: np.uint64 = np.uint64(0)
+# columns of the sums that the passes over the agents share (A, SUM_COLUMNS), float64
+SUM_X, SUM_Z, LEFT, MOST, HEARD = 0, 1, 2, 3, 4
+SUM_COLUMNS = 5
+# numbers of a call
+TIME, SEED, HALF_WIDTH, HALF_DEPTH, SWITCHED, PLACE_COUNT = 0, 1, 2, 3, 4, 5
+NUMBERS = 6
+ROWS = KIND_COUNT + 1
+"""Where the list of acting rows begins in `active`."""
+
+ALL_BITS = np.uint64(0xFFFFFFFFFFFFFFFF)
+_NONE = np.uint64(0)
 
 
-@kernel("b1(u8,u8)")
+@part
 def addresses(mask: np.uint64, groups: np.uint64) -> bool:
     """Whether an element of group mask `mask` means a dancer of `groups`; all bits mean everybody."""
-    return mask == ALL_BITS or (mask & groups) != _NONE
+    return bool(mask == ALL_BITS or (mask & groups) != _NONE)
+
+
+@part
+def newest(table: Float64, masks: UInt64, active: Int32, kind: int, groups: np.uint64) -> int:
+    """The newest acting element of a kind that addresses these groups; -1: none."""
+    found = -1
+    for k in range(ROWS + active[kind], ROWS + active[kind + 1]):
+        if addresses(masks[active[k]], groups):
+            found = active[k]
+    return found
+
+
+@part
+def take(sums: Float64, i: int, x: float, z: float, influence: float, switched: bool) -> None:
+    """Add a wish to the sum of an agent: as it is (blended), or no more of it than is left of the speed (switched)."""
+    if switched:
+        size = math.sqrt(x * x + z * z)
+        if size > sums[i, LEFT]:
+            x, z, size = x * sums[i, LEFT] / size, z * sums[i, LEFT] / size, sums[i, LEFT]
+        sums[i, LEFT] -= size
+    sums[i, SUM_X] += x
+    sums[i, SUM_Z] += z
+    sums[i, MOST] = max(sums[i, MOST], influence)
+
+
+@kernel("void(f8[:,::1],u8[::1],i4[::1],f4[:,::1],u8[::1],f8[:,::1])")
+def company(table: Float64, masks: UInt64, active: Int32, wants: Float32, groups: UInt64, sums: Float64) -> None:
+    """Begin the sums (A, 5), and raise in `wants` (A, 8) what the acting elements ask of agents towards neighbours.
+
+    sums[:, HEARD] becomes the largest level of those that address an agent who is there; 0: nobody means her.
+    """
+    for i in range(wants.shape[0]):
+        sums[i, SUM_X], sums[i, SUM_Z], sums[i, LEFT], sums[i, MOST], sums[i, HEARD] = 0.0, 0.0, 1.0, 0.0, 0.0
+        if wants[i, PRESENCE] <= 0.0:
+            continue
+        heard, apart, align, cohere = 0.0, 0.0, 0.0, 0.0
+        for k in range(ROWS, ROWS + active[KIND_COUNT]):
+            row = active[k]
+            if addresses(masks[row], groups[i]):
+                level = table[row, LEVEL]
+                heard = max(heard, level)
+                apart = max(apart, level * table[row, SEPARATION])
+                align = max(align, level * table[row, ALIGNMENT])
+                cohere = max(cohere, level * table[row, COHESION])
+        sums[i, HEARD] = heard
+        wants[i, WANTS_SEPARATION] = max(wants[i, WANTS_SEPARATION], apart)
+        wants[i, WANTS_ALIGNMENT] = max(wants[i, WANTS_ALIGNMENT], align)
+        wants[i, WANTS_COHESION] = max(wants[i, WANTS_COHESION], cohere)
 
 
 @kernel("i8(f8[:,::1],i8,f8,f8,i4[::1])")

@@ -1,0 +1,1 @@
+"""Dancers who follow, pursue or evade another (T082)."""
