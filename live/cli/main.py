@@ -22,6 +22,7 @@ from live.cli import (
     devices,
     doctor,
     export,
+    formation,
     play,
     render,
     replay,
@@ -54,6 +55,7 @@ app.command("doctor")(doctor.doctor)
 app.command("bench")(bench.bench)
 app.command("bvh")(bvh.bvh)
 app.command("export")(export.export)
+app.command("formation")(formation.formation)
 app.command("simulate")(simulate.simulate)
 app.command("warm")(warm.warm)
 app.command("sync")(sync.sync)

@@ -35,6 +35,8 @@ class Curve:
     """Where along it the corners are, in units of `at`; ends of open lines are none."""
     gaps: tuple[float, float] = (FREE, FREE)
     """FREE, HALF, MEETS or SHARED, for both ends of an open line."""
+    marked: bool = True
+    """Whether its corners may be places that are taken first."""
 
     @property
     def length(self) -> float:

@@ -1,7 +1,7 @@
 """A shape on the stage: its lines in metres, and the region that closed ones enclose (T090)."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, Final
 
@@ -114,7 +114,7 @@ def met(curves: list[Curve]) -> tuple[Curve, ...]:
         return tuple(curves)
     drawn = np.array([shapely.LineString(curve.points) for curve in curves])
     taken: list[Float64] = []
-    met: list[Curve] = []
+    found: list[Curve] = []
     for n, curve in enumerate(curves):
         gaps = [FREE, FREE]
         for side, end in enumerate((curve.points[0], curve.points[-1])):
@@ -130,8 +130,8 @@ def met(curves: list[Curve]) -> tuple[Curve, ...]:
                 gaps[side] = SHARED
             else:
                 taken.append(end)  # the first line that ends here has the dancer
-        met.append(Curve(curve.points, curve.at, curve.closed, curve.corners, (gaps[0], gaps[1])))
-    return tuple(met)
+        found.append(replace(curve, gaps=(gaps[0], gaps[1])))
+    return tuple(found)
 
 
 def _passes(curve: Curve, point: Float64) -> bool:

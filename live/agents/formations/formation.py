@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -11,12 +12,12 @@ from scipy.spatial import cKDTree
 from live.agents.formations.drawing import Drawing, drawing_of
 from live.agents.formations.first_shapes import staggered_rows
 from live.agents.formations.headings import headings
-from live.agents.formations.inside import count_by_spacing, place_inside
+from live.agents.formations.inside import Ground, count_by_spacing, ground_of, place_inside
 from live.agents.formations.on_lines import place_on_lines
 from live.agents.formations.sections import section_sizes, sections_along, sections_in_area
 from live.agents.formations.soloists import make_room, soloist_places
 from live.agents.formations.spec import MOST_DANCERS, FormationSpec
-from live.agents.formations.symmetry import SymmetryLine, symmetry_line
+from live.agents.formations.symmetry import SymmetryLine, half_drawing, symmetry_line
 
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
@@ -26,6 +27,8 @@ TOUCHING: Final = 0.5
 CLEAR: Final = 0.71
 """Straight ways into a formation are free of collisions if its places are farther apart than this (CAPT) [m]."""
 NO_SECTION: Final = -1
+SOLOIST: Final = "soloist"
+"""The mark of soloists' places."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,6 +56,8 @@ class Formation:
     """The drawn lines, each (P, 2) [m]."""
     symmetry: SymmetryLine | None
     """The symmetry line, if there is one."""
+    marks: tuple[str, ...]
+    """Whose place it is, S words: "soloist", the name of a section, or "" for anybody."""
 
     def extent(self) -> tuple[float, float, float, float]:
         """(least x, least z, greatest x, greatest z) of the places [m]; zeros if there are none."""
@@ -73,12 +78,10 @@ def formation_of(spec: FormationSpec, count: int, seed: int = 0) -> Formation:
     As many places as dancers, unless the spec has a count, density or spacing of its own; then `waiting` and `empty`
     say what is over. PersonError, naming the field, if the shape cannot be used as the spec says.
     """
-    drawing = drawing_of(spec)
-    line = symmetry_line(spec, drawing.middle)
+    drawing, line, room, ground = _prepared(spec)
     places_wanted = _place_count(spec, drawing, count)
     soloists = min(spec.soloists, places_wanted)
-    room = make_room(spec, drawing, line) if soloists else drawing
-    others, ways = _others(spec, room, places_wanted - soloists, seed, line)
+    others, ways = _others(spec, room, ground, places_wanted - soloists, seed, line)
     order, section = _sections(spec, others)
     others = others[order]
     alone = soloist_places(spec, drawing, others)[:soloists]
@@ -86,6 +89,7 @@ def formation_of(spec: FormationSpec, count: int, seed: int = 0) -> Formation:
     heading = headings(spec, others, None if ways is None else ways[order], middle, drawing.curves)
     facing = 0.0 if spec.heading != "angle" else math.radians(spec.heading_deg)
     slots = np.ascontiguousarray(np.concatenate([alone, others]))
+    names = spec.section_names
     closest = _closest(slots)
     waiting, empty = max(0, count - places_wanted), max(0, places_wanted - count)
     formation = Formation(
@@ -98,8 +102,9 @@ def formation_of(spec: FormationSpec, count: int, seed: int = 0) -> Formation:
         waiting=waiting,
         empty=empty,
         warnings=_warnings(spec, drawing, closest, waiting, empty, line, others),
-        lines=tuple(curve.points for curve in drawing.curves) if spec.shape != "grid" else (),
+        lines=_lines(spec),
         symmetry=line,
+        marks=(*[SOLOIST] * soloists, *(names[each] if names else "" for each in section)),
     )
     for array in (formation.slots, formation.heading, formation.section, formation.soloist):
         array.setflags(write=False)
@@ -127,15 +132,15 @@ def _place_count(spec: FormationSpec, drawing: Drawing, dancers: int) -> int:
 
 
 def _others(
-    spec: FormationSpec, drawing: Drawing, count: int, seed: int, line: SymmetryLine | None
+    spec: FormationSpec, drawing: Drawing, ground: Ground | None, count: int, seed: int, line: SymmetryLine | None
 ) -> tuple[Float64, Float64 | None]:
     """Places of all but the soloists, and for those on lines the way along it."""
     if spec.shape == "grid":
         yaw = math.radians(spec.rotation_deg)
         turn = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])
         return staggered_rows(count, spec.size or (8.0, 5.0)) @ turn + np.array(spec.centre), None
-    if spec.inside:
-        return place_inside(spec, drawing, count, seed, line), None
+    if ground is not None:
+        return place_inside(spec, ground, count, seed), None
     if count == 0:
         return np.zeros((0, 2)), np.zeros((0, 2))
     return place_on_lines(spec, drawing, count, line)
@@ -151,6 +156,29 @@ def _sections(spec: FormationSpec, others: Float64) -> tuple[Int64, Int64]:
     section = sections_along(sizes) if on_one_way else sections_in_area(others, sizes)
     order = np.argsort(section, kind="stable")
     return order, section[order]
+
+
+@lru_cache(maxsize=64)
+def _prepared(spec: FormationSpec) -> tuple[Drawing, SymmetryLine | None, Drawing, Ground | None]:
+    """What does not depend on the number of dancers: drawing, symmetry line, what soloists in the middle leave."""
+    drawing = drawing_of(spec)
+    line = symmetry_line(spec, drawing.middle)
+    room = make_room(spec, drawing, line)
+    inside = spec.inside and spec.shape != "grid"
+    return drawing, line, room, ground_of(spec, room, line) if inside else None
+
+
+@lru_cache(maxsize=64)
+def _lines(spec: FormationSpec) -> tuple[Float64, ...]:
+    """What is drawn on the floor; with a symmetry line the kept side and its reflection."""
+    drawing, line, _, _ = _prepared(spec)
+    if spec.shape == "grid":
+        return ()
+    if line is None:
+        return tuple(curve.points for curve in drawing.curves)
+    kept, on_line, _ = half_drawing(spec, drawing, line)
+    halves = [curve.points for curve in kept]
+    return (*halves, *(curve.points for curve in on_line), *(line.reflect(points) for points in halves))
 
 
 def _closest(slots: Float64) -> float:

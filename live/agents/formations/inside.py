@@ -1,6 +1,7 @@
 """Dancers inside a region: which pattern makes the places, with and without symmetry (T091, T092, T144)."""
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,22 +18,42 @@ from live.agents.formations.blue_noise import (
 from live.agents.formations.drawing import Drawing
 from live.agents.formations.lattice import place_on_lattice
 from live.agents.formations.on_lines import density_at, place_mirrored, place_on_curves
-from live.agents.formations.silhouettes import silhouettes, unmarked
+from live.agents.formations.silhouettes import silhouettes, unmarked, widest_circle
 from live.agents.formations.spec import FormationSpec
 from live.agents.formations.symmetry import SymmetryLine, half_drawing
 
 Float64 = npt.NDArray[np.float64]
 
 
-def place_inside(spec: FormationSpec, drawing: Drawing, count: int, seed: int, line: SymmetryLine | None) -> Float64:
-    """`count` places inside the drawing's region, shape (count, 2)."""
-    if count == 0:
-        return np.zeros((0, 2))
+@dataclass(frozen=True, slots=True, eq=False)
+class Ground:
+    """A region and what takes long to find out about it."""
+
+    region: Any
+    half: Any
+    """Its kept half, None without a symmetry line."""
+    line: SymmetryLine | None
+    radius: float
+    middle: Float64
+    """Radius and middle of the largest circle inside, for concentric silhouettes."""
+
+
+def ground_of(spec: FormationSpec, drawing: Drawing, line: SymmetryLine | None) -> Ground:
+    """The region of a drawing with closed lines, symmetrical where wished."""
     region, half = drawing.region, None
     if line is not None:
         half = half_drawing(spec, drawing, line)[2]
-        region = shapely.union(half, line.reflect_shape(half), grid_size=None)
+        region = half.union(line.reflect_shape(half))
         shapely.prepare(region)
+    radius, middle = widest_circle(region) if spec.distribution == "concentric" else (0.0, np.zeros(2))
+    return Ground(region, half, line, radius, middle)
+
+
+def place_inside(spec: FormationSpec, ground: Ground, count: int, seed: int) -> Float64:
+    """`count` places inside a region, shape (count, 2)."""
+    if count == 0:
+        return np.zeros((0, 2))
+    region, half, line = ground.region, ground.half, ground.line
     if count == 1:
         return (_middle(region) if half is None or line is None else middle_of_line(half, line))[None]
     pattern = spec.distribution
@@ -41,7 +62,7 @@ def place_inside(spec: FormationSpec, drawing: Drawing, count: int, seed: int, l
         if found is not None:
             return found
     if pattern == "concentric":
-        return _in_silhouettes(spec, region, count, line)
+        return _in_silhouettes(spec, ground, count)
     density: Density | None = (lambda points: density_at(spec, points)) if pattern == "weighted" else None
     even = pattern in ("even", "grid", "diagonal")
     if half is not None and line is not None:
@@ -93,8 +114,9 @@ def _on_lattice(spec: FormationSpec, region: Any, count: int, line: SymmetryLine
     return np.concatenate([kept, on_line, line.reflect(kept)])
 
 
-def _in_silhouettes(spec: FormationSpec, region: Any, count: int, line: SymmetryLine | None) -> Float64:
-    curves, middle = silhouettes(region, count)
+def _in_silhouettes(spec: FormationSpec, ground: Ground, count: int) -> Float64:
+    line = ground.line
+    curves, middle = silhouettes(ground.region, count, ground.radius, ground.middle)
     curves = unmarked(curves, count)
     corners = spec.mark_corners is not False
     if line is None:

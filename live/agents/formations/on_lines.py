@@ -1,5 +1,6 @@
 """Dancers on the lines of a drawing: even or weighted, symmetrical where wished, and never two on one joint (T091)."""
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -13,11 +14,13 @@ from live.agents.formations.spec import FormationSpec
 from live.agents.formations.symmetry import SymmetryLine, half_drawing, places_on_line, shared_ends
 
 Float64 = npt.NDArray[np.float64]
+Int64 = npt.NDArray[np.int64]
 Placed = tuple[Float64, Float64]
 """Places (S, 2) [m] and unit vectors along the line (S, 2)."""
 
 NEAR: Final = 0.6
 """Dancers of different lines nearer than this share of the spacing are moved apart along their lines."""
+SHIFTS: Final = 3
 DENSE: Final = 500
 """Points of a weighted line."""
 _MARKED: Final = ("text", "polygon", "rectangle", "star")
@@ -43,6 +46,25 @@ def place_on_curves(curves: list[Curve], count: int, *, corners: bool) -> Placed
     if not curves:
         return np.zeros((0, 2)), np.zeros((0, 2))
     number = share_over_curves(count, curves)
+    at, places = _placed(curves, number, corners)
+    for _ in range(SHIFTS if len(curves) > 1 else 0):  # a small ring may hold fewer than its length says
+        crowded = _crowded(places, curves)
+        if not crowded:
+            break
+        lengths = np.array([curve.length for curve in curves])
+        moved = number.copy()
+        moved[crowded[0]] -= 1
+        moved[np.argmax(np.where(np.arange(len(curves)) == crowded[0], 0.0, lengths / np.maximum(number, 0.5)))] += 1
+        other_at, other_places = _placed(curves, moved, corners)
+        if _apart(other_places) <= _apart(places) * (1.0 + 1e-6):
+            break
+        number, at, places = moved, other_at, other_places
+    ways = [curve.tangent(each) for curve, each in zip(curves, at, strict=True)]
+    return np.concatenate(places), np.concatenate(ways)
+
+
+def _placed(curves: list[Curve], number: Int64, corners: bool) -> tuple[list[Float64], list[Float64]]:
+    """Where `number` (C,) dancers stand along each line, and their places; moved along where lines come near."""
     at = [along(curve, int(k), corners=corners) for curve, k in zip(curves, number, strict=True)]
     places = [curve.place(each) for curve, each in zip(curves, at, strict=True)]
     for n in _crowded(places, curves):
@@ -50,8 +72,7 @@ def place_on_curves(curves: list[Curve], count: int, *, corners: bool) -> Placed
         apart = [_apart([*places[:n], curves[n].place(each), *places[n + 1 :]]) for each in options]
         at[n] = options[int(np.argmax(np.round(apart, 6)))]
         places[n] = curves[n].place(at[n])
-    ways = [curve.tangent(each) for curve, each in zip(curves, at, strict=True)]
-    return np.concatenate(places), np.concatenate(ways)
+    return at, places
 
 
 def place_mirrored(kept: list[Curve], on_line: list[Curve], line: SymmetryLine, count: int, *, corners: bool) -> Placed:
@@ -97,11 +118,7 @@ def _other_ways(curve: Curve, count: int, corners: bool) -> list[Float64]:
         return []
     if curve.closed:
         return [along(curve, count, corners=False, phase=phase / 8) for phase in range(8)]
-    drawn_in = [
-        Curve(curve.points, curve.at, False, curve.corners, (a, b))
-        for a in (curve.gaps[0], 0.5)
-        for b in (curve.gaps[1], 0.5)
-    ]
+    drawn_in = [replace(curve, gaps=(a, b)) for a in (curve.gaps[0], 0.5) for b in (curve.gaps[1], 0.5)]
     return [along(each, count, corners=marked) for each in drawn_in for marked in {corners, False}]
 
 
@@ -127,7 +144,7 @@ def _weighted(spec: FormationSpec, curve: Curve) -> Curve:
     mass = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(at))])
     mass *= curve.length / mass[-1]
     corners = tuple(float(each) for each in np.interp(curve.corners, at, mass)) if curve.corners else ()
-    return Curve(points, mass, curve.closed, corners, curve.gaps)
+    return replace(curve, points=points, at=mass, corners=corners)
 
 
 def density_at(spec: FormationSpec, points: Float64) -> Float64:

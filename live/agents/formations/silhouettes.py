@@ -17,17 +17,16 @@ _TINY: Final = 0.3
 """A ring smaller than this share of the ring distance is a place in the middle."""
 
 
-def silhouettes(region: Any, count: int) -> tuple[list[Curve], Float64]:
+def silhouettes(region: Any, count: int, radius: float, middle: Float64) -> tuple[list[Curve], Float64]:
     """Rings for `count` dancers, outermost first, so far apart as neighbours on them; and a place in the middle.
 
-    The rings are closed lines that begin in front; the place has the shape (1, 2), or (0, 2) where there is none.
-    By Steiner's formula n dancers at distance d need rings of A / d + L / 2 metres; the innermost ring lies half a
-    ring distance from the middle, or is the middle itself, whichever comes nearer to that.
+    `radius` and `middle` (2,) are those of the largest circle inside (`widest_circle`). The rings are closed lines
+    that begin in front; the place has the shape (1, 2), or (0, 2) where there is none. By Steiner's formula n dancers
+    at distance d need rings of A / d + L / 2 metres; the innermost ring lies half a ring distance from the middle, or
+    is the middle itself, whichever comes nearer to that.
     """
     area, outline = float(region.area), float(region.length)
     wished = (outline / 2 + math.sqrt(outline**2 / 4 + 4.0 * count * area)) / (2.0 * count)
-    widest = shapely.maximum_inscribed_circle(region, tolerance=1e-3 * math.sqrt(area))
-    radius, middle = float(widest.length), shapely.get_coordinates(widest)[0]
     rings = max(0, round(radius / wished - 0.5))
     options = [(radius / (n + 0.5), n + 1, False) for n in range(max(0, rings - 1), rings + 2)]
     whole = max(1, round(radius / wished))
@@ -41,6 +40,12 @@ def silhouettes(region: Any, count: int) -> tuple[list[Curve], Float64]:
         if mismatch < best:
             best, chosen, centre = mismatch, inner, has_centre
     return [curve for each in chosen for curve in _rings(each)], middle[None] if centre else np.zeros((0, 2))
+
+
+def widest_circle(region: Any) -> tuple[float, Float64]:
+    """Radius [m] and middle (2,) of the largest circle inside a region; takes milliseconds."""
+    found = shapely.maximum_inscribed_circle(region, tolerance=0.005 * math.sqrt(region.area))
+    return float(found.length), np.asarray(shapely.get_coordinates(found)[0])
 
 
 def _is_round(region: Any, radius: float, distance: float) -> bool:
@@ -82,5 +87,5 @@ def unmarked(curves: list[Curve], count: int) -> list[Curve]:
         spacing = lengths / max(count, 1)
         gaps = sides / np.maximum(np.round(sides / spacing), 1.0)
         even = n == 0 or not len(gaps) or gaps.min() > EVEN_ENOUGH * gaps.max()
-        plain.append(curve if even else Curve(curve.points, curve.at, True))
+        plain.append(curve if even else Curve(curve.points, curve.at, True, marked=False))
     return plain

@@ -108,6 +108,8 @@ class FormationSpec:
     """How far from the others [m]."""
     sections: tuple[int, ...] = ()
     """Sizes of sections whose dancers get neighbouring places; shares, if their sum is another than the count."""
+    section_names: tuple[str, ...] = ()
+    """A word for each section: dancers who have it as an attribute get its places."""
     heading: Literal["public", "centre", "outwards", "along", "angle"] = "public"
     """Where dancers face: the public, the middle, away from it, along the line, or `heading_deg`."""
     heading_deg: float = 0.0
@@ -116,6 +118,7 @@ class FormationSpec:
     def __post_init__(self) -> None:
         _check_words(self)
         _check_numbers(self)
+        _check_sections(self)
         _check_shape(self)
         _check_pattern(self)
         _check_mirror(self)
@@ -199,6 +202,14 @@ def _check_numbers(spec: FormationSpec) -> None:
             spec.refuse(field, f"numbers from 0 to {most:g} expected")
         if values and not (len(values) <= 1000 and sum(values) > 0):
             spec.refuse(field, "at most 1000 numbers, one of them above 0, expected")
+
+
+def _check_sections(spec: FormationSpec) -> None:
+    names = spec.section_names
+    if not isinstance(names, tuple) or not all(isinstance(name, str) and 0 < len(name) <= 64 for name in names):
+        spec.refuse("section_names", "words of 1 to 64 letters expected")
+    if names and len(names) != len(spec.sections):
+        spec.refuse("section_names", f"{len(names)} names for {len(spec.sections)} sections")
 
 
 def _check_shape(spec: FormationSpec) -> None:

@@ -1,7 +1,7 @@
 """Symmetry about a line: what lies on one side is reflected over it (T092, Fig 4.6)."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -89,6 +89,8 @@ def half_drawing(spec: FormationSpec, drawing: Drawing, line: SymmetryLine) -> t
     for curve in drawing.curves:
         for points, closed in _clipped(curve, line, half):
             part = curve_of(points, closed=closed)
+            if part is not None and not curve.marked:
+                part = replace(part, corners=(), marked=False)
             if part is not None:
                 (on_line if np.abs(line.side(part.points)).max() < ON_LINE else kept).append(part)
     if not (kept or on_line) or (region is not None and region.area < 1e-6):
@@ -119,7 +121,7 @@ def _halved(curve: Curve, line: SymmetryLine, on_axis: list[Any]) -> Curve:
         if abs(float(line.side(end[None])[0])) < ON_LINE:
             touches = any(shapely.distance(each, shapely.Point(end)) < 1e-3 for each in on_axis)
             gaps[n] = MEETS if touches else HALF
-    return Curve(curve.points, curve.at, False, curve.corners, (gaps[0], gaps[1]))
+    return replace(curve, gaps=(gaps[0], gaps[1]))
 
 
 def places_on_line(curves: list[Curve], line: SymmetryLine, count: int, *, corners: bool) -> Float64:
@@ -131,11 +133,11 @@ def places_on_line(curves: list[Curve], line: SymmetryLine, count: int, *, corne
     ends: list[tuple[bool, float, Float64]] = []
     for curve in curves:
         for n in (0, -1):
-            if curve.closed or curve.gaps[n] not in (HALF,):
+            if curve.closed or curve.gaps[n] != HALF:
                 continue
             end = curve.points[n]
             way = curve.points[1 if n == 0 else -2] - end
-            slanted = abs(float(way @ line.along)) > _SLANTED * float(np.hypot(*way))
+            slanted = curve.marked and abs(float(way @ line.along)) > _SLANTED * float(np.hypot(*way))
             if not any(np.hypot(*(end - other)) < 1e-3 for _, _, other in ends):
                 ends.append((slanted, float(end @ line.along), end))
     middle = np.mean([end for _, _, end in ends], axis=0) @ line.along if ends else 0.0
@@ -157,4 +159,4 @@ def shared_ends(curve: Curve, places: Float64, shared: float) -> Curve:
         shared if gap != FREE and np.hypot(*(places - end).T).min() < 1e-3 else gap
         for gap, end in zip(curve.gaps, (curve.points[0], curve.points[-1]), strict=True)
     ]
-    return Curve(curve.points, curve.at, False, curve.corners, (gaps[0], gaps[1]))
+    return replace(curve, gaps=(gaps[0], gaps[1]))
