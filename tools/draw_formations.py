@@ -32,7 +32,11 @@ SHAPES: Final[list[Panel]] = [
     ("star of 5 points", 20, {"shape": "star"}),
     ("spiral, along the line", 20, {"shape": "spiral", "turns": 2, "heading": "along"}),
     ("drawn line", 14, {"shape": "polyline", "points": WAVE}),
-    ("SVG path, soloist in front", 21, {"shape": "path", "path": HEART, "soloists": 1, "size": [6, 4]}),
+    (
+        "SVG path, soloist in front",
+        21,
+        {"shape": "path", "path": HEART, "soloists": 1, "size": [6, 4], "centre": [0, -0.7]},
+    ),
     (
         "two circles: a flower",
         25,
@@ -54,11 +58,15 @@ PATTERNS: Final[list[Panel]] = [
 ZIGZAG: Final = [[[-5, -3], [-3.5, 0], [-2, -3], [-1, 1.5]], [[-4.5, 2.5], [-3, 2.5], [-2, 1.5]]]
 MIRRORED: Final[list[Panel]] = [
     ("drawn on the left", 13, {"shape": "polyline", "points": ZIGZAG}),
-    ("reflected: mirror = 'left-right'", 26, {"shape": "polyline", "points": ZIGZAG, "mirror": [[0, -4], [0, 4]]}),
+    (
+        "reflected over a line from back to front",
+        26,
+        {"shape": "polyline", "points": ZIGZAG, "mirror": [[0, -4], [0, 4]]},
+    ),
     (
         "about a slanted line",
         24,
-        {"shape": "polyline", "points": ZIGZAG, "mirror": [[-2.5, 4], [2.5, -4]], "heading": "along"},
+        {"shape": "polyline", "points": ZIGZAG, "mirror": [[-1.2, 4], [1.2, -4]], "heading": "along"},
     ),
     (
         "scattered, and symmetrical",
@@ -67,7 +75,11 @@ MIRRORED: Final[list[Panel]] = [
     ),
 ]
 SECTIONS: Final[list[Panel]] = [
-    ("sections along an arc", 19, {"shape": "arc", "sections": [6, 6, 6], "soloists": 1, "heading": "centre"}),
+    (
+        "sections along an arc",
+        19,
+        {"shape": "arc", "sections": [6, 6, 6], "soloists": 1, "heading": "centre", "centre": [0, -1]},
+    ),
     ("sections in a grid", 40, {"shape": "rectangle", "pattern": "grid", "size": [9, 6], "sections": [10, 20, 10]}),
     ("weights along a line", 15, {"shape": "line", "size": [10, 1], "weights": [1, 5, 1]}),
 ]

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.formations.formation import Formation
+from live.agents.formations.symmetry import SymmetryLine
 
 Float64 = npt.NDArray[np.float64]
 
@@ -67,11 +68,7 @@ def draw_formation(
         drawn = " ".join(floor.at(x, z) for x, z in points)
         parts.append(f'<polyline points="{drawn}" fill="none" stroke="{DRAWN}" stroke-width="1.5"/>')
     if formation.symmetry is not None:
-        far = math.hypot(*stage) / 2
-        a = formation.symmetry.point + far * formation.symmetry.along
-        b = formation.symmetry.point - far * formation.symmetry.along
-        ends = f'x1="{floor.x(a[0]):.1f}" y1="{floor.y(a[1]):.1f}" x2="{floor.x(b[0]):.1f}" y2="{floor.y(b[1]):.1f}"'
-        parts.append(f'<line {ends} stroke="{AXIS}" stroke-width="1" stroke-dasharray="7 5"/>')
+        parts.append(_axis(floor, formation.symmetry, stage))
     parts += [_way(floor, way) for way in ways]
     for n, (x, z) in enumerate(formation.slots):
         parts += _dancer(floor, formation, n, float(x), float(z), n in outside)
@@ -79,6 +76,17 @@ def draw_formation(
     for row, line in enumerate(under.splitlines()[:2]):
         parts.append(_text(SIDE, floor.height - 22 + 15 * row, line[:130], 12, "#666666"))
     return "\n".join([*parts, "</svg>", ""])
+
+
+def _axis(floor: _Floor, line: SymmetryLine, stage: tuple[float, float]) -> str:
+    """The part of the symmetry line that is on the stage."""
+    along = np.linspace(-1.0, 1.0, 2001)[:, None] * (math.hypot(*stage) + float(np.hypot(*line.point))) * line.along
+    points = line.point + along
+    points = points[(np.abs(points) <= np.array(stage) / 2 + 1e-9).all(axis=1)]
+    if len(points) < 2:
+        return ""
+    ends = f'points="{floor.at(*points[0])} {floor.at(*points[-1])}"'
+    return f'<polyline {ends} fill="none" stroke="{AXIS}" stroke-width="1.2" stroke-dasharray="7 5"/>'
 
 
 def _stage(floor: _Floor, stage: tuple[float, float]) -> list[str]:
@@ -99,7 +107,7 @@ def _stage(floor: _Floor, stage: tuple[float, float]) -> list[str]:
         ends = f'x1="{floor.x(-width / 2):.1f}" x2="{floor.x(width / 2):.1f}"'
         parts.append(f'<line y1="{y:.1f}" y2="{y:.1f}" {ends} stroke="{FAINT}" stroke-width="{1 if n else 1.6}"/>')
         parts.append(_text(floor.x(-width / 2) - 6, y + 4, f"{n * step}", 10, "#888888", "end"))
-    parts.append(_text(floor.x(width / 2), floor.y(depth / 2) + 27, "public ↓, metres", 11, "#888888", "end"))
+    parts.append(_text(floor.x(width / 2), floor.y(depth / 2) + 27, "public below, metres", 11, "#888888", "end"))
     return parts
 
 

@@ -18,7 +18,7 @@ from live.agents.formations.blue_noise import (
 from live.agents.formations.drawing import Drawing
 from live.agents.formations.lattice import place_on_lattice
 from live.agents.formations.on_lines import density_at, place_mirrored, place_on_curves
-from live.agents.formations.silhouettes import silhouettes, unmarked, widest_circle
+from live.agents.formations.silhouettes import Core, core_of, silhouettes, unmarked
 from live.agents.formations.spec import FormationSpec
 from live.agents.formations.symmetry import SymmetryLine, half_drawing
 
@@ -33,9 +33,8 @@ class Ground:
     half: Any
     """Its kept half, None without a symmetry line."""
     line: SymmetryLine | None
-    radius: float
-    middle: Float64
-    """Radius and middle of the largest circle inside, for concentric silhouettes."""
+    core: Core | None
+    """For concentric silhouettes."""
 
 
 def ground_of(spec: FormationSpec, drawing: Drawing, line: SymmetryLine | None) -> Ground:
@@ -45,8 +44,7 @@ def ground_of(spec: FormationSpec, drawing: Drawing, line: SymmetryLine | None) 
         half = half_drawing(spec, drawing, line)[2]
         region = half.union(line.reflect_shape(half))
         shapely.prepare(region)
-    radius, middle = widest_circle(region) if spec.distribution == "concentric" else (0.0, np.zeros(2))
-    return Ground(region, half, line, radius, middle)
+    return Ground(region, half, line, core_of(region) if spec.distribution == "concentric" else None)
 
 
 def place_inside(spec: FormationSpec, ground: Ground, count: int, seed: int) -> Float64:
@@ -61,8 +59,8 @@ def place_inside(spec: FormationSpec, ground: Ground, count: int, seed: int) -> 
         found = _on_lattice(spec, region, count, line)
         if found is not None:
             return found
-    if pattern == "concentric":
-        return _in_silhouettes(spec, ground, count)
+    if ground.core is not None:
+        return _in_silhouettes(spec, ground.core, line, count)
     density: Density | None = (lambda points: density_at(spec, points)) if pattern == "weighted" else None
     even = pattern in ("even", "grid", "diagonal")
     if half is not None and line is not None:
@@ -114,9 +112,8 @@ def _on_lattice(spec: FormationSpec, region: Any, count: int, line: SymmetryLine
     return np.concatenate([kept, on_line, line.reflect(kept)])
 
 
-def _in_silhouettes(spec: FormationSpec, ground: Ground, count: int) -> Float64:
-    line = ground.line
-    curves, middle = silhouettes(ground.region, count, ground.radius, ground.middle)
+def _in_silhouettes(spec: FormationSpec, core: Core, line: SymmetryLine | None, count: int) -> Float64:
+    curves, middle = silhouettes(core, count)
     curves = unmarked(curves, count)
     corners = spec.mark_corners is not False
     if line is None:

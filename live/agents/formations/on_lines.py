@@ -20,7 +20,8 @@ Placed = tuple[Float64, Float64]
 
 NEAR: Final = 0.6
 """Dancers of different lines nearer than this share of the spacing are moved apart along their lines."""
-SHIFTS: Final = 3
+SHIFTS: Final = 2
+"""How often a dancer is moved from a crowded line to the roomiest one."""
 DENSE: Final = 500
 """Points of a weighted line."""
 _MARKED: Final = ("text", "polygon", "rectangle", "star")
@@ -68,8 +69,9 @@ def _placed(curves: list[Curve], number: Int64, corners: bool) -> tuple[list[Flo
     at = [along(curve, int(k), corners=corners) for curve, k in zip(curves, number, strict=True)]
     places = [curve.place(each) for curve, each in zip(curves, at, strict=True)]
     for n in _crowded(places, curves):
+        others = np.concatenate([*places[:n], *places[n + 1 :], np.zeros((0, 2))])
         options = [at[n], *_other_ways(curves[n], int(number[n]), corners)]
-        apart = [_apart([*places[:n], curves[n].place(each), *places[n + 1 :]]) for each in options]
+        apart = [_apart_from(curves[n].place(each), others) for each in options]
         at[n] = options[int(np.argmax(np.round(apart, 6)))]
         places[n] = curves[n].place(at[n])
     return at, places
@@ -117,15 +119,22 @@ def _other_ways(curve: Curve, count: int, corners: bool) -> list[Float64]:
     if count == 0:
         return []
     if curve.closed:
-        return [along(curve, count, corners=False, phase=phase / 8) for phase in range(8)]
+        return [along(curve, count, corners=False, phase=phase / 6) for phase in range(6)]
     drawn_in = [replace(curve, gaps=(a, b)) for a in (curve.gaps[0], 0.5) for b in (curve.gaps[1], 0.5)]
     return [along(each, count, corners=marked) for each in drawn_in for marked in {corners, False}]
 
 
 def _apart(places: list[Float64]) -> float:
     """The smallest distance of two places [m]."""
-    everybody = np.concatenate(places)
-    return float(cKDTree(everybody).query(everybody, k=2)[0][:, 1].min()) if len(everybody) > 1 else np.inf
+    return _apart_from(np.concatenate(places), np.zeros((0, 2)))
+
+
+def _apart_from(places: Float64, others: Float64) -> float:
+    """The smallest distance of two of `places` (S, 2), or of one of them and one of `others` (T, 2) [m]."""
+    everybody = np.concatenate([places, others])
+    squared = (places[:, 0, None] - everybody[None, :, 0]) ** 2 + (places[:, 1, None] - everybody[None, :, 1]) ** 2
+    np.fill_diagonal(squared, np.inf)
+    return float(np.sqrt(squared.min(initial=np.inf)))
 
 
 def _weighted(spec: FormationSpec, curve: Curve) -> Curve:
