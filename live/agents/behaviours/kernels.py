@@ -258,7 +258,7 @@ def follow_path(
 def follow_behind(
     x: float, z: float, before_x: float, before_z: float, before_vx: float, before_vz: float, gap: float
 ) -> tuple[float, float]:
-    """Arrive `gap` [m] behind somebody who goes before, on the side of her on which one is: a line drawn like a rope."""
+    """Arrive `gap` [m] behind somebody who goes before, on the side of her on which one is: drawn like a rope."""
     back_x, back_z = unit(x - before_x - 0.6 * before_vx, z - before_z - 0.6 * before_vz)
     return arrive(x, z, before_x + gap * back_x, before_z + gap * back_z, 0.8)
 

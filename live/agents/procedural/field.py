@@ -12,6 +12,7 @@ from live.agents.procedural.element_table import ElementTable, Float32, Float64,
 from live.agents.procedural.fair.kernels import AUDIENCES, PLACE_COLUMNS, PLACES, gather
 from live.agents.procedural.kernels import wish_of_all
 from live.agents.procedural.kinds import CROSSING, ELEMENT_CAPACITY, FLOW, GRID, VOICE
+from live.agents.procedural.sources.kernels import NEAR_COLUMNS
 from live.agents.procedural.spreading.kernels import CELLS, MESH, fill_cosines
 from live.agents.procedural.table.kernels import (
     HALF_DEPTH,
@@ -64,6 +65,7 @@ class ElementField:
         """How far the last `wish` has taken each agent from her plan, 0 to 1, shape (A,)."""
         self._memory: Float64 = np.zeros((agent_count, MEMORY_COLUMNS))
         self._sums: Float64 = np.zeros((agent_count, SUM_COLUMNS))
+        self._near: Float64 = np.zeros((agent_count, NEAR_COLUMNS))
         self._spreading: Float64 = np.zeros((agent_count, 2))
         self._places: Float64 = np.zeros((PLACES * AUDIENCES, PLACE_COLUMNS))
         self._audience: UInt64 = np.zeros(PLACES * AUDIENCES, np.uint64)
@@ -74,7 +76,7 @@ class ElementField:
         self._numbers[SWITCHED] = combine == "switched"
         self._area = np.array([-half_width, half_width, -half_depth, half_depth], np.float64)
         self._mesh: Float32 = np.zeros((3, MESH, MESH), np.float32)
-        self._cosines: Float32 = np.zeros((MESH + 1, MESH, MESH), np.float32)
+        self._cosines: Float32 = np.zeros((2, MESH + 1, MESH, MESH), np.float32)
         fill_cosines(self._cosines)
         self._start = np.zeros(CELLS * CELLS + 1, np.int32)
         self._order = np.zeros((2, agent_count), np.int32)
@@ -92,9 +94,9 @@ class ElementField:
         `grid` (24, 32, 2): the flow of an element of kind FLOW with flow GRID, at nodes over the stage, the first row
         at the back. False if a voice found no place. Raises PersonError for a grid that is missing, or of another form.
         """
-        if element.kind == FLOW and element.flow == GRID:
-            if grid is None or grid.shape != (GRID_ROWS, GRID_COLUMNS, 2) or not np.isfinite(grid).all():
-                raise PersonError("flow: its grid is missing or has another form", "give 24 rows of 32 finite (x, z)")
+        good = grid is not None and grid.shape == (GRID_ROWS, GRID_COLUMNS, 2) and bool(np.isfinite(grid).all())
+        if element.kind == FLOW and element.flow == GRID and not good:
+            raise PersonError("flow: its grid is missing or has another form", "give 24 rows of 32 finite (x, z)")
         return self._table.add(element, grid)
 
     def move(self, old: Element, new: Element) -> Element:
@@ -170,7 +172,7 @@ class ElementField:
         wish_of_all(
             state.position, state.velocity, wants.rows, groups, table.rows, table.masks, table.vertices, table.active,
             table.grids, self._places, self._audience, self._memory, self._area, self._mesh, self._cosines, self._start,
-            self._order, self._spreading, self._numbers, self._sums, out,
+            self._order, self._spreading, self._numbers, self._sums, self._near, out,
         )  # fmt: skip
         return out
 

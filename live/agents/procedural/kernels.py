@@ -63,8 +63,8 @@ def blend(wants: Float32, sums: Float64, influence: Float32) -> None:
 
 @kernel(
     "void(f4[:,::1],f4[:,::1],f4[:,::1],u8[::1],f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],f4[:,:,:,::1],"
-    "f8[:,::1],u8[::1],f8[:,::1],f8[::1],f4[:,:,::1],f4[:,:,::1],i4[::1],i4[:,::1],f8[:,::1],f8[::1],"
-    "f8[:,::1],f4[::1])"
+    "f8[:,::1],u8[::1],f8[:,::1],f8[::1],f4[:,:,::1],f4[:,:,:,::1],i4[::1],i4[:,::1],f8[:,::1],f8[::1],"
+    "f8[:,::1],f8[:,::1],f4[::1])"
 )
 def wish_of_all(
     position: Float32,
@@ -87,18 +87,19 @@ def wish_of_all(
     spreading: Float64,
     numbers: Float64,
     sums: Float64,
+    near: Float64,
     influence: Float32,
 ) -> None:
     """Blend the wishes of all acting elements into `wants` (A, 8), and write how far they have taken each agent.
 
     position, velocity (A, 2); groups (A,); table, masks, vertices, active, grids, places, audience: the elements, as
     ElementField holds them; memory (A, 3): goals of crossings; area, mesh, cosines, start, order, spreading (A, 2),
-    sums (A, 5): scratch; numbers (6,); influence (A,), 0 to 1: 0 leaves the plan as it is, 1 puts the elements' wish
+    sums (A, 5), near (A, 4): scratch; numbers (6,); influence (A,), 0 to 1: 0 leaves the plan as it is, 1 puts the elements' wish
     in its place.
     """
     company(table, masks, active, wants, groups, sums)
     if acts(active, REPULSOR):
-        nearest_sources(table, masks, vertices, active, REPULSOR, True, position, groups, numbers, sums)
+        nearest_sources(table, masks, vertices, active, REPULSOR, True, position, groups, numbers, sums, near)
     if acts(active, EVADE):
         hunt(table, masks, active, True, position, velocity, wants, groups, numbers, sums)
     if acts(active, CROSSING):
@@ -110,7 +111,7 @@ def wish_of_all(
     if acts(active, PATH):
         follow_paths(table, masks, vertices, active, position, velocity, wants, groups, numbers, sums)
     if acts(active, ATTRACTOR):
-        nearest_sources(table, masks, vertices, active, ATTRACTOR, False, position, groups, numbers, sums)
+        nearest_sources(table, masks, vertices, active, ATTRACTOR, False, position, groups, numbers, sums, near)
     if acts(active, VOICE):
         fair_attraction(places, audience, position, groups, numbers, sums)
     if acts(active, FLOW):

@@ -68,7 +68,7 @@ def follow_paths(
 
 @kernel(
     "void(f8[:,::1],u8[::1],i4[::1],f4[:,::1],f4[:,::1],u8[::1],f8[::1],"
-    "f4[:,:,::1],f4[:,:,::1],i4[::1],i4[:,::1],f8[:,::1],f8[::1],f8[:,::1])"
+    "f4[:,:,::1],f4[:,:,:,::1],i4[::1],i4[:,::1],f8[:,::1],f8[::1],f8[:,::1])"
 )
 def spread_out(
     table: Float64,
@@ -86,7 +86,7 @@ def spread_out(
     numbers: Float64,
     sums: Float64,
 ) -> None:
-    """Add the wish of those who spread, evenly among those of the same element; the newest that addresses her counts."""
+    """Add the wish of those who spread: each evenly among all of the newest spreader that addresses her."""
     for k in range(ROWS + active[SPREADER], ROWS + active[SPREADER + 1]):
         row = active[k]
         members = 0

@@ -64,7 +64,7 @@ def flow_fields(
     numbers: Float64,
     sums: Float64,
 ) -> None:
-    """Add the sum of all flows where each agent will be in a moment. With a radius a flow acts only within it, softly."""
+    """Add the sum of all flows where each agent will be in a moment; one with a radius acts only within it, softly."""
     switched = numbers[SWITCHED] > 0.0
     for i in range(position.shape[0]):
         if sums[i, HEARD] <= 0.0:

@@ -30,6 +30,11 @@ Int32 = npt.NDArray[np.int32]
 UInt64 = npt.NDArray[np.uint64]
 
 
+# columns of what is nearest to an agent (A, 4)
+NEAR_DISTANCE, NEAR_ROW, NEAR_X, NEAR_Z = 0, 1, 2, 3
+NEAR_COLUMNS = 4
+
+
 @kernel("b1(f4[:,:,::1],i8,i8,f8,f8)")
 def inside(vertices: Float32, row: int, count: int, x: float, z: float) -> bool:
     """Whether (x, z) lies in the polygon of a row of `vertices` (E, V, 2), by the even-odd rule."""
@@ -125,7 +130,87 @@ def next_source(
     return best, best_row, to_x, to_z
 
 
-@kernel("void(f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],i8,b1,f4[:,::1],u8[::1],f8[::1],f8[:,::1])")
+@part
+def pulled(
+    table: Float64, row: int, repels: bool, d: float, to_x: float, to_z: float, seed: int, agent: int
+) -> tuple[float, float, float]:
+    """Wish and influence of one source at distance `d`, before its level."""
+    if to_x == 0.0 and to_z == 0.0:  # on the spot itself: let chance, seeded, choose
+        angle = 2.0 * math.pi * hash_unit(seed, agent, 77)
+        to_x, to_z = math.sin(angle), math.cos(angle)
+    if repels:
+        fx, fz, asked = repulsion(d, to_x, to_z, table[row, STRENGTH], table[row, DECAY])
+    else:
+        fx, fz, asked = attraction(d, to_x, to_z, table[row, STRENGTH], table[row, DECAY])
+    return fx, fz, asked
+
+
+@kernel("UniTuple(f8,3)(f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],i8,b1,f8,f8,u8,i8,i8)")
+def fading_sources(
+    table: Float64,
+    masks: UInt64,
+    vertices: Float32,
+    active: Int32,
+    kind: int,
+    repels: bool,
+    x: float,
+    z: float,
+    groups: np.uint64,
+    seed: int,
+    agent: int,
+) -> tuple[float, float, float]:
+    """Wish and influence where the nearest source fades in or out: the rest of its share goes to the next nearest.
+
+    So nothing jumps; four are asked at most.
+    """
+    wish_x, wish_z, influence, left = 0.0, 0.0, 0.0, 1.0
+    last, last_row = -1e30, -1
+    for _ in range(4):
+        d, row, to_x, to_z = next_source(table, masks, vertices, active, kind, x, z, groups, last, last_row)
+        if row < 0 or left < 1e-3:
+            break
+        share = left * table[row, LEVEL]
+        fx, fz, asked = pulled(table, row, repels, d, to_x, to_z, seed, agent)
+        wish_x += share * fx
+        wish_z += share * fz
+        influence = max(influence, table[row, LEVEL] * asked)
+        left -= share
+        last, last_row = d, row
+    return wish_x, wish_z, influence
+
+
+@kernel("void(f8[:,::1],u8[::1],f4[:,:,::1],i8,f4[:,::1],u8[::1],f8[:,::1],f8[:,::1])")
+def measure_source(
+    table: Float64,
+    masks: UInt64,
+    vertices: Float32,
+    row: int,
+    position: Float32,
+    groups: UInt64,
+    sums: Float64,
+    near: Float64,
+) -> None:
+    """Look at one source from all agents: where it is the nearest so far, it comes into near (A, 4)."""
+    x, z = table[row, X], table[row, Z]
+    point = table[row, CORNERS] == 1.0 and table[row, RADIUS] == 0.0
+    mask = masks[row]
+    for i in range(position.shape[0]):
+        if sums[i, HEARD] <= 0.0 or not addresses(mask, groups[i]):
+            continue
+        if not point:
+            d, ux, uz = seen_from(table, vertices, row, float(position[i, 0]), float(position[i, 1]))
+        else:
+            ux, uz = x - position[i, 0], z - position[i, 1]
+            d = math.sqrt(ux * ux + uz * uz)
+        if d < near[i, NEAR_DISTANCE]:
+            scale = 1.0
+            if point:
+                scale = 1.0 / d if d > 1e-6 else 0.0
+            near[i, NEAR_DISTANCE], near[i, NEAR_ROW] = d, row
+            near[i, NEAR_X], near[i, NEAR_Z] = ux * scale, uz * scale
+
+
+@kernel("void(f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],i8,b1,f4[:,::1],u8[::1],f8[::1],f8[:,::1],f8[:,::1])")
 def nearest_sources(
     table: Float64,
     masks: UInt64,
@@ -137,36 +222,22 @@ def nearest_sources(
     groups: UInt64,
     numbers: Float64,
     sums: Float64,
+    near: Float64,
 ) -> None:
-    """Add each agent's wish by the nearest source of a kind alone (T106).
-
-    While the nearest one fades in or out, the rest of its share goes to the next nearest, so nothing jumps; four are
-    asked at most.
-    """
+    """Add each agent's wish by the nearest source of a kind alone (T106); near (A, 4) is scratch."""
     seed, switched = int(numbers[SEED]), numbers[SWITCHED] > 0.0
     for i in range(position.shape[0]):
-        if sums[i, HEARD] <= 0.0:
+        near[i, NEAR_DISTANCE], near[i, NEAR_ROW] = 1e30, -1.0
+    for k in range(ROWS + active[kind], ROWS + active[kind + 1]):
+        measure_source(table, masks, vertices, active[k], position, groups, sums, near)
+    for i in range(position.shape[0]):
+        row = int(near[i, NEAR_ROW])
+        if row < 0:
             continue
-        x, z = float(position[i, 0]), float(position[i, 1])
-        wish_x, wish_z, influence, left = 0.0, 0.0, 0.0, 1.0
-        last, last_row = -1e30, -1
-        for _ in range(4):
-            d, row, to_x, to_z = next_source(table, masks, vertices, active, kind, x, z, groups[i], last, last_row)
-            if row < 0:
-                break
-            if to_x == 0.0 and to_z == 0.0:  # on the spot itself: let chance, seeded, choose
-                angle = 2.0 * math.pi * hash_unit(seed, i, 77)
-                to_x, to_z = math.sin(angle), math.cos(angle)
-            share = left * table[row, LEVEL]
-            if repels:
-                fx, fz, asked = repulsion(d, to_x, to_z, table[row, STRENGTH], table[row, DECAY])
-            else:
-                fx, fz, asked = attraction(d, to_x, to_z, table[row, STRENGTH], table[row, DECAY])
-            wish_x += share * fx
-            wish_z += share * fz
-            influence = max(influence, table[row, LEVEL] * asked)
-            left -= share
-            last, last_row = d, row
-            if left < 1e-3:
-                break
-        take(sums, i, wish_x, wish_z, influence, switched)
+        if table[row, LEVEL] < 1.0:
+            x, z = float(position[i, 0]), float(position[i, 1])
+            fx, fz, asked = fading_sources(table, masks, vertices, active, kind, repels, x, z, groups[i], seed, i)
+        else:
+            d, to_x, to_z = near[i, NEAR_DISTANCE], near[i, NEAR_X], near[i, NEAR_Z]
+            fx, fz, asked = pulled(table, row, repels, d, to_x, to_z, seed, i)
+        take(sums, i, fx, fz, asked, switched)

@@ -19,7 +19,7 @@ Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
-MESH = 32
+MESH = 64
 """Mesh nodes along an axis at most."""
 CELLS = 64
 """Neighbour cells along an axis at most."""
@@ -31,60 +31,49 @@ REACH = 2.6
 """Neighbours repel each other within so many widths of the Gaussian."""
 
 
-@kernel("void(f4[:,:,::1])")
+@kernel("void(f4[:,:,:,::1])")
 def fill_cosines(cosines: Float32) -> None:
-    """cos(pi k (j + 1/2) / n) for n nodes into cosines[n, k, j]; cosines (MESH + 1, MESH, MESH)."""
+    """cos(pi k (j + 1/2) / n) for n nodes into cosines[0, n, k, j] and, transposed, into cosines[1, n, j, k].
+
+    cosines (2, MESH + 1, MESH, MESH).
+    """
     for n in range(1, MESH + 1):
         for k in range(n):
             for j in range(n):
-                cosines[n, k, j] = math.cos(math.pi * k * (j + 0.5) / n)
+                cosines[0, n, k, j] = math.cos(math.pi * k * (j + 0.5) / n)
+                cosines[1, n, j, k] = cosines[0, n, k, j]
 
 
-@kernel("void(f4[:,:,::1],i8,i8,i8,f4[:,:,::1],f8,f8,f8)")
-def solve(
-    mesh: Float32, nx: int, nz: int, source: int, cosines: Float32, step_x: float, step_z: float, s: float
-) -> None:
-    """Potential of mesh[source] (nz, nx) with reflecting edges, smoothed by a Gaussian of width `s` [m], in place.
+@kernel("void(f4[:,::1],f4[:,::1],f4[:,::1],i8,i8,i8)")
+def product(out: Float32, a: Float32, b: Float32, rows: int, inner: int, columns: int) -> None:
+    """The matrix product of the upper left corners of `a` (rows, inner) and `b` (inner, columns), into `out`."""
+    for r in range(rows):
+        for c in range(columns):
+            out[r, c] = 0.0
+        for k in range(inner):
+            weight = a[r, k]
+            for c in range(columns):
+                out[r, c] += weight * b[k, c]
 
-    -laplace(potential) = source. mesh[1] and mesh[2] are overwritten.
+
+@kernel("void(f4[:,:,::1],i8,i8,f4[:,:,:,::1],f8,f8,f8)")
+def solve(mesh: Float32, nx: int, nz: int, cosines: Float32, step_x: float, step_z: float, s: float) -> None:
+    """The potential whose -laplace is mesh[0] (nz, nx), with reflecting edges, smoothed by a Gaussian of `s` [m].
+
+    In place: into cosines along both axes, each divided by its squared wave number, and back. mesh[1] and mesh[2] are
+    overwritten.
     """
-    for r in range(nz):  # cosine transform along x, then along z
-        for k in range(nx):
-            total = np.float32(0.0)
-            for j in range(nx):
-                total += mesh[source, r, j] * cosines[nx, k, j]
-            mesh[1, r, k] = total
-    for m in range(nz):
-        for k in range(nx):
-            mesh[2, m, k] = 0.0
-        for r in range(nz):
-            c = cosines[nz, m, r]
-            for k in range(nx):
-                mesh[2, m, k] += c * mesh[1, r, k]
+    product(mesh[1], mesh[0], cosines[1, nx], nz, nx, nx)
+    product(mesh[2], cosines[0, nz], mesh[1], nz, nz, nx)
     for m in range(nz):
         wz = math.pi * m / (nz * step_z)
         for k in range(nx):
             wx = math.pi * k / (nx * step_x)
             w2 = wx * wx + wz * wz
-            if w2 == 0.0:
-                mesh[2, m, k] = 0.0
-                continue
             scale = (1.0 if k == 0 else 2.0) * (1.0 if m == 0 else 2.0) / (nx * nz)
-            mesh[2, m, k] *= scale * math.exp(-0.5 * s * s * w2) / w2
-    for m in range(nz):  # and back
-        for j in range(nx):
-            mesh[1, m, j] = 0.0
-        for k in range(nx):
-            c = mesh[2, m, k]
-            for j in range(nx):
-                mesh[1, m, j] += c * cosines[nx, k, j]
-    for r in range(nz):
-        for j in range(nx):
-            mesh[source, r, j] = 0.0
-        for m in range(nz):
-            c = cosines[nz, m, r]
-            for j in range(nx):
-                mesh[source, r, j] += c * mesh[1, m, j]
+            mesh[2, m, k] *= scale * math.exp(-0.5 * s * s * w2) / w2 if w2 > 0.0 else 0.0
+    product(mesh[1], mesh[2], cosines[0, nx], nz, nx, nx)
+    product(mesh[0], cosines[1, nz], mesh[1], nz, nz, nx)
 
 
 @kernel("UniTuple(f8,3)(f8,f8,i8)")
@@ -203,7 +192,7 @@ def push(d: float, reach: float) -> float:
     return (1.0 - t * t) * (1.0 - t * t) / max(d, 0.05)
 
 
-@kernel("void(f4[:,::1],i4[::1],i8,f8[::1],f4[:,:,::1],f4[:,:,::1],i4[::1],i4[::1],f8[:,::1])")
+@kernel("void(f4[:,::1],i4[::1],i8,f8[::1],f4[:,:,::1],f4[:,:,:,::1],i4[::1],i4[::1],f8[:,::1])")
 def spread(
     position: Float32,
     member: Int32,
@@ -230,7 +219,7 @@ def spread(
     # in units in which an even population is 1: a dancer is an area, a mesh cell has one, too
     share = width * depth / max(members, 1)
     deposit(mesh, nx, nz, left, back, step_x, step_z, position, member, members, share / (step_x * step_z))
-    solve(mesh, nx, nz, 0, cosines, step_x, step_z, s)
+    solve(mesh, nx, nz, cosines, step_x, step_z, s)
     slope(mesh, nx, nz, step_x, step_z)
     reach = REACH * s
     columns = int(min(max(math.floor(width / reach), 1), CELLS))
