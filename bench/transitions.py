@@ -90,8 +90,8 @@ def _cost_rows(cost: Cost, pairs: list[tuple[Float64, Float64]]) -> list[Row]:
         least.append(distance)
         meeting["straight"] += overlaps > 0
         if overlaps:
-            once = divided(straight, 2 * RADIUS, seed=number, rounds=1)
-            often = divided(straight, 2 * RADIUS + 0.02, seed=number, half=(WIDTH / 2, DEPTH / 2))
+            once = divided(straight, 2 * RADIUS, seed=number, rounds=1, freedom=1.0)
+            often = divided(straight, 2 * RADIUS + 0.04, seed=number, half=(WIDTH / 2, DEPTH / 2))
             meeting["thesis"] += nearest(once)[0] > 0
             meeting["divided"] += nearest(often)[0] > 0
     share = {name: 100.0 * count / len(pairs) for name, count in meeting.items()}

@@ -12,8 +12,11 @@ LEVELS = 6
 """1/2, 1/4 and 3/4, ... down to 1/64 of the time are looked at."""
 SMOOTHING = 6
 """Passes of 1/4, 1/2, 1/4 after the ways have been parted."""
-ROUNDS = 8
+ROUNDS = 24
 """The thesis parts and smooths once; what the smoothing brings together again is parted anew, so many times at most."""
+FREEDOM = 0.0
+"""How freely the direction of a shift is drawn: 1 as in the thesis, any; 0 square to the dancers' relative motion, and
+only the side is chance: ten dancers who all swap places through one point come by then, and do not with 1."""
 PIECE = 200_000
 """Looks at a pair at a time that make one piece of work: about a millisecond."""
 
@@ -25,6 +28,7 @@ def divided(
     seed: int = 0,
     rounds: int = ROUNDS,
     smoothing: int = SMOOTHING,
+    freedom: float = FREEDOM,
     half: tuple[float, float] | None = None,
 ) -> Locomotion:
     """The same journey with ways bent so that dancers keep `clear` [m] between their centres, as far as that goes.
@@ -33,7 +37,9 @@ def divided(
     knots at even *times*, with the speeds of the journey in them. `half` keeps them on the stage [m]. Starts and goals
     stay. Same seed, same ways.
     """
-    return at_once(dividing(locomotion, clear, seed=seed, rounds=rounds, smoothing=smoothing, half=half))
+    return at_once(
+        dividing(locomotion, clear, seed=seed, rounds=rounds, smoothing=smoothing, freedom=freedom, half=half)
+    )
 
 
 def dividing(
@@ -43,6 +49,7 @@ def dividing(
     seed: int = 0,
     rounds: int = ROUNDS,
     smoothing: int = SMOOTHING,
+    freedom: float = FREEDOM,
     half: tuple[float, float] | None = None,
 ) -> Pieces[Locomotion]:
     """`divided` in pieces."""
@@ -57,7 +64,7 @@ def dividing(
     for turn in range(rounds):
         if fewest == 0:
             break
-        part_ways(ways, offset, clear, 1.15 + 0.05 * turn, seed + turn)
+        part_ways(ways, offset, clear, 1.15 + 0.05 * turn, freedom, seed + turn)
         yield
         for _ in range(smoothing):
             smooth_ways(offset)

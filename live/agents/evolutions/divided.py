@@ -88,7 +88,7 @@ class DividedMatching:
 
     def _divide_the_rest(self) -> None:
         large = len(self._start) > self._exact
-        if large and self._cost is Cost.SQUARED:
+        if large and self._cost is Cost.SQUARED and len(self._slots):
             self._pieces.append(self._swap)
         left = np.flatnonzero(self.slot < 0)
         places = np.flatnonzero(self._slot_section == ANYBODY)

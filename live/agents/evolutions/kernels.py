@@ -232,14 +232,16 @@ def swap_pairs(start: Float64, slots: Float64, slot: Int32, section: Int32, firs
     return swapped
 
 
-@kernel("i8(f4[:,:,::1], f4[:,:,::1], f8, f8, i8)")
-def part_ways(sample: Float32, offset: Float32, clear: float, excess: float, seed: int) -> int:
+@kernel("i8(f4[:,:,::1], f4[:,:,::1], f8, f8, f8, i8)")
+def part_ways(sample: Float32, offset: Float32, clear: float, excess: float, freedom: float, seed: int) -> int:
     """Divide and conquer (T101, Schulz 2011, 4.3.2): offsets (D, K, 2) that part ways that meet at the same time.
 
     `sample` (D, K, 2) are places at K = 2^L + 1 even times; times 1/2, then 1/4 and 3/4, and so on are looked at.
     Where two dancers would be nearer than `clear` [m], both are shifted in opposite senses along one random direction
     (drawn from `seed`, the pair and the time) until they are `excess` times that apart; later levels start from the
-    means of what the levels before have shifted. Returns how many pairs were parted.
+    means of what the levels before have shifted. With `freedom` 1 every direction may be drawn, as in the thesis; with
+    less only those so near to square to their relative motion: shifted along it two still meet, a little later.
+    Returns how many pairs were parted.
     """
     count, knots = sample.shape[0], sample.shape[1]
     for d in range(count):
@@ -261,7 +263,11 @@ def part_ways(sample: Float32, offset: Float32, clear: float, excess: float, see
                     if square >= clear * clear:
                         continue
                     parted += 1
-                    angle = 2.0 * math.pi * _chance(seed, i * 65537 + j, k)
+                    dx = float(sample[j, k + 1, 0]) - sample[i, k + 1, 0] - sample[j, k - 1, 0] + sample[i, k - 1, 0]
+                    dz = float(sample[j, k + 1, 1]) - sample[i, k + 1, 1] - sample[j, k - 1, 1] + sample[i, k - 1, 1]
+                    square_to = 2.0 * _chance(seed, i * 65537 + j, k) - 1.0  # its sign is the side
+                    angle = math.atan2(dx, dz) + 0.5 * math.pi * (math.copysign(1.0 - freedom, square_to))
+                    angle += math.pi * freedom * square_to
                     ux, uz = math.sin(angle), math.cos(angle)
                     along = x * ux + z * uz
                     if along < 0.0:  # the sense in which they part

@@ -55,23 +55,22 @@ def linked(spans: Sequence[Span], dancers: int, length: float) -> tuple[Link, ..
 
 
 def _of_one(spans: Sequence[Span], dancer: int, length: float) -> list[tuple[float, float, int]]:
-    own = [(span.begin, index) for index, span in enumerate(spans) if span.dancers[dancer] and span.begin < length]
-    own = [item for item in sorted(own) if spans[item[1]].end > item[0]]
-    own = [item for item, following in zip(own, [*own[1:], None], strict=True) if not _same_begin(item, following)]
+    latest: dict[float, int] = {}
+    for index, span in enumerate(spans):
+        begin = max(span.begin, 0.0)
+        if span.dancers[dancer] and begin < length and span.end > begin:
+            latest[begin] = index
+    begins = sorted(latest)
     pieces: list[tuple[float, float, int]] = []
     at = 0.0
-    for (begin, index), following in zip(own, [*own[1:], None], strict=True):
+    for begin, following in zip(begins, [*begins, length][1:], strict=True):
         if begin > at:
             pieces.append((at, begin, AUXILIARY))
-        at = min(spans[index].end, length, following[0] if following else length)
-        pieces.append((max(begin, 0.0), at, index))
+        at = min(spans[latest[begin]].end, following)
+        pieces.append((begin, at, latest[begin]))
     if at < length:
         pieces.append((at, length, AUXILIARY))
     return pieces
-
-
-def _same_begin(one: tuple[float, int], other: tuple[float, int] | None) -> bool:
-    return other is not None and other[0] <= max(one[0], 0.0)
 
 
 def _first(item: tuple[tuple[float, float, int], Mask]) -> tuple[float, float, int, int]:

@@ -11,7 +11,7 @@ from live.base.errors import PersonError
 Mask = npt.NDArray[np.bool_]
 
 PLACE_WORDS = ("left", "right", "front", "back", "centre", "center")
-"""Words that mean where a dancer stands at that moment, as the audience sees it."""
+"""Words that mean where a dancer stands at that moment, as the audience sees it, unless a group is called so."""
 ALL_WORDS = ("all", "everyone")
 """Words that mean every dancer."""
 
@@ -30,12 +30,11 @@ class Roster:
     """Name of a group → expression that says who belongs to it."""
 
     def __post_init__(self) -> None:
-        taken = PLACE_WORDS + ALL_WORDS
         for name in (*self.groups, *(word for words in self.attributes for word in words)):
-            if name.casefold() in taken:
+            if name.casefold() in ALL_WORDS:
                 raise PersonError(
-                    f"a group or attribute cannot be called {name!r}: that word means a place or everyone",
-                    f"choose another name than {', '.join(taken)}",
+                    f"a group or attribute cannot be called {name!r}: that word means everyone",
+                    f"choose another name than {', '.join(ALL_WORDS)}",
                 )
 
     @staticmethod

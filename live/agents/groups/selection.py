@@ -78,12 +78,12 @@ def _named(
 ) -> Mask:
     if word.casefold() in ALL_WORDS:
         return np.ones(roster.count, np.bool_)
-    if word.casefold() in PLACE_WORDS:
-        return _placed(word.casefold(), positions, half)
     if word in roster.groups:
         expression = _expression_of(word, roster, inside)
         return _evaluate(parse(expression), roster, positions, half, (*inside, word))
     mask = roster.having(word)
+    if not mask.any() and word.casefold() in PLACE_WORDS:
+        return _placed(word.casefold(), positions, half)
     if not mask.any():
         known = sorted({*roster.groups, *roster.words(), *PLACE_WORDS[:5], "all"})
         raise PersonError(f"no group and no dancer is called {word!r}", f"there are: {', '.join(known)}")
@@ -116,8 +116,8 @@ def _names_places(node: Expression, roster: Roster, inside: tuple[str, ...]) -> 
         return _names_places(node.left, roster, inside) or _names_places(node.right, roster, inside)
     if isinstance(node, Numbers):
         return False
-    if node.word.casefold() in PLACE_WORDS:
-        return True
+    if node.word.casefold() in PLACE_WORDS and node.word not in roster.groups:
+        return not roster.having(node.word).any()
     if node.word in roster.groups:
         return _names_places(parse(_expression_of(node.word, roster, inside)), roster, (*inside, node.word))
     return False

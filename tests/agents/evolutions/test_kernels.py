@@ -1,0 +1,121 @@
+"""Kernels of evolutions against plain numpy and laws (T088, T101)."""
+
+import numpy as np
+import pytest
+
+from live.agents.evolutions import kernels as k
+from live.agents.evolutions.locomotion import Locomotion, Setting
+
+
+def locomotion(ways, times, soft=0.25):
+    ways = np.array(ways, np.float32)
+    times = np.array(times, float)
+    turns = np.zeros((len(ways), 3, 2))
+    turns[:, :, 0] = np.linspace(times[:, 0], times[:, 1], 3).T
+    turns[:, :, 1] = [0.0, 1.0, -1.0]
+    return Locomotion(ways, times, turns, soft)
+
+
+@pytest.mark.parametrize("soft", [0.0, 0.1, 0.25, 0.5])
+def test_the_profile_goes_from_nothing_to_all_without_jumps_of_speed(soft):
+    t = np.linspace(0, 1, 2001)
+    share = np.array([k.profile(x, soft) for x in t])
+    speed = np.gradient(share, t)
+    assert share[0] == 0.0
+    assert share[-1] == 1.0
+    assert share + share[::-1] == pytest.approx(np.ones_like(t), abs=1e-9)
+    assert speed.max() == pytest.approx(1 / (1 - soft), rel=2e-3)
+    if soft > 0:
+        assert speed[0] < 0.01
+        assert np.abs(np.gradient(speed, t)).max() <= 1.5 / soft / (1 - soft) * 1.02
+
+
+def test_places_and_velocities_agree_and_hold_before_and_after():
+    curve = [[[0, 0], [1, 0.2], [2, 1], [2, 2], [1, 3]], [[5, 5], [5, 4], [5, 3], [5, 2], [5, 1]]]
+    moved = locomotion(curve, [[2.0, 6.0], [3.0, 9.0]])
+    beats = np.linspace(1, 10, 1801)
+    places, headings = moved.sampled(beats)
+    out = Setting(2)
+    speeds = []
+    for beat in beats:
+        moved.at(float(beat), out)
+        speeds.append(out.velocity.copy())
+    assert np.array(speeds)[1:-1] == pytest.approx(np.gradient(places, beats, axis=0)[1:-1], abs=0.02)
+    assert places[0] == pytest.approx(np.array([[0, 0], [5, 5]]))
+    assert places[-1] == pytest.approx(np.array([[1, 3], [5, 1]]))
+    assert np.interp(4.0, beats, places[:, 0, 0]) == pytest.approx(2.0, abs=0.01)  # half of the time, middle knot
+    assert headings[:, 1] == pytest.approx(np.interp(beats, [3, 6, 9], [0, 1, -1]), abs=1e-6)
+
+
+def test_rows_that_are_not_kept_are_left_alone():
+    moved = locomotion([[[0, 0], [1, 0]], [[2, 0], [3, 0]]], [[0.0, 1.0]] * 2)
+    out = Setting(5)
+    moved.write(1.0, np.array([4, 1], np.int32), np.array([1, 0], np.uint8), out)
+    assert out.under.tolist() == [0, 0, 0, 0, 1]
+    assert out.position[4].tolist() == [1.0, 0.0]
+
+
+def test_samples_are_the_places_of_straight_ways():
+    moved = locomotion([[[0, 0], [4, 1]], [[1, 1], [0, 0]]], [[0.0, 4.0], [2.0, 4.0]])
+    beats = np.linspace(-1, 5, 13)
+    sample = np.zeros((13, 2, 2), np.float32)
+    k.sample_ways(beats, moved.ways, moved.times, moved.soft, 0, 2, sample)
+    assert sample == pytest.approx(moved.sampled(beats)[0], abs=1e-5)
+
+
+def test_the_nearest_approach_is_found_between_samples():
+    sample = np.random.default_rng(3).uniform(-3, 3, (4, 5, 2)).astype(np.float32)
+    distance, when = np.zeros((5, 5), np.float32), np.zeros((5, 5), np.float32)
+    k.nearest_approach(sample, 0, 5, distance, when)
+    at = np.linspace(0, 3, 3001)
+    fine = np.stack([[np.interp(at, range(4), sample[:, d, a]) for a in range(2)] for d in range(5)])
+    for i in range(5):
+        for j in range(5):
+            apart = np.hypot(*(fine[i] - fine[j]))
+            assert distance[i, j] == (np.inf if i == j else pytest.approx(apart.min(), abs=3e-3))
+            if i != j:
+                assert np.interp(when[i, j], at, apart) == pytest.approx(apart.min(), abs=3e-3)
+
+
+def test_tracking_asks_for_the_way_and_for_what_is_missing():
+    rows = np.full((2, 8), 7, np.float32)
+    now = np.array([[0, 0], [0, 0]], np.float32)
+    k.track(now, now + np.float32(0.3), now + np.float32(1), np.array([1, 0], np.uint8), 2.0, 0.3, rows)
+    assert rows[0, :2] == pytest.approx([3.0, 3.0], abs=1e-5)
+    assert rows[0, 6] == 1.0
+    assert (rows[1] == 7).all()
+
+
+@pytest.mark.parametrize("freedom", [0.0, 0.5, 1.0])
+def test_two_who_meet_are_parted_in_opposite_senses_and_the_ends_stay(freedom):
+    """T101: shifted along one direction, by the same length, as far as needed."""
+    t = np.linspace(-1, 1, 33)
+    sample = np.stack([np.stack([t * 3, t * 0], 1), np.stack([-t * 3, t * 0], 1)]).astype(np.float32)
+    offset = np.zeros_like(sample)
+    assert k.part_ways(sample, offset, 0.5, 1.0, freedom, 5) >= 1
+    assert (offset[:, [0, -1]] == 0).all()
+    assert offset[0] == pytest.approx(-offset[1], abs=1e-6)
+    apart = np.hypot(*np.moveaxis(sample[0] + offset[0] - sample[1] - offset[1], -1, 0))
+    assert apart[1:-1].min() >= 0.5 - 1e-5
+    if freedom == 0.0:
+        assert offset[:, 16, 0] == pytest.approx([0, 0], abs=1e-6)  # square to the way on which they meet
+    other = np.zeros_like(sample)
+    k.part_ways(sample, other, 0.5, 1.0, freedom, 8)
+    assert not np.allclose(offset, other)
+
+
+def test_smoothing_is_a_quarter_a_half_a_quarter():
+    ways = np.random.default_rng(1).normal(size=(2, 6, 2)).astype(np.float32)
+    expected = ways.copy()
+    expected[:, 1:-1] = 0.25 * ways[:, :-2] + 0.5 * ways[:, 1:-1] + 0.25 * ways[:, 2:]
+    k.smooth_ways(ways)
+    assert ways == pytest.approx(expected, abs=1e-6)
+
+
+def test_swaps_leave_dancers_without_a_slot_and_other_sections_alone():
+    start = np.array([[0.0, 0], [1, 0], [2, 0], [9, 9]])
+    slots = np.array([[0.0, 1], [1, 1], [2, 1]])
+    slot = np.array([1, 0, 2, -1], np.int32)
+    assert k.swap_pairs(start, slots, slot, np.array([0, 1, 0, 0], np.int32), 0, 4) == 0
+    assert k.swap_pairs(start, slots, slot, np.zeros(4, np.int32), 0, 4) == 1
+    assert slot.tolist() == [0, 1, 2, -1]

@@ -1,0 +1,148 @@
+"""Who goes where: optimal, a permutation, sections kept, in pieces (T097-T100; CAPT)."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from live.agents.evolutions.divided import DividedMatching
+from live.agents.evolutions.matching import Cost, Fill, assign, by_id, distances
+from live.agents.evolutions.sections import allowed, sections
+
+
+def places(count, seed, size=5.0):
+    return np.random.default_rng(seed).uniform(-size, size, (count, 2))
+
+
+def every_way(dancers, slots):
+    """All ways to give as many dancers as possible a slot."""
+    if dancers <= slots:
+        return itertools.permutations(range(slots), dancers)
+    return (
+        tuple(row.get(d, -1) for d in range(dancers))
+        for who in itertools.permutations(range(dancers), slots)
+        for row in [dict(zip(who, range(slots), strict=True))]
+    )
+
+
+def value(cost, metres, slot, mean=0.0, weight=0.5):
+    way = np.array([metres[d, s] for d, s in enumerate(slot) if s >= 0])
+    return {
+        Cost.SQUARED: (way**2).sum(),
+        Cost.SHORTEST: way.sum(),
+        Cost.EQUAL: abs(way - mean).sum(),
+        Cost.BOTH: ((1 - weight) * way + weight * abs(way - mean)).sum(),
+        Cost.BOTTLENECK: way.max(initial=0.0),
+    }[cost]
+
+
+@pytest.mark.parametrize("cost", list(Cost))
+@pytest.mark.parametrize(("dancers", "slots"), [(5, 5), (3, 6), (6, 3), (1, 1)])
+def test_no_other_way_costs_less(cost, dancers, slots):
+    """Against brute force; the mean of W_equal is that of the shortest matching (two passes, T099)."""
+    for seed in range(4):
+        start, goal = places(dancers, seed), places(slots, seed + 100)
+        metres = distances(start, goal)
+        ways = list(every_way(dancers, slots))
+        shortest = min(ways, key=lambda slot: value(Cost.SHORTEST, metres, slot))
+        mean = value(Cost.SHORTEST, metres, shortest) / min(dancers, slots)
+        best = min(value(cost, metres, slot, mean) for slot in ways)
+        assert value(cost, metres, assign(start, goal, cost=cost), mean) == pytest.approx(best, abs=1e-9)
+
+
+@given(st.integers(0, 9), st.integers(0, 9), st.sampled_from(Cost), st.sampled_from(Fill), st.integers(0, 1000))
+@settings(deadline=None)
+def test_a_slot_each_and_as_many_as_can(dancers, slots, cost, fill, seed):
+    slot = assign(places(dancers, seed), places(slots, seed + 1).reshape(-1, 2), cost=cost, fill=fill)
+    taken = slot[slot >= 0]
+    assert slot.shape == (dancers,)
+    assert len(taken) == len(set(taken)) == min(dancers, slots)
+    if fill is Fill.IN_ORDER and dancers < slots:
+        assert sorted(taken) == list(range(dancers))
+
+
+@given(st.integers(1, 8), st.integers(1, 8), st.integers(0, 1000))
+@settings(deadline=None)
+def test_nobody_stands_where_she_may_not_and_no_more_could_have_a_place(dancers, slots, seed):
+    possible = np.random.default_rng(seed).random((dancers, slots)) < 0.4
+    slot = assign(places(dancers, seed), places(slots, seed + 1), allowed=possible)
+    assert all(possible[d, s] for d, s in enumerate(slot) if s >= 0)
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.csgraph import maximum_bipartite_matching
+
+    most = (maximum_bipartite_matching(csr_matrix(possible)) >= 0).sum()
+    assert (slot >= 0).sum() == most
+
+
+@given(st.integers(2, 30), st.integers(0, 1000))
+@settings(deadline=None, max_examples=30)
+def test_the_order_of_the_dancers_does_not_matter(count, seed):
+    start, goal = places(count, seed), places(count, seed + 1)
+    mixed = np.random.default_rng(seed).permutation(count)
+    assert (assign(start[mixed], goal) == assign(start, goal)[mixed]).all()
+
+
+def test_by_id_is_as_declared():
+    assert by_id(3, 5).tolist() == [0, 1, 2]
+    assert by_id(4, 2).tolist() == [0, 1, -1, -1]
+
+
+def test_sections_are_kept_together_and_overflow_onto_unmarked_slots():
+    words = [{"soloist"}, set(), {"red"}, {"red"}, {"red", "soloist"}, set()]
+    dancer, slot = sections(words, ["", "soloist", "red", "", "red", ""])
+    assert dancer.tolist() == [1, 0, 2, 2, 1, 0]
+    assert slot.tolist() == [0, 1, 2, 0, 2, 0]
+    may = allowed(dancer, slot)
+    assert may[0].tolist() == [True, True, False, True, False, True]  # two soloists, one slot
+    assert may[1].tolist() == [True, False, False, True, False, True]
+    assert may[2].tolist() == [False, False, True, False, True, False]
+
+
+@given(st.integers(0, 60), st.integers(0, 60), st.integers(0, 500))
+@settings(deadline=None, max_examples=40)
+def test_the_divided_form_keeps_sections_too(dancers, slots, seed):
+    chance = np.random.default_rng(seed)
+    dancer, slot = chance.integers(0, 3, dancers).astype(np.int32), chance.integers(0, 3, slots).astype(np.int32)
+    matching = DividedMatching()
+    matching.begin(
+        places(dancers, seed).reshape(-1, 2), places(slots, seed + 1).reshape(-1, 2), dancer_section=dancer,
+        slot_section=slot, exact=8,
+    )  # fmt: skip
+    found = matching.finish()
+    taken = found[found >= 0]
+    assert len(taken) == len(set(taken))
+    assert all(slot[s] in (0, dancer[d]) for d, s in enumerate(found) if s >= 0)
+    own = sum(min((dancer == s).sum(), (slot == s).sum()) for s in (1, 2))
+    rest = sum(max((dancer == s).sum() - (slot == s).sum(), 0) for s in (1, 2)) + (dancer == 0).sum()
+    assert len(taken) == own + min(rest, (slot == 0).sum())
+
+
+@pytest.mark.parametrize("count", [129, 400, 1001])
+def test_in_pieces_hundreds_find_their_slots_and_no_two_would_gain_by_swapping(count):
+    start, goal = places(count, 1, 20.0), places(count, 2, 20.0)
+    matching = DividedMatching()
+    matching.begin(start, goal)
+    pieces = 0
+    while not matching.done:
+        matching.work()
+        pieces += 1
+    slot = matching.slot
+    assert sorted(slot) == list(range(count))
+    assert pieces > 8
+    gain = (start[:, None] - start[None]) * (goal[slot][:, None] - goal[slot][None])
+    assert gain.sum(axis=2).min() > -1e-6  # the condition of CAPT, for every pair
+    exact = ((start - goal[assign(start, goal)]) ** 2).sum()
+    assert ((start - goal[slot]) ** 2).sum() < 1.35 * exact
+
+
+@pytest.mark.parametrize(("dancers", "slots"), [(300, 200), (200, 300)])
+@pytest.mark.parametrize("fill", list(Fill))
+def test_in_pieces_unequal_numbers(dancers, slots, fill):
+    matching = DividedMatching()
+    matching.begin(places(dancers, 1, 9.0), places(slots, 2, 9.0), fill=fill)
+    taken = [s for s in matching.finish() if s >= 0]
+    assert len(taken) == len(set(taken)) == 200
+    if fill is Fill.IN_ORDER and dancers < slots:
+        assert sorted(taken) == list(range(200))

@@ -1,0 +1,133 @@
+"""Clearance: CAPT, divide and conquer, ripples that are mended (T101, T147)."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from live.agents.evolutions import paths
+from live.agents.evolutions.clearance import Clearance, approaches
+from live.agents.evolutions.delays import Arrive, Order, Ripple, delays, squeezed, times
+from live.agents.evolutions.divide import divided
+from live.agents.evolutions.locomotion import Locomotion
+from live.agents.evolutions.matching import assign
+from live.agents.evolutions.mend import mended
+
+
+def scattered(count, spacing, chance, half=(7.0, 5.0)):
+    found = []
+    for _ in range(20_000):
+        dart = chance.uniform(-1, 1, 2) * half
+        if all(math.dist(dart, other) >= spacing for other in found):
+            found.append(dart)
+        if len(found) == count:
+            break
+    return np.array(found)
+
+
+def journey(start, goal, waits=None, end=8.0, arrive=Arrive.TOGETHER):
+    own = times(0.0, end, np.zeros(len(start)) if waits is None else waits, arrive)
+    return Locomotion(paths.straight(start, goal), own, np.zeros((len(start), 1, 2)))
+
+
+@given(st.integers(2, 30), st.floats(0.6, 1.2), st.integers(0, 10_000), st.floats(0, 0.5))
+@settings(deadline=None, max_examples=40)
+def test_capt_together_on_straight_ways_nobody_comes_nearer_than_spacing_over_root_two(count, spacing, seed, soft):
+    chance = np.random.default_rng(seed)
+    start, goal = scattered(count, spacing, chance), scattered(count, spacing, chance)
+    count = min(len(start), len(goal))
+    start, goal = start[:count], goal[:count]
+    moved = journey(start, goal[assign(start, goal)])
+    moved = Locomotion(moved.ways, moved.times, moved.turns, soft)
+    clearance = Clearance(moved, 0.25)
+    clearance.look(0, count)
+    assert clearance.distance.min() >= spacing / math.sqrt(2) - 1e-4
+
+
+def test_who_meets_whom_and_when():
+    moved = journey(np.array([[-2, 0], [2, 0], [0, 3]]), np.array([[2, 0], [-2, 0.1], [0, 3]]))
+    found = approaches(moved, 0.25)
+    assert [(a.first, a.second) for a in found] == [(0, 1)]
+    assert found[0].beat == pytest.approx(4.0, abs=0.1)
+    assert found[0].distance == pytest.approx(0.05, abs=0.01)
+    assert approaches(moved, [0.02, 0.02, 0.25]) == []
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_divide_and_conquer_parts_dancers_who_swap_places(seed):
+    angle = np.arange(10) * 2 * np.pi / 10
+    ring = np.stack([np.sin(angle), np.cos(angle)], 1) * 3
+    moved = journey(ring, -ring)
+    bent = divided(moved, 0.54, seed=seed)
+    assert len(approaches(moved, 0.25)) == 45  # all meet all in the middle: the hardest there is
+    assert approaches(bent, 0.25) == []
+    assert bent.ways[:, 0] == pytest.approx(ring, abs=1e-6)
+    assert bent.ways[:, -1] == pytest.approx(-ring, abs=1e-6)
+    assert (bent.ways == divided(moved, 0.54, seed=seed).ways).all()
+    assert np.abs(divided(moved, 0.54, seed=seed, half=(3.1, 3.1)).ways).max() <= 3.1 + 1e-6
+
+
+@pytest.mark.parametrize("arrive", [Arrive.APART, Arrive.TOGETHER])
+def test_a_ripple_is_mended_and_stays_one(arrive):
+    chance = np.random.default_rng(5)
+    met = changed = 0
+    for seed in range(8):
+        start, goal = scattered(40, 0.75, chance), scattered(40, 0.75, chance)
+        moved_to = goal[assign(start, goal)]
+        waits = delays(Ripple(6.0, Order.RANDOM), start, np.arange(40), seed=seed)
+        rippled = journey(start, moved_to, waits, arrive=arrive)
+        met += len(approaches(rippled, 0.25))
+        result = mended(rippled, 0.25, waits, begin=0.0, end=8.0, arrive=arrive)
+        assert result.remaining == ()
+        assert approaches(result.locomotion, 0.25) == []
+        assert result.locomotion.times[:, 1].max() <= 8.0 + 1e-9
+        assert result.locomotion.times[:, 0].min() >= 0.0
+        changed += result.retimed
+    assert met > 0
+    assert 0 < changed < 80
+
+
+def test_what_cannot_be_mended_is_said():
+    moved = journey(np.array([[0, 0], [0.1, 0]]), np.array([[3, 0], [3.1, 0]]))
+    result = mended(moved, 0.25, np.zeros(2), begin=0.0, end=8.0)
+    assert [(a.first, a.second) for a in result.remaining] == [(0, 1)]
+
+
+@given(
+    st.integers(1, 20), st.floats(0, 8), st.sampled_from(Order), st.sampled_from(Arrive), st.integers(0, 999),
+    st.floats(0.5, 16),
+)  # fmt: skip
+def test_laws_of_delays(count, beats, order, arrive, seed, end):
+    start = np.random.default_rng(seed).uniform(-5, 5, (count, 2))
+    waits = delays(Ripple(beats, order, arrive), start, np.arange(count), seed=seed)
+    assert waits.min() == 0.0
+    if order in (Order.CENTRE, Order.OUTSIDE):  # two are equally far from the middle
+        assert waits.max() == pytest.approx(beats) or (count <= 2 and waits.max() == 0.0)
+    else:
+        assert waits.max() == pytest.approx(beats if count > 1 else 0.0)
+    own = times(0.0, end, squeezed(waits, end), arrive)
+    assert (own[:, 1] - own[:, 0] >= 0.25 * end - 1e-9).all()
+    assert own[:, 1].max() == pytest.approx(end)
+    assert own[:, 0].min() == 0.0
+    if arrive is Arrive.TOGETHER:
+        assert (own[:, 1] == end).all()
+    else:
+        assert np.ptp(own[:, 1] - own[:, 0]) < 1e-9
+
+
+def test_orders():
+    start = np.array([[-2, 1], [3, 0], [0, -1], [0, 3.0]])
+    wait = lambda order: delays(Ripple(2.0, order), start, np.arange(4)).tolist()  # noqa: E731
+    assert wait(Order.LEFT) == [0, 2, 1, 1]  # the same x: together
+    assert wait(Order.RIGHT) == [2, 0, 1, 1]
+    assert wait(Order.FRONT) == pytest.approx([2 / 3, 4 / 3, 2, 0])
+    assert wait(Order.BACK) == pytest.approx([4 / 3, 2 / 3, 0, 2])
+    assert wait(Order.ID) == pytest.approx([0, 2 / 3, 4 / 3, 2])
+    assert np.argsort(wait(Order.CENTRE)).tolist() == np.argsort(np.hypot(*(start - start.mean(0)).T)).tolist()
+    assert wait(Order.OUTSIDE) == pytest.approx([2 - w for w in wait(Order.CENTRE)])
+    one = delays(Ripple(2.0, Order.RANDOM), start[1:], np.arange(1, 4), seed=3)
+    assert np.argsort(one).tolist() == [
+        n for n in np.argsort(delays(Ripple(2.0, Order.RANDOM), start, np.arange(4), seed=3)) - 1 if n >= 0
+    ]

@@ -1,0 +1,279 @@
+"""The running plan: arrival on the measure, boundary conditions, live segments, edits (T085-T089, T095-T103)."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from live.agents.evolutions.delays import Arrive, Order, Ripple
+from live.agents.evolutions.intention import (
+    By,
+    Evolve,
+    Follow,
+    Hold,
+    Matching,
+    Pause,
+    Places,
+    Procedural,
+    Repertoire,
+    Trajectory,
+    Way,
+)
+from live.agents.evolutions.matching import Cost
+from live.agents.evolutions.orientation import Facing, Orientation, shortest_turn
+from live.agents.evolutions.plan import AT_ONCE, Plan
+from live.agents.evolutions.rehearsal import rehearse
+from live.agents.evolutions.segment import Segment, in_canon, in_mirror
+from live.agents.evolutions.standing_clear import clear_places
+from live.agents.groups.relations import Line, mirrored
+from live.agents.groups.roster import Roster
+from live.agents.model import AgentState
+from live.agents.wants import Wants
+from live.base.errors import PersonError
+
+A = 12
+START = np.stack([np.arange(A) - 5.5, np.tile([0.0, -1.0], A // 2)], 1)
+ANGLE = np.arange(A) * 2 * np.pi / A
+RING = Places("ring", np.stack([np.sin(ANGLE), np.cos(ANGLE)], 1) * 3, ANGLE)
+ROWS = Places("rows", np.stack([np.tile(np.arange(6) - 2.5, 2), np.repeat([1.0, -1.0], 6)], 1), np.zeros(A))
+CURVE = np.stack([np.linspace(0, 2, 30), np.sin(np.linspace(0, 3, 30))], 1)
+REPERTOIRE = (
+    Repertoire()
+    .with_formation(RING)
+    .with_formation(ROWS)
+    .with_path("curve", CURVE)
+    .with_intention("to the ring", Evolve("ring"))
+)
+
+
+def plan(*segments, roster=None, **options):
+    return Plan(roster or Roster.of(A), REPERTOIRE, segments, **options)
+
+
+def dance(running, measures, position=START, push=None, bpm=120.0):
+    """Follow the plan without anybody in the way; the states at the measure lines."""
+    state, wants = AgentState.at(position), Wants(len(position))
+    heading, lines = np.zeros(len(position)), []
+    for measure in range(measures):
+        running.begin_measure(measure, state.position, heading)
+        for tick in range(128):
+            wants.rest()
+            running.write(wants, state, 4 * (measure + tick / 128), bpm / 60)
+            state.position += wants.velocity * np.float32(4 * 60 / bpm / 128)
+            if push is not None and measure == 0 and tick == 64:
+                state.position += push
+        there = running.target(4.0 * (measure + 1))
+        heading = np.where(there.under == 1, there.heading, heading)
+        lines.append(state.position.copy())
+    return np.array(lines)
+
+
+def same_places(one, other, within):
+    gaps = np.hypot(*np.moveaxis(np.asarray(one)[:, None] - np.asarray(other)[None], -1, 0))
+    return (gaps.min(axis=0) < within).all() and (gaps.min(axis=1) < within).all()
+
+
+@pytest.mark.parametrize("ripple", [Ripple(), Ripple(3, Order.CENTRE), Ripple(3, Order.RANDOM, Arrive.APART)])
+@pytest.mark.parametrize("facing", list(Facing))
+def test_all_arrive_on_the_measure_line(ripple, facing):
+    evolve = Evolve("ring", orientation=Orientation(facing, headings=(0.5,)))
+    running = plan(Segment(evolve, measures=2, ripple=ripple))
+    lines = dance(running, 2)
+    assert same_places(lines[-1], RING.slots, 0.01)
+    target = running.target(8.0)
+    slot = running.motions[0].journey.slot
+    assert target.position == pytest.approx(RING.slots[slot], abs=1e-5)
+    if facing is not Facing.DECLARED:
+        assert shortest_turn(target.heading, RING.heading[slot]) == pytest.approx(np.zeros(A), abs=1e-5)
+    assert running.at(20.0).position == pytest.approx(RING.slots[slot], abs=1e-5)  # they stay
+
+
+def test_who_is_pushed_aside_is_on_time_all_the_same():
+    push = np.random.default_rng(1).uniform(-0.4, 0.4, (A, 2)).astype(np.float32)
+    assert same_places(dance(plan(Segment("to the ring", measures=2)), 2, push=push)[-1], RING.slots, 0.05)
+
+
+def test_an_edited_formation_reaches_what_has_not_begun():
+    running = plan(Segment(Hold("rows")), Segment("to the ring", start=2))
+    running.prepare(2, START, np.zeros(A))
+    running.repertoire = running.repertoire.with_formation(replace(RING, slots=RING.slots + 1.0))
+    assert same_places(dance(running, 3)[-1], RING.slots + 1.0, 0.01)
+
+
+def test_by_id_everybody_has_her_number():
+    lines = dance(plan(Segment(Evolve("ring", Matching(By.ID)), measures=2)), 2)
+    assert lines[-1] == pytest.approx(RING.slots, abs=0.02)
+
+
+def test_the_setting_left_by_other_groups_is_the_boundary_condition():
+    """Two groups end at different places; the pause that follows keeps them, the way carries them on."""
+    running = plan(
+        Segment(Trajectory("curve"), "1-6"), Segment(Evolve("rows"), "7-12"), Segment(Pause(), start=1),
+        Segment(Trajectory("curve"), start=2),
+    )  # fmt: skip
+    lines = dance(running, 3)
+    assert lines[0][:6] == pytest.approx(START[:6] + CURVE[-1] - CURVE[0], abs=0.02)
+    assert lines[1] == pytest.approx(lines[0], abs=0.02)
+    assert lines[2] == pytest.approx(lines[1] + CURVE[-1] - CURVE[0], abs=0.03)
+
+
+def test_single_file_keeps_its_gaps_along_the_way():
+    line = [[-5.0, 3.0], [5.0, 3.0]]
+    rep = REPERTOIRE.with_path("line", line)
+    running = Plan(Roster.of(A), rep, [Segment(Trajectory("line", Follow.FILE, gap=0.7), measures=4)])
+    x = np.sort(dance(running, 4)[-1][:, 0])
+    assert np.diff(x) == pytest.approx(np.full(A - 1, 0.7), abs=0.02)
+    assert x[-1] == pytest.approx(5.0, abs=0.02)
+
+
+def test_canon_and_mirror():
+    first, second = in_canon(Segment(Trajectory("curve"), measures=1), ["1-6", "7-12"], 2.0)
+    running = plan(first, second)
+    running.begin_measure(0, START, np.zeros(A))
+    early = running.at(2.5).position[0] - START[0]
+    late = running.target(4.5).position[7] - START[7]
+    assert late == pytest.approx(early, abs=1e-5)
+    assert running.target(1.9).under.tolist() == [1] * 6 + [0] * 6
+    motion, image = in_mirror(Segment(Trajectory("curve"), "1-6"), "7-12", Line())
+    running = plan(motion, image)
+    ends = dance(running, 1)[-1] - START
+    assert ends[7:8] == pytest.approx(mirrored(ends[:1], Line()), abs=0.02)
+    ring = plan(Segment(Evolve("rows"), mirror=Line(1.0)))
+    assert same_places(dance(ring, 1)[-1], mirrored(ROWS.slots, Line(1.0)), 0.03)
+
+
+def test_what_begins_later_replaces_and_elements_take_over():
+    running = plan(Segment(Hold("rows"), measures=4), Segment(Procedural(), "1-4", start=1), Segment(Pause(), "3", 2))
+    dance(running, 1)
+    running.begin_measure(1, START, np.zeros(A))
+    assert running.at(5.0).under.tolist() == [0] * 4 + [1] * 8
+    running.begin_measure(2, START, np.zeros(A))
+    assert running.at(9.0).under.tolist() == [0, 0, 1, 0] + [1] * 8
+    running.release(np.arange(A) >= 10)
+    assert running.at(9.0).under.tolist() == [0, 0, 1, 0] + [1] * 6 + [0] * 2
+    running.add(Segment(Hold("rows"), start=3))
+    running.clear(np.arange(A) < 8)
+    running.begin_measure(3, START, np.zeros(A))
+    assert running.at(13.0).under.tolist() == [0] * 8 + [1] * 4
+
+
+def test_now_ends_on_a_measure_line_and_the_next_measure_is_the_next_measure():
+    running = plan()
+    running.begin_measure(0, START, np.zeros(A))
+    (early,) = running.start_now(Segment(Evolve("ring")), 1.0, START, np.zeros(A))
+    assert (early.begin, early.departure.end) == (1.0, 4.0)
+    (late,) = running.start_now(Segment(Evolve("rows")), 2.5, running.at(2.5).position, np.zeros(A))
+    assert (late.begin, late.departure.end) == (2.5, 8.0)
+    assert running.motions == (late,)  # the first holds nobody any more
+    running.add(Segment("to the ring", start=1))
+    running.begin_measure(1, running.at(4.0).position, np.zeros(A))
+    assert same_places(running.target(8.0).position, RING.slots, 1e-4)
+
+
+def test_a_large_group_is_worked_out_in_pieces_while_the_old_motion_goes_on():
+    count = AT_ONCE + 60
+    x, z = np.meshgrid(np.arange(16) * 0.7 - 5, np.arange(10) * 0.7 - 3)
+    grid = np.stack([x.ravel(), z.ravel()], 1)[:count]
+    rep = Repertoire().with_formation(Places("grid", grid * 0.9, np.zeros(count)))
+    running = Plan(Roster.of(count), rep)
+    running.begin_measure(0, grid, np.zeros(count))
+    running.start_now(Segment(Evolve("grid")), 0.5, grid, np.zeros(count))
+    assert not running.at(0.6).under.any()
+    pieces = 0
+    while not running.idle:
+        running.work()
+        pieces += 1
+    assert pieces > 3
+    assert running.at(0.6).under.all()
+    running.add(Segment(Evolve("grid"), start=1))
+    running.prepare(1, grid, np.zeros(count))
+    assert not running.idle
+    running.work()
+    running.begin_measure(1, grid, np.zeros(count))
+    assert running.idle
+
+
+def test_prepared_ahead_the_end_is_known_and_ways_begin_where_they_really_are():
+    running = plan(Segment("to the ring", start=1))
+    running.begin_measure(0, START, np.zeros(A))
+    running.prepare(1, START, np.zeros(A))
+    while not running.idle:
+        running.work()
+    foreseen = running.target(8.0).position.copy()
+    assert not running.target(3.9).under.any()
+    running.begin_measure(1, START + 0.2, np.zeros(A))
+    assert running.target(4.0).position == pytest.approx(START + 0.2, abs=1e-5)
+    assert running.target(8.0).position == pytest.approx(foreseen, abs=1e-5)
+
+
+def test_a_soloist_in_her_place_and_who_has_no_place_stands_clear():
+    marks = ("soloist", *[""] * 7)
+    eight = Places("eight", RING.slots[:8], np.zeros(8), marks)
+    roster = Roster.of(A, {12: ["soloist"]})
+    running = Plan(roster, REPERTOIRE.with_formation(eight), [Segment(Evolve("eight"), measures=2)])
+    end = dance(running, 2)[-1]
+    assert end[11] == pytest.approx(eight.slots[0], abs=0.01)
+    slot = running.motions[0].journey.slot
+    assert sorted(slot) == [-1] * 4 + list(range(8))
+    gaps = np.hypot(*np.moveaxis(end[:, None] - end[None], -1, 0)) + np.eye(A) * 9
+    assert gaps[slot < 0].min() > 0.95
+
+
+def test_places_to_stand_clear_are_enough_and_apart_even_when_the_stage_is_full():
+    for count in (0, 1, 30, 400):
+        places = clear_places(count, START, RING.slots, half=(4.0, 3.0))
+        assert len(places) == count
+        every = np.concatenate([places, RING.slots])
+        gaps = np.hypot(*np.moveaxis(places[:, None] - every[None], -1, 0))
+        gaps[np.arange(count), np.arange(count)] = 9
+        assert gaps.min(initial=9) > 0.99 if count else True
+
+
+def test_unknown_names_are_refused_when_they_are_planned():
+    for segment in (Segment("nothing"), Segment(Hold("nothing")), Segment(Trajectory("x")), Segment(Pause(), "who")):
+        with pytest.raises(PersonError):
+            plan().add(segment)
+        with pytest.raises(PersonError):
+            plan().start_now(segment, 0.0, START, np.zeros(A))
+    with pytest.raises(PersonError, match="lasts at least one"):
+        Segment(Pause(), measures=0)
+
+
+def test_the_same_plan_gives_the_same_bits():
+    segments = (
+        Segment(Evolve("ring", Matching(cost=Cost.EQUAL), Way.DIVIDED), measures=2, ripple=Ripple(2, Order.RANDOM)),
+        Segment(Evolve("rows"), start=2),
+    )
+    assert (dance(plan(*segments, seed=5), 3) == dance(plan(*segments, seed=5), 3)).all()
+
+
+def test_nothing_is_allocated_from_tick_to_tick():
+    import tracemalloc
+
+    running = plan(Segment("to the ring", measures=2))
+    state, wants = AgentState.at(START), Wants(A)
+    running.begin_measure(0, START, np.zeros(A))
+    running.write(wants, state, 0.1, 2.0)
+    tracemalloc.start()
+    before = tracemalloc.take_snapshot()
+    for tick in range(200):
+        running.write(wants, state, 0.1 + tick / 32, 2.0)
+    grown = sum(entry.size_diff for entry in tracemalloc.take_snapshot().compare_to(before, "filename"))
+    tracemalloc.stop()
+    assert grown < 20_000
+
+
+def test_a_rehearsal_says_what_is_too_far_and_who_would_meet():
+    segments = [
+        Segment(Evolve("ring", Matching(By.ID), Way.STRAIGHT)), Segment(Evolve("rows"), "1-6", 2, 4),
+        Segment(Procedural(), "7-12", 3),
+    ]  # fmt: skip
+    done = rehearse(Roster.of(A), REPERTOIRE, segments, START, measures=6)
+    ways = np.hypot(*(RING.slots - START).T)
+    assert done.ways[0] == pytest.approx(ways, abs=1e-5)
+    far = done.too_far(2.0)
+    assert {(t.dancer, t.measure) for t in far} == {(int(d), 0) for d in np.flatnonzero(ways > 2.0)}
+    assert done.too_near
+    assert all(near.measure == 0 or near.second >= 6 for near in done.too_near)
+    assert not done.under[3:, 6:].any()
+    assert {link.source for link in done.links} == {-1, 0, 1, 2}

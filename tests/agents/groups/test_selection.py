@@ -1,0 +1,143 @@
+"""Selections: the little language, places, division (T104)."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from live.agents.groups.expression import DEEPEST, LONGEST, Combined, Numbers, Word, parse
+from live.agents.groups.roster import PLACE_WORDS, Roster
+from live.agents.groups.selection import divide, needs_places, selection
+from live.base.errors import PersonError
+
+ROSTER = Roster.of(
+    8, {1: ["soloist"], 2: ["tall"], 3: ["tall", "red"], 4: ["red"]}, chorus="all - soloist", near="front & chorus"
+)
+PLACES = np.array([[-5, 3], [-2, -1], [-1, 1], [0, 0], [1, -3], [2, 2], [3.2, -2], [5, 3.5]])
+
+
+def numbers(expression, positions=PLACES):
+    """The dancers' numbers, from 1."""
+    return [int(n) + 1 for n in np.flatnonzero(selection(expression, ROSTER, positions))]
+
+
+@pytest.mark.parametrize(
+    ("expression", "expected"),
+    [
+        ("", [1, 2, 3, 4, 5, 6, 7, 8]),
+        ("everyone", [1, 2, 3, 4, 5, 6, 7, 8]),
+        ("3", [3]),
+        ("2-4", [2, 3, 4]),
+        ("2 - 4", [2]),
+        ("tall + 7", [2, 3, 7]),
+        ("tall & red", [3]),
+        ("tall - red", [2]),
+        ("chorus", [2, 3, 4, 5, 6, 7, 8]),
+        ("left", [1, 2, 3]),
+        ("right", [4, 5, 6, 7, 8]),
+        ("front", [1, 3, 4, 6, 8]),
+        ("back", [2, 5, 7]),
+        ("centre", [2, 3, 4, 6]),
+        ("Left & Back", [2]),
+        ("near", [3, 4, 6, 8]),
+        ("1-3 - 2 + 5", [1, 3, 5]),
+        ("tall + red & left", [2, 3]),
+        ("(tall + red) & left", [2, 3]),
+        ("(tall + red) & right", [4]),
+    ],
+)
+def test_who_is_meant(expression, expected):
+    assert numbers(expression) == expected
+
+
+@pytest.mark.parametrize(
+    ("expression", "says"),
+    [
+        ("nobody", "no group and no dancer is called 'nobody'"),
+        ("9", "there is no dancer 9"),
+        ("4-2", "do not exist"),
+        ("0", "do not exist"),
+        ("tall +", "missing at the end"),
+        ("(tall", "bracket"),
+        ("tall red", "one too many"),
+        ("& tall", "stands where"),
+        ("tall ? red", "cannot be read from '\\? red'"),
+        ("x" * (LONGEST + 1), "characters"),
+        ("(" * (DEEPEST + 1) + "1" + ")" * (DEEPEST + 1), "brackets"),
+        ("left", "is not known"),
+    ],
+)
+def test_what_cannot_be_meant_is_said(expression, says):
+    with pytest.raises(PersonError, match=says):
+        selection(expression, ROSTER, None)
+
+
+def test_a_group_that_contains_itself_is_refused():
+    roster = Roster.of(2, a="b + 1", b="a")
+    with pytest.raises(PersonError, match="a → b → a"):
+        selection("a", roster)
+
+
+@pytest.mark.parametrize("word", ["all", "Everyone"])
+def test_everyone_is_no_name(word):
+    with pytest.raises(PersonError, match="cannot be called"):
+        Roster.of(2, {1: [word]})
+    with pytest.raises(PersonError, match="cannot be called"):
+        Roster.of(2, **{word: "1"})
+
+
+@pytest.mark.parametrize("word", PLACE_WORDS)
+def test_a_group_that_is_called_like_a_place_comes_first(word):
+    roster = Roster.of(3, **{word: "2-3"})
+    assert selection(word, roster, np.zeros((3, 2))).tolist() == [False, True, True]
+
+
+def test_whether_places_matter_is_seen_through_names():
+    assert needs_places("1 + near", ROSTER)
+    assert not needs_places("chorus - 3", ROSTER)
+    assert not needs_places("", ROSTER)
+
+
+def expressions():
+    atoms = st.sampled_from(["1", "2-5", "tall", "red", "soloist", "left", "front", "centre", "chorus"])
+    return st.recursive(
+        atoms, lambda inner: st.builds("({} {} {})".format, inner, st.sampled_from("+-&"), inner), max_leaves=8
+    )
+
+
+def sets(node, positions):
+    """Independent evaluation: sets of numbers."""
+    if isinstance(node, Combined):
+        left, right = sets(node.left, positions), sets(node.right, positions)
+        return {"+": left | right, "&": left & right, "-": left - right}[node.sign]
+    if isinstance(node, Numbers):
+        return set(range(node.first, node.last + 1))
+    assert isinstance(node, Word)
+    return {
+        "tall": {2, 3}, "red": {3, 4}, "soloist": {1}, "chorus": set(range(2, 9)), "left": {1, 2, 3},
+        "front": {1, 3, 4, 6, 8}, "centre": {2, 3, 4, 6},
+    }[node.word]  # fmt: skip
+
+
+@given(expressions())
+def test_expressions_mean_what_sets_mean(expression):
+    assert set(numbers(expression)) == sets(parse(expression), PLACES)
+
+
+@given(st.text(max_size=60))
+def test_no_text_does_anything_but_mean_somebody_or_be_refused(text):
+    try:
+        mask = selection(text, ROSTER, PLACES)
+    except PersonError:
+        return
+    assert mask.shape == (8,)
+
+
+@given(st.lists(expressions(), max_size=4), st.integers(0, 255))
+def test_division_leaves_nobody_out_and_nobody_twice(parts, bits):
+    within = np.array([bits >> n & 1 for n in range(8)], bool)
+    masks = divide(parts, ROSTER, PLACES, within=within)
+    assert len(masks) == len(parts) + 1
+    assert (np.sum(masks, axis=0) == within).all()
+    again = [mask for part in masks for mask in divide(["left", "tall"], ROSTER, PLACES, within=part)]
+    assert (np.sum(again, axis=0) == within).all()
