@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.crowd.bounds.kernels import bend_at_surroundings, keep_on_stage, outside_surroundings
+from live.agents.crowd.bounds.kernels import bend_at_surroundings, keep_on_stage
 from live.agents.crowd.cells.kernels import sort_agents
 from live.agents.crowd.contacts.kernels import land_softly, part_bodies
 from live.agents.crowd.motion.kernels import FIRM_HORIZON, steer_agents
@@ -40,16 +40,18 @@ def advance_crowd(
     """
     a = wants.shape[0]
     grid = np.empty(4)
-    sorted_, sums, moved, change, asks = rows[0:6], rows[6:16], rows[16:20], rows[20:23], rows[23:25]
+    sorted_, sums, moved, change, asks = rows[0:6], rows[6:14], rows[14:18], rows[18:21], rows[21:25]
     slot_agent = numbers[0]
-    pairs = numbers[4:16].reshape(12 * a)
-    n = sort_agents(state, wants, model, sorted_, slot_agent, numbers[1:3].reshape(2 * a), start, grid)
+    pairs = numbers[4:16].reshape(12 * numbers.shape[1])
+    n = sort_agents(state, wants, model, sorted_, slot_agent, numbers[1:3].reshape(2 * numbers.shape[1]), start, grid)
     for s in range(n):
         i = slot_agent[s]
-        separation = max(wants[i, 3], np.float32(1e-6))
+        separation = min(max(wants[i, 3], np.float32(1e-6)), np.float32(3.0))
         asks[0, s] = np.float32(1.0) / (separation * separation)
         asks[1, s] = params[6] + wants[i, 6] * (np.float32(FIRM_HORIZON) - params[6])
-    pair_count = sum_neighbours(sorted_, start, grid, asks, sums, params, pairs)
+        asks[2, s] = wants[i, 4]
+        asks[3, s] = wants[i, 5]
+    pair_count = sum_neighbours(sorted_, start, grid, asks, sums, params, rows[25:31], numbers[16], numbers[17], pairs)
     steer_agents(out, state, wants, sums, moved, slot_agent, n, params, dt)
     land_softly(moved, sorted_, pairs, pair_count, change, n, dt)
     bend_at_surroundings(moved, sorted_, n, walls, wall_count, obstacles, obstacle_count)
@@ -57,7 +59,7 @@ def advance_crowd(
     for s in range(n):
         moved[2, s] = sorted_[0, s] + moved[0, s] * np.float32(dt)
         moved[3, s] = sorted_[1, s] + moved[1, s] * np.float32(dt)
-    part_bodies(moved, sorted_, pairs, pair_count, change, n)
+    part_bodies(moved, sorted_, pairs, pair_count, change, n, walls, wall_count, obstacles, obstacle_count)
     for i in range(a):
         if wants[i, 7] <= 0.0:
             for k in range(2):
@@ -66,10 +68,6 @@ def advance_crowd(
     for s in range(n):
         i = slot_agent[s]
         x, z = float(moved[2, s]), float(moved[3, s])
-        if wall_count + obstacle_count > 0:
-            x, z = outside_surroundings(
-                x, z, sorted_[0, s], sorted_[1, s], sorted_[4, s], walls, wall_count, obstacles, obstacle_count
-            )
         if wants[i, 7] < 2.0:
             limit = max(params[0], abs(sorted_[0, s]))
             x = min(max(x, -limit), limit)

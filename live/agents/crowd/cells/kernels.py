@@ -19,7 +19,7 @@ NEIGHBOUR_RANGE = 3.0
 """Metres within which neighbours matter; the size of the cells."""
 
 # rows of the sorted agents
-X, Z, VX, VZ, RADIUS, YIELD, SORTED_ROWS = 0, 1, 2, 3, 4, 5, 6
+X, Z, VX, VZ, RADIUS, GIVE, SORTED_ROWS = 0, 1, 2, 3, 4, 5, 6
 _PRESENCE = 7  # column of Wants.rows
 _LIMIT = 1e6
 
@@ -96,5 +96,5 @@ def sort_agents(
         slot_agent[s] = i
         sorted_[X, s], sorted_[Z, s] = state[2 * i], state[2 * i + 1]
         sorted_[VX, s], sorted_[VZ, s] = state[2 * a + 2 * i], state[2 * a + 2 * i + 1]
-        sorted_[RADIUS, s], sorted_[YIELD, s] = model[i, 0], model[i, 1]
+        sorted_[RADIUS, s], sorted_[GIVE, s] = model[i, 0], np.float32(2.0) - model[i, 1]
     return n

@@ -8,8 +8,6 @@ import numpy.typing as npt
 from live.agents.crowd.neighbours.kernels import (
     AVOID_X,
     AVOID_Z,
-    FLOCK_VX,
-    FLOCK_VZ,
     FLOCK_X,
     FLOCK_Z,
     PUSH_X,
@@ -82,11 +80,10 @@ def steer_agents(
             scale = SEPARATION_PEAK / wants[i, 3] * speed
             push_x, push_z = shorten(sums[PUSH_X, s] * scale, sums[PUSH_Z, s] * scale, speed)
             want_x, want_z = want_x + push_x, want_z + push_z
-        weight = float(sums[WEIGHT, s])
+        weight = float(sums[WEIGHT, s]) - 1.0
         if weight > 1e-6:
-            along, together = wants[i, 4] / weight, wants[i, 5] * speed / (weight + 1.0)
-            want_x += along * sums[FLOCK_VX, s] + together * sums[FLOCK_X, s]
-            want_z += along * sums[FLOCK_VZ, s] + together * sums[FLOCK_Z, s]
+            want_x += sums[FLOCK_X, s] / weight
+            want_z += sums[FLOCK_Z, s] / weight
         want_x, want_z = shorten(want_x, want_z, speed)
         soft = 1.0 - firm
         ax = soft * (want_x - vx) / relaxation + sums[AVOID_X, s]
