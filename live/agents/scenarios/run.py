@@ -6,12 +6,17 @@ from live.agents.crowd.advance import Advance
 from live.agents.crowd.model import AgentModel, AgentState, Avoidance, Steering
 from live.agents.crowd.surroundings import Surroundings
 from live.agents.goals.goals import PASS, Goals, WayPoints
+from live.agents.goals.yielding import who_gives_way
 from live.agents.scenarios.scenario import Float64, Scenario
 from live.agents.wants import Wants
 
 TICK = 1.0 / 64.0
 APPROACH = 1.0
 """Speed per metre to go [1/s] when everybody slows down for her last goal."""
+THRONG = 0.3
+"""Bodies with less than this [m] between them stand in one throng: in it, who is at her goal gives way."""
+LOOK = 8
+"""Ticks after which everybody looks again who is waiting."""
 
 
 class Simulation:
@@ -44,6 +49,7 @@ class Simulation:
         self._rule = scenario.rule() if scenario.rule is not None else None
         self._targets = self._ways.current + self._middle
         self._arrived = np.full(count, np.nan)
+        self._gives_way = np.zeros(count, np.bool_)
         self._tick = 0
         self._note_arrivals()
 
@@ -73,8 +79,12 @@ class Simulation:
         else:
             gate = 3.0 * max(scenario.goal_radius, scenario.radius)
             self._ways(self._goals, self._state.position, scenario.goal_radius, gate)
+        if self._tick % LOOK == 0:
+            near = 2.0 * scenario.radius + THRONG
+            self._gives_way = who_gives_way(self._state.position, ~np.isnan(self._arrived), near)
         wants.rest()
         self._goals(wants, self._state.position, scenario.goal_radius)
+        wants.velocity[self._gives_way] = 0.0
         self._advance(self._state, self._spare, wants=wants, surroundings=self._surroundings, time=self.time, dt=TICK)
         self._state, self._spare = self._spare, self._state
         self._tick += 1

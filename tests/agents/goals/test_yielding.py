@@ -1,0 +1,38 @@
+"""Who gives way, against a search by hand."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from live.agents.goals.yielding import who_gives_way
+
+
+def reachable(position, arrived, near):
+    """From everybody who has not arrived, step by step to whoever is near."""
+    found = set(map(int, np.flatnonzero(~arrived)))
+    waiting = list(found)
+    while waiting:
+        here = position[waiting.pop()]
+        for other in map(int, np.flatnonzero(np.linalg.norm(position - here, axis=1) <= near)):
+            if other not in found:
+                found.add(other)
+                waiting.append(other)
+    return np.array([agent in found and arrived[agent] for agent in range(len(arrived))], bool)
+
+
+@given(st.integers(0, 2**31 - 1), st.integers(0, 30), st.floats(0.0, 1.0))
+@settings(max_examples=100, deadline=None)
+def test_a_throng_is_all_that_can_be_reached(seed, count, share):
+    chance = np.random.default_rng(seed)
+    position = chance.uniform(0, 4, (count, 2))
+    arrived = chance.uniform(size=count) < share
+    expected = reachable(position, arrived, 0.7)
+    np.testing.assert_array_equal(who_gives_way(position, arrived, 0.7), expected)
+
+
+def test_who_stands_apart_or_among_those_at_their_goals_stays():
+    row = np.array([[0, 0], [0.6, 0], [1.2, 0], [5, 0]])
+    arrived = np.array([False, True, True, True])
+    assert list(who_gives_way(row, arrived, 0.7)) == [False, True, True, False]
+    assert not who_gives_way(row, np.ones(4, bool), 0.7).any()
+    assert not who_gives_way(row, np.zeros(4, bool), 0.7).any()
