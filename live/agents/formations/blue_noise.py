@@ -57,14 +57,6 @@ def middle_of_line(half: Any, line: SymmetryLine) -> Float64:
     return np.asarray(point - line.side(point[None])[0] * line.normal)
 
 
-def thin_out(points: Float64, keep: int, spacing: float) -> Float64:
-    """Of `points` (M, 2) the `keep` that are best spread, in their order."""
-    weight = np.zeros(len(points))
-    nobody = np.zeros((0, 2))
-    eliminate(np.ascontiguousarray(points), nobody, nobody, np.ones(len(points)), keep, 2.0 * spacing, 0.0, weight)
-    return np.asarray(points[weight >= 0.0])
-
-
 def hexagonal_spacing(area: float, count: int) -> float:
     """Distance of neighbours if `count` dancers stood on a hexagonal lattice [m]: nobody can be farther apart."""
     return math.sqrt(2.0 * area / (math.sqrt(3.0) * max(count, 1)))

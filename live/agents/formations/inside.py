@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +25,9 @@ from live.agents.formations.symmetry import SymmetryLine, half_drawing
 Float64 = npt.NDArray[np.float64]
 
 
+SEAM: Final = 2e-7
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Ground:
     """A region and what takes long to find out about it."""
@@ -42,7 +45,8 @@ def ground_of(spec: FormationSpec, drawing: Drawing, line: SymmetryLine | None) 
     region, half = drawing.region, None
     if line is not None:
         half = half_drawing(spec, drawing, line)[2]
-        region = half.union(line.reflect_shape(half))
+        overlapping = half.buffer(SEAM, join_style="mitre")  # rounding would leave a slit between the halves
+        region = overlapping.union(line.reflect_shape(overlapping))
         shapely.prepare(region)
     return Ground(region, half, line, core_of(region) if spec.distribution == "concentric" else None)
 

@@ -145,12 +145,14 @@ def fill_rows(
                     k -= 1
                 crossings[k] = x
                 hits += 1
+        before = -(1 << 60)
         for h in range(0, hits - 1, 2):
-            first = math.ceil((crossings[h] - x0) / step - 1e-9)
+            first = max(math.ceil((crossings[h] - x0) / step - 1e-9), before + 1)  # parts that touch share no point
             end = math.floor((crossings[h + 1] - x0) / step + 1e-9)
             for i in range(first, end + 1):
                 if found < out.shape[0]:
                     out[found, 0] = x0 + i * step
                     out[found, 1] = z
                 found += 1
+                before = i
     return found

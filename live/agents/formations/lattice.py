@@ -12,7 +12,6 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from live.agents.formations.blue_noise import thin_out
 from live.agents.formations.kernels import fill_rows
 
 Float64 = npt.NDArray[np.float64]
@@ -59,10 +58,12 @@ def place_on_lattice(
     turn = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])
     ground = _ground(region, origin, turn, diagonal)
     across = (0.0,) if diagonal else (0.0, 0.5)
-    best = _widest(ground, count, [(a, b) for b in _DEPTHS for a in across])
+    offsets = [(a, b) for b in _DEPTHS for a in across]
+    best = _widest(ground, count, offsets)
     if best is None and not symmetrical:
         best = _widest(ground, count, list(_ANYHOW))
-        best = _thinned(ground, count) if best is None else best
+    if best is None:
+        best = _fewest_left_out(ground, count, offsets, symmetrical)
     if best is None:
         return None
     order = np.lexsort((np.round(best[:, 0], 9), np.round(-best[:, 1], 9)))
@@ -123,13 +124,55 @@ def _between(ground: _Ground, count: int, offset: tuple[float, float], wide: flo
     return None
 
 
-def _thinned(ground: _Ground, count: int) -> Float64 | None:
-    """A lattice with more places than asked for, of which the most crowded are left out."""
-    spacing = math.sqrt(ground.area / count)
-    for _ in range(4):
-        spacing *= 0.8
-        out = np.zeros((8 * count + 16, 2))
-        held = ground.count((0.0, 0.0), spacing, out)
-        if count <= held <= len(out):
-            return thin_out(out[:held], count, spacing)
+def _fewest_left_out(
+    ground: _Ground, count: int, offsets: list[tuple[float, float]], symmetrical: bool
+) -> Float64 | None:
+    """The lattice of the widest spacing with more places than asked for, without those at the back from outside in.
+
+    Where a rectangle has only full rows no lattice holds 97. With `symmetrical`, only pairs and places on the
+    symmetry line are left out.
+    """
+    best, chosen = 0.0, None
+    for offset in offsets:
+        spacing = _widest_with_room(ground, count, offset)
+        if spacing is None or spacing <= best * (1.0 + 1e-9):
+            continue
+        places = np.zeros((2 * count + 64, 2))
+        held = ground.count(offset, spacing, places)
+        left = _without_the_back(places[:held], count, symmetrical) if held <= len(places) else None
+        if left is not None:
+            best, chosen = spacing, left
+    return chosen
+
+
+def _widest_with_room(ground: _Ground, count: int, offset: tuple[float, float]) -> float | None:
+    nothing = np.zeros((0, 2))
+    wide = math.sqrt(ground.area / count) * 2.2
+    for _ in range(_SWEEP):
+        narrow = wide * 0.95
+        if ground.count(offset, narrow, nothing) >= count:
+            for _ in range(_HALVINGS):
+                middle = 0.5 * (wide + narrow)
+                wide, narrow = (wide, middle) if ground.count(offset, middle, nothing) >= count else (middle, narrow)
+            return narrow
+        wide = narrow
     return None
+
+
+def _without_the_back(places: Float64, count: int, symmetrical: bool) -> Float64 | None:
+    """`count` of the places; None if a symmetrical choice cannot be made."""
+    excess = len(places) - count
+    on_line = np.abs(places[:, 0]) < 1e-6
+    from_back = np.lexsort((places[:, 0], -np.round(np.abs(places[:, 0]), 6), np.round(places[:, 1], 6)))
+    gone: list[int] = []
+    if excess % 2:
+        single = [int(n) for n in from_back if on_line[n]] or ([] if symmetrical else [int(from_back[0])])
+        if not single:
+            return None
+        gone.append(single[0])
+    for n in from_back:  # a place and its reflection follow each other
+        if len(gone) < excess and not on_line[n] and int(n) not in gone:
+            gone.append(int(n))
+    single = [int(n) for n in from_back if on_line[n] and int(n) not in gone]
+    gone += single[: excess - len(gone)]
+    return np.delete(places, gone, axis=0)

@@ -1,0 +1,205 @@
+"""Formations: exact counts, places on or inside the shape, symmetry, determinism, soloists, sections, headings."""
+
+import math
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from live.agents.formation import FORMATIONS
+from live.agents.formations.formation import SOLOIST, check_formation, formation_of
+from live.agents.formations.spec_table import spec_from_table
+from tests.agents.formations.tables import AREAS, EVERYTHING, LINES, PATTERNS
+
+few = settings(max_examples=25, deadline=None)
+
+
+def made(table, count, seed=1):
+    return formation_of(spec_from_table(table), count, seed)
+
+
+def apart(places):
+    distances = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1))
+    np.fill_diagonal(distances, np.inf)
+    return distances.min() if len(places) > 1 else np.inf
+
+
+@few
+@given(table=st.sampled_from(EVERYTHING), count=st.integers(0, 200), seed=st.integers(0, 2**31 - 1))
+def test_as_many_places_as_dancers_and_none_is_nowhere(table, count, seed):
+    formation = made(table, count, seed)
+    assert formation.slots.shape == (count, 2)
+    assert np.isfinite(formation.slots).all()
+    assert np.isfinite(formation.heading).all()
+    assert (formation.waiting, formation.empty) == (0, 0)
+    assert len(formation.marks) == count
+    assert formation.closest == pytest.approx(apart(formation.slots), rel=1e-9)
+    assert formation.closest > 0
+
+
+@few
+@given(table=st.sampled_from(LINES), count=st.integers(1, 120))
+def test_dancers_on_lines_are_on_them(table, count):
+    formation = made(table, count)
+    drawn = shapely.MultiLineString([shapely.LineString(line) for line in formation.lines])
+    assert shapely.distance(drawn, shapely.points(formation.slots)).max() < 1e-6
+
+
+@few
+@given(area=st.sampled_from(AREAS), pattern=st.sampled_from(PATTERNS), count=st.integers(1, 150))
+def test_dancers_inside_are_inside(area, pattern, count):
+    formation = made({**area, **pattern}, count)
+    region = shapely.Polygon(formation.lines[0], holes=formation.lines[1:])
+    assert shapely.distance(region, shapely.points(formation.slots)).max() < 1e-6
+
+
+MIRRORS = ["left-right", "front-back", [[-2, -3], [2, 3]]]
+
+
+@few
+@given(
+    table=st.sampled_from([*LINES, *({**area, **pattern} for area in AREAS for pattern in PATTERNS)]),
+    mirror=st.sampled_from(MIRRORS),
+    count=st.integers(0, 90),
+    heading=st.sampled_from(["along", "outwards", "public"]),
+)
+def test_the_reflection_of_a_symmetrical_formation_is_itself(table, mirror, count, heading):
+    """T092; places and headings, but that the public is seen straight ahead by everybody."""
+    formation = made({**table, "mirror": mirror, "heading": heading}, count)
+    assert len(formation.slots) == count
+    if count == 0:
+        return
+    line = formation.symmetry
+    reflected = line.reflect(formation.slots)
+    distance = np.hypot(*(reflected[:, None] - formation.slots[None]).transpose(2, 0, 1))
+    partner = distance.argmin(axis=1)
+    assert distance.min(axis=1).max() < 2e-4
+    assert sorted(partner) == list(range(count))
+    if heading == "along" and not table.get("pattern") and abs(line.side(formation.slots)).min() > 1e-3:
+        way = np.stack([np.sin(formation.heading), np.cos(formation.heading)], axis=1)
+        assert way[partner] == pytest.approx(line.reflect_ways(way), abs=1e-6)
+
+
+@pytest.mark.parametrize("table", EVERYTHING, ids=str)
+def test_the_same_arguments_give_the_same_places_bit_for_bit(table):
+    spec = spec_from_table(table)
+    first = formation_of(spec, 33, 7)
+    formation_of(spec, 34, 8)
+    again = formation_of(spec_from_table(dict(table)), 33, 7)
+    assert first.slots.tobytes() == again.slots.tobytes()
+    assert first.heading.tobytes() == again.heading.tobytes()
+
+
+def test_seeds_scatter_differently_and_grids_alike():
+    scattered = {"shape": "circle", "pattern": "poisson"}
+    assert np.abs(made(scattered, 30, 1).slots - made(scattered, 30, 2).slots).max() > 0.1
+    lattice = {"shape": "circle", "pattern": "grid"}
+    assert (made(lattice, 30, 1).slots == made(lattice, 30, 2).slots).all()
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 7, 24, 50])
+@pytest.mark.parametrize("shape", ["grid", "line", "circle"])
+def test_words_of_the_first_show_mean_the_same(shape, count):
+    place = {"centre": (1.0, -0.5), "size": (8.0, 8.0)}
+    expected = FORMATIONS[shape](count, **place)
+    assert made({"shape": shape, **place}, count).slots == pytest.approx(expected, abs=2e-3)
+    if shape == "grid":
+        assert (made({"shape": shape, **place}, count).slots == expected).all()
+
+
+def test_count_density_and_spacing_say_how_many():
+    circle = {"shape": "circle", "size": [6, 6]}
+    few_places = made({**circle, "count": 20}, 24)
+    assert (len(few_places.slots), few_places.waiting, few_places.empty) == (20, 4, 0)
+    assert "4 dancers have no place" in few_places.warnings[0]
+    many = made({**circle, "count": 20}, 17)
+    assert (many.waiting, many.empty) == (0, 3)
+    assert "3 places stay empty" in many.warnings[0]
+    dense = made({**circle, "pattern": "grid", "density": 2.0}, 5)
+    assert len(dense.slots) == round(2.0 * math.pi * 9)
+    spaced = made({**circle, "spacing": 0.75}, 5)
+    assert len(spaced.slots) == round(math.pi * 6 / 0.75)
+    assert len(made({"shape": "line", "size": [6, 1], "spacing": 1.0}, 0).slots) == 7
+
+
+@pytest.mark.parametrize("pattern", [each for each in PATTERNS if each["pattern"] != "weighted"], ids=str)
+def test_a_spacing_inside_is_about_kept(pattern):
+    formation = made({"shape": "circle", "size": [9, 9], **pattern, "spacing": 1.0}, 0)
+    assert 0.75 < formation.closest < 1.2
+
+
+def test_a_soloist_stands_in_front_of_everybody():
+    formation = made({"shape": "arc", "soloists": 1, "soloist_gap": 2.0}, 13)
+    assert formation.soloist.tolist() == [True] + [False] * 12
+    assert formation.marks[0] == SOLOIST
+    assert formation.slots[0] == pytest.approx([0.0, formation.slots[1:, 1].max() + 2.0])
+
+
+@pytest.mark.parametrize("pattern", PATTERNS, ids=str)
+@pytest.mark.parametrize("soloists", [1, 3])
+def test_the_others_make_room_for_soloists_in_the_middle(pattern, soloists):
+    table = {"shape": "circle", **pattern, "soloists": soloists, "soloist_place": "centre", "soloist_gap": 1.0}
+    formation = made(table, 30)
+    alone, others = formation.slots[:soloists], formation.slots[soloists:]
+    assert len(others) == 30 - soloists
+    assert alone.mean(axis=0) == pytest.approx([0.0, 0.0], abs=1e-9)
+    assert np.hypot(*(others[:, None] - alone[None]).transpose(2, 0, 1)).min() > 0.99
+    assert soloists == 1 or apart(alone) == pytest.approx(1.0)
+
+
+def test_sections_along_a_line_are_neighbours():
+    formation = made({"shape": "circle", "sections": [3, 5, 4], "section_names": ["a", "b", "c"]}, 12)
+    assert formation.section.tolist() == [0] * 3 + [1] * 5 + [2] * 4
+    assert formation.marks == ("a",) * 3 + ("b",) * 5 + ("c",) * 4
+    gap = np.hypot(*np.diff(formation.slots, axis=0).T)
+    assert gap == pytest.approx(np.full(11, gap[0]), rel=1e-3)
+
+
+@pytest.mark.parametrize("pattern", ["grid", "poisson", "concentric"])
+def test_sections_inside_are_blocks_of_their_size(pattern):
+    """A section's dancers are nearer to their own middle than to another section's, almost all of them."""
+    formation = made({"shape": "rectangle", "pattern": pattern, "sections": [10, 20, 10]}, 40)
+    assert np.bincount(formation.section).tolist() == [10, 20, 10]
+    hulls = [shapely.MultiPoint(formation.slots[formation.section == n]).convex_hull for n in range(3)]
+    overlap = sum(hulls[a].intersection(hulls[b]).area for a, b in ((0, 1), (1, 2), (0, 2)))
+    assert overlap < 0.02 * sum(hull.area for hull in hulls)
+
+
+def test_sections_are_shares_if_the_count_is_another():
+    assert np.bincount(made({"shape": "line", "sections": [1, 2, 1]}, 21).section).tolist() == [5, 11, 5]
+
+
+def test_headings():
+    circle = {"shape": "circle", "size": [6, 6], "centre": [1, 1]}
+    places = made(circle, 8).slots - 1.0
+    outwards = np.arctan2(places[:, 0], places[:, 1])
+    assert made(circle, 8).heading == pytest.approx(np.zeros(8))
+    faced = {way: made({**circle, "heading": way}, 8).heading for way in ("outwards", "centre", "along")}
+    assert np.cos(faced["outwards"] - outwards) == pytest.approx(np.ones(8))
+    assert np.cos(faced["centre"] - outwards) == pytest.approx(-np.ones(8))
+    assert np.abs(np.cos(faced["along"] - outwards)).max() < 0.02
+    angle = made({**circle, "heading": "angle", "heading_deg": 270}, 8).heading
+    assert angle == pytest.approx(np.full(8, -math.pi / 2))
+
+
+def test_turning_a_formation_turns_its_places():
+    straight = made({"shape": "arc"}, 9).slots
+    turned = made({"shape": "arc", "rotation_deg": 90}, 9).slots
+    assert turned == pytest.approx(np.stack([straight[:, 1], -straight[:, 0]], axis=1), abs=1e-9)  # (0, 1) → (1, 0)
+
+
+def test_warnings_say_how_to_mend_what_is_too_near():
+    crowded = made({"shape": "circle", "size": [2, 2]}, 20)
+    assert "bodies touch" in crowded.warnings[0]
+    factor = float(crowded.warnings[0].split("make it ")[1].split()[0])
+    assert made({"shape": "circle", "size": [2 * factor, 2 * factor]}, 20).warnings == ()
+
+
+def test_what_has_been_checked_never_raises_live():
+    for table in EVERYTHING:
+        spec = spec_from_table(table)
+        check_formation(spec)
+        for count in (0, 1, 2, 3):
+            assert len(formation_of(spec, count, 5).slots) == count
