@@ -39,7 +39,7 @@ def svg_path(data: str, *, metres_per_unit: float = 1.0, knots: int = 257) -> Fl
         lengths = [segment.length() for segment in path]
     except Exception as error:  # svgpathtools raises whatever its parsing meets
         raise PersonError(f"SVG path {data[:40]!r} cannot be read: {error}") from error
-    if not path or sum(lengths) <= 0.0:
+    if not path or not 0.0 < sum(lengths) < np.inf:
         raise PersonError(f"SVG path {data[:40]!r} draws nothing")
     points: list[complex] = []
     for segment, length in zip(path, lengths, strict=True):

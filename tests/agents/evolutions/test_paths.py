@@ -1,0 +1,55 @@
+"""Drawn ways (T103)."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from live.agents.evolutions import paths
+from live.base.errors import PersonError
+
+POINTS = st.lists(st.tuples(st.floats(-9, 9), st.floats(-9, 9)), min_size=1, max_size=8)
+
+
+@given(POINTS)
+def test_even_points_keep_the_ends_and_lie_on_the_line_at_even_lengths(points):
+    way = paths.even(points, 33)
+    assert way[0] == pytest.approx(np.array(points[0]), abs=1e-9)
+    assert way[-1] == pytest.approx(np.array(points[-1]), abs=1e-6)
+    whole = paths.lengths(np.array([points]))[0] if len(points) > 1 else 0.0
+    assert (np.hypot(*np.diff(way, axis=0).T) <= whole / 32 + 1e-6).all()
+
+
+def test_an_svg_path_in_metres():
+    way = paths.svg_path("M 0 0 L 400 0 A 100 100 0 0 1 400 200", metres_per_unit=0.01)
+    assert way[0] == pytest.approx([0, 0])
+    assert way[-1] == pytest.approx([4, 2], abs=1e-9)
+    assert paths.lengths(way[None])[0] == pytest.approx(4 + np.pi, rel=1e-3)
+    assert way[:, 0].max() == pytest.approx(5.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("data", ["", "M 1 1", "nonsense", "M 0 0 L 1e999 0"])
+def test_what_draws_nothing_is_refused(data):
+    with pytest.raises(PersonError):
+        paths.svg_path(data)
+
+
+@pytest.mark.parametrize("points", [[], [[1, np.nan]], [[1, 2, 3]]])
+def test_what_is_no_line_is_refused(points):
+    with pytest.raises(PersonError):
+        paths.even(points)
+
+
+@given(st.integers(1, 9), st.floats(0.3, 2.0), st.integers(0, 99))
+def test_in_single_file_all_start_at_home_and_stop_in_line(count, gap, seed):
+    start = np.random.default_rng(seed).uniform(-4, 4, (count, 2))
+    ways = paths.single_file([[-6, 5], [-6, -5], [60, -5]], start, gap=gap)
+    assert ways[:, 0] == pytest.approx(start, abs=1e-5)
+    ends = np.sort(ways[:, -1, 0])[::-1]
+    assert ends == pytest.approx(60 - gap * np.arange(count), abs=1e-3)
+    first = np.argmin(np.hypot(*(start - [-6, 5]).T))
+    assert ways[first, -1] == pytest.approx([60, -5], abs=1e-4)
+
+
+def test_who_stands_at_the_beginning_of_the_way_just_goes():
+    assert paths.single_file([[0, 0], [4, 0]], [[0, 0]], knots=5)[0, :, 0].tolist() == [0, 1, 2, 3, 4]
