@@ -20,6 +20,8 @@ WANDER_TURN = 1.1
 """The largest displacement of the direction [rad]."""
 LOOK = 0.4
 """Seconds ahead at which a flow field or a path is read: an agent cannot turn at once."""
+STRAIGHT_ON = 0.2
+"""A piece of path that runs across an agent's way counts as this much [m²] farther off, one against it twice."""
 LONGEST_PREDICTION = 1.5
 """Seconds that pursuit and evasion look ahead at most."""
 
@@ -165,16 +167,18 @@ def flow_grid(
     return wish_x, wish_z
 
 
-@kernel("UniTuple(f8,5)(f4[:,:,::1],i8,i8,b1,f8,f8)")
+@kernel("UniTuple(f8,5)(f4[:,:,::1],i8,i8,b1,f8,f8,f8,f8)")
 def nearest_on_line(
-    vertices: Float32, line: int, count: int, closed: bool, x: float, z: float
+    vertices: Float32, line: int, count: int, closed: bool, x: float, z: float, hx: float, hz: float
 ) -> tuple[float, float, float, float, float]:
     """Squared distance [m²] to a polyline, its nearest point, the segment of it and the place (0 to 1) in the segment.
 
     `vertices` (L, V, 2): the first `count` vertices of row `line`; a closed one has a segment back to its beginning.
-    Of equally near segments it is the first. A single vertex is a line of no length.
+    Of equally near segments it is the first. A single vertex is a line of no length. (hx, hz), of length 1 at most:
+    segments that run another way count as farther off, so that where a path crosses itself an agent goes straight on.
     """
-    best, best_x, best_z, best_segment, best_t = 1e30, 0.0, 0.0, 0, 0.0
+    best, best_x, best_z, best_segment, best_t, least = 1e30, 0.0, 0.0, 0, 0.0, 1e30
+    heading = math.sqrt(hx * hx + hz * hz)
     segments = count if closed and count > 2 else max(count - 1, 1)
     for s in range(segments):
         e = (s + 1) % count
@@ -186,8 +190,11 @@ def nearest_on_line(
             t = min(max(((x - ax) * dx + (z - az) * dz) / length2, 0.0), 1.0)
         px, pz = ax + t * dx, az + t * dz
         d2 = (px - x) ** 2 + (pz - z) ** 2
-        if d2 < best:
-            best, best_x, best_z, best_segment, best_t = d2, px, pz, s, t
+        cost = d2
+        if heading > 0.0 and length2 > 1e-12:
+            cost += STRAIGHT_ON * (heading - (hx * dx + hz * dz) / math.sqrt(length2))
+        if cost < least:
+            best, best_x, best_z, best_segment, best_t, least = d2, px, pz, s, t, cost
     return best, best_x, best_z, float(best_segment), best_t
 
 
@@ -241,7 +248,10 @@ def follow_path(
     outside she makes for a point farther along the path. At the end of an open path she arrives and stays.
     """
     future_x, future_z = x + vx * LOOK, z + vz * LOOK
-    d2, _, _, segment, t = nearest_on_line(vertices, line, count, closed, future_x, future_z)
+    going = max(math.sqrt(vx * vx + vz * vz), 0.3)
+    d2, _, _, segment, t = nearest_on_line(
+        vertices, line, count, closed, future_x, future_z, vx / going, vz / going
+    )
     ahead = max(0.5, speed * LOOK)
     aim_x, aim_z, tx, tz = along_line(vertices, line, count, closed, int(segment), t, ahead)
     if not closed:

@@ -34,8 +34,8 @@ UInt64 = npt.NDArray[np.uint64]
 
 PATH_WIDTH = 0.3
 """Half the width [m] of a path whose element says none."""
-SPREADING_WANDER = 0.12
-"""Share of the top speed that wandering takes while dancers spread (T109)."""
+SPREADING_WANDER = 0.4
+"""Share of the top speed that wandering takes while dancers spread (T109): even, and never quite at rest."""
 
 
 @kernel("void(f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],f4[:,::1],f4[:,::1],f4[:,::1],u8[::1],f8[::1],f8[:,::1])")

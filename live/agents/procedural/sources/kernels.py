@@ -63,7 +63,7 @@ def seen_from(table: Float64, vertices: Float32, row: int, x: float, z: float) -
         d = math.sqrt(dx * dx + dz * dz)
     else:
         closed = table[row, CLOSED] > 0.0
-        d2, px, pz, _, _ = nearest_on_line(vertices, row, corners, closed, x, z)
+        d2, px, pz, _, _ = nearest_on_line(vertices, row, corners, closed, x, z, 0.0, 0.0)
         dx, dz, d = px - x, pz - z, math.sqrt(d2)
         within = closed and inside(vertices, row, corners, x, z)
     if d < 1e-6:
