@@ -11,7 +11,8 @@ import shapely
 
 from live.agents.formations.curve import FREE, MEETS, SHARED, Curve, curve_of
 from live.agents.formations.shapes import Line, shape_lines
-from live.agents.formations.spec import FARTHEST, FormationSpec
+from live.agents.formations.spec import FormationSpec
+from live.agents.formations.spec_checks import FARTHEST
 
 Float64 = npt.NDArray[np.float64]
 

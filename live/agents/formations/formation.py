@@ -16,7 +16,8 @@ from live.agents.formations.inside import Ground, count_by_spacing, ground_of, p
 from live.agents.formations.on_lines import place_on_lines
 from live.agents.formations.sections import section_sizes, sections_along, sections_in_area
 from live.agents.formations.soloists import make_room, soloist_places
-from live.agents.formations.spec import MOST_DANCERS, FormationSpec
+from live.agents.formations.spec import FormationSpec
+from live.agents.formations.spec_checks import MOST_DANCERS
 from live.agents.formations.symmetry import SymmetryLine, half_drawing, symmetry_line
 
 Float64 = npt.NDArray[np.float64]

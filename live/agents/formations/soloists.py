@@ -49,7 +49,7 @@ def make_room(spec: FormationSpec, drawing: Drawing, line: SymmetryLine | None) 
         if not drawn.intersects(taken):
             curves.append(curve)
             continue
-        parts = [part for part in shapely.get_parts(drawn.difference(taken)) if part.geom_type == "LineString"]
+        parts = [part for part in shapely.get_parts(drawn.difference(taken)) if part.length > 1e-9]
         merged = shapely.get_parts(shapely.line_merge(shapely.MultiLineString(parts))) if parts else []
         left = [curve_of(shapely.get_coordinates(part), closed=False) for part in merged]
         curves += [each for each in left if each is not None]

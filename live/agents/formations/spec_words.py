@@ -2,7 +2,8 @@
 
 from typing import Any, Final
 
-from live.agents.formations.spec import INSIDE_PATTERNS, SHAPES, FormationSpec
+from live.agents.formations.spec import FormationSpec
+from live.agents.formations.spec_checks import INSIDE_PATTERNS, SHAPES
 from live.agents.formations.spec_table import spec_from_table
 from live.base.errors import PersonError
 

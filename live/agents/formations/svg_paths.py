@@ -64,6 +64,8 @@ def _lines(path: object, where: str) -> list[Float64]:
     import svgpathtools
 
     assert isinstance(path, svgpathtools.Path)
+    if not len(path):
+        raise PersonError(f"{where}: the path draws no line", "a path is such as M 0 0 L 3 0")
     if len(path) > MOST_PIECES:
         raise PersonError(f"{where}: more than {MOST_PIECES} pieces", "simplify the path in the drawing program")
     lines: list[Float64] = []

@@ -10,7 +10,8 @@ import shapely
 
 from live.agents.formations.curve import FREE, HALF, MEETS, Curve, curve_of
 from live.agents.formations.drawing import Drawing, met
-from live.agents.formations.spec import FARTHEST, FormationSpec
+from live.agents.formations.spec import FormationSpec
+from live.agents.formations.spec_checks import FARTHEST
 
 Float64 = npt.NDArray[np.float64]
 
