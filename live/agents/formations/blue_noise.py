@@ -18,9 +18,10 @@ CANDIDATES: Final = 5
 """Points from which one dancer's place is chosen (Yuksel 2015 takes five)."""
 FEWEST_CANDIDATES: Final = 100
 GROUND: Final = 10
-FEWEST_GROUND: Final = 1500
-ROUNDS: Final = 24
-STRIDE: Final = 1.6
+FEWEST_GROUND: Final = 1000
+ROUNDS: Final = 16
+STRIDE: Final = 1.8
+"""How far beyond the middle of her ground each goes: fewer rounds, the same end."""
 
 
 def scatter(region: Any, count: int, seed: int, *, density: Density | None = None, even: bool = False) -> Float64:

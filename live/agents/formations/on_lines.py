@@ -18,6 +18,7 @@ Int64 = npt.NDArray[np.int64]
 Placed = tuple[Float64, Float64]
 """Places (S, 2) [m] and unit vectors along the line (S, 2)."""
 
+NOBODY: Final = np.zeros((0, 2))
 NEAR: Final = 0.6
 """Dancers of different lines nearer than this share of the spacing are moved apart along their lines."""
 SHIFTS: Final = 2
@@ -42,36 +43,44 @@ def place_on_lines(spec: FormationSpec, drawing: Drawing, count: int, line: Symm
     )
 
 
-def place_on_curves(curves: list[Curve], count: int, *, corners: bool) -> Placed:
-    """`count` places over all lines, with gaps as equal as can be."""
+def place_on_curves(
+    curves: list[Curve], count: int, *, corners: bool, line: SymmetryLine | None = None, taken: Float64 = NOBODY
+) -> Placed:
+    """`count` places over all lines, with gaps as equal as can be.
+
+    They keep away from places that are `taken` (K, 2) and, if there is a symmetry `line`, from reflections of all.
+    """
     if not curves:
-        return np.zeros((0, 2)), np.zeros((0, 2))
+        return NOBODY, NOBODY
     number = share_over_curves(count, curves)
-    at, places = _placed(curves, number, corners)
+    at, places = _placed(curves, number, corners, line, taken)
     for _ in range(SHIFTS if len(curves) > 1 else 0):  # a small ring may hold fewer than its length says
-        crowded = _crowded(places, curves)
+        crowded = _crowded(places, curves, line, taken)
         if not crowded:
             break
         lengths = np.array([curve.length for curve in curves])
         moved = number.copy()
         moved[crowded[0]] -= 1
         moved[np.argmax(np.where(np.arange(len(curves)) == crowded[0], 0.0, lengths / np.maximum(number, 0.5)))] += 1
-        other_at, other_places = _placed(curves, moved, corners)
-        if _apart(other_places) <= _apart(places) * (1.0 + 1e-6):
+        other_at, other_places = _placed(curves, moved, corners, line, taken)
+        if _apart(other_places, line, taken) <= _apart(places, line, taken) * (1.0 + 1e-6):
             break
         number, at, places = moved, other_at, other_places
     ways = [curve.tangent(each) for curve, each in zip(curves, at, strict=True)]
     return np.concatenate(places), np.concatenate(ways)
 
 
-def _placed(curves: list[Curve], number: Int64, corners: bool) -> tuple[list[Float64], list[Float64]]:
+def _placed(
+    curves: list[Curve], number: Int64, corners: bool, line: SymmetryLine | None, taken: Float64
+) -> tuple[list[Float64], list[Float64]]:
     """Where `number` (C,) dancers stand along each line, and their places; moved along where lines come near."""
     at = [along(curve, int(k), corners=corners) for curve, k in zip(curves, number, strict=True)]
     places = [curve.place(each) for curve, each in zip(curves, at, strict=True)]
-    for n in _crowded(places, curves):
-        others = np.concatenate([*places[:n], *places[n + 1 :], np.zeros((0, 2))])
+    for n in _crowded(places, curves, line, taken):
+        others = np.concatenate([*places[:n], *places[n + 1 :], NOBODY])
+        others = np.concatenate([others, taken, _images(others, line)])
         options = [at[n], *_other_ways(curves[n], int(number[n]), corners)]
-        apart = [_apart_from(curves[n].place(each), others) for each in options]
+        apart = [_apart_from(curves[n].place(each), others, line) for each in options]
         at[n] = options[int(np.argmax(np.round(apart, 6)))]
         places[n] = curves[n].place(at[n])
     return at, places
@@ -96,22 +105,28 @@ def place_mirrored(kept: list[Curve], on_line: list[Curve], line: SymmetryLine, 
         middle_ways = np.tile(line.along, (len(middle_places), 1))
     pairs = (count - len(middle_places)) // 2
     halves = [shared_ends(curve, middle_places, SHARED) for curve in kept]
-    places, ways = place_on_curves(halves, pairs, corners=corners) if halves else (np.zeros((0, 2)), np.zeros((0, 2)))
+    places, ways = place_on_curves(halves, pairs, corners=corners, line=line, taken=middle_places)
     return (
         np.concatenate([places, middle_places, line.reflect(places)[::-1]]),
         np.concatenate([ways, middle_ways, line.reflect_ways(ways)[::-1]]),
     )
 
 
-def _crowded(places: list[Float64], curves: list[Curve]) -> list[int]:
+def _images(places: Float64, line: SymmetryLine | None) -> Float64:
+    return NOBODY if line is None else line.reflect(places)
+
+
+def _crowded(places: list[Float64], curves: list[Curve], line: SymmetryLine | None, taken: Float64) -> list[int]:
     """Numbers of the lines on which somebody stands too near to another, in falling order."""
-    everybody = np.concatenate(places)
-    if len(everybody) < 2:
+    own = np.concatenate(places)
+    everybody = np.concatenate([taken, own, _images(own, line)])
+    if len(own) == 0 or len(everybody) < 2:
         return []
     owner = np.repeat(np.arange(len(curves)), [len(each) for each in places])
-    spacing = sum(curve.length for curve in curves) / len(everybody)
+    owner = np.concatenate([np.full(len(taken), -1), owner, owner])
+    spacing = sum(curve.length for curve in curves) / len(own)
     near = cKDTree(everybody).query_pairs(NEAR * spacing, output_type="ndarray")
-    return sorted({int(owner[pair[1]]) for pair in near}, reverse=True)
+    return sorted({int(owner[pair[1]]) for pair in near} - {-1}, reverse=True)
 
 
 def _other_ways(curve: Curve, count: int, corners: bool) -> list[Float64]:
@@ -124,14 +139,14 @@ def _other_ways(curve: Curve, count: int, corners: bool) -> list[Float64]:
     return [along(each, count, corners=marked) for each in drawn_in for marked in {corners, False}]
 
 
-def _apart(places: list[Float64]) -> float:
+def _apart(places: list[Float64], line: SymmetryLine | None, taken: Float64) -> float:
     """The smallest distance of two places [m]."""
-    return _apart_from(np.concatenate(places), np.zeros((0, 2)))
+    return _apart_from(np.concatenate(places), taken, line)
 
 
-def _apart_from(places: Float64, others: Float64) -> float:
-    """The smallest distance of two of `places` (S, 2), or of one of them and one of `others` (T, 2) [m]."""
-    everybody = np.concatenate([places, others])
+def _apart_from(places: Float64, others: Float64, line: SymmetryLine | None) -> float:
+    """The smallest distance of two of `places` (S, 2), of one and a reflection, or of one and `others` (T, 2) [m]."""
+    everybody = np.concatenate([places, others, _images(places, line)])
     squared = (places[:, 0, None] - everybody[None, :, 0]) ** 2 + (places[:, 1, None] - everybody[None, :, 1]) ** 2
     np.fill_diagonal(squared, np.inf)
     return float(np.sqrt(squared.min(initial=np.inf)))
