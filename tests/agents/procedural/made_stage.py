@@ -1,0 +1,58 @@
+"""A stage for tests: agents, wants, a field of elements, and ticks of the crowd."""
+
+import numpy as np
+
+from live.agents.crowd.advance import Advance
+from live.agents.crowd.model import AgentModel, AgentState, Steering
+from live.agents.crowd.surroundings import Surroundings
+from live.agents.procedural.field import ElementField
+from live.agents.wants import Wants
+
+TICK = 1.0 / 64.0
+SPEED = 1.3
+
+
+class MadeStage:
+    """A agents at `position`; beats are half seconds; elements are added before or while it runs."""
+
+    def __init__(self, position, *elements, size=(12.0, 8.0), seed=1, groups=None, combine="blended", separation=1.0):
+        position = np.atleast_2d(np.asarray(position, np.float32))
+        self.count = len(position)
+        half = (size[0] / 2, size[1] / 2)
+        self.state, self.spare = AgentState.at(position), AgentState.at(position)
+        self.wants = Wants(self.count)
+        self.wants.speed[:] = SPEED
+        self.groups = np.zeros(self.count, np.uint64) if groups is None else np.array(groups, np.uint64)
+        self.field = ElementField(
+            self.count, half_width=half[0], half_depth=half[1], seed=seed, combine=combine, separation=separation
+        )
+        for element in elements:
+            assert self.field.add(element)
+        steering = Steering(half_width=half[0], half_depth=half[1])
+        ones = np.ones(self.count, np.float32)
+        self.advance = Advance(AgentModel(0.25 * ones, ones, steering, seed))
+        self.surroundings = Surroundings()
+        self.ticks = 0
+
+    def wish(self, beat=8.0, *, planned=None, time=None):
+        """The wants after one call at `beat`, as shares of the top speed, shape (A, 2)."""
+        self.wants.rest()
+        if planned is not None:
+            self.wants.velocity[:] = planned
+            self.wants.firm[:] = 1.0
+        self.field.refresh(beat, self.wants, self.state, self.groups)
+        self.field.wish(self.wants, self.state, self.groups, time=beat / 2 if time is None else time)
+        return self.wants.velocity / SPEED
+
+    def run(self, seconds):
+        """The crowd advances; positions of every eighth tick, shape (T, A, 2)."""
+        kept = []
+        for _ in range(round(seconds / TICK)):
+            time = self.ticks * TICK
+            self.wish(time * 2.0)
+            self.advance(self.state, self.spare, wants=self.wants, surroundings=self.surroundings, time=time, dt=TICK)
+            self.state, self.spare = self.spare, self.state
+            self.ticks += 1
+            if self.ticks % 8 == 0:
+                kept.append(self.state.position.copy())
+        return np.array(kept)

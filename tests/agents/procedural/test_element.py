@@ -1,0 +1,63 @@
+"""Elements as values: fading, ending, and what is refused."""
+
+import math
+
+import pytest
+
+from live.agents.procedural.element import Element, line_length, line_through, rectangle
+from live.agents.procedural.kinds import ATTRACTOR, CROSSING, EVADE, FLOW, FOLLOW, PATH, REPULSOR, VOICE
+from live.base.errors import PersonError
+
+
+def test_an_element_fades_over_a_beat_at_both_ends():
+    element = Element(ATTRACTOR, start_beat=8.0, end_beat=16.0)
+    assert [element.level(b) for b in (7.9, 8.0, 8.5, 9.0, 12.0, 15.5, 16.0)] == [0, 0, 0.5, 1, 1, 0.5, 0]
+
+
+def test_an_element_that_is_ended_fades_from_the_level_it_has():
+    element = Element(ATTRACTOR, start_beat=8.0, end_beat=16.0).ending(8.25)
+    assert [element.level(b) for b in (8.25, 8.375, 8.5, 9.0)] == [0.25, 0.125, 0.0, 0.0]
+    late = Element(ATTRACTOR, start_beat=8.0, end_beat=16.0)
+    assert late.ending(15.9) is late  # it is fading out already
+    endless = Element(ATTRACTOR).ending(100.0)
+    assert endless.level(100.5) == 0.5
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        {"kind": 99},
+        {"kind": ATTRACTOR, "points": ((math.nan, 0.0),)},
+        {"kind": ATTRACTOR, "points": ()},
+        {"kind": ATTRACTOR, "points": ((2e6, 0.0),)},
+        {"kind": ATTRACTOR, "strength": math.inf},
+        {"kind": ATTRACTOR, "start_beat": math.nan},
+        {"kind": ATTRACTOR, "end_beat": math.nan},
+        {"kind": ATTRACTOR, "radius": -1.0},
+        {"kind": ATTRACTOR, "decay": 0.0},
+        {"kind": ATTRACTOR, "groups": 0},
+        {"kind": ATTRACTOR, "groups": 1 << 64},
+        {"kind": REPULSOR, "fair": True},
+        {"kind": CROSSING, "points": ((1.0, 1.0),)},
+        {"kind": CROSSING, "points": ((1.0, 1.0), (1.0, 1.0))},
+        {"kind": CROSSING, "points": ((1.0, 1.0), (1.0, 1.0), (2.0, 2.0))},
+        {"kind": PATH, "points": ((1.0, 1.0), (1.0, 1.0), (1.0, 1.0))},
+        {"kind": FLOW, "points": ((1.0, 1.0),)},
+        {"kind": FLOW, "flow": 9, "points": ((1.0, 1.0), (2.0, 1.0))},
+        {"kind": FOLLOW},
+        {"kind": EVADE, "target": 1, "target_group": 2},
+        {"kind": EVADE, "target_group": 64},
+        {"kind": ATTRACTOR, "points": tuple((0.0, float(k % 7)) for k in range(5000))},
+    ],
+)
+def test_what_has_no_meaning_is_refused(asked):
+    with pytest.raises(PersonError):
+        Element(**asked)
+
+
+def test_places_are_made_of_lines_angles_and_sizes():
+    (ax, az), (bx, bz) = line_through(1.0, 2.0, math.pi / 2)
+    assert (bx - ax, bz - az) == pytest.approx((2.0, 0.0))
+    assert line_length(rectangle(0.0, 0.0, 4.0, 2.0)) == pytest.approx(4 + 2 + 4)
+    assert Element(ATTRACTOR, ((1.0, 2.0),)).moved(1.0, -1.0).points == ((2.0, 1.0),)
+    assert Element(ATTRACTOR, fair=True).table_kind == VOICE
