@@ -34,7 +34,7 @@ BAR_50_MS = 5.0
 
 
 def run(full: bool, shared: Path | None) -> list[Row]:
-    """Processor time of one formation whose shape has been seen before, as when a formation is called live."""
+    """Processor time of one formation whose shape and count have been seen before, as when it is called live again."""
     rows: list[Row] = []
     for dancers in (50, 200, 1000) if full else (50, 200):
         for name, table in TABLES.items():

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Final
 
 import numpy as np
@@ -64,10 +65,14 @@ def silhouettes(core: Core, count: int) -> tuple[list[Curve], Float64]:
         return abs(math.log(max(length, 1e-9) / max(count - centre, 1) / distance))
 
     distance, number, centre = min(options, key=mismatch)
-    curves = [
-        curve for n in range(number) for curve in _rings(core.region if n == 0 else _inner(core.coarse, n * distance))
-    ]
-    return curves, core.middle[None] if centre else np.zeros((0, 2))
+    return list(_all_rings(core, distance, number)), core.middle[None] if centre else np.zeros((0, 2))
+
+
+@lru_cache(maxsize=256)
+def _all_rings(core: Core, distance: float, number: int) -> tuple[Curve, ...]:
+    """Rings of a core; few distances are ever wanted of it, each for many counts."""
+    inner = [core.region if n == 0 else _inner(core.coarse, n * distance) for n in range(number)]
+    return tuple(curve for each in inner for curve in _rings(each))
 
 
 def _is_round(core: Core, distance: float) -> bool:
