@@ -67,12 +67,16 @@ def _type_words(annotation: Any) -> str:
     if origin is Literal:
         return " or ".join(f'"{value}"' for value in get_args(annotation))
     if origin in (Union, types.UnionType):
-        return _type_words(next(kind for kind in get_args(annotation) if kind is not type(None)))
+        return " or ".join(_type_words(kind) for kind in get_args(annotation) if kind is not type(None))
     if origin is tuple:
         kinds = get_args(annotation)
-        return "list of texts" if kinds[-1] is Ellipsis else f"[{', '.join('number' for _ in kinds)}]"
+        if kinds[-1] is not Ellipsis:
+            return f"[{', '.join(map(_type_words, kinds))}]"
+        inner = _type_words(kinds[0])
+        return f"list of {inner}" + ("" if inner.endswith("]") else "s")
     if origin is dict:
-        return f"table of {_type_words(get_args(annotation)[1])}s by name"
+        kind = get_args(annotation)[1]
+        return "table" if kind is Any else f"table of {_type_words(kind)}s by name"
     if hasattr(annotation, "__metadata__"):
         return _type_words(get_args(annotation)[0])
     if isinstance(annotation, type) and issubclass(annotation, Section):

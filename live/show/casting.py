@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.groups.roster import Roster
-from live.agents.groups.selection import selection
+from live.agents.groups.selection import needs_places, selection
 from live.show.patch import Patch
 
 Int32 = npt.NDArray[np.int32]
@@ -36,7 +36,8 @@ class Casting:
                 self._own[dancer].add(SOLOIST)
             begin += size
         self._named = {name.casefold(): words.casefold() for name, words in patch.selections.items()}
-        self._roster = self._made()
+        self.roster = self._made()
+        """What each dancer is, for selections."""
 
     def _made(self) -> Roster:
         words = (frozenset({*own, self.names[g]}) for own, g in zip(self._own, self.group.tolist(), strict=True))
@@ -63,9 +64,15 @@ class Casting:
         index = self.index_of(words)
         if index is not None:
             return np.asarray(self.group == index)
-        return selection(words.casefold(), self._roster, position, self._half)
+        return selection(words.casefold(), self.roster, position, self._half)
+
+    def means_places(self, words: str) -> bool:
+        """Whether who is meant depends on where the dancers stand; words that were selected once already."""
+        if words.strip() in EVERYONE or self.index_of(words) is not None:
+            return False
+        return needs_places(words.casefold(), self.roster)
 
     def regroup(self, who: Bool, index: int) -> None:
         """The dancers `who` (A,) dance with another group from now on."""
         self.group[who] = index
-        self._roster = self._made()
+        self.roster = self._made()

@@ -4,15 +4,11 @@ The same patch, library, seed and (tick, event) list give bit-identical states, 
 """
 
 import hashlib
-import math
 from collections.abc import Mapping
 
 import numpy as np
 
-from live.agents.advance import Advance, LookAhead, Parting
-from live.agents.elements import ATTRACTOR, REPULSOR, SPREADER, Element, ElementField
-from live.agents.formation import FORMATIONS
-from live.agents.model import AgentModel, AgentState, Steering
+from live.agents.crowd.model import AgentState
 from live.base.errors import PersonError
 from live.base.kernels import damper
 from live.base.stage_view import StageView
@@ -27,30 +23,24 @@ from live.graph.motion_graph import MotionGraph
 from live.graph.wanted import parse_sequence
 from live.motion.skeleton import JOINT_COUNT
 from live.motion.step_clip import StepClip
+from live.show.casting import Casting
 from live.show.dancers import Dancers
+from live.show.echo import Echo
+from live.show.group_controls import GROUP_EVENTS, GroupControls
+from live.show.group_motion import GroupMotion
 from live.show.measure import MeasureSpan
 from live.show.patch import Patch
-from live.show.programme import GroupProgramme, UnknownStep, find_step
+from live.show.programme import UnknownStep, find_step
+from live.show.programmes import programmes_of
 from live.show.scheduler import Scheduler
-from live.show.score import Score, placed
-from live.show.variation import Variation, Variety, variety_of
+from live.show.variation import Variation, Variety, varieties_of
 
-AGENT_RADIUS = 0.25
-DANCER_GAP = 0.7
-"""Two dancers shall not end a measure nearer to each other than this [m]: shoulders and a bit."""
 FADE_HALFLIFE = 0.06
 """Half-life of a blackout's fade [s]: dark within a fifth of a second, without a flash."""
 SHORTEST_RETIME = 0.5
 """A measure is never re-timed to end within fewer beats than this."""
 LINES_PER_TICK = 4
 """Measure lines crossed in one tick at most, should the tempo ever run away."""
-
-
-def steering_for(patch: Patch) -> Steering:
-    """The steering parameters of a patch's stage; spreaders' cells hold one dancer and a half each on the average."""
-    area = patch.stage.width * patch.stage.depth
-    cell = min(max(math.sqrt(1.5 * area / patch.dancer_count), 1.2), 6.0)
-    return Steering(half_width=patch.stage.width / 2, half_depth=patch.stage.depth / 2, cell=cell)
 
 
 class Show:
@@ -80,26 +70,23 @@ class Show:
             known_tempo=music.bpm if tempo is None else None,
         )
         self.timeline = self.follower.timeline
-        self.group = np.repeat(np.arange(len(patch.group)), [g.dancers for g in patch.group]).astype(np.int32)
-        count = patch.dancer_count
-        steering = steering_for(patch)
-        self.model = AgentModel(np.full(count, AGENT_RADIUS, np.float32), steering, self.seed)
-        self.state = self._starting_state()
-        self._spare = AgentState.at(self.state.position.copy())
-        self._advance = Advance(self.model)
-        self.elements = ElementField()
+        self.casting = Casting(patch)
+        self.group = self.casting.group
+        self.motion = GroupMotion(patch, self.casting, seed=self.seed)
         self._group_names = {section.name.casefold(): index for index, section in enumerate(patch.group)}
-        varieties = [variety_of(patch.motion_of(section)) for section in patch.group]
+        beats = patch.clock.beats_per_measure
         self.variation = Variation(
-            varieties, self.group, seed=self.seed, beats_per_measure=patch.clock.beats_per_measure, window=graph.window
+            varieties_of(patch),
+            self.group,
+            seed=self.seed,
+            beats_per_measure=beats,
+            window=graph.window,
+            late=tuple(float(section.beats_later % beats) for section in patch.group),
         )
-        self.dancers = Dancers(graph, self.variation, count)
-        programmes = [
-            GroupProgramme(graph, section, seed=self.seed, index=index) for index, section in enumerate(patch.group)
-        ]
-        look_ahead, parting = LookAhead(self.model, self._advance), Parting(self.model, DANCER_GAP)
-        self.scheduler = Scheduler(patch, self.dancers, look_ahead, parting, programmes, self.group)
-        self._score = Score(patch)
+        self.dancers = Dancers(graph, self.variation, len(self.group))
+        programmes = programmes_of(patch, graph, self.seed)
+        self.scheduler = Scheduler(patch, self.dancers, self.motion, programmes, self.group)
+        self._controls = GroupControls(patch, self.motion, self.dancers, self.variation)
         self.span = MeasureSpan.at(self.timeline, self.timeline.beat_at(0.0))
         self._start_dancers()
         self.blackout = False
@@ -112,28 +99,19 @@ class Show:
         """Events that asked for something the show does not have (a step that is not there)."""
         self.refusal = ""
         """The last such event in words, for the operator."""
-        self._last_of: dict[str, Element] = {}
         self._begin_measure(self.span.end - self.timeline.beats_per_measure)
 
-    def _starting_state(self) -> AgentState:
-        places = [
-            FORMATIONS[section.formation](section.dancers, centre=section.centre, size=section.size)
-            for section in self.patch.group
-        ]
-        steering = self.model.steering
-        edge = np.array([steering.half_width - 0.3, steering.half_depth - 0.3], np.float32)
-        position = np.clip(np.concatenate(places).astype(np.float32), -edge, edge)
-        wanted, part = position.copy(), Parting(self.model, DANCER_GAP)
-        for _ in range(8):  # formations of two groups may lie on each other
-            part(position, wanted, float(edge.max()))
-            np.clip(position, -edge, edge, out=position)
-        return AgentState.at(position)
+    @property
+    def state(self) -> AgentState:
+        """The agents now."""
+        return self.motion.state
 
     def _start_dancers(self) -> None:
         """Everybody begins with her group's first step, on the spot if that lets the sequence go on."""
         graph, library = self.graph, self.graph.library
         node = np.zeros(len(self.group), np.int32)
-        for index, programme in enumerate(self.scheduler.programmes):
+        for index in self.scheduler.order:
+            programme = self.scheduler.programmes[index]
             entries = graph.entries(programme.wanted(self.span.number, node[self.group == index]))
             ahead = self.scheduler.foresight.sequence(programme.coming, programme.into)[entries]
             best = np.argmin(ahead + 0.1 * np.hypot(*library.node_travel[entries].T))
@@ -149,13 +127,17 @@ class Show:
         return self.refused + self.follower.rejected == before
 
     def _act_on(self, event: ControlEvent) -> None:
+        if isinstance(event, GROUP_EVENTS):
+            try:
+                self._controls.act(event, time=self.time, timeline=self.timeline, span=self.span)
+            except PersonError as error:
+                self._refuse(f"{event.source}: {error}")
+            return
         match event:
             case events.BeatHeard() | events.SourceChanged() | events.Tap() | events.One() | events.SetTempo():
                 self._follow(event)
-            case events.Attract() | events.Repel() | events.Spread():
-                self._add_element(event)
             case events.Clear():
-                self.elements.clear(self.timeline.beat_at(self.time))
+                self._controls.clear(self.time, self.timeline)
                 for programme in self.scheduler.programmes:
                     programme.release()
             case events.CallStep():
@@ -190,29 +172,18 @@ class Show:
             case events.SourceChanged(state="found"):
                 self.follower.found(event.time)
 
-    def _add_element(self, event: events.Attract | events.Repel | events.Spread) -> None:
-        beat = self.timeline.beat_at(self.time)
-        kind, x, z, strength = SPREADER, 0.0, 0.0, 1.0
-        if not isinstance(event, events.Spread):
-            kind = ATTRACTOR if isinstance(event, events.Attract) else REPULSOR
-            x, z, strength = event.x, event.z, event.strength
-        end = beat + event.measures * self.timeline.beats_per_measure
-        element = Element(kind, x, z, strength, beat, end)
-        last = self._last_of.get(event.source)
-        if not isinstance(event, events.Spread) and event.drag and last is not None and last.kind == kind:
-            self._last_of[event.source] = self.elements.move(last, element)
-        else:
-            self.elements.add(element)
-            self._last_of[event.source] = element
-
     def _call_step(self, event: events.CallStep) -> None:
         try:
             step = find_step(self.graph, event.name)
         except UnknownStep as error:
             self._refuse(f"{event.source}: {error}")
             return
-        for programme in self.scheduler.programmes:
-            programme.call(step, measures=event.measures)
+        members = self._members(event.group)
+        if members is None:
+            self._refuse(f"{event.source}: no group is called {event.group!r}")
+            return
+        for index in members:
+            self.scheduler.programmes[index].call(step, measures=event.measures)
 
     def offer(self, library: str, graph: MotionGraph) -> None:
         """Hold a graph ready for the event StepsAdded that names its library's hash. Thread: any."""
@@ -257,7 +228,9 @@ class Show:
             self._refuse(f"{event.source}: {event.steps!r} cannot be joined from here; live dance says what is missing")
             return
         for index in members:
-            self.scheduler.programmes[index].dance(wanted)
+            programme = self.scheduler.programmes[index]
+            if len(members) == 1 or not isinstance(programme, Echo):  # all together, those who echo go on echoing
+                programme.dance(wanted)
 
     def _set_motion(self, event: events.SetMotion) -> None:
         members = self._members(event.group)
@@ -286,31 +259,22 @@ class Show:
         self.timeline = self.follower.advance(time)
         beat = self.timeline.beat_at(time)
         self.span.follow(self.timeline, beat, shortest=SHORTEST_RETIME)
-        self.elements.refresh(beat)
         crossed = False
         for _ in range(LINES_PER_TICK):
             if beat < self.span.end:
                 break
             self._cross_measure_line(time)
             crossed = True
-        self.scheduler.work(self.span, self.timeline, time, self.state, self.elements)
-        self._advance(
-            self.state,
-            self._spare,
-            speed=self.scheduler.speed,
-            dancer=self.dancers.hips(self.span.fraction(beat)),
-            field=self.elements,
-            time=time,
-            dt=TICK,
-        )
-        self.state, self._spare = self._spare, self.state
+        self.scheduler.work(self.span, self.timeline, time)
+        hips = self.dancers.hips(self.span.fraction(beat))
+        self.motion.tick(time, self.timeline, self.span, speed=self.scheduler.speed, dancer=hips)
         self.dancers.tick(self.span.fraction(beat), time, TICK)
         self.brightness = damper(self.brightness, 0.0 if self.blackout else 1.0, FADE_HALFLIFE, TICK)
         return crossed
 
     def _cross_measure_line(self, time: float) -> None:
         if not self.dancers.decided:
-            self.scheduler.decide(self.span, self.timeline, time, self.state, self.elements)
+            self.scheduler.decide(self.span, self.timeline, time)
         line = self.span.end
         self.dancers.cross_measure_line()
         self._take_graph()
@@ -318,10 +282,14 @@ class Show:
         self._begin_measure(line)
 
     def _begin_measure(self, beat: float) -> None:
+        self._controls.cross_measure_line(self.span.number)
         self.variation.begin_measure(self.span.number)
         self.scheduler.set_speed(self.span.number, self.timeline)
-        for section in self._score.beginning(self.span.number):
-            self.elements.add(placed(section, measure_beat=beat, beats_per_measure=self.timeline.beats_per_measure))
+        entered = self.motion.begin_measure(self.span, beat, self.timeline, self.dancers.present.begin_heading())
+        if len(entered):
+            place = self.state.position[entered].astype(np.float64)
+            way = self.motion.entrances.goal[entered] - place
+            self.dancers.place(entered, place, np.arctan2(way[:, 0], way[:, 1]))
 
     def moment(self, time: float) -> Moment:
         """Musical time at `time` [s]."""
@@ -331,16 +299,15 @@ class Show:
 
     def view(self) -> StageView:
         """An empty drawing snapshot of the right size, to be filled each frame."""
-        view = StageView.allocate(len(self.group), JOINT_COUNT)
-        view.group[:] = self.group
-        return view
+        return StageView.allocate(len(self.group), JOINT_COUNT)
 
     def fill(self, view: StageView, time: float) -> None:
         """Fill the snapshot for `time` [s]: poses at the exact beat, at most a tick after the last one."""
         beat = self.timeline.beat_at(time)
         fraction = self.span.fraction(beat)
         self.dancers.pose(fraction, time, out=(view.joint_position, view.joint_rotation))
-        self.elements.show(view)
+        self.motion.show(view)
+        view.group[:] = self.group
         view.time, view.beat, view.tempo = time, beat, self.follower.tempo
         view.measure, view.beats_per_measure = self.span.number, self.timeline.beats_per_measure
         view.phase = fraction * self.timeline.beats_per_measure
@@ -354,7 +321,7 @@ class Show:
         position, rotation = dancers.pose(self.span.fraction(beat), self.time)
         danced = dancers.present
         for array in (
-            self.state.position, self.state.velocity, danced.node, danced.placement, danced.correction,
+            self.state.flat, self.motion.entrances.state, self.group, danced.node, danced.placement, danced.correction,
             danced.take, danced.warp, dancers.lock.state, self.variation.phase, position, rotation,
             np.array([beat, self.timeline.tempo, self.brightness]),
         ):  # fmt: skip

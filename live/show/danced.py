@@ -83,6 +83,16 @@ class Danced:
         self.turned(np.ones(len(self.node)), out)
         return self._end(out)[0]
 
+    def begin_heading(self) -> Float64:
+        """Where the dancers face when the measure begins [rad], shape (A,)."""
+        return np.asarray(self.placement[:, 2] + self.graph.node_facing_start[np.maximum(self.node, 0)])
+
+    def end_heading(self) -> Float64:
+        """Where the dancers face at the measure's end [rad], shape (A,)."""
+        out = np.empty((len(self.node), 4))
+        self.turned(np.ones(len(self.node)), out)
+        return self._end(out)[1]
+
     def _end(self, placed: Float64) -> tuple[Float64, Float64]:
         """Hips (A, 2) and heading (A,) on the stage at the end, for the placements `placed` (A, 4) there."""
         end, facing = self.own_end()

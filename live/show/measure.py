@@ -35,6 +35,16 @@ class MeasureSpan:
         share = (beat - self._anchor_beat) / left if left > 0.0 else 1.0
         return min(max(self._anchor_fraction + (1.0 - self._anchor_fraction) * share, 0.0), 1.0)
 
+    def danced(self, beat: float, size: int) -> float:
+        """Beats danced at `beat` since measure 0 began, each measure counting as `size`; after this one they run even.
+
+        Where "this is the one" stretches or shortens a measure, danced beats go slower or faster: whoever plans in them
+        arrives on the danced line.
+        """
+        if beat <= self.end:
+            return (self.number + self.fraction(beat)) * size
+        return (self.number + 1) * size + (beat - self.end)
+
     def follow(self, timeline: Timeline, beat: float, *, shortest: float) -> bool:
         """Re-time to the measure lines of `timeline` if they have moved; True if they had.
 

@@ -12,6 +12,7 @@ from live.show.sections.group import GroupSection
 from live.show.sections.motion import LocomotionSection, MotionSection
 from live.show.sections.music import ClockSection, MusicSection, SoundSection
 from live.show.sections.section import Name, Section
+from live.show.sections.segment import FormationTable, RegroupSection, SegmentSection
 from live.show.sections.stage import CameraSection, GateSection, LookSection, ObstacleSection, StageSection
 
 
@@ -41,6 +42,10 @@ class Patch(Section):
     locomotion: LocomotionSection = LocomotionSection()
     motion: MotionSection = MotionSection()
     group: Annotated[tuple[GroupSection, ...], Field(min_length=1, max_length=16)]
+    formation: Annotated[tuple[FormationTable, ...], Field(max_length=1000)] = ()
+    """Formations by name: see formations.md."""
+    segment: Annotated[tuple[SegmentSection, ...], Field(max_length=20000)] = ()
+    regroup: Annotated[tuple[RegroupSection, ...], Field(max_length=20000)] = ()
     element: Annotated[tuple[ElementSection, ...], Field(max_length=20000)] = ()
 
     @property
@@ -82,6 +87,14 @@ class Patch(Section):
                 raise ValueError(f"group {group.name!r} is like {group.like!r}: no other group is called that")
             if leader.like is not None:
                 raise ValueError(f"group {group.name!r}: name {leader.like!r}, which {leader.name!r} is like itself")
+        return self
+
+    @model_validator(mode="after")
+    def _regrouped_somewhere(self) -> "Patch":
+        names = {group.name.casefold() for group in self.group}
+        for section in self.regroup:
+            if section.group.casefold() not in names:
+                raise ValueError(f"regroup in measure {section.measure}: no group is called {section.group!r}")
         return self
 
     @model_validator(mode="after")

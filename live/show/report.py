@@ -117,7 +117,7 @@ class FrameReport:
             return
         apart = np.hypot(*(hips[:, None] - hips[None]).transpose(2, 0, 1))
         apart = apart[np.triu_indices(len(hips), 1)]
-        radius = float(self._show.model.radius.max())
+        radius = float(self._show.motion.model.radius.max())
         self._overlaps += int((apart < 2 * radius).sum())
         self._nearest = min(self._nearest, float(apart.min()))
 

@@ -6,13 +6,13 @@ searched. The way a dancer is still off after her step is spread over that measu
 """
 
 import math
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.advance import LookAhead, Parting
-from live.agents.elements import ElementField
-from live.agents.model import AgentState
+from live.agents.look_ahead import LookAhead
+from live.agents.wings.entrances import ON
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
 from live.graph.candidates import QUICKEST_TURN
@@ -20,10 +20,11 @@ from live.graph.kernels import choose_edges
 from live.graph.motion_graph import MotionGraph
 from live.show.danced import Danced
 from live.show.dancers import Dancers
+from live.show.echo import Echo, Programme
 from live.show.foresight import Foresight
+from live.show.group_motion import GroupMotion
 from live.show.measure import MeasureSpan
 from live.show.patch import Patch
-from live.show.programme import GroupProgramme
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -33,6 +34,9 @@ LOOK_BEATS = 1.5
 """Beats before the measure line at which the look-ahead begins."""
 DECIDE_BEATS = 1.0
 """Beats before it at which the next steps are chosen: never later than the blend begins."""
+
+FAR: Final = np.float32(1e4)
+"""Where those who are not on the stage are for the parting of the others [m]."""
 
 # a metre off the place, a radian off the heading, a metre between poses, a measure away from the wanted step, a mirror
 # image where the group wants none (dearer than any place on the stage, cheaper than another step)
@@ -46,16 +50,17 @@ class Scheduler:
         self,
         patch: Patch,
         dancers: Dancers,
-        look_ahead: LookAhead,
-        parting: Parting,
-        programmes: list[GroupProgramme],
+        motion: GroupMotion,
+        programmes: list[Programme],
         group: Int32,
     ) -> None:
+        """`group` (A,) is shared with the show, which may change it between measures."""
         self._patch = patch
         self._dancers = dancers
-        self._look = look_ahead
-        self._part = parting
+        self._motion = motion
         self.programmes = programmes
+        self.order = sorted(range(len(programmes)), key=lambda index: isinstance(programmes[index], Echo))
+        """The groups in the order in which they are asked: whoever echoes another one after her."""
         self._group = group
         self._looking = False
         self._seconds = 2.0
@@ -89,14 +94,14 @@ class Scheduler:
     def set_speed(self, measure: int, timeline: Timeline) -> None:
         """Let the agents of each group go as fast as its steps and the correction can follow."""
         seconds = self._seconds = timeline.beats_per_measure * 60.0 / timeline.tempo
-        for index, programme in enumerate(self.programmes):
-            members = self._group == index
+        for index in self.order:
+            programme, members = self.programmes[index], self._group == index
             step = programme.wanted(measure, self._dancers.node[members])
             steps = [step] if programme.travel_step is None else [step, programme.travel_step]
             reach = max(float(self._reach[s]) for s in steps)
             self.speed[members] = (reach + 0.2 * self._patch.locomotion.correction_m) / seconds
 
-    def work(self, span: MeasureSpan, timeline: Timeline, time: float, state: AgentState, field: ElementField) -> None:
+    def work(self, span: MeasureSpan, timeline: Timeline, time: float) -> None:
         """Do this tick's share of the planning for the measure after `span`."""
         if self._dancers.decided:
             return
@@ -105,30 +110,30 @@ class Scheduler:
         # a measure that "this is the one" has stretched reaches its blend more than a beat before its end
         blends = span.fraction(timeline.beat_at(time + TICK)) >= 1.0 - self._dancers.graph.window
         if left <= DECIDE_BEATS or blends:
-            self.decide(span, timeline, time, state, field)
+            self.decide(span, timeline, time)
             return
         if not self._looking and left <= max(LOOK_BEATS, DECIDE_BEATS + 2.0 * TICK):
             seconds = max(0.0, (left + timeline.beats_per_measure) * 60.0 / timeline.tempo)
-            self._look.begin(state, time=time, seconds=seconds)
+            self._motion.look(time, seconds, self._dancers.present.end_heading())
             self._looking = True
             ticks = max(1.0, (left - DECIDE_BEATS) * 60.0 / timeline.tempo / TICK)
             self._share = math.ceil(seconds / LookAhead.STEP / ticks)
         if self._looking:
-            self._look.work(self._share, speed=self.speed, field=field)
+            self._motion.work(self._share)
 
-    def decide(
-        self, span: MeasureSpan, timeline: Timeline, time: float, state: AgentState, field: ElementField
-    ) -> None:
+    def decide(self, span: MeasureSpan, timeline: Timeline, time: float) -> None:
         """Choose the next measure of every dancer now, finishing the look-ahead first."""
         if not self._looking:
             left = max(0.0, span.end - timeline.beat_at(time))
-            self._look.begin(state, time=time, seconds=(left + timeline.beats_per_measure) * 60.0 / timeline.tempo)
-        self._look.work(1 << 20, speed=self.speed, field=field)
+            seconds = (left + timeline.beats_per_measure) * 60.0 / timeline.tempo
+            self._motion.look(time, seconds, self._dancers.present.end_heading())
+        self._motion.work(1 << 20)
         self._looking = False
         dancers, graph = self._dancers, self._dancers.graph
         placement = dancers.present.end_placement()
-        target = self._look.position.astype(np.float64)
+        target, known, planned = self._motion.ahead()
         heading = self._headings(dancers.present.end_position(), target)
+        heading[known] = planned[known]
         self._choose_steps(span.number + 1, target)
         choose_edges(
             dancers.node,
@@ -156,8 +161,8 @@ class Scheduler:
         """The step each dancer should dance: her group's, or its travel step if the way is too far for that."""
         limits = self._patch.locomotion
         way = np.hypot(*(target - self._dancers.present.end_position()).T)
-        for index, programme in enumerate(self.programmes):
-            members = self._group == index
+        for index in self.order:
+            programme, members = self.programmes[index], self._group == index
             step = programme.wanted(measure, self._dancers.node[members])
             self._wanted[members] = step
             self._row[members] = 2 * index
@@ -180,6 +185,9 @@ class Scheduler:
             elif section.facing == "centre":
                 way = np.array(section.centre) - target[members]
                 heading[members] = np.arctan2(way[:, 0], way[:, 1])
+        passing = self._motion.entrances.passing  # whoever comes or goes looks where she goes
+        way = target[passing] - start[passing]
+        heading[passing] = np.where(np.hypot(*way.T) > 0.25, np.arctan2(way[:, 0], way[:, 1]), heading[passing])
         return heading
 
     def _take(self, measure: int, placement: Float64, target: Float64, heading: Float64) -> None:
@@ -205,9 +213,11 @@ class Scheduler:
         error *= np.minimum(1.0, limits.correction_m / size)[:, None]
         anchor = np.ascontiguousarray(end, np.float32)
         place = np.ascontiguousarray(end + error, np.float32)
-        self._part(place, anchor, limits.correction_m)
+        on = self._motion.entrances.state == ON
+        apart, held = np.where(on[:, None], place, FAR), np.where(on[:, None], anchor, FAR)
+        self._motion.part(apart, held, limits.correction_m)
         edge = np.array([self._patch.stage.width / 2, self._patch.stage.depth / 2], np.float32)
-        np.clip(place, -edge, edge, out=place)
+        place[on] = np.clip(apart[on], -edge, edge)
         coming.correction[:, :2] = place.astype(np.float64) - anchor
 
     def _own_heading(self, coming: Danced) -> Float64:

@@ -1,35 +1,37 @@
-"""Score: the elements that the patch puts at measures, and those called live, as elements with beats (T132)."""
+"""Score: what the patch puts at measures, handed out when they come (T132)."""
 
-from live.agents.elements import ATTRACTOR, REPULSOR, SPREADER, Element
 from live.show.patch import Patch
 from live.show.sections.element import ElementSection
-
-KINDS = {"attract": ATTRACTOR, "repel": REPULSOR, "spread": SPREADER}
+from live.show.sections.segment import RegroupSection, SegmentSection
 
 
 class Score:
-    """Hands out the patch's elements when their measure begins."""
+    """The elements and segments of a patch by their measures; after `loop_measures` they come again."""
 
     def __init__(self, patch: Patch) -> None:
-        self._sections = patch.element
+        self._patch = patch
         self._loop = patch.loop_measures
 
-    def beginning(self, measure: int) -> list[ElementSection]:
-        """Elements whose first measure is `measure` (from 0); the fraction of a start is left to `placed`."""
-        if measure < 0:  # before the music's first downbeat
+    def _place(self, measure: int) -> int:
+        return measure if self._loop is None else measure % self._loop
+
+    def elements(self, measure: int) -> list[ElementSection]:
+        """Elements whose first measure is `measure` (from 0); a start within it is theirs. Below 0 there are none."""
+        if measure < 0:
             return []
-        place = measure if self._loop is None else measure % self._loop
-        return [section for section in self._sections if int(section.measure) - 1 == place]
+        place = self._place(measure)
+        return [section for section in self._patch.element if int(section.measure) - 1 == place]
 
+    def regroups(self, measure: int) -> list[RegroupSection]:
+        """Who changes the group with `measure` (from 0)."""
+        if measure < 0:
+            return []
+        place = self._place(measure)
+        return [section for section in self._patch.regroup if section.measure - 1 == place]
 
-def placed(section: ElementSection, *, measure_beat: float, beats_per_measure: int) -> Element:
-    """The element of a section whose measure begins at `measure_beat`."""
-    start = measure_beat + (section.measure - int(section.measure)) * beats_per_measure
-    return Element(
-        KINDS[section.kind],
-        section.at[0],
-        section.at[1],
-        section.strength,
-        start,
-        start + section.measures * beats_per_measure,
-    )
+    def segments(self, measure: int) -> list[SegmentSection]:
+        """Segments whose first measure is `measure` (from 0)."""
+        if measure < 0:
+            return []
+        place = self._place(measure)
+        return [section for section in self._patch.segment if section.measure - 1 == place]

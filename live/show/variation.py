@@ -12,6 +12,7 @@ import numpy.typing as npt
 from live.graph.takes import NO_TAKE
 from live.motion.editing.time_warp import F_MAX, draw_measure_warps
 from live.show.danced import Danced
+from live.show.patch import Patch
 from live.show.sections.motion import MotionSection
 
 Float64 = npt.NDArray[np.float64]
@@ -75,6 +76,20 @@ def variety_of(section: MotionSection) -> Variety:
         face_average=float(section.face == "average"),
         mirror={"both": 0.0, "never": -1.0, "only": 1.0}[section.mirror],
     )
+
+
+def varieties_of(patch: Patch) -> list[Variety]:
+    """What a patch says of each group; a group that mirrors another one dances mirror images, and that one none."""
+    varieties = [variety_of(patch.motion_of(section)) for section in patch.group]
+    names = [section.name for section in patch.group]
+    for index, section in enumerate(patch.group):
+        if section.like is None or not section.mirrored:
+            continue
+        varieties[index] = replace(varieties[index], mirror=1.0)
+        leader = names.index(section.like)
+        if varieties[leader].mirror == 0.0:
+            varieties[leader] = replace(varieties[leader], mirror=-1.0)
+    return varieties
 
 
 class Variation:

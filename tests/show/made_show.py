@@ -9,6 +9,7 @@ from tests.made_steps import made_steps
 PATCH = """
 name = "test"
 seed = 3
+reserve = 0
 [clock]
 bpm = 120
 [[group]]

@@ -195,12 +195,12 @@ def test_a_dragged_attractor_stays_one_and_leaves_the_others_alone():
         show.tick(tick * TICK)
         if tick % 60 == 0:
             show.apply(events.Attract(time=tick * TICK, source="pointer", x=0.01 * tick, z=0.0, drag=True))
-    kinds = [element.kind for element in show.elements.elements]
+    kinds = [element.kind for element in show.motion.elements.in_force]
     assert kinds == [ATTRACTOR, SPREADER]
-    assert show.elements.elements[0].x == pytest.approx(2.4)
+    assert show.motion.elements.in_force[0].x == pytest.approx(2.4)
     show.apply(at(events.Attract, show, x=0.0, z=0.0, drag=True))  # another source: nothing to move yet
     show.apply(events.Attract(time=9.0, source="pointer", x=0.0, z=0.0))
-    assert len(show.elements.elements) == 4
+    assert len(show.motion.elements.in_force) == 4
 
 
 @pytest.mark.parametrize("press", [3.75, 3.9, 4.05, 5.5, 6.9])
@@ -245,7 +245,7 @@ def test_music_whose_downbeat_comes_later_begins_with_the_first_step_and_no_elem
     top = "loop_measures = 3\nmusic = {one_at_s = 1.5, bpm = 120}\n"
     show = made_show(top + 'element = [{kind = "spread", measure = 3}]\n', top=True)
     assert show.span.number == -1
-    assert not show.elements.elements
+    assert not show.motion.elements.in_force
     library = show.graph.library
     danced = {}
     for tick in range(1, 64 * 6):

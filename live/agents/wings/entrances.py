@@ -44,6 +44,11 @@ class Entrances:
         return np.asarray(self.state >= ENTERING)
 
     @property
+    def staying(self) -> Bool:
+        """Who is on the stage or on her way in, shape (A,)."""
+        return np.asarray((self.state == ENTERING) | (self.state == ON))
+
+    @property
     def passing(self) -> Bool:
         """Who is on the way in or out, shape (A,)."""
         return np.asarray((self.state == ENTERING) | (self.state == LEAVING))
@@ -90,10 +95,13 @@ class Entrances:
             self.state[row] = ENTERING  # from now on her goal is taken, too
         return rows
 
-    def write(self, wants: Wants, position: Float32) -> None:
-        """Presence of everybody, and the way of those who enter or leave (arrive, T082), into `wants`."""
+    def settle(self, position: Float32) -> None:
+        """Who has arrived at her place is on the stage from now on; agents at `position` (A, 2) [m]."""
         arrived = np.hypot(*(self.goal - position).T) < NEAR
         self.state[(self.state == ENTERING) & arrived & ~self._outside(position)] = ON
+
+    def write(self, wants: Wants, position: Float32) -> None:
+        """Presence of everybody, and the way of those who enter or leave (arrive, T082), into `wants`."""
         wants.presence[:] = np.where(self.state >= ENTERING, ON_STAGE, ABSENT)
         rows = np.flatnonzero(self.passing)
         if not len(rows):

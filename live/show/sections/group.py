@@ -47,8 +47,8 @@ class GroupSection(Section):
     """The step danced instead when the way is farther than the step in turn can go."""
     facing: Literal["public", "path", "centre"] = "public"
     """Where dancers face when a measure ends: the public, along their way, or the group's centre."""
-    formation: Literal["grid", "line", "circle"] = "grid"
-    """The shape in which the group begins."""
+    formation: Annotated[str, Field(min_length=1, max_length=250)] = "grid"
+    """Where the group begins: a `[[formation]]`, or words for one: grid, line, circle, `star:6`, `circle poisson`."""
     centre: Place = (0.0, 0.0)
     """Its middle (x, z) [m]."""
     size: Size = (8.0, 5.0)

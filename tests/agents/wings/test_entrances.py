@@ -15,6 +15,7 @@ def walk(entrances: Entrances, position: np.ndarray, seconds: float) -> Wants:
     for _ in range(round(seconds * 64)):
         wants.rest()
         wants.speed[:] = 1.2
+        entrances.settle(position)
         entrances.write(wants, position)
         position += wants.velocity / 64 * (wants.presence != ABSENT)[:, None]
     return wants

@@ -1,0 +1,69 @@
+"""LookAhead: where the agents will be, by the same steering on a copy, in coarse steps spread over several ticks."""
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.crowd.advance import Advance
+from live.agents.crowd.model import AgentState
+from live.agents.crowd.surroundings import Surroundings
+from live.agents.wants import Wants
+
+Float32 = npt.NDArray[np.float32]
+
+Ask = Callable[[Wants, AgentState, float], None]
+"""Fills the wants of agents in a state at a time [s]; changes nothing else."""
+
+
+class LookAhead:
+    """A beat before a measure ends its dancers choose their next step by where their agents will stand when the *next*
+    measure ends. Running all of it in one tick would make that frame late; so `work` does a few steps at a time.
+    """
+
+    STEP: Final = 1.0 / 16.0
+    """Seconds of one coarse step."""
+
+    def __init__(self, agent_count: int, advance: Advance, surroundings: Surroundings, ask: Ask) -> None:
+        self._advance, self._surroundings, self._ask = advance, surroundings, ask
+        self._wants = Wants(agent_count)
+        self._state = AgentState(agent_count)
+        self._spare = AgentState(agent_count)
+        self._left = 0.0
+        self._time = 0.0
+
+    def begin(self, state: AgentState, *, time: float, seconds: float) -> None:
+        """Start from `state` at `time` [s]; look `seconds` ahead."""
+        self._state.copy_from(state)
+        self._left = seconds
+        self._time = time
+
+    @property
+    def done(self) -> bool:
+        """Whether the copy has reached its end."""
+        return self._left <= 1e-9
+
+    def work(self, steps: int) -> None:
+        """Do at most `steps` coarse steps. The copies are on no leash: their dancers are taken to keep up."""
+        for _ in range(steps):
+            if self.done:
+                return
+            dt = min(self.STEP, self._left)
+            self._ask(self._wants, self._state, self._time)
+            self._advance(
+                self._state,
+                self._spare,
+                wants=self._wants,
+                surroundings=self._surroundings,
+                time=self._time,
+                dt=dt,
+            )
+            self._state, self._spare = self._spare, self._state
+            self._left -= dt
+            self._time += dt
+
+    @property
+    def position(self) -> Float32:
+        """Predicted positions [m], shape (A, 2)."""
+        return self._state.position

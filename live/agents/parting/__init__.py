@@ -1,0 +1,1 @@
+"""Parting: places that lie too near to each other are moved apart."""

@@ -1,0 +1,137 @@
+"""Elements: the procedural elements of a show, put there by the score or live, each for its own group (T105-T110)."""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.crowd.model import AgentState
+from live.agents.procedural.element import Element
+from live.agents.procedural.field import ElementField
+from live.agents.procedural.kinds import EVERYBODY, VOICE
+from live.agents.wants import Wants
+from live.base.stage_view import StageView
+from live.control import events
+from live.show.addressees import Addressees
+from live.show.casting import Casting
+from live.show.elements_of import ElementEvent, Placing, placing_of_event, placing_of_section
+from live.show.patch import Patch
+from live.show.score import Score
+
+Float32 = npt.NDArray[np.float32]
+
+SEPARATION: Final = 1.25
+"""Distance [m] under which dancers whom elements move push each other away."""
+
+
+class Elements:
+    """The elements of one show: from the patch's score at their measures, from controls now or at the next line."""
+
+    def __init__(self, patch: Patch, casting: Casting, *, seed: int) -> None:
+        count = len(casting.group)
+        half = (patch.stage.width / 2, patch.stage.depth / 2)
+        self._score = Score(patch)
+        self._addressees = Addressees(casting)
+        self._field = ElementField(
+            count, half_width=half[0], half_depth=half[1], seed=seed, separation=SEPARATION, combine="blended"
+        )
+        self._ahead: Float32 = np.zeros(count, np.float32)
+        self._last_of: dict[str, Element] = {}
+        for section in patch.element:  # whatever is wrong is told at the start, not in measure 200
+            placing = placing_of_section(section)
+            casting.select(placing.group, np.zeros((count, 2)))
+            if placing.whom and placing.dancer < 0:
+                casting.select(placing.whom, np.zeros((count, 2)))
+            placing.element(
+                groups=EVERYBODY, target_group=-1 if placing.dancer >= 0 or not placing.whom else 0, source="",
+                start=0.0, beats_per_measure=4,
+            )  # fmt: skip
+
+    @property
+    def influence(self) -> Float32:
+        """How far elements have taken each agent from her plan, 0 to 1, shape (A,)."""
+        return self._field.influence
+
+    @property
+    def in_force(self) -> tuple[Element, ...]:
+        """The elements that have not ended, oldest first."""
+        return self._field.elements
+
+    def begin_measure(self, measure: int, beat: float, beats_per_measure: int, position: Float32) -> None:
+        """Put the score's elements in force that begin in `measure` (from 0), whose line is at `beat`."""
+        for section in self._score.elements(measure):
+            start = beat + (section.measure - int(section.measure)) * beats_per_measure
+            self._place(placing_of_section(section), "score", start, beats_per_measure, position)
+
+    def act(
+        self, event: ElementEvent, *, beat: float, next_line: float, beats_per_measure: int, position: Float32
+    ) -> None:
+        """Let an event place its element at `beat`, or at the next line; PersonError if it means nothing."""
+        placing = placing_of_event(event)
+        voice = isinstance(event, events.Voice)
+        later = not isinstance(event, events.Voice) and event.next
+        drag = isinstance(event, events.Attract | events.Repel) and event.drag
+        last = self._last_of.get(event.source)
+        start = next_line if later else beat
+        if last is not None and (drag or voice) and last.table_kind == self._kind(placing):
+            self._last_of[event.source] = self._field.move(
+                last, self._made(placing, event.source, start, beats_per_measure, position)
+            )
+            return
+        placed = self._place(placing, event.source, start, beats_per_measure, position)
+        if len(self._last_of) > 4096:  # as many as there may be senders of voices
+            self._last_of.clear()
+        self._last_of[event.source] = placed
+
+    @staticmethod
+    def _kind(placing: Placing) -> int:
+        probe = placing.element(groups=EVERYBODY, target_group=-1, source="", start=0.0, beats_per_measure=4)
+        return VOICE if placing.fair else probe.kind
+
+    def _made(self, placing: Placing, source: str, start: float, beats_per_measure: int, position: Float32) -> Element:
+        used = self._used()
+        groups = self._addressees.mask(placing.group, position, used)
+        target = -1
+        if placing.whom and placing.dancer < 0:
+            target = self._addressees.bit(placing.whom, position, used | (groups if groups != EVERYBODY else 0))
+        return placing.element(
+            groups=groups, target_group=target, source=source, start=start, beats_per_measure=beats_per_measure
+        )
+
+    def _place(self, placing: Placing, source: str, start: float, beats_per_measure: int, position: Float32) -> Element:
+        element = self._made(placing, source, start, beats_per_measure, position)
+        self._field.add(element)
+        return element
+
+    def _used(self) -> int:
+        """The bits of groups that elements in force have."""
+        used = 0
+        for element in self._field.elements:
+            if element.groups != EVERYBODY:
+                used |= element.groups
+            if element.target_group >= 0:
+                used |= 1 << element.target_group
+        return used
+
+    def clear(self, beat: float) -> None:
+        """Let every element fade out from `beat` on, from the level it has; those yet to come never begin."""
+        self._field.clear(beat)
+
+    def regrouped(self, position: Float32) -> None:
+        """Dancers have changed their groups."""
+        self._addressees.regrouped(position)
+
+    # -- each tick -----------------------------------------------------------------------------------------------
+
+    def refresh(self, beat: float, wants: Wants, state: AgentState) -> None:
+        """Once a tick, before `wish`: which elements act at `beat`."""
+        self._field.refresh(beat, wants, state, self._addressees.bits)
+
+    def wish(self, wants: Wants, state: AgentState, *, time: float, ahead: bool) -> None:
+        """Blend what the elements wish of agents in `state` into `wants`; `ahead`: on a copy, nothing is noted."""
+        influence = self._ahead if ahead else None
+        self._field.wish(wants, state, self._addressees.bits, time=time, influence=influence)
+
+    def show(self, view: StageView) -> None:
+        """Copy what acts now into the drawing snapshot."""
+        self._field.show(view)

@@ -1,0 +1,140 @@
+"""Evolutions: the formations and segments of a show, from its score or asked for live (T085-T089, T095-T103)."""
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.crowd.model import AgentState
+from live.agents.evolutions.intention import Evolve, Hold, Repertoire
+from live.agents.evolutions.plan import Plan
+from live.agents.wants import Wants
+from live.base.errors import PersonError
+from live.control import events
+from live.show.casting import Casting
+from live.show.formations import Formations
+from live.show.patch import Patch
+from live.show.score import Score
+from live.show.sections.segment import spec_of
+from live.show.segments import SegmentEvent, segment_of_event, segment_of_section
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Bool = npt.NDArray[np.bool_]
+
+LIVE_WAYS: Final = 16
+"""Ways drawn live that are kept; the oldest gives way."""
+
+
+class Evolutions:
+    """The running plan of a show. Beats are danced beats: (measure + how far it is) times the beats of a measure."""
+
+    def __init__(self, patch: Patch, casting: Casting, *, radius: Float32, seed: int) -> None:
+        """PersonError for a formation, way or group that cannot be."""
+        self._patch, self._casting = patch, casting
+        self._score = Score(patch)
+        self._formations = Formations([spec_of(table) for table in patch.formation], seed=seed)
+        half = (patch.stage.width / 2, patch.stage.depth / 2)
+        self._beats = patch.clock.beats_per_measure
+        self._plan = Plan(casting.roster, Repertoire(), measure_beats=self._beats, half=half, radius=radius, seed=seed)
+        self._added = -1
+        self._ways = 0
+        for section in patch.segment:  # whatever is wrong is told at the start, not in measure 200
+            if section.formation is not None:
+                self._name(section.formation)
+            casting.select(section.group, np.zeros((len(casting.group), 2)))
+        for regroup in patch.regroup:
+            casting.select(regroup.dancers, np.zeros((len(casting.group), 2)))
+
+    def starting_places(self) -> Float64:
+        """Where the dancers of all groups begin, one group after the other, (dancers, 2) [m]."""
+        return np.concatenate([self._formations.beginning(section) for section in self._patch.group])
+
+    def _name(self, words: str) -> str:
+        """The name under which the plan finds the formation that `words` name or say."""
+        formation = self._formations.find(words)
+        if self._plan.repertoire.formations.get(formation.name) is not formation:
+            self._plan.repertoire = self._plan.repertoire.with_formation(formation)
+        return formation.name
+
+    # -- measures ------------------------------------------------------------------------------------------------
+
+    def _take_up(self, measure: int) -> None:
+        """Plan the score's segments of the measures up to `measure`, once."""
+        for number in range(max(self._added + 1, measure - 1), measure + 1):
+            for index, section in enumerate(self._score.segments(number)):
+                formation = "" if section.formation is None else self._name(section.formation)
+                way = f"score {index} of measure {section.measure}"
+                if section.path is not None:
+                    self._plan.repertoire = self._plan.repertoire.with_path(way, np.array(section.path))
+                self._plan.add(segment_of_section(section, start=number, formation=formation, path=way))
+        self._added = max(self._added, measure)
+
+    def begin_measure(self, measure: int, position: Float32, heading: Float64, available: Bool) -> None:
+        """The segments of `measure` (from 0) begin, from where the dancers `available` (A,) are now."""
+        if measure < 0:
+            return
+        self._plan.available = available
+        self._take_up(measure)
+        self._plan.begin_measure(measure, position, heading)
+        self._plan.forget(measure + 1)
+        self._take_up(measure + 1)
+
+    def prepare(self, measure: int, position: Float32, heading: Float64) -> None:
+        """Begin to work out, ahead of time, what begins with `measure`, from foreseen places and headings."""
+        if measure >= 0:
+            self._plan.prepare(measure, position, heading)
+
+    # -- live ----------------------------------------------------------------------------------------------------
+
+    def act(self, event: SegmentEvent, *, measure: int, beat: float, position: Float32, heading: Float64) -> None:
+        """Let an event act at the danced `beat`, in `measure`, or at its end; PersonError if it asks for nothing."""
+        if not self._casting.select(event.group, position).any():
+            raise PersonError(f"nobody is {event.group!r} now")
+        way = f"live {self._ways % LIVE_WAYS}"
+        segment, drawn = segment_of_event(event, start=max(measure + 1, 0), path=way)
+        if isinstance(event, events.Evolve):
+            self._name(event.formation)
+        if drawn is not None:
+            self._ways += 1
+            self._plan.repertoire = self._plan.repertoire.with_path(way, drawn)
+        if event.next or beat < 0.0:
+            self._plan.add(segment)
+        else:
+            self._plan.start_now(segment, beat, position, heading)
+
+    def define(self, event: events.DefineFormation, *, measure: int) -> None:
+        """Make or change a formation by name, within `measure`; whoever is in it goes to its new places (T087)."""
+        formation = self._formations.define(event.name, event.formation)
+        self._plan.repertoire = self._plan.repertoire.with_formation(formation)
+        for motion in self._plan.motions:
+            if isinstance(motion.intention, Hold | Evolve) and motion.intention.formation == formation.name:
+                self._plan.add(replace(motion.segment, start=max(measure + 1, 0), measures=1, later=0.0))
+
+    def release(self, who: Bool) -> None:
+        """What these dancers (A,) have now is over."""
+        self._plan.release(who)
+
+    def clear(self, who: Bool) -> None:
+        """These dancers (A,) have no segments any more that were planned already."""
+        self._plan.clear(who)
+
+    def regrouped(self) -> None:
+        """Dancers have changed their groups."""
+        self._plan.roster = self._casting.roster
+
+    # -- ticks ---------------------------------------------------------------------------------------------------
+
+    def work(self) -> None:
+        """Do one small piece of what is to be worked out."""
+        self._plan.work()
+
+    def write(self, wants: Wants, state: AgentState, beat: float, beats_per_second: float) -> None:
+        """Ask the dancers under a segment to be where it says at the danced `beat`."""
+        self._plan.write(wants, state, beat, beats_per_second)
+
+    def target(self, beat: float) -> tuple[Bool, Float32, Float32]:
+        """Who is under a segment at a future danced `beat` (A,), at which places (A, 2) [m], with which headings."""
+        setting = self._plan.target(beat)
+        return setting.under == 1, setting.position, setting.heading

@@ -1,0 +1,101 @@
+"""Formations of a show by name: from the patch, defined live, or said in a few words; made for any count (T087)."""
+
+from collections import OrderedDict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.evolutions.intention import Places
+from live.agents.formations.formation import check_formation, formation_of
+from live.agents.formations.spec import FormationSpec
+from live.agents.formations.spec_words import spec_from_words
+from live.base.errors import PersonError
+from live.show.casting import SOLOIST
+from live.show.sections.group import GroupSection
+
+Float64 = npt.NDArray[np.float64]
+
+KEPT: Final = 64
+"""Counts for which a formation's places are kept."""
+
+
+@dataclass(slots=True, eq=False)
+class NamedFormation:
+    """A formation that is made for as many dancers as there are, and kept."""
+
+    name: str
+    spec: FormationSpec
+    seed: int
+    _made: "OrderedDict[int, Places]"
+
+    @staticmethod
+    def of(name: str, spec: FormationSpec, seed: int) -> "NamedFormation":
+        """Raises PersonError if the spec gives no formation."""
+        check_formation(spec)
+        return NamedFormation(name, spec, seed, OrderedDict())
+
+    def made(self, count: int) -> Places:
+        """The places for `count` dancers."""
+        if count not in self._made:
+            formation = formation_of(self.spec, count, self.seed)
+            marks: Sequence[str] = [SOLOIST if soloist else "" for soloist in formation.soloist]
+            self._made[count] = Places(self.name, formation.slots, formation.heading, marks)
+            if len(self._made) > KEPT:
+                self._made.popitem(last=False)
+        return self._made[count]
+
+
+class Formations:
+    """All formations of a show: names are looked up first, anything else is read as words for one."""
+
+    def __init__(self, specs: Sequence[FormationSpec], *, seed: int) -> None:
+        """Raises PersonError if one of them cannot be."""
+        self._seed = seed
+        self._named = {spec.name.casefold(): NamedFormation.of(spec.name, spec, seed) for spec in specs}
+        self._said: OrderedDict[str, NamedFormation] = OrderedDict()
+
+    def find(self, words: str) -> NamedFormation:
+        """The formation of this name, or the one that the words say; PersonError with what there is."""
+        folded = words.casefold().strip()
+        if folded in self._named:
+            return self._named[folded]
+        if words not in self._said:
+            try:
+                spec = spec_from_words(words)
+            except PersonError as error:
+                names = ", ".join(formation.name for formation in self._named.values())
+                raise PersonError(f"{error}", f"formations of this show: {names}" if names else None) from None
+            self._said[words] = NamedFormation.of(words, spec, self._seed)
+            if len(self._said) > KEPT:
+                self._said.popitem(last=False)
+        return self._said[words]
+
+    def define(self, name: str, words: str) -> NamedFormation:
+        """Make, or change, the formation called `name` as the words say; PersonError if they say none."""
+        if name.casefold().strip() not in self._named and len(self._named) >= 2000:
+            raise PersonError("more formations than anybody can dance", "change one of those there are")
+        formation = NamedFormation.of(name, self.find(words).spec, self._seed)
+        self._named[name.casefold().strip()] = formation
+        return formation
+
+    def beginning(self, section: GroupSection) -> Float64:
+        """Where the dancers of a group begin, (dancers, 2) [m]; those without a place stand in rows around its middle.
+
+        Words for a formation take the group's centre and size.
+        """
+        folded = section.formation.casefold().strip()
+        if folded in self._named:
+            spec = self._named[folded].spec
+        else:
+            from dataclasses import replace
+
+            spec = replace(spec_from_words(section.formation), centre=section.centre, size=section.size)
+        places = formation_of(spec, section.dancers, self._seed).slots
+        missing = section.dancers - len(places)
+        if missing > 0:
+            rows = FormationSpec(shape="grid", centre=section.centre, size=section.size)
+            places = np.concatenate([places, formation_of(rows, missing, self._seed).slots])
+        return np.asarray(places[: section.dancers], np.float64)

@@ -1,0 +1,220 @@
+"""GroupMotion: where the agents of a show go: elements, evolutions, who comes and goes, what stands in the way (T080).
+
+Each dancer is led by an agent. Per tick: what the plan asks of her (`agents/evolutions`), what elements ask
+(`agents/procedural`), what makes it safe (`agents/crowd`). Nothing here knows steps or poses.
+"""
+
+import math
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.crowd.advance import Advance
+from live.agents.crowd.model import AgentModel, AgentState, Steering
+from live.agents.crowd.surroundings import Surroundings
+from live.agents.look_ahead import LookAhead
+from live.agents.parting.parting import Parting
+from live.agents.wants import Wants
+from live.agents.wings.entrances import Entrances
+from live.agents.wings.gate import Gate, wings
+from live.base.stage_view import StageView
+from live.clock.ticks import TICK
+from live.clock.timeline import Timeline
+from live.control.events import Performer
+from live.show.casting import Casting
+from live.show.elements import Elements
+from live.show.evolutions import Evolutions
+from live.show.measure import MeasureSpan
+from live.show.patch import Patch
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Bool = npt.NDArray[np.bool_]
+Rows = npt.NDArray[np.intp]
+
+AGENT_RADIUS: Final = 0.25
+DANCER_GAP: Final = 0.7
+"""Two dancers shall not end a measure nearer to each other than this [m]: shoulders and a bit."""
+LEASH: Final = 0.9
+"""An agent farther than this [m] from her dancer slows down until the dancer has followed."""
+HURRY: Final = 1.25
+"""Evolutions are kept in time by going faster than the steps reach, by this factor at most."""
+TAKEN: Final = 0.5
+"""An element whose influence has come this far takes a dancer out of her evolution for good."""
+STANDING: Final = 0.9
+"""Distance [m] under which dancers whom nothing moves make room for each other."""
+LOST_S: Final = 2.0
+"""A real dancer of whom nothing is heard for so long [s] has left."""
+FASTEST: Final = 6.0
+"""Nobody dances faster than this [m/s]: such leaps are faults of the tracking."""
+
+
+def gates_of(patch: Patch) -> tuple[Gate, ...]:
+    """The gates of a patch; the usual wings if it names none."""
+    half_width, half_depth = patch.stage.width / 2, patch.stage.depth / 2
+    named = tuple(
+        Gate.at_edge(gate.name, gate.at, gate.width, half_width=half_width, half_depth=half_depth)
+        for gate in patch.gate
+    )
+    return named or wings(half_width, half_depth)
+
+
+class GroupMotion:
+    """The agents of one show. Call `begin_measure` at measure lines and `tick` for every tick."""
+
+    def __init__(self, patch: Patch, casting: Casting, *, seed: int) -> None:
+        """Everybody stands in her group's formation; PersonError for one that cannot be."""
+        count = len(casting.group)
+        half = (patch.stage.width / 2, patch.stage.depth / 2)
+        self.casting = casting
+        self._seed = seed
+        self._half = np.array(half, np.float32)
+        steering = Steering(half_width=half[0], half_depth=half[1])
+        radius = np.full(count, AGENT_RADIUS, np.float32)
+        responsibility = np.where(casting.soloists, 0.0, 1.0).astype(np.float32)
+        self.model = AgentModel(radius, responsibility, steering, seed)
+        self.gates = gates_of(patch)
+        self.entrances = Entrances(count, patch.dancer_count, self.gates, half)
+        self.surroundings = Surroundings()
+        for item in patch.obstacle:
+            if item.wall_to is not None:
+                self.surroundings.put_wall(item.name, *item.at, *item.wall_to)
+            else:
+                self.surroundings.put_obstacle(item.name, *item.at, item.radius)
+        self.part = Parting(count, DANCER_GAP, half_width=half[0], half_depth=half[1], seed=seed)
+        self.evolutions = Evolutions(patch, casting, radius=radius, seed=seed)
+        self.elements = Elements(patch, casting, seed=seed)
+        self.state = AgentState.at(self._starting_places(patch))
+        self._spare = AgentState.at(self.state.position)
+        self._advance = Advance(self.model)
+        self.wants = Wants(count)
+        self._look = LookAhead(count, self._advance, self.surroundings, self._ask_ahead)
+        self._now: tuple[Timeline, MeasureSpan] | None = None
+        self._speed: Float32 = np.zeros(count, np.float32)
+        self._performers: dict[str, Performer] = {}
+
+    def _starting_places(self, patch: Patch) -> Float32:
+        position = np.zeros((len(self.casting.group), 2), np.float32)
+        position[: patch.dancer_count] = self.evolutions.starting_places()
+        position[patch.dancer_count :] = self.gates[0].places(patch.reserve)
+        edge = self._half - np.float32(0.3)
+        on = self.entrances.present
+        position[on] = np.clip(position[on], -edge, edge)
+        wanted = position.copy()
+        for _ in range(8):  # formations of two groups may lie on each other
+            self.part(position, wanted, float(edge.max()))
+            position[on] = np.clip(position[on], -edge, edge)
+        position[~on] = wanted[~on]
+        return position
+
+    def begin_measure(self, span: MeasureSpan, beat: float, timeline: Timeline, heading: Float64) -> Rows:
+        """The measure `span` begins at `beat`; dancers face `heading` (A,) [rad].
+
+        Returns who enters the stage with it: her agent stands at her gate now.
+        """
+        self._now = (timeline, span)
+        entered = self.entrances.cross_measure_line(self.state.position)
+        self.state.velocity[entered] = 0.0
+        self.elements.begin_measure(span.number, beat, timeline.beats_per_measure, self.state.position)
+        self.evolutions.begin_measure(span.number, self.state.position, heading, self.entrances.staying)
+        return entered
+
+    @property
+    def present(self) -> Bool:
+        """Who can be seen, shape (A,)."""
+        return self.entrances.present
+
+    # -- time ----------------------------------------------------------------------------------------------------
+
+    def tick(self, time: float, timeline: Timeline, span: MeasureSpan, *, speed: Float32, dancer: Float32) -> None:
+        """Advance by one tick; `speed` (A,) [m/s]: what the dancers' steps can follow, `dancer` (A, 2) [m]: where they
+        are."""
+        self._now, self._speed = (timeline, span), speed
+        self.entrances.settle(self.state.position)
+        self._forget_performers(time)
+        self.evolutions.work()
+        lag = np.hypot(*(self.state.position - dancer).T)
+        self._ask(self.wants, self.state, time, np.clip(2.0 - lag / LEASH, 0.1, 1.0), ahead=False)
+        self.evolutions.release(self.elements.influence >= TAKEN)
+        self._advance(self.state, self._spare, wants=self.wants, surroundings=self.surroundings, time=time, dt=TICK)
+        self.state, self._spare = self._spare, self.state
+
+    def _ask_ahead(self, wants: Wants, state: AgentState, time: float) -> None:
+        self._ask(wants, state, time, 1.0, ahead=True)
+
+    def _ask(self, wants: Wants, state: AgentState, time: float, leash: Float32 | float, *, ahead: bool) -> None:
+        """What everybody is asked to do in `state` at `time` [s]; on a copy (`ahead`) nothing but `wants` changes."""
+        if self._now is None:
+            return
+        timeline, span = self._now
+        beat, size = timeline.beat_at(time), timeline.beats_per_measure
+        wants.rest()
+        wants.speed[:] = self._speed
+        wants.separation[:] = STANDING
+        danced = span.danced(beat, size)
+        rate = (span.danced(timeline.beat_at(time + TICK), size) - danced) / TICK
+        self.evolutions.write(wants, state, danced, rate)
+        # an agent waits for her dancer, but not in an evolution: that is where the dancer is sent, too
+        wants.speed[:] = np.where(wants.firm > 0.0, self._speed * HURRY, self._speed * leash)
+        if not ahead:
+            self.elements.refresh(beat, wants, state)
+        self.elements.wish(wants, state, time=time, ahead=ahead)
+        self.entrances.write(wants, state.position)
+
+    # -- what is ahead -------------------------------------------------------------------------------------------
+
+    def look(self, time: float, seconds: float, heading: Float64) -> None:
+        """Begin to look `seconds` [s] ahead of `time` [s], and to work out what begins with the next measure, for
+        dancers who will face `heading` (A,) [rad] then."""
+        self._look.begin(self.state, time=time, seconds=seconds)
+        if self._now is not None:
+            self.evolutions.prepare(self._now[1].number + 1, self.state.position, heading)
+
+    def work(self, steps: int) -> None:
+        """Do at most so many coarse steps of looking ahead."""
+        self._look.work(steps)
+
+    def ahead(self) -> tuple[Float64, Bool, Float64]:
+        """Where everybody will be when the next measure ends, (A, 2) [m]; who is in an evolution then, (A,), and with
+        which heading, (A,) [rad]. The look ahead must be finished."""
+        place = self._look.position.astype(np.float64)
+        heading = np.zeros(len(place))
+        if self._now is None:
+            return place, np.zeros(len(place), np.bool_), heading
+        timeline, span = self._now
+        known, planned, facing = self.evolutions.target((span.number + 2) * timeline.beats_per_measure)
+        known = known & (self.elements.influence < TAKEN) & ~self.entrances.passing
+        place[known], heading[known] = planned[known], facing[known]
+        return place, known, heading
+
+    # -- live ----------------------------------------------------------------------------------------------------
+
+    def track(self, event: Performer) -> bool:
+        """Take up where a real dancer is; False if there are too many obstacles already."""
+        last = self._performers.get(event.name)
+        velocity = (0.0, 0.0)
+        if last is not None and event.time - last.time > 1e-3:
+            since = event.time - last.time
+            velocity = ((event.x - last.x) / since, (event.z - last.z) / since)
+            fast = max(math.hypot(*velocity) / FASTEST, 1.0)
+            velocity = (velocity[0] / fast, velocity[1] / fast)
+        taken = self.surroundings.put_obstacle(_performer(event.name), event.x, event.z, AGENT_RADIUS, *velocity)
+        if taken:
+            self._performers[event.name] = event
+        return taken
+
+    def _forget_performers(self, time: float) -> None:
+        for name in [name for name, event in self._performers.items() if time - event.time > LOST_S]:
+            del self._performers[name]
+            self.surroundings.remove(_performer(name))
+
+    def show(self, view: StageView) -> None:
+        """Copy what is drawn into the snapshot."""
+        view.present[:] = self.present
+        self.elements.show(view)
+
+
+def _performer(name: str) -> str:
+    """The name of a real dancer among the obstacles: no item of the set is called so."""
+    return f"performer {name}"
