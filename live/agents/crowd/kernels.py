@@ -6,7 +6,7 @@ import numpy.typing as npt
 from live.agents.crowd.bounds.kernels import bend_at_surroundings, keep_on_stage
 from live.agents.crowd.cells.kernels import sort_agents
 from live.agents.crowd.contacts.kernels import land_softly, part_bodies
-from live.agents.crowd.motion.kernels import FIRM_HORIZON, steer_agents
+from live.agents.crowd.motion.kernels import ask_agents, steer_agents
 from live.agents.crowd.neighbours.kernels import sum_neighbours
 from live.base.jit import kernel
 
@@ -40,18 +40,12 @@ def advance_crowd(
     """
     a = wants.shape[0]
     grid = np.empty(4)
-    sorted_, sums, moved, change, asks = rows[0:6], rows[6:14], rows[14:18], rows[18:21], rows[21:25]
+    sorted_, sums, moved, change, asks = rows[0:6], rows[6:14], rows[14:18], rows[18:21], rows[26:31]
     slot_agent = numbers[0]
     pairs = numbers[4:16].reshape(12 * numbers.shape[1])
     n = sort_agents(state, wants, model, sorted_, slot_agent, numbers[1:3].reshape(2 * numbers.shape[1]), start, grid)
-    for s in range(n):
-        i = slot_agent[s]
-        separation = min(max(wants[i, 3], np.float32(1e-6)), np.float32(3.0))
-        asks[0, s] = np.float32(1.0) / (separation * separation)
-        asks[1, s] = params[6] + wants[i, 6] * (np.float32(FIRM_HORIZON) - params[6])
-        asks[2, s] = wants[i, 4]
-        asks[3, s] = wants[i, 5]
-    pair_count = sum_neighbours(sorted_, start, grid, asks, sums, params, rows[25:31], numbers[16], numbers[17], pairs)
+    ask_agents(asks, wants, slot_agent, n, params)
+    pair_count = sum_neighbours(sorted_, start, grid, asks, sums, params, rows[31:37], numbers[16], numbers[17], pairs)
     steer_agents(out, state, wants, sums, moved, slot_agent, n, params, dt)
     land_softly(moved, sorted_, pairs, pair_count, change, n, dt)
     bend_at_surroundings(moved, sorted_, n, walls, wall_count, obstacles, obstacle_count)

@@ -5,11 +5,16 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from live.agents.crowd.cells.kernels import NEIGHBOUR_RANGE
 from live.agents.crowd.neighbours.kernels import (
+    ALIGNMENT,
     AVOID_X,
     AVOID_Z,
+    COHESION,
     FLOCK_X,
     FLOCK_Z,
+    HORIZON,
+    PER_SEPARATION2,
     PUSH_X,
     PUSH_Z,
     WEIGHT,
@@ -52,6 +57,18 @@ def limit_turn(x: float, z: float, old_x: float, old_z: float, most: float) -> t
     dx, dz = (cosine * old_x - sine * old_z) / old, (sine * old_x + cosine * old_z) / old
     keep = max(x * dx + z * dz, 0.0)
     return dx * keep, dz * keep
+
+
+@kernel("void(f4[:,::1], f4[:,::1], i4[::1], i8, f4[::1])")
+def ask_agents(asks: Float32, wants: Float32, slot_agent: Int32, n: int, params: Float32) -> None:
+    """Fill `asks`: what the neighbour pass has to know of each sorted agent."""
+    one, horizon = np.float32(1.0), params[6]
+    for s in range(n):
+        i = slot_agent[s]
+        separation = min(max(wants[i, 3], np.float32(1e-3)), np.float32(NEIGHBOUR_RANGE))
+        asks[PER_SEPARATION2, s] = one / (separation * separation)
+        asks[HORIZON, s] = horizon + wants[i, 6] * (np.float32(FIRM_HORIZON) - horizon)
+        asks[ALIGNMENT, s], asks[COHESION, s] = wants[i, 4], wants[i, 5]
 
 
 @kernel("void(f4[::1], f4[::1], f4[:,::1], f4[:,::1], f4[:,::1], i4[::1], i8, f4[::1], f8)")
