@@ -101,7 +101,6 @@ def test_everybody_arrives_without_overlaps(name):
     assert figures.done == 1
     assert figures.overlaps == 0
     assert np.isfinite(arrived).all()
-    assert time[-1] < 30.0
 
 
 PLACE = st.tuples(*[st.one_of(st.floats(-6, 6), st.sampled_from([-6.0, 0.0, 1.0, 6.0]))] * 2)
