@@ -39,14 +39,15 @@ def advance_crowd(
     model (A, 2): radius, responsibility; wants (A, 8); rows (32, A), numbers (16, A), start: scratch.
     """
     a = wants.shape[0]
+    wanted = wants.reshape(8 * a)
     grid = np.empty(4)
     sorted_, sums, moved, change, asks = rows[0:6], rows[6:14], rows[14:18], rows[18:21], rows[26:31]
     slot_agent = numbers[0]
     pairs = numbers[4:16].reshape(12 * numbers.shape[1])
     n = sort_agents(state, wants, model, sorted_, slot_agent, numbers[1:3].reshape(2 * numbers.shape[1]), start, grid)
-    ask_agents(asks, wants, slot_agent, n, params)
+    ask_agents(asks, wanted, slot_agent, n, params)
     pair_count = sum_neighbours(sorted_, start, grid, asks, sums, params, rows[31:37], numbers[16], numbers[17], pairs)
-    steer_agents(out, state, wants, sums, moved, slot_agent, n, params, dt)
+    steer_agents(out, state, wanted, sums, moved, slot_agent, n, params, dt)
     land_softly(moved, sorted_, pairs, pair_count, change, n, dt)
     bend_at_surroundings(moved, sorted_, n, walls, wall_count, obstacles, obstacle_count)
     keep_on_stage(moved, sorted_, wants, slot_agent, n, params)

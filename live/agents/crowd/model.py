@@ -37,7 +37,7 @@ class Steering:
     """Seconds in which the velocity comes near the desired one (T081: force = desired - current velocity)."""
     horizon: float = 3.0
     """Seconds that the predictive mode looks ahead (Karamouzas, Skinner & Guy 2014: τ0 = 3 s)."""
-    strength: float = 5.0
+    strength: float = 3.0
     """k of the power law [m²/s²] (Karamouzas, Skinner & Guy 2014: 1.5, with an exponential in the place of the cut-off)."""
     side: float = 0.1
     """Angle [rad] by which others are seen farther to the left than they are: all keep to the right; < 0: left."""

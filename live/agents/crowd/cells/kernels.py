@@ -22,6 +22,11 @@ NEIGHBOUR_RANGE = 3.0
 X, Z, VX, VZ, RADIUS, GIVE, SORTED_ROWS = 0, 1, 2, 3, 4, 5, 6
 _PRESENCE = 7  # column of Wants.rows
 _LIMIT = 1e6
+_ONE: Any = np.float32(1.0)
+_TWO: Any = np.float32(2.0)
+_BRISK2: Any = np.float32(0.7**2)
+_SLOWEST2: Any = np.float32(0.01)
+_IDLE_GIVES: Any = np.float32(0.9)
 
 
 @kernel("i8(f4[::1], f4[:,::1], i4[::1], f8[::1], i8)")
@@ -96,5 +101,8 @@ def sort_agents(
         slot_agent[s] = i
         sorted_[X, s], sorted_[Z, s] = state[2 * i], state[2 * i + 1]
         sorted_[VX, s], sorted_[VZ, s] = state[2 * a + 2 * i], state[2 * a + 2 * i + 1]
-        sorted_[RADIUS, s], sorted_[GIVE, s] = model[i, 0], np.float32(2.0) - model[i, 1]
+        wish2, speed = wants[i, 0] * wants[i, 0] + wants[i, 1] * wants[i, 1], wants[i, 2]
+        idle = max(_ONE - wish2 / max(_BRISK2 * speed * speed, _SLOWEST2), zero)
+        sorted_[RADIUS, s] = model[i, 0]
+        sorted_[GIVE, s] = _TWO - model[i, 1] * (_ONE + _IDLE_GIVES * idle)
     return n

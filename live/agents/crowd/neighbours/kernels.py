@@ -8,7 +8,6 @@ lanes and added in a fixed order, so that they are the same on every machine. An
 distance and no relative speed she adds nothing but 1 to WEIGHT and to NEAR.
 """
 
-import math
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,7 @@ Int32 = npt.NDArray[np.int32]
 LANES = 16
 
 # rows of what is asked for an agent
-PER_SEPARATION2, HORIZON, ALIGNMENT, COHESION, ASK_ROWS = 0, 1, 2, 3, 4
+PER_SEPARATION2, LATEST, ALIGNMENT, COHESION, ASK_ROWS = 0, 1, 2, 3, 4
 
 # rows of the sums of an agent
 PUSH_X, PUSH_Z = 0, 1
@@ -93,7 +92,7 @@ def sum_neighbours(
 ) -> int:
     """All sums (SUM_ROWS, n) of all sorted agents; returns the number of pairs near contact, written into `pairs`.
 
-    asks (ASK_ROWS, n): the square of 1 / separation distance [1/m²], the horizon [s], weights of alignment and cohesion
+    asks (ASK_ROWS, n): the square of 1 / separation distance [1/m²], 1 / horizon [1/s], weights of alignment and cohesion
     of each sorted agent. lanes (SORTED_ROWS, n + LANES), slots (n + LANES,), column_end (columns + 1,): scratch.
     """
     acc = np.empty((SUM_ROWS, LANES), np.float32)
@@ -110,7 +109,7 @@ def sum_neighbours(
             xi, zi, vxi, vzi = sorted_[X, i], sorted_[Z, i], sorted_[VX, i], sorted_[VZ, i]
             ri, yi = sorted_[RADIUS, i], (_TWO - sorted_[GIVE, i]) * strength
             watched = ri + _MARGIN
-            per_sep2, latest = asks[PER_SEPARATION2, i], _ONE / asks[HORIZON, i]
+            per_sep2, latest = asks[PER_SEPARATION2, i], asks[LATEST, i]
             align, cohere = asks[ALIGNMENT, i], asks[COHESION, i]
             for f in range(SUM_ROWS):
                 for j in range(LANES):
