@@ -16,7 +16,7 @@ class Advance:
         self._numbers_of_model = np.ascontiguousarray(np.stack([model.radius, model.responsibility], 1), np.float32)
         self._params = model.steering.vector()
         self._seed = model.seed
-        self._rows = np.zeros((40, count + 32), np.float32)
+        self._rows = np.zeros((45, count + 32), np.float32)
         self._numbers = np.zeros((20, count + 32), np.int32)
         self._start = np.zeros(4 * count + 66, np.int32)
 

@@ -8,6 +8,7 @@ from live.agents.crowd.cells.kernels import sort_agents
 from live.agents.crowd.contacts.kernels import land_softly, part_bodies
 from live.agents.crowd.motion.kernels import ask_agents, steer_agents
 from live.agents.crowd.neighbours.kernels import sum_neighbours
+from live.agents.crowd.thesis.kernels import avoid_by_distance
 from live.base.jit import kernel
 
 Float32 = npt.NDArray[np.float32]
@@ -47,6 +48,11 @@ def advance_crowd(
     n = sort_agents(state, wants, model, sorted_, slot_agent, numbers[1:3].reshape(2 * numbers.shape[1]), start, grid)
     ask_agents(asks, wanted, slot_agent, n, params)
     pair_count = sum_neighbours(sorted_, start, grid, asks, sums, params, rows[31:37], numbers[16], numbers[17], pairs)
+    if params[2] > 0.0:
+        asked = rows[37:45].reshape(8 * rows.shape[1])[: 8 * a]
+        asked[:] = wanted
+        avoid_by_distance(sorted_, start, grid, asked, sums, slot_agent, params)
+        wanted = asked
     steer_agents(out, state, wanted, sums, moved, slot_agent, n, params, dt)
     land_softly(moved, sorted_, pairs, pair_count, change, n, dt)
     bend_at_surroundings(moved, sorted_, n, walls, wall_count, obstacles, obstacle_count)

@@ -1,0 +1,1 @@
+"""The thesis' way of avoiding each other: two distances (T108)."""
