@@ -94,8 +94,8 @@ def wish_of_all(
 
     position, velocity (A, 2); groups (A,); table, masks, vertices, active, grids, places, audience: the elements, as
     ElementField holds them; memory (A, 3): goals of crossings; area, mesh, cosines, start, order, spreading (A, 2),
-    sums (A, 5), near (A, 4): scratch; numbers (6,); influence (A,), 0 to 1: 0 leaves the plan as it is, 1 puts the elements' wish
-    in its place.
+    sums (A, 5), near (A, 4): scratch; numbers (6,); influence (A,), 0 to 1: 0 leaves the plan as it is, 1 puts the
+    elements' wish in its place.
     """
     company(table, masks, active, wants, groups, sums)
     if acts(active, REPULSOR):

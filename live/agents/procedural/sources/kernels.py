@@ -30,6 +30,9 @@ Int32 = npt.NDArray[np.int32]
 UInt64 = npt.NDArray[np.uint64]
 
 
+INSET = 0.35
+"""Regions draw dancers in as far as this [m], so that nobody stops on the border."""
+
 # columns of what is nearest to an agent (A, 4)
 NEAR_DISTANCE, NEAR_ROW, NEAR_X, NEAR_Z = 0, 1, 2, 3
 NEAR_COLUMNS = 4
@@ -78,15 +81,20 @@ def seen_from(table: Float64, vertices: Float32, row: int, x: float, z: float) -
     return d, dx, dz
 
 
-@kernel("UniTuple(f8,3)(f8,f8,f8,f8,f8)")
-def attraction(d: float, to_x: float, to_z: float, strength: float, decay: float) -> tuple[float, float, float]:
-    """Wish towards a source at distance `d` [m], 1 - exp(-d / decay) (T105); none inside a region. And 1: it is asked.
+@kernel("UniTuple(f8,3)(f8,f8,f8,f8,f8,f8)")
+def attraction(
+    d: float, to_x: float, to_z: float, inset: float, strength: float, decay: float
+) -> tuple[float, float, float]:
+    """Wish towards a source at distance `d` [m], 1 - exp(-d / decay) (T105), and 1: it is asked.
 
-    Fast far away, slow as the agent arrives.
+    Fast far away, slow as the agent arrives. A region draws her in until she is `inset` [m] inside; then she is free.
     """
-    if d <= 0.0:
+    depth = d + inset
+    if depth <= 0.0:
         return 0.0, 0.0, 1.0
-    size = strength * (1.0 - math.exp(-d / decay))
+    size = strength * (1.0 - math.exp(-depth / decay))
+    if d < 0.0:  # inside, the border lies behind her
+        return -size * to_x, -size * to_z, 1.0
     return size * to_x, size * to_z, 1.0
 
 
@@ -141,7 +149,8 @@ def pulled(
     if repels:
         fx, fz, asked = repulsion(d, to_x, to_z, table[row, STRENGTH], table[row, DECAY])
     else:
-        fx, fz, asked = attraction(d, to_x, to_z, table[row, STRENGTH], table[row, DECAY])
+        inset = min(INSET, table[row, RADIUS] if table[row, CLOSED] == 0.0 else INSET)
+        fx, fz, asked = attraction(d, to_x, to_z, inset, table[row, STRENGTH], table[row, DECAY])
     return fx, fz, asked
 
 
