@@ -1,5 +1,8 @@
 """Errors that a person can put right: one line that says what is wrong, and what to do about it."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 
 class PersonError(Exception):
     """What the command line shows in place of a traceback (exit code 2).
@@ -14,3 +17,12 @@ class PersonError(Exception):
 
     def __str__(self) -> str:
         return self.message if self.remedy is None else f"{self.message} ({self.remedy})"
+
+
+@contextmanager
+def named(where: str) -> Iterator[None]:
+    """Whatever a person is told from within begins with where it is."""
+    try:
+        yield
+    except PersonError as error:
+        raise PersonError(f"{where}: {error.message}", error.remedy) from None

@@ -10,6 +10,7 @@ from live.agents.procedural.element import Element
 from live.agents.procedural.field import ElementField
 from live.agents.procedural.kinds import EVERYBODY, VOICE
 from live.agents.wants import Wants
+from live.base.errors import PersonError, named
 from live.base.stage_view import StageView
 from live.control import events
 from live.show.addressees import Addressees
@@ -38,14 +39,8 @@ class Elements:
         self._ahead: Float32 = np.zeros(count, np.float32)
         self._last_of: dict[str, Element] = {}
         for section in patch.element:  # whatever is wrong is told at the start, not in measure 200
-            placing = placing_of_section(section)
-            casting.select(placing.group, np.zeros((count, 2)))
-            if placing.whom and placing.dancer < 0:
-                casting.select(placing.whom, np.zeros((count, 2)))
-            placing.element(
-                groups=EVERYBODY, target_group=-1 if placing.dancer >= 0 or not placing.whom else 0, source="",
-                start=0.0, beats_per_measure=4,
-            )  # fmt: skip
+            with named(f"element in measure {section.measure:g}"):
+                self._made(placing_of_section(section), "", 0.0, 4, np.zeros((count, 2), np.float32))
 
     @property
     def influence(self) -> Float32:
@@ -89,6 +84,8 @@ class Elements:
         return VOICE if placing.fair else probe.kind
 
     def _made(self, placing: Placing, source: str, start: float, beats_per_measure: int, position: Float32) -> Element:
+        if placing.dancer >= len(self._addressees.bits):
+            raise PersonError(f"no dancer has the number {placing.whom}", f"there are {len(self._addressees.bits)}")
         used = self._used()
         groups = self._addressees.mask(placing.group, position, used)
         target = -1

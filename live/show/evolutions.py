@@ -10,7 +10,7 @@ from live.agents.crowd.model import AgentState
 from live.agents.evolutions.intention import Evolve, Hold, Repertoire
 from live.agents.evolutions.plan import Plan
 from live.agents.wants import Wants
-from live.base.errors import PersonError
+from live.base.errors import PersonError, named
 from live.control import events
 from live.show.casting import Casting
 from live.show.formations import Formations
@@ -35,25 +35,28 @@ class Evolutions:
         self._patch, self._casting = patch, casting
         self._score = Score(patch)
         self._formations = Formations([spec_of(table) for table in patch.formation], seed=seed)
+        self._formations.warm({*(group.dancers for group in patch.group), patch.dancer_count})
         half = (patch.stage.width / 2, patch.stage.depth / 2)
         self._beats = patch.clock.beats_per_measure
         self._plan = Plan(casting.roster, Repertoire(), measure_beats=self._beats, half=half, radius=radius, seed=seed)
         self._added = -1
         self._ways = 0
         for section in patch.segment:  # whatever is wrong is told at the start, not in measure 200
-            if section.formation is not None:
-                self._name(section.formation)
-            casting.select(section.group, np.zeros((len(casting.group), 2)))
+            with named(f"segment in measure {section.measure}"):
+                if section.formation is not None:
+                    self._name(section.formation)
+                casting.select(section.group, np.zeros((len(casting.group), 2)))
         for regroup in patch.regroup:
-            casting.select(regroup.dancers, np.zeros((len(casting.group), 2)))
+            with named(f"regroup in measure {regroup.measure}"):
+                casting.select(regroup.dancers, np.zeros((len(casting.group), 2)))
 
     def starting_places(self) -> Float64:
         """Where the dancers of all groups begin, one group after the other, (dancers, 2) [m]."""
         return np.concatenate([self._formations.beginning(section) for section in self._patch.group])
 
-    def _name(self, words: str) -> str:
+    def _name(self, words: str, *, live: bool = False) -> str:
         """The name under which the plan finds the formation that `words` name or say."""
-        formation = self._formations.find(words)
+        formation = self._formations.find(words, live=live)
         if self._plan.repertoire.formations.get(formation.name) is not formation:
             self._plan.repertoire = self._plan.repertoire.with_formation(formation)
         return formation.name
@@ -93,9 +96,8 @@ class Evolutions:
         if not self._casting.select(event.group, position).any():
             raise PersonError(f"nobody is {event.group!r} now")
         way = f"live {self._ways % LIVE_WAYS}"
-        segment, drawn = segment_of_event(event, start=max(measure + 1, 0), path=way)
-        if isinstance(event, events.Evolve):
-            self._name(event.formation)
+        formation = self._name(event.formation, live=True) if isinstance(event, events.Evolve) else ""
+        segment, drawn = segment_of_event(event, start=max(measure + 1, 0), formation=formation, path=way)
         if drawn is not None:
             self._ways += 1
             self._plan.repertoire = self._plan.repertoire.with_path(way, drawn)
@@ -110,7 +112,7 @@ class Evolutions:
         self._plan.repertoire = self._plan.repertoire.with_formation(formation)
         for motion in self._plan.motions:
             if isinstance(motion.intention, Hold | Evolve) and motion.intention.formation == formation.name:
-                self._plan.add(replace(motion.segment, start=max(measure + 1, 0), measures=1, later=0.0))
+                self._plan.add(replace(motion.segment, start=max(measure + 1, 0), later=0.0))
 
     def release(self, who: Bool) -> None:
         """What these dancers (A,) have now is over."""

@@ -13,7 +13,6 @@ from live.agents.formations.formation import check_formation, formation_of
 from live.agents.formations.spec import FormationSpec
 from live.agents.formations.spec_words import spec_from_words
 from live.base.errors import PersonError
-from live.show.casting import SOLOIST
 from live.show.sections.group import GroupSection
 
 Float64 = npt.NDArray[np.float64]
@@ -41,8 +40,7 @@ class NamedFormation:
         """The places for `count` dancers."""
         if count not in self._made:
             formation = formation_of(self.spec, count, self.seed)
-            marks: Sequence[str] = [SOLOIST if soloist else "" for soloist in formation.soloist]
-            self._made[count] = Places(self.name, formation.slots, formation.heading, marks)
+            self._made[count] = Places(self.name, formation.slots, formation.heading, formation.marks)
             if len(self._made) > KEPT:
                 self._made.popitem(last=False)
         return self._made[count]
@@ -57,12 +55,19 @@ class Formations:
         self._named = {spec.name.casefold(): NamedFormation.of(spec.name, spec, seed) for spec in specs}
         self._said: OrderedDict[str, NamedFormation] = OrderedDict()
 
-    def find(self, words: str) -> NamedFormation:
-        """The formation of this name, or the one that the words say; PersonError with what there is."""
+    def find(self, words: str, *, live: bool = False) -> NamedFormation:
+        """The formation of this name, or the one that the words say; PersonError with what there is.
+
+        `live`: while a show runs, which must not wait for the reader of SVG paths to be loaded.
+        """
         folded = words.casefold().strip()
         if folded in self._named:
             return self._named[folded]
         if words not in self._said:
+            if live and folded.startswith("path:"):
+                raise PersonError(
+                    "a path cannot be read while a show runs", "give it a name in the patch's [[formation]]"
+                )
             try:
                 spec = spec_from_words(words)
             except PersonError as error:
@@ -77,9 +82,15 @@ class Formations:
         """Make, or change, the formation called `name` as the words say; PersonError if they say none."""
         if name.casefold().strip() not in self._named and len(self._named) >= 2000:
             raise PersonError("more formations than anybody can dance", "change one of those there are")
-        formation = NamedFormation.of(name, self.find(words).spec, self._seed)
+        formation = NamedFormation.of(name, self.find(words, live=True).spec, self._seed)
         self._named[name.casefold().strip()] = formation
         return formation
+
+    def warm(self, counts: set[int]) -> None:
+        """Make all named ones for so many dancers, so that nothing is made while a show runs."""
+        for formation in self._named.values():
+            for count in sorted(counts):
+                formation.made(count)
 
     def beginning(self, section: GroupSection) -> Float64:
         """Where the dancers of a group begin, (dancers, 2) [m]; those without a place stand in rows around its middle.

@@ -38,8 +38,8 @@ DANCER_GAP: Final = 0.7
 """Two dancers shall not end a measure nearer to each other than this [m]: shoulders and a bit."""
 LEASH: Final = 0.9
 """An agent farther than this [m] from her dancer slows down until the dancer has followed."""
-HURRY: Final = 1.25
-"""Evolutions are kept in time by going faster than the steps reach, by this factor at most."""
+HURRY: Final = 1.6
+"""In an evolution agents may be faster than the steps reach on the average: they gather speed and lose it again."""
 TAKEN: Final = 0.5
 """An element whose influence has come this far takes a dancer out of her evolution for good."""
 STANDING: Final = 0.9

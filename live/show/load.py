@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from live.base.errors import PersonError
+from live.base.errors import PersonError, named
 from live.base.stage_view import Camera, Look, Scene
 from live.graph.library import StepLibrary, build_library
 from live.graph.metric.weights import Metric
@@ -41,7 +41,8 @@ class LoadedShow:
     def start(self, *, seed: int | None = None, tempo: float | None = None) -> Show:
         """A fresh show at its first moment; PersonError for a step that is not there."""
         try:
-            return Show(self.patch, self.graph, seed=seed, tempo=tempo, reserve=self.reserve)
+            with named(str(self.path)):
+                return Show(self.patch, self.graph, seed=seed, tempo=tempo, reserve=self.reserve)
         except UnknownStep as error:
             raise PersonError(f"{self.path}: {error}") from None
 

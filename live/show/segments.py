@@ -77,12 +77,13 @@ def segment_of_section(section: SegmentSection, *, start: int, formation: str, p
     )
 
 
-def segment_of_event(event: SegmentEvent, *, start: int, path: str) -> tuple[Segment, Float64 | None]:
-    """The segment that a control asks for, and the way it draws, to be kept as `path`; PersonError if it has none."""
+def segment_of_event(event: SegmentEvent, *, start: int, formation: str, path: str) -> tuple[Segment, Float64 | None]:
+    """The segment that a control asks for, with the name its formation has in the plan, and the way it draws, to be
+    kept as `path`; PersonError if it draws none."""
     group, measures = everyone(event.group), max(1, math.ceil(event.measures - 1e-9))
     match event:
         case events.Evolve():
-            evolve = Evolve(event.formation, matching_of(event.match))
+            evolve = Evolve(formation, matching_of(event.match))
             return Segment(evolve, group, start, measures, Ripple(event.ripple)), None
         case events.Travel():
             follow = Follow.FILE if event.single_file else Follow.SHIFTED

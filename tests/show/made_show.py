@@ -38,6 +38,7 @@ def made_graph(threshold=0.2):
 GRAPH = made_graph()
 
 
-def made_show(extra="", *, top=False, **options):
-    """A fresh show of PATCH with `extra` TOML at its end (`top`: at its beginning)."""
-    return Show(parse_patch(extra + PATCH if top else PATCH + extra, "test.toml"), GRAPH, **options)
+def made_show(extra="", *, top=False, reserve=0, **options):
+    """A fresh show of PATCH with `extra` TOML at its end (`top`: at its beginning) and `reserve` dancers who wait."""
+    patch = PATCH.replace("reserve = 0", f"reserve = {reserve}")
+    return Show(parse_patch(extra + patch if top else patch + extra, "test.toml"), GRAPH, **options)
