@@ -39,7 +39,7 @@ class Steering:
     """Seconds that the predictive mode looks ahead (Karamouzas, Skinner & Guy 2014: τ0 = 3 s, without an end)."""
     strength: float = 4.0
     """k of the power law [m²/s²] (Karamouzas, Skinner & Guy 2014: 1.5, with an exponential in the place of the cut-off)."""
-    side: float = 0.15
+    side: float = 0.12
     """Angle [rad] by which others are seen farther to the left than they are: all keep to the right; < 0: left."""
     d_s: float = 0.8
     """T108, thesis mode [m]: closer than this all other behaviours are ignored and the speed is limited."""

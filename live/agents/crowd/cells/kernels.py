@@ -89,9 +89,8 @@ def sort_agents(
         i = cell_of[k]
         column = np.int32(min(max((state[2 * i] - x0) * scale, zero), last_column))
         row = np.int32(min(max((state[2 * i + 1] - z0) * scale, zero), last_row))
-        c = row * np.int32(columns) + column
-        cell_of[a + k] = c
-        start[c + 2] += 1
+        cell_of[a + k] = row * np.int32(columns) + column
+        start[cell_of[a + k] + 2] += 1
     for c in range(1, columns * rows):
         start[c + 2] += start[c + 1]
     for k in range(n):

@@ -92,8 +92,8 @@ def sum_neighbours(
 ) -> int:
     """All sums (SUM_ROWS, n) of all sorted agents; returns the number of pairs near contact, written into `pairs`.
 
-    asks (ASK_ROWS, n): the square of 1 / separation distance [1/m²], 1 / horizon [1/s], weights of alignment and cohesion
-    of each sorted agent. lanes (SORTED_ROWS, n + LANES), slots (n + LANES,), column_end (columns + 1,): scratch.
+    asks (ASK_ROWS, n): the square of 1 / separation distance [1/m²], 1 / horizon [1/s], weights of alignment and
+    cohesion of each sorted agent. lanes (SORTED_ROWS, n + LANES), slots (n + LANES,), column_end (columns + 1,): scratch.
     """
     acc = np.empty((SUM_ROWS, LANES), np.float32)
     columns, rows = int(grid[2]), int(grid[3])
@@ -116,7 +116,9 @@ def sum_neighbours(
                     acc[f, j] = _ZERO
             for b in range((last - first + LANES - 1) // LANES):
                 for j in range(LANES):
-                    k = np.uint64(first + b * LANES + j)
+                    k: Any = np.uint64(
+                        first + b * LANES + j
+                    )  # unsigned: it cannot count from the end, so lanes lie together
                     dx, dz = xi - lanes[X, k], zi - lanes[Z, k]
                     ux, uz = vxi - lanes[VX, k], vzi - lanes[VZ, k]
                     d2 = dx * dx + dz * dz
@@ -158,11 +160,11 @@ def sum_neighbours(
             sums[AVOID_X, i] *= yi
             sums[AVOID_Z, i] *= yi
             if sums[NEAR, i] > _ONE:
-                for k in range(first, last):
-                    if slots[k] > i and 2 * pair_count + 2 <= pairs.shape[0]:
-                        dx, dz = xi - lanes[X, k], zi - lanes[Z, k]
-                        touch = watched + lanes[RADIUS, k]
+                for m in range(first, last):
+                    if slots[m] > i and 2 * pair_count + 2 <= pairs.shape[0]:
+                        dx, dz = xi - lanes[X, m], zi - lanes[Z, m]
+                        touch = watched + lanes[RADIUS, m]
                         if dx * dx + dz * dz < touch * touch:
-                            pairs[2 * pair_count], pairs[2 * pair_count + 1] = i, slots[k]
+                            pairs[2 * pair_count], pairs[2 * pair_count + 1] = i, slots[m]
                             pair_count += 1
     return pair_count
