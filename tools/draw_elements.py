@@ -13,6 +13,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.patches import Circle, Rectangle
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
@@ -32,7 +33,7 @@ from live.agents.procedural.kinds import (
 )
 
 SIZE = (12.0, 8.0)
-ON = {"start_beat": -9.0}
+ON: Any = {"start_beat": -9.0}
 
 
 def scattered(
@@ -57,7 +58,7 @@ def floor(axes: Any, title: str) -> None:
     axes.set_xlim(-6.2, 6.2)
     axes.set_ylim(4.2, -4.2)
     axes.set_aspect("equal")
-    axes.add_patch(plt.Rectangle((-6, -4), 12, 8, fill=False, color="0.6"))
+    axes.add_patch(Rectangle((-6, -4), 12, 8, fill=False, color="0.6"))
     axes.axis("off")
     axes.set_title(title, fontsize=9)
 
@@ -67,7 +68,7 @@ def ways(axes: Any, kept: Any, colours: Any = None) -> None:
     for agent in range(kept.shape[1]):
         colour = "tab:blue" if colours is None else colours[agent]
         axes.plot(kept[:, agent, 0], kept[:, agent, 1], color=colour, lw=0.6, alpha=0.6)
-        axes.add_patch(plt.Circle(kept[-1, agent], 0.25, color=colour))
+        axes.add_patch(Circle(kept[-1, agent], 0.25, color=colour))
 
 
 def mark(axes: Any, points: Any, *, closed: bool = False, radius: float = 0.0, colour: str = "tab:red") -> None:
@@ -75,7 +76,7 @@ def mark(axes: Any, points: Any, *, closed: bool = False, radius: float = 0.0, c
     line = np.array([*points, points[0]] if closed else points)
     axes.plot(line[:, 0], line[:, 1], "x-" if len(points) == 1 else "-", color=colour, lw=1.5)
     if radius > 0.0 and len(points) == 1:
-        axes.add_patch(plt.Circle(points[0], radius, fill=False, color=colour))
+        axes.add_patch(Circle(points[0], radius, fill=False, color=colour))
 
 
 def sources(axes: Any) -> None:
@@ -106,7 +107,7 @@ def groups(axes: Any) -> None:
     for place, second in enumerate((0, 5, 14)):
         floor(axes[place], f"spread: after {second} s")
         for x, z in kept[second * 4]:
-            axes[place].add_patch(plt.Circle((x, z), 0.25, color="tab:blue"))
+            axes[place].add_patch(Circle((x, z), 0.25, color="tab:blue"))
     for place, line in (
         (3, line_through(0.0, 0.0, 0.0)),
         (4, line_through(0.5, 0.0, 0.6)),

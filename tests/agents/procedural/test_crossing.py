@@ -30,7 +30,7 @@ def away(position, points):
 def test_everybody_is_on_the_other_side_without_overlap(line):
     start = scattered(24, 3)
     stage = MadeStage(start, Element(CROSSING, line, start_beat=-9.0))
-    kept = stage.run(16.0)
+    kept = stage.run(20.0)
     assert (np.sign(away(kept[-1], line)) == -np.sign(away(start, line))).all()
     assert np.abs(away(kept[-1], line)).min() > 0.4
     pairs = np.triu_indices(24, 1)
