@@ -249,9 +249,7 @@ def follow_path(
     """
     future_x, future_z = x + vx * LOOK, z + vz * LOOK
     going = max(math.sqrt(vx * vx + vz * vz), 0.3)
-    d2, _, _, segment, t = nearest_on_line(
-        vertices, line, count, closed, future_x, future_z, vx / going, vz / going
-    )
+    d2, _, _, segment, t = nearest_on_line(vertices, line, count, closed, future_x, future_z, vx / going, vz / going)
     ahead = max(0.5, speed * LOOK)
     aim_x, aim_z, tx, tz = along_line(vertices, line, count, closed, int(segment), t, ahead)
     if not closed:
