@@ -8,6 +8,7 @@ from live.cli.warm import warm_kernels
 from live.control.keys import help_lines
 from live.render.monitors import Monitor, UnknownMonitor, find_monitor, list_monitors, screen_problem
 from live.show.load import LoadedShow, scene_of
+from live.show.sections.segment import formation_names
 
 FILM_SECONDS = 20.0
 FILM_NAME = "first-show.mp4"
@@ -28,7 +29,8 @@ def play_show(wish: Wish, *, monitor: str | None, fullscreen: bool, headless: bo
         from live.cli.window_show import play_in_window
 
         session = Session(wish, loaded, sound)
-        console.print("\n".join([_welcome(session), *help_lines()]), style="dim", soft_wrap=True, markup=False)
+        keys = help_lines(formation_names(loaded.patch.formation))
+        console.print("\n".join([_welcome(session), *keys]), style="dim", soft_wrap=True, markup=False)
         play_in_window(session, scene_of(loaded.patch), monitor=chosen, fullscreen=fullscreen, console=console)
     elif fullscreen:
         raise PersonError(f"--fullscreen: {screen_problem()}", "leave it out to make a film")

@@ -10,8 +10,9 @@ from live.base.errors import PersonError
 from live.base.stage_view import Scene, StageView
 from live.cli.recording import LiveRecording, live_rate
 from live.cli.session import Session
-from live.control.events import Attract, Repel
-from live.control.keys import KEYS, event_for_key, event_for_pointer
+from live.control.events import Attract, ControlEvent, Repel
+from live.control.keys import FORMATION_KEYS, KEYS, event_for_formation, event_for_key
+from live.control.pointer import TOOLS, event_for_place, event_for_stroke
 from live.render.camera import floor_point
 from live.render.monitors import Monitor, UnknownMonitor
 from live.render.pacing import Pacer
@@ -25,10 +26,15 @@ from live.render.window_input import (
     PointerReleased,
     WindowInput,
 )
+from live.show.sections.segment import formation_names
 
 TITLE = "ChoreoGraphics Live"
 PACE_ABOVE = 1.05
 """At the display's own rate the loop's pace lies so much above it, so that vertical synchronisation sets it."""
+
+
+LONGEST_STROKE = 4096
+"""Points of a stroke that are kept while it is drawn."""
 
 
 class Operator:
@@ -39,6 +45,9 @@ class Operator:
         self._window = window
         self._scene = scene
         self._pressed = False
+        self._tool = next(iter(TOOLS))
+        self._stroke: list[tuple[float, float]] = []
+        self._shift = False
         self.leaving = False
         """Whether the window was asked to close."""
 
@@ -54,6 +63,7 @@ class Operator:
                 self._point(value, now, drag=True)
             case PointerReleased():
                 self._pressed = False
+                self._let_go(now)
             case CloseRequested():
                 self.leaving = True
             case _:
@@ -69,17 +79,39 @@ class Operator:
             self._window.toggle_fullscreen()
         elif what == "window/overlay":
             self._session.engine.overlay = not self._session.engine.overlay
+        elif name in TOOLS:
+            self._tool = name
+            self._session.status.tool = TOOLS[name].description
         event = event_for_key(name, time=now, blackout_now=self._session.show.blackout)
+        if name in FORMATION_KEYS:
+            event = self._formation(FORMATION_KEYS.index(name), now)
         if event is not None:
             self._session.inbox.put(event)
 
+    def _formation(self, number: int, now: float) -> ControlEvent | None:
+        formations = formation_names(self._session.loaded.patch.formation)
+        return event_for_formation(formations[number], time=now) if number < len(formations) else None
+
     def _point(self, value: PointerPressed | PointerMoved, now: float, *, drag: bool) -> None:
         place = floor_point(self._scene.camera, self._window.size, (value.x, value.y))
+        if not drag:
+            self._stroke, self._shift = [], value.shift
         if place is None:
             return
-        event = event_for_pointer(place[0], place[1], value.shift, now)
+        if len(self._stroke) < LONGEST_STROKE:
+            self._stroke.append((float(place[0]), float(place[1])))
+        event = event_for_place(self._tool, place[0], place[1], value.shift, now)
         if isinstance(event, Attract | Repel):
             self._session.inbox.put(replace(event, drag=drag))
+
+    def _let_go(self, now: float) -> None:
+        """A stroke is finished: what it draws begins to act."""
+        stroke, self._stroke = self._stroke, []
+        if self._tool == next(iter(TOOLS)):
+            return  # it has acted all the while
+        event = event_for_stroke(self._tool, stroke, self._shift, now)
+        if event is not None:
+            self._session.inbox.put(event)
 
 
 def play_in_window(

@@ -4,14 +4,15 @@ Keys that change the show go through the same registry as OSC; the others (full 
 Esc is not in the table: it must never end a show in full screen.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
 from live.control.events import ControlEvent
+from live.control.pointer import TOOLS
 from live.control.registry import REGISTRY
 
 SOURCE: Final = "key"
-POINTER_SOURCE: Final = "pointer"
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +25,10 @@ class Key:
         "/dance/clock/one",
         "/dance/blackout",
         "/dance/spread",
+        "/dance/wander",
+        "/dance/flock",
+        "/dance/pause",
+        "/dance/clear",
         "window/fullscreen",
         "window/overlay",
     ]
@@ -41,14 +46,15 @@ KEYS: Final[dict[str, Key]] = {
     "F": Key("full screen, and back", "window/fullscreen"),
     "O": Key("overlay: tempo, beat, measure, frame times, dancers", "window/overlay"),
     "S": Key("spread over the stage", "/dance/spread"),
+    "W": Key("wander", "/dance/wander"),
+    "K": Key("go as a flock", "/dance/flock"),
+    "H": Key("hold: stay in place for four measures", "/dance/pause"),
+    "C": Key("clear: all elements and evolutions end", "/dance/clear"),
 }
 """Keys by name: a letter or digit stands for itself, in upper case."""
 
-POINTER: Final[dict[str, str]] = {
-    "click or drag on the floor": "attractor: dancers gather there",
-    "Shift + click or drag": "repulsor: dancers leave the place",
-}
-"""What the pointer does, for the help text."""
+FORMATION_KEYS: Final = "23456789"
+"""Keys that send everybody to the patch's formations, in their order; from the next measure, in four measures."""
 
 
 def event_for_key(name: str, *, time: float, blackout_now: bool) -> ControlEvent | None:
@@ -61,15 +67,15 @@ def event_for_key(name: str, *, time: float, blackout_now: bool) -> ControlEvent
     return result if isinstance(result, ControlEvent) else None
 
 
-def event_for_pointer(x: float, z: float, shift: bool, time: float) -> ControlEvent | None:
-    """An attractor, with shift a repulsor, at (x, z) [m]; None where the floor is too far away or not hit (NaN)."""
-    place = (float(x), float(z))  # the window computes with numpy's floats, the registry knows only plain ones
-    result = REGISTRY.call("/dance/repel" if shift else "/dance/attract", place, time, POINTER_SOURCE)
+def event_for_formation(name: str, *, time: float) -> ControlEvent | None:
+    """Everybody goes to the formation `name` from the next measure line on, in four measures."""
+    result = REGISTRY.call("/dance/formation", (name, 4.0, "*", True), time, SOURCE)
     return result if isinstance(result, ControlEvent) else None
 
 
-def help_lines() -> list[str]:
-    """One line for each key and for the pointer."""
-    rows = [(name, key.description) for name, key in KEYS.items()] + list(POINTER.items())
-    width = max(len(name) for name, _ in rows)
-    return [f"{name:<{width}}  {description}" for name, description in rows]
+def help_lines(formations: Sequence[str] = ()) -> list[str]:
+    """One line for each key, for the pointer's tools, and for the patch's `formations` that have a key."""
+    rows = [(name, key.description) for name, key in KEYS.items()]
+    rows += [(key, f"formation {name}") for key, name in zip(FORMATION_KEYS, formations, strict=False)]
+    rows += [(name, f"pointer: {tool.description}") for name, tool in TOOLS.items()]
+    return [f"{name:<5}  {description}" for name, description in rows]

@@ -69,6 +69,8 @@ class Status:
         self.skipped_ticks = 0
         self.events_accepted = 0
         self.dropped_events = 0
+        self.tool = ""
+        """What the pointer places, for the overlay; empty until the operator chose."""
         self.faults = 0
         """Frames in which drawing failed and the show went on."""
 
@@ -100,7 +102,7 @@ class Status:
             "skipped_ticks": self.skipped_ticks,
             "frame_ms": {"p50": p50, "p99": p99, "p999": p999},
             "cpu_ms": {"p50": cpu50, "p99": cpu99},
-            "dancers": len(show.group),
+            "dancers": int(show.motion.present.sum()),
             "events_accepted": self.events_accepted,
             "events_rejected": dict(rejected),
             "phones": 0,
@@ -130,7 +132,8 @@ class Status:
             f"frame {frame['p50']:.1f} ms   p99 {frame['p99']:.1f}   cpu {cpu:.1f}   late {s['late_frames']}",
             f"dancers {s['dancers']}   events {s['events_accepted']}   refused {sum(s['events_rejected'].values())}",
         )
-        return (*lines, f"last refused: {refusal}") if refusal else lines
+        more = (f"pointer: {self.tool}",) if self.tool else ()
+        return (*lines, *more, f"last refused: {refusal}") if refusal else (*lines, *more)
 
 
 class StatusFile:

@@ -35,7 +35,13 @@ class FakeWindow:
 @pytest.fixture
 def desk():
     inbox = Inbox()
-    session = SimpleNamespace(inbox=inbox, engine=SimpleNamespace(overlay=False), show=SimpleNamespace(blackout=False))
+    session = SimpleNamespace(
+        inbox=inbox,
+        engine=SimpleNamespace(overlay=False),
+        show=SimpleNamespace(blackout=False),
+        status=SimpleNamespace(tool=""),
+        loaded=SimpleNamespace(patch=SimpleNamespace(formation=({"name": "wedge"}, {"name": "star"}))),
+    )
     window = FakeWindow()
     return SimpleNamespace(operator=Operator(session, window, SCENE), inbox=inbox, session=session, window=window)
 
@@ -101,3 +107,29 @@ def test_click_and_drag_are_an_attractor_on_the_floor_and_shift_a_repulsor(desk)
     assert (first.x, first.z) == pytest.approx((1.5, -0.5), abs=1e-6)
     assert (second.x, second.z) == pytest.approx((2.0, 1.0), abs=1e-6)
     assert (third.x, third.z, third.source) == (pytest.approx(-2.0), pytest.approx(1.0), "pointer")
+
+
+def test_a_key_chooses_what_a_stroke_places_when_it_is_let_go(desk):
+    def pixel(x, z):
+        return pixel_of(SCENE.camera, SIZE, [[x, 0.0, z]])[0]
+
+    desk.operator.act(KeyPressed("x"), 1.0)
+    desk.operator.act(PointerPressed(*pixel(-1.0, 0.0)), 1.1)
+    desk.operator.act(PointerMoved(*pixel(0.5, 0.5)), 1.2)
+    desk.operator.act(PointerMoved(*pixel(1.0, 0.0)), 1.3)
+    assert not desk.inbox.drain()
+    desk.operator.act(PointerReleased(*pixel(1.0, 0.0)), 1.4)
+    (event,) = desk.inbox.drain()
+    assert event.kind == "cross"
+    numbers = [float(word) for word in event.points.replace(",", "").split()]
+    assert numbers == pytest.approx([-1.0, 0.0, 1.0, 0.0], abs=1e-5)
+    desk.operator.act(KeyPressed("a"), 2.0)
+    desk.operator.act(PointerPressed(*pixel(1.0, 0.0)), 2.1)
+    assert isinstance(desk.inbox.drain()[0], events.Attract)
+
+
+def test_digits_send_to_the_patchs_formations_as_far_as_there_are_any(desk):
+    desk.operator.act(KeyPressed("3"), 1.0)
+    desk.operator.act(KeyPressed("4"), 1.1)
+    (event,) = desk.inbox.drain()
+    assert (event.formation, event.next) == ("star", True)

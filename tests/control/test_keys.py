@@ -1,10 +1,8 @@
-import math
-
-import numpy as np
 import pytest
 
 from live.control import events
-from live.control.keys import KEYS, event_for_key, event_for_pointer, help_lines
+from live.control.keys import FORMATION_KEYS, KEYS, event_for_formation, event_for_key, help_lines
+from live.control.pointer import TOOLS
 from live.control.registry import REGISTRY
 
 
@@ -37,24 +35,16 @@ def test_every_key_of_the_show_uses_a_control_and_makes_an_event():
         assert (event_for_key(name, time=0.0, blackout_now=True) is not None) == key.is_control
 
 
-def test_the_pointer_attracts_and_with_shift_repels():
-    assert event_for_pointer(1.5, -2.0, False, 4.0) == events.Attract(time=4.0, source="pointer", x=1.5, z=-2.0)
-    assert event_for_pointer(1.5, -2.0, True, 4.0) == events.Repel(time=4.0, source="pointer", x=1.5, z=-2.0)
-
-
-def test_numpys_floats_serve_as_well():
-    event = event_for_pointer(np.float32(1.5), np.float64(-2.0), False, 4.0)
-    assert event == events.Attract(time=4.0, source="pointer", x=1.5, z=-2.0)
-    assert type(event.x) is type(event.z) is float
-
-
-@pytest.mark.parametrize(("x", "z"), [(math.nan, 0.0), (0.0, math.inf), (1e9, 0.0), (0.0, -100.5)])
-def test_a_click_beside_the_floor_makes_nothing(x, z):
-    assert event_for_pointer(x, z, False, 4.0) is None
+def test_a_digit_sends_everybody_to_a_formation_from_the_next_measure():
+    assert event_for_formation("wedge", time=3.0) == events.Evolve(
+        time=3.0, source="key", formation="wedge", measures=4.0, next=True
+    )
 
 
 def test_the_help_names_every_key():
-    lines = help_lines()
-    assert len(lines) == len(KEYS) + 2
+    lines = help_lines(["wedge", "star"])
+    assert len(lines) == len(KEYS) + len(TOOLS) + 2
     for name, key in KEYS.items():
         assert any(line.startswith(name) and line.endswith(key.description) for line in lines)
+    assert "3      formation star" in lines
+    assert not set(KEYS) & (set(TOOLS) | set(FORMATION_KEYS))

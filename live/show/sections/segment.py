@@ -25,6 +25,11 @@ FormationTable = Annotated[dict[str, Any], AfterValidator(_readable)]
 """`[[formation]]`: the keys of docs/formations.md."""
 
 
+def formation_names(tables: tuple[dict[str, Any], ...]) -> list[str]:
+    """Names of the formations of a patch, in their order."""
+    return [str(table["name"]) for table in tables]
+
+
 def spec_of(table: dict[str, Any]) -> FormationSpec:
     """The formation that a checked table says."""
     return spec_from_table(table)

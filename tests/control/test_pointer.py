@@ -1,0 +1,74 @@
+"""What strokes of the pointer place: every tool makes an event that the registry takes."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from live.control import events
+from live.control.pointer import MOST_POINTS, SHORTEST, TOOLS, event_for_place, event_for_stroke
+
+STAMP = {"time": 4.0, "source": "pointer"}
+STROKE = [(0.0, 0.0), (0.5, 0.5), (2.0, 0.0)]
+
+
+def test_the_first_tool_attracts_while_it_is_drawn_and_with_shift_repels():
+    assert event_for_place("A", 1.5, -2.0, False, 4.0) == events.Attract(x=1.5, z=-2.0, **STAMP)
+    assert event_for_place("A", 1.5, -2.0, True, 4.0) == events.Repel(x=1.5, z=-2.0, **STAMP)
+    assert event_for_place("L", 1.5, -2.0, False, 4.0) is None
+    assert next(iter(TOOLS)) == "A"
+
+
+def test_numpys_floats_serve_as_well():
+    event = event_for_place("A", np.float32(1.5), np.float64(-2.0), False, 4.0)
+    assert event == events.Attract(x=1.5, z=-2.0, **STAMP)
+    assert type(event.x) is type(event.z) is float
+
+
+@pytest.mark.parametrize(("x", "z"), [(math.nan, 0.0), (0.0, math.inf), (1e9, 0.0), (0.0, -100.5)])
+def test_a_click_beside_the_floor_makes_nothing(x, z):
+    assert event_for_place("A", x, z, False, 4.0) is None
+    assert all(event_for_stroke(tool, [(0.0, 0.0), (x, z)], False, 4.0) is None for tool in ("L", "X", "U"))
+
+
+@pytest.mark.parametrize("shift", [False, True])
+@pytest.mark.parametrize("tool", TOOLS)
+def test_every_tool_makes_an_event(tool, shift):
+    event = event_for_stroke(tool, STROKE, shift, 4.0)
+    assert event is not None
+    assert event.source == "pointer"
+
+
+@pytest.mark.parametrize(
+    ("tool", "shift", "event"),
+    [
+        ("L", False, events.PlaceElement(kind="attract", points="0.0 0.0, 2.0 0.0", **STAMP)),
+        ("L", True, events.PlaceElement(kind="repel", points="0.0 0.0, 2.0 0.0", **STAMP)),
+        ("D", False, events.PlaceElement(kind="attract", points="0.00 0.00, 0.50 0.50, 2.00 0.00", **STAMP)),
+        ("R", False, events.PlaceElement(kind="attract", points="0.0 0.0", radius=2.0, **STAMP)),
+        ("X", False, events.PlaceElement(kind="cross", points="0.0 0.0, 2.0 0.0", **STAMP)),
+        ("V", True, events.PlaceElement(kind="flow", flow="radial", points="0.0 0.0", **STAMP)),
+        ("T", False, events.Travel(points="0.00 0.00, 0.50 0.50, 2.00 0.00", **STAMP)),
+    ],
+)
+def test_what_strokes_place(tool, shift, event):
+    assert event_for_stroke(tool, STROKE, shift, 4.0) == event
+
+
+def test_a_click_is_no_line_but_a_small_region():
+    assert event_for_stroke("L", [(1.0, 1.0)], False, 4.0) is None
+    assert event_for_stroke("P", [(1.0, 1.0)] * 9, False, 4.0) is None
+    assert event_for_stroke("R", [(1.0, 1.0)], False, 4.0).radius == SHORTEST
+    assert event_for_stroke("R", [], False, 4.0) is None
+
+
+@given(st.lists(st.tuples(st.floats(-99.99, 99.99), st.floats(-99.99, 99.99)), min_size=2, max_size=300))
+def test_a_long_stroke_is_thinned_to_a_text_that_is_taken(points):
+    event = event_for_stroke("D", points, False, 4.0)
+    far = sum(math.dist(a, b) for a, b in itertools.pairwise(points))
+    assert (event is not None) == (far >= SHORTEST)
+    if event is not None:
+        assert 2 <= len(event.points.split(",")) <= MOST_POINTS
