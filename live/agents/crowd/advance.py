@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from live.agents.crowd.kernels import advance_crowd
+from live.agents.crowd.kernels import CELL_ROWS, NUMBERS, ROWS, SPARE_COLUMNS, advance_crowd
 from live.agents.crowd.model import AgentModel, AgentState
 from live.agents.crowd.surroundings import Surroundings
 from live.agents.wants import Wants
@@ -16,9 +16,9 @@ class Advance:
         self._numbers_of_model = np.ascontiguousarray(np.stack([model.radius, model.responsibility], 1), np.float32)
         self._params = model.steering.vector()
         self._seed = model.seed
-        self._rows = np.zeros((45, count + 32), np.float32)
-        self._numbers = np.zeros((20, count + 32), np.int32)
-        self._start = np.zeros(4 * count + 66, np.int32)
+        self._rows = np.zeros((ROWS, count + SPARE_COLUMNS), np.float32)
+        self._numbers = np.zeros((NUMBERS, count + SPARE_COLUMNS), np.int32)
+        self._cells = np.zeros((CELL_ROWS, 8 * count + 258), np.int32)
 
     def __call__(
         self,
@@ -46,5 +46,5 @@ class Advance:
             dt,
             self._rows,
             self._numbers,
-            self._start,
+            self._cells,
         )

@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.crowd.bounds.kernels import bend_at_surroundings, keep_on_stage
-from live.agents.crowd.cells.kernels import sort_agents
+from live.agents.crowd.cells.kernels import SLEEP, X, Z, asked_of, sort_agents
 from live.agents.crowd.contacts.kernels import land_softly, part_bodies
 from live.agents.crowd.motion.kernels import ask_agents, steer_agents
 from live.agents.crowd.neighbours.kernels import sum_neighbours
@@ -14,9 +14,52 @@ from live.base.jit import kernel
 Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
 
+ROWS, NUMBERS, CELL_ROWS, SPARE_COLUMNS = 39, 16, 3, 32
+"""Rows of the scratch arrays `rows`, `numbers` and `cells`, and how many more columns they have than there are agents."""
+_VELOCITY, _ACCELERATION, _REST, _HEED = 2, 4, 6, 7
+
+
+@kernel("void(f4[::1], f4[::1], f4[::1], f4[:,::1], f4[:,::1], i4[::1], i8, f4[::1], f8)")
+def finish_tick(
+    out: Float32,
+    state: Float32,
+    wants: Float32,
+    sorted_: Float32,
+    moved: Float32,
+    slot_agent: Int32,
+    n: int,
+    params: Float32,
+    dt: float,
+) -> None:
+    """Write the new places and velocities; nobody leaves the stage but who passes, and who stands still grows sleepy.
+
+    wants (8 A,): Wants.rows. The absent stay as they are, without velocity.
+    """
+    a = wants.shape[0] // 8
+    v, acc, zero = _VELOCITY * a, _ACCELERATION * a, np.float32(0.0)
+    for i in range(a if n < a else 0):
+        if wants[8 * i + 7] <= zero:
+            out[2 * i], out[2 * i + 1] = state[2 * i], state[2 * i + 1]
+            out[v + 2 * i], out[v + 2 * i + 1], out[acc + 2 * i], out[acc + 2 * i + 1] = zero, zero, zero, zero
+            out[_REST * a + i], out[_HEED * a + i] = zero, zero
+    for s in range(n):
+        i = slot_agent[s]
+        x, z, vx, vz = moved[2, s], moved[3, s], moved[0, s], moved[1, s]
+        if wants[8 * i + 7] < np.float32(2.0):
+            limit_x, limit_z = max(params[0], abs(sorted_[X, s])), max(params[1], abs(sorted_[Z, s]))
+            x, z = min(max(x, -limit_x), limit_x), min(max(z, -limit_z), limit_z)
+        out[2 * i], out[2 * i + 1], out[v + 2 * i], out[v + 2 * i + 1] = x, z, vx, vz
+        motion = abs(vx) + abs(vz) + abs(x - sorted_[X, s]) + abs(z - sorted_[Z, s])
+        motion += abs(out[acc + 2 * i]) + abs(out[acc + 2 * i + 1]) + abs(wants[8 * i]) + abs(wants[8 * i + 1])
+        heed = asked_of(wants[8 * i + 3], wants[8 * i + 5])
+        rested = state[_REST * a + i] if state[_HEED * a + i] == heed else zero
+        rested = min(rested + np.float32(dt), np.float32(2.0 * SLEEP))
+        out[_REST * a + i], out[_HEED * a + i] = rested if motion == zero else zero, heed
+
 
 @kernel(
-    "void(f4[::1], f4[::1], f4[:,::1], f4[:,::1], f4[:,::1], i8, f4[:,::1], i8, f4[::1], i8, f8, f8, f4[:,::1], i4[:,::1], i4[::1])"
+    "void(f4[::1], f4[::1], f4[:,::1], f4[:,::1], f4[:,::1], i8, f4[:,::1], i8, f4[::1], i8, f8, f8, "
+    "f4[:,::1], i4[:,::1], i4[:,::1])"
 )
 def advance_crowd(
     out: Float32,
@@ -33,47 +76,39 @@ def advance_crowd(
     dt: float,
     rows: Float32,
     numbers: Int32,
-    start: Int32,
+    cells: Int32,
 ) -> None:
-    """Advance all agents by dt [s] from `state` to `out` (8 A,).
+    """Advance all agents by dt [s] from `state` to `out` (8 A,), in the order of AgentState.flat.
 
-    model (A, 2): radius, responsibility; wants (A, 8); rows (32, A), numbers (16, A), start: scratch.
+    model (A, 2): radius, responsibility; wants (A, 8): Wants.rows; params: Steering.vector(); scratch: rows
+    (ROWS, A + SPARE_COLUMNS), numbers (NUMBERS, A + SPARE_COLUMNS), cells (CELL_ROWS, number of cells + 2).
     """
-    a = wants.shape[0]
-    wanted = wants.reshape(8 * a)
+    a, width = wants.shape[0], numbers.shape[1]
     grid = np.empty(4)
-    sorted_, sums, moved, change, asks = rows[0:6], rows[6:14], rows[14:18], rows[18:21], rows[26:31]
-    slot_agent = numbers[0]
-    pairs = numbers[4:16].reshape(12 * numbers.shape[1])
-    n = sort_agents(state, wants, model, sorted_, slot_agent, numbers[1:3].reshape(2 * numbers.shape[1]), start, grid)
+    wanted = wants.reshape(8 * a)
+    sorted_, sums, moved, change = rows[0:6], rows[6:14], rows[14:18], rows[18:21]
+    asks, lanes, asked = rows[21:25], rows[25:31], rows[31:39].reshape(8 * width)[: 8 * a]
+    slot_agent, slots, hits = numbers[0], numbers[1], numbers[2]
+    pairs = numbers[4:16].reshape(12 * width)
+    n = sort_agents(
+        state, wanted, model.reshape(2 * a), sorted_, slot_agent, numbers[1:3].reshape(2 * width), cells, grid
+    )
     ask_agents(asks, wanted, slot_agent, n, params)
-    pair_count = sum_neighbours(sorted_, start, grid, asks, sums, params, rows[31:37], numbers[16], numbers[17], pairs)
+    pair_count = sum_neighbours(
+        sorted_, cells[0], grid, asks, sums, params, lanes, slots, cells[1], cells[2], hits, pairs
+    )
     if params[2] > 0.0:
-        asked = rows[37:45].reshape(8 * rows.shape[1])[: 8 * a]
         asked[:] = wanted
-        avoid_by_distance(sorted_, start, grid, asked, sums, slot_agent, params)
-        wanted = asked
-    steer_agents(out, state, wanted, sums, moved, slot_agent, n, params, dt)
+        avoid_by_distance(sorted_, cells[0], grid, asked, sums, slot_agent, params)
+        steer_agents(out, state, asked, sums, moved, slot_agent, n, params, dt)
+    else:
+        steer_agents(out, state, wanted, sums, moved, slot_agent, n, params, dt)
     land_softly(moved, sorted_, pairs, pair_count, change, n, dt)
-    bend_at_surroundings(moved, sorted_, n, walls, wall_count, obstacles, obstacle_count)
-    keep_on_stage(moved, sorted_, wants, slot_agent, n, params)
+    if wall_count + obstacle_count > 0:
+        bend_at_surroundings(moved, sorted_, n, walls, wall_count, obstacles, obstacle_count)
+    keep_on_stage(moved, sorted_, wanted, slot_agent, n, params)
     for s in range(n):
-        moved[2, s] = sorted_[0, s] + moved[0, s] * np.float32(dt)
-        moved[3, s] = sorted_[1, s] + moved[1, s] * np.float32(dt)
+        moved[2, s] = sorted_[X, s] + moved[0, s] * np.float32(dt)
+        moved[3, s] = sorted_[Z, s] + moved[1, s] * np.float32(dt)
     part_bodies(moved, sorted_, pairs, pair_count, change, n, walls, wall_count, obstacles, obstacle_count)
-    for i in range(a):
-        if wants[i, 7] <= 0.0:
-            for k in range(2):
-                out[2 * i + k], out[2 * a + 2 * i + k], out[4 * a + 2 * i + k] = state[2 * i + k], 0.0, 0.0
-            out[6 * a + i], out[7 * a + i] = 0.0, 0.0
-    for s in range(n):
-        i = slot_agent[s]
-        x, z = float(moved[2, s]), float(moved[3, s])
-        if wants[i, 7] < 2.0:
-            limit = max(params[0], abs(sorted_[0, s]))
-            x = min(max(x, -limit), limit)
-            limit = max(params[1], abs(sorted_[1, s]))
-            z = min(max(z, -limit), limit)
-        out[2 * i], out[2 * i + 1] = x, z
-        out[2 * a + 2 * i], out[2 * a + 2 * i + 1] = moved[0, s], moved[1, s]
-        out[6 * a + i], out[7 * a + i] = 0.0, 0.0
+    finish_tick(out, state, wanted, sorted_, moved, slot_agent, n, params, dt)

@@ -24,17 +24,17 @@ def _within(v: float, at: float, half: float, most: float) -> float:
     return min(max(v, -(half + at) / SOFT_LANDING), (half - at) / SOFT_LANDING)
 
 
-@kernel("void(f4[:,::1], f4[:,::1], f4[:,::1], i4[::1], i8, f4[::1])")
+@kernel("void(f4[:,::1], f4[:,::1], f4[::1], i4[::1], i8, f4[::1])")
 def keep_on_stage(moved: Float32, sorted_: Float32, wants: Float32, slot_agent: Int32, n: int, params: Float32) -> None:
-    """Bend the velocities in `moved` at the stage edges, but for those who pass."""
+    """Bend the velocities in `moved` at the stage edges, but for those who pass. wants (8 A,): Wants.rows."""
     half_width, half_depth = float(params[0]), float(params[1])
     if math.isinf(half_width) and math.isinf(half_depth):
         return
     for s in range(n):
         i = slot_agent[s]
-        if wants[i, 7] >= 2.0:
+        if wants[8 * i + 7] >= 2.0:
             continue
-        most = max(float(wants[i, 2]), 0.1)
+        most = max(float(wants[8 * i + 2]), 0.1)
         moved[0, s] = _within(moved[0, s], sorted_[0, s], half_width, most)
         moved[1, s] = _within(moved[1, s], sorted_[1, s], half_depth, most)
 

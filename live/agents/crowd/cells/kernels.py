@@ -1,7 +1,7 @@
-"""Cells: the agents who are present, sorted by square cells, as rows of numbers (structure of arrays).
+"""Cells: the agents who are present, sorted by cells, as rows of numbers (structure of arrays).
 
 A counting sort every tick (survey of the steering peers: 6 ns an agent). The cells of a row lie one after another, so
-that the 3 x 3 cells round one are three stretches of slots.
+that the cells round one are a few stretches of slots.
 """
 
 import math
@@ -10,26 +10,39 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import kernel
+from live.base.jit import kernel, part
 
 Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
 
 NEIGHBOUR_RANGE = 3.0
-"""Metres within which neighbours matter; the size of the cells."""
+"""Metres within which neighbours matter."""
+CELL_X, CELL_Z = 1.0, 3.0
+"""Size of a cell [m]."""
+COLUMNS_ROUND, ROWS_ROUND = 3, 1
+"""How many columns and rows of cells on each side hold all neighbours."""
 
 # rows of the sorted agents
 X, Z, VX, VZ, RADIUS, GIVE, SORTED_ROWS = 0, 1, 2, 3, 4, 5, 6
 _PRESENCE = 7  # column of Wants.rows
+SLEEP = 0.5
+"""Seconds of standing still after which an agent sleeps."""
 _LIMIT = 1e6
 _ONE: Any = np.float32(1.0)
 _TWO: Any = np.float32(2.0)
 _BRISK2: Any = np.float32(0.7**2)
 _SLOWEST2: Any = np.float32(0.01)
 _IDLE_GIVES: Any = np.float32(0.9)
+"""How much more of the avoiding falls to her who wants nothing: at her goal she lets the others pass."""
 
 
-@kernel("i8(f4[::1], f4[:,::1], i4[::1], f8[::1], i8)")
+@part
+def asked_of(separation: Any, cohesion: Any) -> Any:
+    """A number that tells what standing neighbours can ask of her: another one wakes her."""
+    return separation + np.float32(1000.0) * cohesion
+
+
+@kernel("i8(f4[::1], f4[::1], i4[::1], f8[::1], i8)")
 def _lay_grid(state: Float32, wants: Float32, order: Int32, grid: Any, capacity: int) -> int:
     """Lay the grid over those present, at most `capacity` cells; `order` holds them first, in their order: returns n.
 
@@ -38,16 +51,16 @@ def _lay_grid(state: Float32, wants: Float32, order: Int32, grid: Any, capacity:
     """
     left, right, back, front = _LIMIT, -_LIMIT, _LIMIT, -_LIMIT
     n = 0
-    for i in range(wants.shape[0]):
-        if wants[i, _PRESENCE] > 0.0:
+    for i in range(wants.shape[0] // 8):
+        if wants[8 * i + _PRESENCE] > 0.0:
             x, z = float(state[2 * i]), float(state[2 * i + 1])
             left, right, back, front = min(left, x), max(right, x), min(back, z), max(front, z)
             order[n] = i
             n += 1
     if n == 0:
         left, right, back, front = 0.0, 0.0, 0.0, 0.0
-    columns = math.floor((right - left) / NEIGHBOUR_RANGE) + 1.0
-    rows = math.floor((front - back) / NEIGHBOUR_RANGE) + 1.0
+    columns = math.floor((right - left) / CELL_X) + 1.0
+    rows = math.floor((front - back) / CELL_Z) + 1.0
     if columns * rows > capacity:
         side = math.floor(math.sqrt(float(capacity)))
         if columns <= side:
@@ -56,13 +69,22 @@ def _lay_grid(state: Float32, wants: Float32, order: Int32, grid: Any, capacity:
             columns = math.floor(capacity / rows)
         else:
             columns, rows = side, side
-    grid[0] = 0.5 * (left + right) - 0.5 * columns * NEIGHBOUR_RANGE
-    grid[1] = 0.5 * (back + front) - 0.5 * rows * NEIGHBOUR_RANGE
+    grid[0] = 0.5 * (left + right) - 0.5 * columns * CELL_X
+    grid[1] = 0.5 * (back + front) - 0.5 * rows * CELL_Z
     grid[2], grid[3] = columns, rows
     return n
 
 
-@kernel("i8(f4[::1], f4[:,::1], f4[:,::1], f4[:,::1], i4[::1], i4[::1], i4[::1], f8[::1])")
+@part
+def _is_awake(state: Float32, wants: Float32, i: int, a: int) -> Any:
+    """1 for an agent who has to be looked at, 0 for one who sleeps: she wants nothing, and nothing has moved her."""
+    wish = wants[8 * i] * wants[8 * i] + wants[8 * i + 1] * wants[8 * i + 1]
+    asked = asked_of(wants[8 * i + 3], wants[8 * i + 5])
+    asleep = state[6 * a + i] >= np.float32(SLEEP) and wish <= np.float32(0.0) and state[7 * a + i] == asked
+    return np.int32(0) if asleep else np.int32(1)
+
+
+@kernel("i8(f4[::1], f4[::1], f4[::1], f4[:,::1], i4[::1], i4[::1], i4[:,::1], f8[::1])")
 def sort_agents(
     state: Float32,
     wants: Float32,
@@ -70,29 +92,34 @@ def sort_agents(
     sorted_: Float32,
     slot_agent: Int32,
     cell_of: Int32,
-    start: Int32,
+    cells: Int32,
     grid: Any,
 ) -> int:
     """Sort those present into cells; returns how many (n).
 
-    Slots start[c]:start[c + 1] are cell c's agents in the order of their numbers; slot_agent (A,) holds the numbers,
-    sorted_ (SORTED_ROWS, >= A) their values, cell_of (2 A,) is scratch. grid (4,): x, z of the corner, columns, rows.
+    Slots start[c]:start[c + 1] are cell c's agents in the order of their numbers, start = cells[0]; in the cells before
+    c cells[2, c] agents are awake. slot_agent (A,) holds the numbers, sorted_ (SORTED_ROWS, >= A) the values, cell_of
+    (2 A,) is scratch. state (8 A,), wants (8 A,), model (2 A,). grid (4,): x, z of the corner, columns, rows.
     """
-    a = wants.shape[0]
+    a = wants.shape[0] // 8
+    start, awake = cells[0], cells[2]
     n = _lay_grid(state, wants, cell_of, grid, start.shape[0] - 2)
     columns, rows = int(grid[2]), int(grid[3])
-    x0, z0, scale = np.float32(grid[0]), np.float32(grid[1]), np.float32(1.0 / NEIGHBOUR_RANGE)
+    x0, z0 = np.float32(grid[0]), np.float32(grid[1])
+    per_x, per_z = np.float32(1.0 / CELL_X), np.float32(1.0 / CELL_Z)
     for c in range(columns * rows + 2):
-        start[c] = 0
+        start[c], awake[c] = 0, 0
     last_column, last_row, zero = np.float32(columns - 1), np.float32(rows - 1), np.float32(0.0)
     for k in range(n):
         i = cell_of[k]
-        column = np.int32(min(max((state[2 * i] - x0) * scale, zero), last_column))
-        row = np.int32(min(max((state[2 * i + 1] - z0) * scale, zero), last_row))
+        column = np.int32(min(max((state[2 * i] - x0) * per_x, zero), last_column))
+        row = np.int32(min(max((state[2 * i + 1] - z0) * per_z, zero), last_row))
         cell_of[a + k] = row * np.int32(columns) + column
         start[cell_of[a + k] + 2] += 1
+        awake[cell_of[a + k] + 1] += _is_awake(state, wants, i, a)
     for c in range(1, columns * rows):
         start[c + 2] += start[c + 1]
+        awake[c + 1] += awake[c]
     for k in range(n):
         i, c = cell_of[k], cell_of[a + k]
         s = start[c + 1]
@@ -100,8 +127,8 @@ def sort_agents(
         slot_agent[s] = i
         sorted_[X, s], sorted_[Z, s] = state[2 * i], state[2 * i + 1]
         sorted_[VX, s], sorted_[VZ, s] = state[2 * a + 2 * i], state[2 * a + 2 * i + 1]
-        wish2, speed = wants[i, 0] * wants[i, 0] + wants[i, 1] * wants[i, 1], wants[i, 2]
+        wish2, speed = wants[8 * i] * wants[8 * i] + wants[8 * i + 1] * wants[8 * i + 1], wants[8 * i + 2]
         idle = max(_ONE - wish2 / max(_BRISK2 * speed * speed, _SLOWEST2), zero)
-        sorted_[RADIUS, s] = model[i, 0]
-        sorted_[GIVE, s] = _TWO - model[i, 1] * (_ONE + _IDLE_GIVES * idle)
+        sorted_[RADIUS, s] = model[2 * i]
+        sorted_[GIVE, s] = _TWO - model[2 * i + 1] * (_ONE + _IDLE_GIVES * idle)
     return n

@@ -100,7 +100,7 @@ def part_bodies(
         for s in range(n):
             change[0, s], change[1, s], change[2, s] = 0.0, 0.0, 0.0
         worst = _push_apart(moved, sorted_, pairs, pair_count, change)
-        if worst < 1e-4 and turn > 0:
+        if worst < 1e-4 and (turn > 0 or wall_count + obstacle_count == 0):
             return
         for s in range(n):
             scale = 1.0 if change[2, s] < 1.5 else 1.5 / change[2, s]

@@ -1,6 +1,6 @@
 """The neighbour pass: separation, alignment, cohesion and predicted collisions, in rows of lanes.
 
-For each row of cells the agents of this row and the two beside it are copied, column after column, into lanes
+For each row of cells the agents of this row and of those beside it are copied, column after column, into lanes
 (structure of arrays), so that all who may matter to an agent are one stretch of lanes, which stays in the nearest
 cache. One loop without branches runs over them for each agent; the compiler turns it into vector instructions. Whatever
 lies in the last block beyond that stretch is farther away than anybody is seen. The sums are kept in LANES separate
@@ -13,7 +13,18 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.crowd.cells.kernels import GIVE, NEIGHBOUR_RANGE, RADIUS, SORTED_ROWS, VX, VZ, X, Z
+from live.agents.crowd.cells.kernels import (
+    COLUMNS_ROUND,
+    GIVE,
+    NEIGHBOUR_RANGE,
+    RADIUS,
+    ROWS_ROUND,
+    SORTED_ROWS,
+    VX,
+    VZ,
+    X,
+    Z,
+)
 from live.base.jit import kernel, part
 
 Float32 = npt.NDArray[np.float32]
@@ -64,11 +75,13 @@ def _gather_row(
     """
     n = 0
     for c in range(columns):
-        for r in range(max(row - 1, 0), min(row + 2, rows)):
+        for r in range(max(row - ROWS_ROUND, 0), min(row + ROWS_ROUND + 1, rows)):
             for s in range(start[r * columns + c], start[r * columns + c + 1]):
+                to: Any = np.uint64(n)  # unsigned: it cannot count from the end
+                at: Any = np.uint64(s)
                 for f in range(SORTED_ROWS):
-                    lanes[f, n] = sorted_[f, s]
-                slots[n] = s
+                    lanes[f, to] = sorted_[f, at]
+                slots[to] = s
                 n += 1
         column_end[c + 1] = n
     for k in range(n, n + LANES):
@@ -77,7 +90,45 @@ def _gather_row(
     return n
 
 
-@kernel("i8(f4[:,::1], i4[::1], f8[::1], f4[:,::1], f4[:,::1], f4[::1], f4[:,::1], i4[::1], i4[::1], i4[::1])")
+@part
+def _all_sleep(awake: Int32, columns: int, rows: int, row: int, left: int, right: int) -> bool:
+    """Whether nobody is awake in columns left:right of `row` and the rows round it."""
+    count = 0
+    for r in range(max(row - ROWS_ROUND, 0), min(row + ROWS_ROUND + 1, rows)):
+        count += awake[r * columns + right] - awake[r * columns + left]
+    return count == 0
+
+
+@part
+def _note_pairs(
+    lanes: Float32,
+    slots: Int32,
+    hits: Int32,
+    first: int,
+    last: int,
+    i: int,
+    x: Any,
+    z: Any,
+    watched: Any,
+    pairs: Int32,
+    pair_count: int,
+) -> int:
+    """Write down with which later ones of lanes first:last agent i is near contact; returns the new number of pairs."""
+    for m in range(last - first):
+        k: Any = np.uint64(first + m)
+        dx, dz = x - lanes[X, k], z - lanes[Z, k]
+        touch = watched + lanes[RADIUS, k]
+        hits[m] = np.int32(dx * dx + dz * dz < touch * touch) & np.int32(slots[k] > i)
+    for m in range(last - first):
+        if hits[m] != 0 and 2 * pair_count + 2 <= pairs.shape[0]:
+            pairs[2 * pair_count], pairs[2 * pair_count + 1] = i, slots[first + m]
+            pair_count += 1
+    return pair_count
+
+
+@kernel(
+    "i8(f4[:,::1], i4[::1], f8[::1], f4[:,::1], f4[:,::1], f4[::1], f4[:,::1], i4[::1], i4[::1], i4[::1], i4[::1], i4[::1])"
+)
 def sum_neighbours(
     sorted_: Float32,
     start: Int32,
@@ -88,12 +139,16 @@ def sum_neighbours(
     lanes: Float32,
     slots: Int32,
     column_end: Int32,
+    awake: Int32,
+    hits: Int32,
     pairs: Int32,
 ) -> int:
     """All sums (SUM_ROWS, n) of all sorted agents; returns the number of pairs near contact, written into `pairs`.
 
     asks (ASK_ROWS, n): the square of 1 / separation distance [1/m²], 1 / horizon [1/s], weights of alignment and
-    cohesion of each sorted agent. lanes (SORTED_ROWS, n + LANES), slots (n + LANES,), column_end (columns + 1,): scratch.
+    cohesion of each sorted agent. awake (cells + 1,): how many agents are awake in the cells before; where all round a
+    cell sleep, all sums are 0. Scratch: lanes (SORTED_ROWS, n + LANES), slots, hits (n + LANES,), column_end
+    (columns + 1,).
     """
     acc = np.empty((SUM_ROWS, LANES), np.float32)
     columns, rows = int(grid[2]), int(grid[3])
@@ -101,10 +156,17 @@ def sum_neighbours(
     pair_count = 0
     column_end[0] = 0
     for cell in range(columns * rows):
-        if cell % columns == 0:
-            _gather_row(sorted_, start, columns, rows, cell // columns, lanes, slots, column_end)
-        column = cell % columns
-        first, last = column_end[max(column - 1, 0)], column_end[min(column + 2, columns)]
+        row, column = cell // columns, cell % columns
+        if column == 0:
+            _gather_row(sorted_, start, columns, rows, row, lanes, slots, column_end)
+        left, right = max(column - COLUMNS_ROUND, 0), min(column + COLUMNS_ROUND + 1, columns)
+        first, last = column_end[left], column_end[right]
+        if start[cell] == start[cell + 1]:
+            continue
+        if _all_sleep(awake, columns, rows, row, left, right):
+            for f in range(SUM_ROWS):
+                sums[f, start[cell] : start[cell + 1]] = _ZERO
+            continue
         for i in range(start[cell], start[cell + 1]):
             xi, zi, vxi, vzi = sorted_[X, i], sorted_[Z, i], sorted_[VX, i], sorted_[VZ, i]
             ri, yi = sorted_[RADIUS, i], (_TWO - sorted_[GIVE, i]) * strength
@@ -116,9 +178,7 @@ def sum_neighbours(
                     acc[f, j] = _ZERO
             for b in range((last - first + LANES - 1) // LANES):
                 for j in range(LANES):
-                    k: Any = np.uint64(
-                        first + b * LANES + j
-                    )  # unsigned: it cannot count from the end, so lanes lie together
+                    k: Any = np.uint64(first + b * LANES + j)  # unsigned: contiguous loads
                     dx, dz = xi - lanes[X, k], zi - lanes[Z, k]
                     ux, uz = vxi - lanes[VX, k], vzi - lanes[VZ, k]
                     d2 = dx * dx + dz * dz
@@ -160,11 +220,5 @@ def sum_neighbours(
             sums[AVOID_X, i] *= yi
             sums[AVOID_Z, i] *= yi
             if sums[NEAR, i] > _ONE:
-                for m in range(first, last):
-                    if slots[m] > i and 2 * pair_count + 2 <= pairs.shape[0]:
-                        dx, dz = xi - lanes[X, m], zi - lanes[Z, m]
-                        touch = watched + lanes[RADIUS, m]
-                        if dx * dx + dz * dz < touch * touch:
-                            pairs[2 * pair_count], pairs[2 * pair_count + 1] = i, slots[m]
-                            pair_count += 1
+                pair_count = _note_pairs(lanes, slots, hits, first, last, i, xi, zi, watched, pairs, pair_count)
     return pair_count

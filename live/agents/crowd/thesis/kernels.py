@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.crowd.cells.kernels import GIVE, NEIGHBOUR_RANGE, RADIUS, VX, VZ, X, Z
+from live.agents.crowd.cells.kernels import COLUMNS_ROUND, GIVE, NEIGHBOUR_RANGE, RADIUS, ROWS_ROUND, VX, VZ, X, Z
 from live.agents.crowd.neighbours.kernels import AVOID_X, AVOID_Z
 from live.base.jit import kernel
 
@@ -49,9 +49,9 @@ def nearest_threat(
 ) -> tuple[float, float, float]:
     """Distance [m] of the nearest neighbour that comes nearer (1e9: none within d_f), and the sum of all dodges."""
     nearest, sum_x, sum_z = 1e9, 0.0, 0.0
-    for r in range(max(cell // columns - 1, 0), min(cell // columns + 2, rows)):
-        first = start[r * columns + max(cell % columns - 1, 0)]
-        last = start[r * columns + min(cell % columns + 1, columns - 1) + 1]
+    for r in range(max(cell // columns - ROWS_ROUND, 0), min(cell // columns + ROWS_ROUND + 1, rows)):
+        first = start[r * columns + max(cell % columns - COLUMNS_ROUND, 0)]
+        last = start[r * columns + min(cell % columns + COLUMNS_ROUND, columns - 1) + 1]
         for s in range(first, last):
             dx, dz = float(sorted_[X, i] - sorted_[X, s]), float(sorted_[Z, i] - sorted_[Z, s])
             d = math.sqrt(dx * dx + dz * dz)
