@@ -25,7 +25,7 @@ Float64 = npt.NDArray[np.float64]
 
 
 class Crowd:
-    """The workload of all engines: half an agent per square metre, each drawn to its own attractor, redrawn when reached.
+    """The workload of all engines: half an agent per square metre, each drawn to an attractor of its own.
 
     About 14 neighbours within 3 m; separation under 1.5 m, alignment and cohesion, predicted collisions, stage edges.
     """
@@ -45,17 +45,16 @@ class Crowd:
         self._wants, self._surroundings = Wants(agents), Surroundings()
         self._goals = Goals(self._places(agents), SPEED, law=ATTRACTOR, rate=1.0)
         self._wants.speed[:] = SPEED
+        self._wants.separation[:] = 1.5
+        self._wants.alignment[:] = 0.3
+        self._wants.cohesion[:] = 0.1
         self._time = 0.0
 
     def _places(self, count: int) -> Float64:
         return self._chance.uniform(-self._half, self._half, (count, 2))
 
     def tick(self) -> None:
-        """One tick as the show does it: wants, goals, advance."""
-        self._wants.rest()
-        self._wants.separation[:] = 1.5
-        self._wants.alignment[:] = 0.3
-        self._wants.cohesion[:] = 0.1
+        """One tick: goals, and the advance of all."""
         reached = self._goals(self._wants, self._state.position, REACH)
         if len(reached):
             self._goals.target[reached] = self._places(len(reached))

@@ -37,6 +37,7 @@ def finish_tick(
     """
     a = wants.shape[0] // 8
     v, acc, zero = _VELOCITY * a, _ACCELERATION * a, np.float32(0.0)
+    tick, longest = np.float32(dt), np.float32(2.0 * SLEEP)
     for i in range(a if n < a else 0):
         if wants[8 * i + 7] <= zero:
             out[2 * i], out[2 * i + 1] = state[2 * i], state[2 * i + 1]
@@ -49,12 +50,13 @@ def finish_tick(
             limit_x, limit_z = max(params[0], abs(sorted_[X, s])), max(params[1], abs(sorted_[Z, s]))
             x, z = min(max(x, -limit_x), limit_x), min(max(z, -limit_z), limit_z)
         out[2 * i], out[2 * i + 1], out[v + 2 * i], out[v + 2 * i + 1] = x, z, vx, vz
-        motion = abs(vx) + abs(vz) + abs(x - sorted_[X, s]) + abs(z - sorted_[Z, s])
-        motion += abs(out[acc + 2 * i]) + abs(out[acc + 2 * i + 1]) + abs(wants[8 * i]) + abs(wants[8 * i + 1])
         heed = asked_of(wants[8 * i + 3], wants[8 * i + 5])
-        rested = state[_REST * a + i] if state[_HEED * a + i] == heed else zero
-        rested = min(rested + np.float32(dt), np.float32(2.0 * SLEEP))
-        out[_REST * a + i], out[_HEED * a + i] = rested if motion == zero else zero, heed
+        rested = zero
+        if wants[8 * i] == zero and wants[8 * i + 1] == zero and state[_HEED * a + i] == heed:
+            motion = abs(vx) + abs(vz) + abs(x - sorted_[X, s]) + abs(z - sorted_[Z, s])
+            motion += abs(out[acc + 2 * i]) + abs(out[acc + 2 * i + 1])
+            rested = min(state[_REST * a + i] + tick, longest) if motion == zero else zero
+        out[_REST * a + i], out[_HEED * a + i] = rested, heed
 
 
 @kernel(

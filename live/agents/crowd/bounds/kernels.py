@@ -28,11 +28,13 @@ def _within(v: float, at: float, half: float, most: float) -> float:
 def keep_on_stage(moved: Float32, sorted_: Float32, wants: Float32, slot_agent: Int32, n: int, params: Float32) -> None:
     """Bend the velocities in `moved` at the stage edges, but for those who pass. wants (8 A,): Wants.rows."""
     half_width, half_depth = float(params[0]), float(params[1])
+    soon = np.float32(SOFT_LANDING)
     if math.isinf(half_width) and math.isinf(half_depth):
         return
     for s in range(n):
         i = slot_agent[s]
-        if wants[8 * i + 7] >= 2.0:
+        x, z = abs(sorted_[0, s]) + soon * abs(moved[0, s]), abs(sorted_[1, s]) + soon * abs(moved[1, s])
+        if (x <= params[0] and z <= params[1]) or wants[8 * i + 7] >= np.float32(2.0):
             continue
         most = max(float(wants[8 * i + 2]), 0.1)
         moved[0, s] = _within(moved[0, s], sorted_[0, s], half_width, most)

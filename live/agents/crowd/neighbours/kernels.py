@@ -193,19 +193,20 @@ def sum_neighbours(
                     acc[WEIGHT, j] += w
                     acc[FLOCK_X, j] -= w * (align * ux + cohere * dx)
                     acc[FLOCK_Z, j] -= w * (align * uz + cohere * dz)
-                    # predicted collision: y = 1 - (sine of the way past / sine that would touch)², w = 1 / time to it
+                    # predicted collision: v is 1 for passing just clear, 0 head on; w is 1 / time to collision
                     tx, tz = dx - side * dz, dz + side * dx
                     closing = max(-(tx * ux + tz * uz), _ZERO)
                     touch = watched + lanes[RADIUS, k]
                     reach = touch - _MARGIN
                     c = max(d2 - reach * reach, _LEAST_C)
                     inverse = _ONE / (closing * c + _TINY)
-                    per_closing = c * inverse
-                    y = max(_ONE - (ux * ux + uz * uz) * c * per_closing * per_closing, _ZERO)
-                    w = min(closing * closing * inverse * (_ONE + y * (_TWO - y)), _MOST_W)
+                    v = min(((ux * ux + uz * uz) * c) * (c * c) * (inverse * inverse), _ONE)
+                    w = min((closing * closing * inverse) * (_TWO - v * v), _MOST_W)
+                    gate = (lanes[GIVE, k] * min(_FOUR * seen, _ONE) * (c * inverse)) * (
+                        (_ONE + v) * min(_EIGHT - _EIGHT * v, _ONE)
+                    )
                     h = max(w - latest, _ZERO)
-                    force = h * (_TWO * h + per_tau) * min(y * _EIGHT, _ONE) * (_TWO - y) * per_closing
-                    force = min(force, _CAP) * lanes[GIVE, k] * min(_FOUR * seen, _ONE)
+                    force = min((_TWO * h + per_tau) * h * gate, _CAP)
                     acc[AVOID_X, j] += force * (tx * w + ux)
                     acc[AVOID_Z, j] += force * (tz * w + uz)
                     acc[NEAR, j] += _ONE if d2 < touch * touch else _ZERO
