@@ -17,15 +17,18 @@ def check(
 
     from live.base.errors import PersonError
     from live.cli.session import Wish, choose_sound
+    from live.show.rehearsing import rehearsal_notes
 
     wish = Wish(patch=patch, steps=steps)
     loaded = wish.load()
-    loaded.start()
+    show = loaded.start()
     choose_sound(wish, loaded)
     library, graph = loaded.graph.library, loaded.graph
     console = Console(highlight=False)
     if graph.missing:
         raise PersonError("; ".join(graph.missing), "raise locomotion.threshold_m, or change those steps' ends")
+    for note in rehearsal_notes(show):
+        console.print(f"note: {note}", style="yellow", soft_wrap=True, markup=False)
     console.print(
         f"ok {loaded.path}: {loaded.patch.name!r}, {loaded.patch.dancer_count} dancers in "
         f"{len(loaded.patch.group)} groups, {len(library.steps)} steps, {library.node_count} measures, "

@@ -15,6 +15,7 @@ class Programme(Protocol):
     """Which step a group should dance in which measure: `GroupProgramme`, or its `Echo`."""
 
     travel_step: int | None
+    steps: list[int]
     coming: tuple[Wanted, ...]
     into: int
 
@@ -39,6 +40,7 @@ class Echo:
         self._free = False
         self._said: OrderedDict[int, tuple[int, tuple[Wanted, ...], int]] = OrderedDict()
         self.travel_step = own.travel_step
+        self.steps = own.steps
         self.coming: tuple[Wanted, ...] = ()
         self.into = 0
 

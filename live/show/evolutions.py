@@ -9,6 +9,7 @@ import numpy.typing as npt
 from live.agents.crowd.model import AgentState
 from live.agents.evolutions.intention import Evolve, Hold, Repertoire
 from live.agents.evolutions.plan import Plan
+from live.agents.evolutions.segment import Segment
 from live.agents.wants import Wants
 from live.base.errors import PersonError, named
 from live.control import events
@@ -66,13 +67,25 @@ class Evolutions:
     def _take_up(self, measure: int) -> None:
         """Plan the score's segments of the measures up to `measure`, once."""
         for number in range(max(self._added + 1, measure - 1), measure + 1):
-            for index, section in enumerate(self._score.segments(number)):
-                formation = "" if section.formation is None else self._name(section.formation)
-                way = f"score {index} of measure {section.measure}"
-                if section.path is not None:
-                    self._plan.repertoire = self._plan.repertoire.with_path(way, np.array(section.path))
-                self._plan.add(segment_of_section(section, start=number, formation=formation, path=way))
+            for segment in self.score_of(number):
+                self._plan.add(segment)
         self._added = max(self._added, measure)
+
+    def score_of(self, measure: int) -> list[Segment]:
+        """The segments that the score has for `measure` (from 0); their names are in the repertoire then."""
+        segments = []
+        for index, section in enumerate(self._score.segments(measure)):
+            formation = "" if section.formation is None else self._name(section.formation)
+            way = f"score {index} of measure {section.measure}"
+            if section.path is not None:
+                self._plan.repertoire = self._plan.repertoire.with_path(way, np.array(section.path))
+            segments.append(segment_of_section(section, start=measure, formation=formation, path=way))
+        return segments
+
+    @property
+    def repertoire(self) -> Repertoire:
+        """The formations and ways that segments refer to."""
+        return self._plan.repertoire
 
     def begin_measure(self, measure: int, position: Float32, heading: Float64, available: Bool) -> None:
         """The segments of `measure` (from 0) begin, from where the dancers `available` (A,) are now."""

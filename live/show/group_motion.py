@@ -48,6 +48,8 @@ LOST_S: Final = 2.0
 """A real dancer of whom nothing is heard for so long [s] has left."""
 FASTEST: Final = 6.0
 """Nobody dances faster than this [m/s]: such leaps are faults of the tracking."""
+_PERFORMER: Final = "performer "
+"""Real dancers' names among the obstacles begin so."""
 
 
 def gates_of(patch: Patch) -> tuple[Gate, ...]:
@@ -210,11 +212,20 @@ class GroupMotion:
             self.surroundings.remove(_performer(name))
 
     def show(self, view: StageView) -> None:
-        """Copy what is drawn into the snapshot."""
+        """Copy what is drawn into the snapshot: who is there, elements, obstacles and walls."""
         view.present[:] = self.present
         self.elements.show(view)
+        around = self.surroundings
+        view.wall_count = min(around.wall_count, len(view.wall))
+        view.wall[: view.wall_count] = around.walls[: view.wall_count]
+        view.obstacle_count = min(around.obstacle_count, len(view.obstacle))
+        view.obstacle[: view.obstacle_count, :3] = around.obstacles[: view.obstacle_count, :3]
+        view.obstacle[: view.obstacle_count, 3] = 1.0
+        if self._performers:
+            for row, name in enumerate(around.obstacle_names[: view.obstacle_count]):
+                view.obstacle[row, 3] = not name.startswith(_PERFORMER)
 
 
 def _performer(name: str) -> str:
     """The name of a real dancer among the obstacles: no item of the set is called so."""
-    return f"performer {name}"
+    return _PERFORMER + name

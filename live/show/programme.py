@@ -62,20 +62,21 @@ class GroupProgramme:
         self._random = group.choose == "random"
         entries = [parse_entry(entry) for entry in group.steps]
         try:
-            self._steps = [find_step(graph, name) for name, _ in entries]
+            self.steps = [find_step(graph, name) for name, _ in entries]
+            """The steps it names."""
             self.travel_step = None if group.travel_step is None else find_step(graph, group.travel_step)
             """The step for ways too far for the step in turn, or None."""
         except UnknownStep as error:
             raise UnknownStep(f"group {group.name!r}: {error}") from None
         self._own = [
             Wanted(step, self._length(step))
-            for step, (_, times) in zip(self._steps, entries, strict=True)
+            for step, (_, times) in zip(self.steps, entries, strict=True)
             for _ in range(times)
         ]
         self._live: list[Wanted] = []
         self._asked: tuple[int, int] | None = None
         self._slot, self._into = 0, 0
-        self._drawn, self._drawn_left = self._steps[0], 0
+        self._drawn, self._drawn_left = self.steps[0], 0
         self._call: _Call | None = None
         self.coming: tuple[Wanted, ...] = ()
         """What is to be danced from the measure on that was last asked for, at least as far as a search looks."""
@@ -90,9 +91,9 @@ class GroupProgramme:
         """Choose in a graph that has all nodes and steps of the old one; who drew from all steps draws the new, too."""
         old, self._graph = self._graph, graph
         everything = {step for step in range(len(old.library.steps)) if len(old.entries(step))}
-        if self._random and everything <= set(self._steps):
+        if self._random and everything <= set(self.steps):
             new = range(len(old.library.steps), len(graph.library.steps))
-            self._steps += [step for step in new if len(graph.entries(step))]
+            self.steps += [step for step in new if len(graph.entries(step))]
 
     def dance(self, wanted: list[Wanted]) -> None:
         """Dance these in order, again and again, from the next measure on that is not chosen yet."""
@@ -187,10 +188,10 @@ class GroupProgramme:
     def _draw(self, measure: int, nodes: Nodes) -> int:
         """Draw among the group's steps, evenly; not the last one again, and reachable at once if any is."""
         chance = np.random.default_rng([*self._seed, max(measure, 0)])
-        hops = self._graph.hops[self._steps][:, nodes]
-        near = [s for s, h in zip(self._steps, hops, strict=True) if (h <= 1).all()]
-        far = [s for s, h in zip(self._steps, hops, strict=True) if (h < NEVER).all()]
-        for choice in (near, far, self._steps):
+        hops = self._graph.hops[self.steps][:, nodes]
+        near = [s for s, h in zip(self.steps, hops, strict=True) if (h <= 1).all()]
+        far = [s for s, h in zip(self.steps, hops, strict=True) if (h < NEVER).all()]
+        for choice in (near, far, self.steps):
             fresh = [step for step in choice if step != self._drawn]
             if fresh:
                 return int(fresh[int(chance.integers(len(fresh)))])

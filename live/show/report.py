@@ -43,12 +43,18 @@ class FrameReport:
         self._steps: list[dict[str, Any]] = []
         self._path_errors: list[float] = []
         self._heading_errors: list[float] = []
+        self._there = show.motion.present.copy()
+        """Who was seen in the last frame; those who wait in the wings are not reported."""
+        self._always = self._there.copy()
+        """Who was seen in all of them: of these the smoothness is measured."""
 
     def frame(self, view: StageView) -> None:
         """Take one frame, right after it was filled."""
         if self._show.span.number != self._measure:
             self._begin_measure()
         self._feet(view)
+        self._there = view.present.copy()
+        self._always &= view.present
         self._distances(view)
         self._beat_times(view)
 
@@ -58,7 +64,10 @@ class FrameReport:
         dancers, library = show.dancers, show.graph.library
         self._measure = show.span.number
         self._note_joins()
+        there = show.motion.present
         for dancer, node in enumerate(dancers.node):
+            if not there[dancer]:
+                continue
             self._steps.append(
                 {
                     "dancer": dancer + 1,
@@ -71,9 +80,10 @@ class FrameReport:
             )
         wanted, ends = show.scheduler.last_target, dancers.present.end_position()
         if wanted is not None:
-            self._path_errors.append(float(np.hypot(*(wanted - ends).T).mean()))
+            self._path_errors.append(float(np.hypot(*(wanted - ends)[there].T).mean()))
             yaw = dancers.present.end_placement()[:, 2] + show.graph.node_facing[dancers.node]
             off = yaw - show.scheduler.last_heading
+            off = off[there]
             self._heading_errors.append(float(np.degrees(np.abs(np.arctan2(np.sin(off), np.cos(off)))).mean()))
 
     def _cost(self, before: int, node: int) -> float | None:
@@ -89,7 +99,7 @@ class FrameReport:
         """Who changed the clip at the measure line just crossed, and which clips are danced."""
         show = self._show
         library, node = show.graph.library, show.dancers.node
-        self._clips.update(library.node_clip[node].tolist())
+        self._clips.update(library.node_clip[node[show.motion.present]].tolist())
         if self._times:  # the first measure begins with no blend
             seconds = library.beats_per_measure * 60.0 / show.timeline.tempo
             changed = np.flatnonzero(library.node_measure[node] == 0).astype(np.int32)
@@ -102,7 +112,9 @@ class FrameReport:
             time, before, stood = self._previous
             dt = view.time - time
             if dt > 0:
-                self._slides.append(slides(np.stack([before, position]), np.stack([stood, contact]), 1.0 / dt))
+                both = self._there & view.present
+                feet = np.stack([before, position])[:, both], np.stack([stood, contact])[:, both]
+                self._slides.append(slides(*feet, 1.0 / dt))
                 if self._trace is None:
                     self._trace = MotionTrace(1.0 / dt)
                     self._trace.add(before)
@@ -168,6 +180,7 @@ class FrameReport:
                 largest_around(trace[:, dancer], np.array([line - 0.5 * blend - self._times[0]]), half, rate)
                 for line, blend, changed in self._joins
                 for dancer in changed
+                if self._always[dancer]
             ]
             values[key] = ratio(np.concatenate(joins), peer) if joins else None
         return values
@@ -179,7 +192,7 @@ class FrameReport:
         kinematic: list[float] = []
         if self._trace is not None:
             times = np.array(self._music)
-            for speed in self._trace.speeds().T:
+            for speed in self._trace.speeds().T[self._always]:
                 own = motion_beats(speed, self._rate, self._times[0])
                 near.append(offsets(times, own))
                 music += [value] if (value := alignment(times, own)) is not None else []

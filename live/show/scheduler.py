@@ -91,6 +91,14 @@ class Scheduler:
         for programme in self.programmes:
             programme.take_graph(graph)
 
+    def farthest(self) -> Float64:
+        """How far each dancer's steps go in one measure [m]: the farthest of her group's, shape (A,)."""
+        most = np.zeros(len(self._group))
+        for index, programme in enumerate(self.programmes):
+            steps = [*programme.steps, *([] if programme.travel_step is None else [programme.travel_step])]
+            most[self._group == index] = max(float(self._reach[step]) for step in steps)
+        return most
+
     def set_speed(self, measure: int, timeline: Timeline) -> None:
         """Let the agents of each group go as fast as its steps and the correction can follow."""
         seconds = self._seconds = timeline.beats_per_measure * 60.0 / timeline.tempo

@@ -1,0 +1,76 @@
+"""Elements as patches and controls say them."""
+
+import contextlib
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from live.agents.procedural.kinds import EVERYBODY, FLOW_NAMES, KIND_NAMES, VOICE
+from live.base.errors import PersonError
+from live.control import events
+from live.show.elements_of import placing_of_event, placing_of_section, points_of
+from live.show.sections.element import ElementSection
+
+STAMP = {"time": 0.0, "source": "test"}
+
+
+def element(placing):
+    return placing.element(groups=EVERYBODY, target_group=-1, source="s", start=8.0, beats_per_measure=4)
+
+
+def test_points_are_read_and_nothing_else_is():
+    assert points_of("-3 0, 0 -2.5; 3 0") == ((-3.0, 0.0), (0.0, -2.5), (3.0, 0.0))
+    for text in ("", "1", "1 2 3", "1 2,", "a b", "nan 0", "1e999 0"):
+        with pytest.raises(PersonError, match="points"):
+            points_of(text)
+
+
+@given(st.text(max_size=40))
+def test_no_text_breaks_the_reader_of_points(text):
+    with contextlib.suppress(PersonError):
+        assert len(points_of(text)) >= 1
+
+
+def test_measures_become_beats():
+    made = element(placing_of_event(events.Attract(x=1.0, z=2.0, strength=3.0, measures=2.5, **STAMP)))
+    assert (made.kind, made.points, made.strength) == (KIND_NAMES["attract"], ((1.0, 2.0),), 3.0)
+    assert (made.start_beat, made.end_beat) == (8.0, 18.0)
+
+
+def test_a_voice_is_one_of_many():
+    assert element(placing_of_event(events.Voice(x=1.0, z=2.0, **STAMP))).table_kind == VOICE
+
+
+@pytest.mark.parametrize("kind", KIND_NAMES)
+def test_every_kind_of_element_can_be_written_in_a_patch_and_sent(kind):
+    whom = "3" if kind in ("follow", "pursue", "evade") else ""
+    section = ElementSection(kind=kind, measure=1, at=(0.0, -1.0), to=(0.0, 1.0), points=((0, 0), (1, 1)), whom=whom)
+    sent = events.PlaceElement(kind=kind, points="0 0, 1 1", whom=whom, **STAMP)
+    for placing in (placing_of_section(section), placing_of_event(sent)):
+        made = element(placing)
+        assert made.kind == KIND_NAMES[kind]
+        assert made.target == (2 if whom else -1)
+
+
+@pytest.mark.parametrize("flow", ["uniform", "radial", "vortex", "drawn"])
+def test_flows(flow):
+    sent = events.PlaceElement(kind="flow", flow=flow, points="0 0, 1 1", **STAMP)
+    assert element(placing_of_event(sent)).flow == FLOW_NAMES[flow]
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"kind": "cross"},
+        {"kind": "flow"},
+        {"kind": "flow", "flow": "drawn", "to": (1, 1)},
+        {"kind": "path", "to": (1, 1)},
+        {"kind": "follow"},
+        {"kind": "attract", "strength": -1},
+        {"kind": "storm"},
+    ],
+)
+def test_sections_that_lack_something_are_refused(values):
+    with pytest.raises(ValueError, match=r"needs|below 0|Input"):
+        ElementSection(measure=1, **values)
