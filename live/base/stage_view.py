@@ -18,8 +18,27 @@ Colour = tuple[float, float, float]
 ATTRACTOR: Final = 0
 REPULSOR: Final = 1
 SPREADER: Final = 2
+CROSSING: Final = 3
+FLOW: Final = 4
+WANDER: Final = 5
+FLOCK: Final = 6
+FOLLOW: Final = 7
+PURSUE: Final = 8
+EVADE: Final = 9
+PATH: Final = 10
+VOICE: Final = 11
+"""An attractor that is one of an audience's many."""
+UNIFORM: Final = 0
+RADIAL: Final = 1
+VORTEX: Final = 2
+DRAWN: Final = 3
+GRID: Final = 4
 ELEMENT_CAPACITY: Final = 256
 """Elements drawn at most; all of them act, only these are drawn."""
+ELEMENT_CORNERS: Final = 1024
+"""Corners of all lines and regions together that are drawn at most."""
+SET_CAPACITY: Final = 64
+"""Obstacles, and walls, drawn at most."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +92,25 @@ class StageView:
     """Stage positions (x, z) [m] of the elements in force, shape (256, 2); the first `element_count` count."""
     element_level: Float32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.float32))
     """How strongly each element acts now, 0 to 1 (it fades in and out), shape (256,)."""
+    element_radius: Float32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.float32))
+    """Makes a disc of a point and a broad line of a line [m], shape (256,)."""
+    element_strength: Float32 = field(default_factory=lambda: np.ones(ELEMENT_CAPACITY, np.float32))
+    """1 is usual; a flow below 0 goes the other way, shape (256,)."""
+    element_flow: Int32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.int32))
+    """UNIFORM to GRID, of elements of kind FLOW, shape (256,)."""
+    element_first: Int32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.int32))
+    """Where the corners of each line or region begin in `element_corner`, shape (256,)."""
+    element_corners: Int32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.int32))
+    """How many corners each element has there, shape (256,); below 2: it is a point at `element_position`."""
+    element_corner: Float32 = field(default_factory=lambda: np.zeros((ELEMENT_CORNERS, 2), np.float32))
+    """Corners (x, z) [m] of all elements, shape (1024, 2); the last one of a closed line is its first one again."""
     element_count: int = 0
+    obstacle: Float32 = field(default_factory=lambda: np.zeros((SET_CAPACITY, 4), np.float32))
+    """Round obstacles: x, z, radius [m], and 1 for an item of the set, 0 for a real dancer; shape (64, 4)."""
+    obstacle_count: int = 0
+    wall: Float32 = field(default_factory=lambda: np.zeros((SET_CAPACITY, 4), np.float32))
+    """Walls: x1, z1, x2, z2 [m], shape (64, 4)."""
+    wall_count: int = 0
     time: float = 0.0
     beat: float = 0.0
     measure: int = 0

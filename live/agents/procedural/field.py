@@ -15,15 +15,23 @@ from live.agents.procedural.kinds import CROSSING, ELEMENT_CAPACITY, FLOW, GRID,
 from live.agents.procedural.sources.kernels import NEAR_COLUMNS
 from live.agents.procedural.spreading.kernels import CELLS, MESH, fill_cosines
 from live.agents.procedural.table.kernels import (
+    CLOSED,
+    CORNERS,
+    FLOW_KIND,
     HALF_DEPTH,
     HALF_WIDTH,
+    KIND,
     LEVEL,
     NUMBERS,
     PLACE_COUNT,
+    RADIUS,
     SEED,
+    STRENGTH,
     SUM_COLUMNS,
     SWITCHED,
     TIME,
+    X,
+    Z,
 )
 from live.agents.wants import Wants
 from live.base.errors import PersonError
@@ -179,14 +187,31 @@ class ElementField:
     # -- what is seen ------------------------------------------------------------------------------------------
 
     def show(self, view: StageView) -> None:
-        """Copy what acts now into the drawing snapshot: kind, first point and level."""
+        """Copy what acts now into the drawing snapshot: kind, place, level, and the corners of lines and regions.
+
+        Audiences' voices are of kind VOICE. Corners for which there is no room are left out with their element's line.
+        """
         acting = self._table.acting[: len(view.element_kind)]
-        view.element_count = len(acting)
-        for place, row in enumerate(acting):
-            element = self._table.elements[row]
-            view.element_kind[place] = element.kind
-            view.element_position[place] = element.points[0]
-            view.element_level[place] = self._table.rows[row, LEVEL]
+        rows, count = self._table.rows[acting], len(acting)
+        view.element_count = count
+        view.element_kind[:count] = rows[:, KIND]
+        view.element_position[:count] = rows[:, (X, Z)]
+        view.element_level[:count] = rows[:, LEVEL]
+        view.element_radius[:count] = rows[:, RADIUS]
+        view.element_strength[:count] = rows[:, STRENGTH]
+        view.element_flow[:count] = rows[:, FLOW_KIND]
+        view.element_corners[:count] = 0
+        used = 0
+        for place in np.flatnonzero(rows[:, CORNERS] > 1.0):
+            corners, closed = int(rows[place, CORNERS]), int(rows[place, CLOSED])
+            end = used + corners + closed
+            if end > len(view.element_corner):
+                continue
+            view.element_corner[used : used + corners] = self._table.vertices[acting[place], :corners]
+            if closed:
+                view.element_corner[end - 1] = view.element_corner[used]
+            view.element_first[place], view.element_corners[place] = used, corners + closed
+            used = end
 
     def shown(self) -> list[tuple[Element, float]]:
         """The elements that act now with their levels, for pictures that draw lines and regions."""

@@ -2,18 +2,27 @@
 
 from typing import Final
 
-from live.base.stage_view import ATTRACTOR, ELEMENT_CAPACITY, REPULSOR, SPREADER
+from live.base.stage_view import (
+    ATTRACTOR,
+    CROSSING,
+    DRAWN,
+    ELEMENT_CAPACITY,
+    EVADE,
+    FLOCK,
+    FLOW,
+    FOLLOW,
+    GRID,
+    PATH,
+    PURSUE,
+    RADIAL,
+    REPULSOR,
+    SPREADER,
+    UNIFORM,
+    VOICE,
+    VORTEX,
+    WANDER,
+)
 
-CROSSING: Final = 3
-FLOW: Final = 4
-WANDER: Final = 5
-FLOCK: Final = 6
-FOLLOW: Final = 7
-PURSUE: Final = 8
-EVADE: Final = 9
-PATH: Final = 10
-VOICE: Final = 11
-"""In the arrays only: an attractor with `fair` set, one of an audience's many."""
 KIND_COUNT: Final = 12
 
 KIND_NAMES: Final = {
@@ -31,11 +40,6 @@ KIND_NAMES: Final = {
 }
 """The words of patches, scores and addresses."""
 
-UNIFORM: Final = 0
-RADIAL: Final = 1
-VORTEX: Final = 2
-DRAWN: Final = 3
-GRID: Final = 4
 FLOW_NAMES: Final = {"uniform": UNIFORM, "radial": RADIAL, "vortex": VORTEX, "drawn": DRAWN, "grid": GRID}
 
 EVERYBODY: Final = (1 << 64) - 1

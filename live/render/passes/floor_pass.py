@@ -1,4 +1,4 @@
-"""The floor's map: soft shadows of the dancers and the light of the elements in force, seen from above.
+"""The floor's map: soft shadows of the dancers, the light of the elements in force, and the set, seen from above.
 
 Shadows are the dancers flattened along the key light, in three layers by height above the floor; the higher the
 layer, the wider it is blurred, so that feet stand firmly and arms cast a breath.
@@ -7,11 +7,12 @@ layer, the wider it is blurred, so that feet stand firmly and arms cast a breath
 from typing import Final
 
 import moderngl
-import numpy as np
 
-from live.base.stage_view import ELEMENT_CAPACITY, StageView
+from live.base.stage_view import StageView
 from live.render.body import COARSE
 from live.render.crowd import Crowd
+from live.render.passes.element_pass import ElementPass
+from live.render.passes.set_pass import SetPass
 from live.render.quality import Quality
 from live.render.release import release_all
 from live.render.shader import program, set_uniform
@@ -32,10 +33,9 @@ class FloorPass:
             program(ctx, "full_vertex.glsl", "blur_fragment.glsl", (("TAPS", taps), ("LAST", last))) for last in (0, 1)
         ]
         self._triangles = [ctx.vertex_array(blur, []) for blur in self._blurs]
-        self._element = program(ctx, "element_vertex.glsl", "element_fragment.glsl")
-        self._staging = np.zeros((ELEMENT_CAPACITY, 4), np.float32)
-        self._elements = ctx.buffer(reserve=self._staging.nbytes, dynamic=True)
-        self._squares = ctx.vertex_array(self._element, [(self._elements, "4f/i", "in_element")])
+        texel = max(floor_size) / quality.floor_map
+        self._elements = ElementPass(ctx, texel)
+        self._set = SetPass(ctx, texel)
         self._fit(quality.floor_map, floor_size)
 
     def _fit(self, long_side: int, floor_size: tuple[float, float]) -> None:
@@ -60,9 +60,8 @@ class FloorPass:
         """Fill `texture` for this moment."""
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         self._draw_shadows(crowd)
-        count = min(max(view.element_count, 0), ELEMENT_CAPACITY)
-        if count:
-            self._draw_elements(view, count)
+        self._elements.draw(view)
+        self._set.draw(view)
 
     def _draw_shadows(self, crowd: Crowd) -> None:
         ctx = self._ctx
@@ -80,17 +79,7 @@ class FloorPass:
             source.use(1)
             triangle.render(moderngl.TRIANGLES, vertices=3)
 
-    def _draw_elements(self, view: StageView, count: int) -> None:
-        self._staging[:count, :2] = view.element_position[:count]
-        self._staging[:count, 2] = view.element_kind[:count]
-        np.clip(view.element_level[:count], 0.0, 1.0, out=self._staging[:count, 3])
-        self._elements.write(self._staging[:count])
-        self._ctx.enable(moderngl.BLEND)
-        self._ctx.blend_func = moderngl.ONE, moderngl.ONE
-        self._squares.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=count)
-        self._ctx.disable(moderngl.BLEND)
-
     def release(self) -> None:
         """Free everything."""
-        release_all(*self._targets, self._layers, self._between, self.texture, *self._triangles, self._squares)
-        release_all(self._elements, self._cast, *self._blurs, self._element)
+        release_all(*self._targets, self._layers, self._between, self.texture, *self._triangles)
+        release_all(self._elements, self._set, self._cast, *self._blurs)

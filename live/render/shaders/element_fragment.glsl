@@ -1,35 +1,71 @@
-// Light on the floor where an element acts: attractor, repulsor, spreader.
+// Light on the floor around a point: attractor, repulsor, spreader, an audience's voice, flows out of or around it.
 #include "frame.glsl"
+#include "element_light.glsl"
 
 in vec2 offset;
-flat in float kind;
+flat in int kind;
 flat in float level;
+flat in float radius;
+flat in float flow;
+flat in vec2 home;
 out vec4 light;
 
 vec3 attractor(float away, float pulse) {
-    float pool = exp(-square(away / (0.62 + 0.08 * pulse)));
-    float ring = exp(-square((away - 0.95 - 0.10 * pulse) / 0.07)) * 0.28;
-    return vec3(1.0, 0.52, 0.18) * (pool * (0.42 + 0.16 * pulse) + ring * (0.4 + 0.6 * pulse));
+    float pool = bell(away, 0.62 + 0.08 * pulse);
+    float ring = bell(away - 0.95 - 0.10 * pulse, 0.07) * 0.28;
+    return WARM * (pool * (0.42 + 0.16 * pulse) + ring * (0.4 + 0.6 * pulse));
 }
 
 vec3 repulsor(float away, float pulse) {
-    float ring = exp(-square((away - 0.85) / 0.085));
-    float outer = exp(-square((away - 1.15 - 0.30 * (1.0 - pulse)) / 0.10)) * 0.35 * pulse;
+    float ring = bell(away - 0.85, 0.085);
+    float outer = bell(away - 1.15 - 0.30 * (1.0 - pulse), 0.10) * 0.35 * pulse;
     float within = (1.0 - smoothstep(0.55, 0.85, away)) * 0.05;
-    return vec3(0.20, 0.55, 1.0) * (ring * 0.55 + outer + within);
+    return COOL * (ring * 0.55 + outer + within);
 }
 
 vec3 spreader(float away, float pulse) {
     vec2 cell = abs(fract(offset / 0.8) - 0.5) * 0.8;
-    float line = max(exp(-square((0.4 - cell.x) / 0.022)), exp(-square((0.4 - cell.y) / 0.022)));
-    float halo = exp(-square((away - 2.2 - 0.4 * (1.0 - pulse)) / 0.22)) * 0.35;
+    float line = max(bell(0.4 - cell.x, 0.022), bell(0.4 - cell.y, 0.022));
+    float halo = bell(away - 2.2 - 0.4 * (1.0 - pulse), 0.22) * 0.35;
     float fade = 1.0 - smoothstep(1.0, 2.7, away);
-    return vec3(0.62, 0.95, 0.72) * (line * fade * 0.16 + fade * 0.035 + halo * 0.5);
+    return MINT * (line * fade * 0.16 + fade * 0.035 + halo * 0.5);
+}
+
+// A small ember, each with its own warmth, glimmering in its own time.
+vec3 voice(float away) {
+    float own = hash(home.x * 3.1 + home.y * 7.7);
+    float glimmer = 0.78 + 0.22 * sin(6.2831853 * (beat * (0.25 + 0.125 * floor(own * 3.0)) + own));
+    vec3 colour = mix(vec3(1.0, 0.34, 0.12), vec3(1.0, 0.66, 0.30), own);
+    return colour * (hairline(away, 0.06) * 0.75 + bell(away, 0.24) * 0.16) * glimmer;
+}
+
+vec3 current(float away) {
+    bool vortex = int(abs(flow) + 0.5) - 1 == VORTEX;
+    float way = sign(flow), angle = atan(offset.y, offset.x) / 6.2831853;
+    float light;
+    if (vortex) {
+        float lane = floor(away / 0.22);
+        float middle = (lane + 0.5) * 0.22;
+        float trips = max(round(6.2831853 * middle / 2.4), 1.0);
+        light = stream(way * angle * trips, lane + 1.0, away - middle, 0.045, 1.0);
+    } else {
+        float lane = floor((angle + 0.5) * 40.0);
+        float middle = (lane + 0.5) / 40.0 - 0.5;
+        light = stream(way * away, lane + 1.0, (angle - middle) * 6.2831853 * away, 0.045, 1.8);
+    }
+    // it acts everywhere, but is drawn where its middle can be seen in it
+    float fade = radius > 0.0 ? 1.0 - smoothstep(radius - 0.3, radius + 0.5, away) : 1.0 - smoothstep(1.4, 3.3, away);
+    return SILVER * (light * 0.62 * smoothstep(0.15, 0.6, away) + 0.02) * fade;
 }
 
 void main() {
     float away = length(offset);
     float pulse = square(1.0 - floor_colour.w);
-    vec3 colour = kind < 0.5 ? attractor(away, pulse) : (kind < 1.5 ? repulsor(away, pulse) : spreader(away, pulse));
-    light = vec4(colour * level * 0.55, 0.0);
+    vec3 colour;
+    if (kind == ATTRACTOR) colour = attractor(away, pulse);
+    else if (kind == REPULSOR) colour = repulsor(away, pulse);
+    else if (kind == SPREADER) colour = spreader(away, pulse);
+    else if (kind == VOICE) colour = voice(away);
+    else colour = current(away);
+    light = vec4(colour * level * ELEMENT_LIGHT, 0.0);
 }

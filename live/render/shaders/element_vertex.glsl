@@ -1,17 +1,33 @@
-// One square of the floor map for each element in force.
+// One square of the floor map for each element that acts around a point; the others get none.
 #include "frame.glsl"
 
 in vec4 in_element;   // x, z [m], kind, level
+in vec4 in_form;      // radius [m], first corner, number of corners, way and kind of a flow
 
 out vec2 offset;
-flat out float kind;
+flat out int kind;
 flat out float level;
+flat out float radius;
+flat out float flow;
+flat out vec2 home;
+
+float reach_of() {
+    bool point = in_form.z < 1.5 && in_form.x <= 0.0;
+    if (kind == ATTRACTOR || kind == REPULSOR) return point ? 1.9 : 0.0;
+    if (kind == SPREADER) return 3.2;
+    if (kind == VOICE) return 0.6;
+    int turning = int(abs(in_form.w) + 0.5) - 1;
+    if (kind == FLOW && (turning == RADIAL || turning == VORTEX)) return in_form.x > 0.0 ? in_form.x + 0.5 : 3.4;
+    return 0.0;
+}
 
 void main() {
-    float reach = in_element.z > 1.5 ? 3.2 : 1.9;
-    vec2 corner = vec2((gl_VertexID & 1) == 0 ? -1.0 : 1.0, gl_VertexID < 2 ? -1.0 : 1.0);
-    offset = corner * reach;
-    kind = in_element.z;
+    kind = int(in_element.z + 0.5);
     level = in_element.w;
+    radius = in_form.x;
+    flow = in_form.w;
+    home = in_element.xy;
+    vec2 corner = vec2((gl_VertexID & 1) == 0 ? -1.0 : 1.0, gl_VertexID < 2 ? -1.0 : 1.0);
+    offset = corner * reach_of();
     gl_Position = vec4((in_element.xy + offset) / stage.zw, 0.0, 1.0);
 }

@@ -1,0 +1,157 @@
+"""Elements as light on the floor: pools around points, lines and regions, streams, dashes (T105-T110).
+
+One instance for each element draws pools and regions (each program leaves out what is not its own); one for each piece
+of a line draws what runs along lines. What nobody on the stage could point at (wander, flock, follow, pursue, evade)
+gives no light.
+"""
+
+from typing import Final
+
+import moderngl
+import numpy as np
+import numpy.typing as npt
+
+from live.base.stage_view import (
+    ATTRACTOR,
+    CROSSING,
+    DRAWN,
+    ELEMENT_CAPACITY,
+    ELEMENT_CORNERS,
+    FLOW,
+    PATH,
+    RADIAL,
+    REPULSOR,
+    SPREADER,
+    UNIFORM,
+    VOICE,
+    VORTEX,
+    StageView,
+)
+from live.render.release import release_all
+from live.render.shader import program, set_uniform
+
+_KINDS: Final = (
+    ("ATTRACTOR", ATTRACTOR),
+    ("REPULSOR", REPULSOR),
+    ("SPREADER", SPREADER),
+    ("CROSSING", CROSSING),
+    ("FLOW", FLOW),
+    ("PATH", PATH),
+    ("VOICE", VOICE),
+    ("UNIFORM", UNIFORM),
+    ("RADIAL", RADIAL),
+    ("VORTEX", VORTEX),
+    ("DRAWN", DRAWN),
+    ("CORNERS", ELEMENT_CORNERS),
+)
+_CORNER_BINDING: Final = 1
+"""Where the block of corners is bound; 0 is the frame's."""
+_RETURN_BEATS: Final = 64.0
+"""All that moves along floor lines comes back after so many beats: small numbers keep float32 exact."""
+_COLUMNS: Final = 8
+_PIECE_COLUMNS: Final = 12
+
+
+class ElementPass:
+    """`draw` adds the elements' light to the bound floor map, whose texels are `texel` [m] wide."""
+
+    def __init__(self, ctx: moderngl.Context, texel: float) -> None:
+        self._ctx = ctx
+        self._pools = program(ctx, "element_vertex.glsl", "element_fragment.glsl", _KINDS)
+        self._regions = program(ctx, "element_region_vertex.glsl", "element_region_fragment.glsl", _KINDS)
+        self._lines = program(ctx, "element_line_vertex.glsl", "element_line_fragment.glsl", _KINDS)
+        for linked in (self._pools, self._regions, self._lines):
+            set_uniform(linked, "texel", texel)
+            if "Corners" in linked:
+                block = linked["Corners"]
+                assert isinstance(block, moderngl.UniformBlock)
+                block.binding = _CORNER_BINDING
+        self._staging = np.zeros((ELEMENT_CAPACITY, _COLUMNS), np.float32)
+        self._pieces = np.zeros((ELEMENT_CORNERS, _PIECE_COLUMNS), np.float32)
+        self._corners = np.zeros((ELEMENT_CORNERS, 4), np.float32)
+        self._element_buffer = ctx.buffer(reserve=self._staging.nbytes, dynamic=True)
+        self._piece_buffer = ctx.buffer(reserve=self._pieces.nbytes, dynamic=True)
+        self._corner_buffer = ctx.buffer(reserve=self._corners.nbytes, dynamic=True)
+        inputs = [(self._element_buffer, "4f 4f/i", "in_element", "in_form")]
+        self._pool_array = ctx.vertex_array(self._pools, inputs)
+        self._region_array = ctx.vertex_array(self._regions, inputs)
+        self._line_array = ctx.vertex_array(
+            self._lines, [(self._piece_buffer, "4f 4f 4f/i", "in_piece", "in_element", "in_form")]
+        )
+
+    def draw(self, view: StageView) -> None:
+        """Draw the elements of this moment; nothing, at no cost, if there are none."""
+        count = min(max(view.element_count, 0), ELEMENT_CAPACITY)
+        if not count:
+            return
+        beat = view.beat % _RETURN_BEATS
+        set_uniform(self._pools, "beat", beat)
+        set_uniform(self._lines, "beat", beat)
+        self._stage(view, count)
+        pieces = self._stage_pieces(view, count)
+        ctx = self._ctx
+        ctx.enable(moderngl.BLEND)
+        if pieces:  # pieces of a line overlap where it bends: the brighter one counts
+            self._piece_buffer.write(self._pieces[:pieces])
+            ctx.blend_equation = moderngl.MAX, moderngl.MAX
+            self._line_array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=pieces)
+            ctx.blend_equation = moderngl.FUNC_ADD, moderngl.FUNC_ADD
+        # light over light, never brighter than white however many lie on each other
+        ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_COLOR
+        self._pool_array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=count)
+        if self._has_regions(view, count):
+            self._corner_buffer.bind_to_uniform_block(_CORNER_BINDING)
+            self._region_array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=count)
+        ctx.disable(moderngl.BLEND)
+
+    def _stage(self, view: StageView, count: int) -> None:
+        staging = self._staging[:count]
+        staging[:, :2] = view.element_position[:count]
+        staging[:, 2] = view.element_kind[:count]
+        np.clip(view.element_level[:count], 0.0, 1.0, out=staging[:, 3])
+        staging[:, 4] = view.element_radius[:count]
+        staging[:, 5] = view.element_first[:count]
+        staging[:, 6] = view.element_corners[:count]
+        staging[:, 7] = np.where(view.element_strength[:count] < 0.0, -1.0, 1.0) * (1 + view.element_flow[:count])
+        self._element_buffer.write(staging)
+
+    def _has_regions(self, view: StageView, count: int) -> bool:
+        corners = view.element_corners[:count]
+        used = min(int((view.element_first[:count] + corners).max()), ELEMENT_CORNERS)
+        if used > 1 and (corners > 1).any():
+            staged = self._corners[:used]
+            staged[:, :2] = view.element_corner[:used]
+            staged[1:, 2] = np.cumsum(np.hypot(*np.diff(staged[:, :2], axis=0).T))
+            self._corner_buffer.write(staged)
+            return True
+        return bool((view.element_radius[:count] > 0.0).any())
+
+    def _stage_pieces(self, view: StageView, count: int) -> int:
+        """Fill `_pieces` with those lines along which something runs; returns how many there are."""
+        used = 0
+        for index in np.flatnonzero(view.element_corners[:count] > 1):
+            kind, flow = int(view.element_kind[index]), int(view.element_flow[index])
+            if kind not in (CROSSING, PATH, FLOW) or (kind == FLOW and flow != UNIFORM):
+                continue
+            first, corners = int(view.element_first[index]), int(view.element_corners[index])
+            line: npt.NDArray[np.float32] = view.element_corner[first : first + corners]
+            if kind != PATH:  # the two points only give its direction
+                line = line[:2]
+            if len(line) < 2 or used + len(line) - 1 > len(self._pieces):
+                continue
+            pieces = self._pieces[used : used + len(line) - 1]
+            pieces[:, :2], pieces[:, 2:4] = line[:-1], line[1:]
+            pieces[:, 4], pieces[:, 5] = kind, self._staging[index, 3]
+            pieces[:, 6], pieces[:, 7] = view.element_radius[index], self._staging[index, 7]
+            lengths = np.hypot(pieces[:, 2] - pieces[:, 0], pieces[:, 3] - pieces[:, 1])
+            along = np.cumsum(lengths)
+            pieces[:, 8], pieces[:, 9] = along - lengths, along[-1]
+            pieces[:, 10] = np.array_equal(line[0], line[-1])
+            used += len(pieces)
+        return used
+
+    def release(self) -> None:
+        """Free everything."""
+        release_all(self._pool_array, self._region_array, self._line_array)
+        release_all(self._element_buffer, self._piece_buffer, self._corner_buffer)
+        release_all(self._pools, self._regions, self._lines)
