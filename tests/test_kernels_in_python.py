@@ -14,8 +14,13 @@ TESTS = (
     "tests/motion/test_bvh_numbers.py",
     "tests/graph/test_motion_graph.py",
     "tests/render/test_kernels.py",
-    "tests/agents/test_kernels.py",
-    "tests/agents/test_advance.py",
+    "tests/agents/behaviours",
+    "tests/agents/crowd",
+    "tests/agents/evolutions/test_kernels.py",
+    "tests/agents/formations/test_kernels.py",
+    "tests/agents/goals/test_goals.py",
+    "tests/agents/parting",
+    "tests/agents/procedural",
 )
 LONG = (  # seconds of a crowd's motion are minutes of plain Python
     "spreading_from or order_of_the or waits_for or only_the_nearest or prediction or head_on or "

@@ -27,7 +27,7 @@ from live.agents.evolutions.segment import Segment, in_canon, in_mirror
 from live.agents.evolutions.standing_clear import clear_places
 from live.agents.groups.relations import Line, mirrored
 from live.agents.groups.roster import Roster
-from live.agents.model import AgentState
+from live.agents.crowd.model import AgentState
 from live.agents.wants import Wants
 from live.base.errors import PersonError
 

@@ -1,0 +1,63 @@
+"""LookAhead: the same motion as the advance it copies, however it is cut into pieces."""
+
+import numpy as np
+
+from live.agents.crowd.advance import Advance
+from live.agents.crowd.model import AgentModel, AgentState, Steering
+from live.agents.crowd.surroundings import Surroundings
+from live.agents.look_ahead import LookAhead
+from live.agents.wants import Wants
+
+
+def ask(wants, state, time):
+    """Everybody wants to be at (2, 1)."""
+    wants.rest()
+    wants.speed[:] = 0.8
+    wants.separation[:] = 1.0
+    way = np.array([2.0, 1.0]) - state.position
+    wants.velocity[:] = way * np.minimum(1.0, 0.8 / np.maximum(np.hypot(*way.T), 1e-6))[:, None]
+
+
+def scene(count=15):
+    model = AgentModel(np.full(count, 0.25, np.float32), np.ones(count, np.float32), Steering(), 1)
+    chance = np.random.default_rng(2)
+    surroundings = Surroundings()
+    surroundings.put_obstacle("box", 0.5, 0.0, 0.4)
+    state = AgentState.at(chance.uniform(-3, 3, (count, 2)))
+    return state, Advance(model), surroundings
+
+
+def test_pieces_of_any_size_give_the_same_prediction():
+    results = []
+    for piece in (1, 3, 1000):
+        state, advance, surroundings = scene()
+        look = LookAhead(15, advance, surroundings, ask)
+        look.begin(state, time=0.0, seconds=2.6)
+        while not look.done:
+            look.work(piece)
+        results.append(look.position.copy())
+    assert (results[0] == results[1]).all()
+    assert (results[0] == results[2]).all()
+
+
+def test_the_prediction_is_near_what_happens_and_leaves_the_agents_alone():
+    state, advance, surroundings = scene()
+    before = state.flat.copy()
+    look = LookAhead(15, advance, surroundings, ask)
+    look.begin(state, time=0.0, seconds=2.5)
+    look.work(10**6)
+    assert (state.flat == before).all()
+    spare, wants = AgentState.at(state.position), Wants(15)
+    for tick in range(160):
+        ask(wants, state, tick / 64)
+        advance(state, spare, wants=wants, surroundings=surroundings, time=tick / 64, dt=1 / 64)
+        state, spare = spare, state
+    assert np.hypot(*(look.position - state.position).T).mean() < 0.15
+
+
+def test_nobody_is_no_problem():
+    state, advance, surroundings = scene(0)
+    look = LookAhead(0, advance, surroundings, ask)
+    look.begin(state, time=0.0, seconds=1.0)
+    look.work(100)
+    assert look.done
