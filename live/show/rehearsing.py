@@ -1,0 +1,57 @@
+"""Rehearsing: the score's evolutions gone through beforehand: what is too far for the steps, who would meet (T088)."""
+
+from live.agents.evolutions.rehearsal import rehearse
+from live.show.core import Show
+from live.show.group_motion import AGENT_RADIUS
+
+LONGEST = 400
+"""Measures that are gone through at most."""
+TOLD = 6
+"""Warnings of each kind at most."""
+
+
+def rehearsal_notes(show: Show) -> list[str]:
+    """What a choreographer should know of the segments of a fresh show, a line each; measures count from 1."""
+    patch, evolutions = show.patch, show.motion.evolutions
+    if not patch.segment:
+        return []
+    measures = min(patch.loop_measures or max(s.measure + s.measures for s in patch.segment), LONGEST)
+    segments = [segment for measure in range(measures) for segment in evolutions.score_of(measure)]
+    rehearsal = rehearse(
+        show.casting.roster,
+        evolutions.repertoire,
+        segments,
+        show.state.position,
+        measures=measures,
+        measure_beats=float(patch.clock.beats_per_measure),
+        half=(patch.stage.width / 2, patch.stage.depth / 2),
+        radius=AGENT_RADIUS,
+        seed=show.seed,
+    )
+    reach = show.scheduler.farthest() + patch.locomotion.correction_m
+    present = show.motion.present
+    far: dict[int, list[tuple[float, float]]] = {}
+    for one in rehearsal.too_far(reach):
+        if present[one.dancer]:
+            far.setdefault(one.measure, []).append((one.way, one.reach))
+    notes = [
+        f"measure {measure + 1}: {_dancers(len(ways))} {max(way for way, _ in ways):.1f} m to go, their steps reach "
+        f"{min(most for _, most in ways):.1f} m: give the segment more measures, or the group a travel_step"
+        for measure, ways in sorted(far.items())
+    ]
+    near = [
+        f"measure {one.measure + 1}: dancers {one.first + 1} and {one.second + 1} would come as near as "
+        f"{one.distance:.2f} m on their ways; they will go around each other"
+        for one in rehearsal.too_near
+        if present[one.first] and present[one.second]
+    ]
+    return [*_first(notes), *_first(near)]
+
+
+def _first(notes: list[str]) -> list[str]:
+    more = len(notes) - TOLD
+    return notes if more <= 0 else [*notes[:TOLD], f"... and {more} more of this kind"]
+
+
+def _dancers(count: int) -> str:
+    return "a dancer has" if count == 1 else f"{count} dancers have"
