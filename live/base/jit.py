@@ -23,6 +23,10 @@ kernel_compiled: list[Callable[[str], None]] = []
 """Called with a kernel's name each time one is ready (progress bars listen here)."""
 
 
+CONSTANTS = ("agents/procedural/kinds.py", "agents/wants.py", "base/stage_view.py")
+"""Files whose numbers are written into kernels; a test sees to it that none is missing."""
+
+
 def kernel_files() -> list[Path]:
     """All files that hold kernels, in a fixed order: every ``kernels.py`` of the package."""
     return sorted(_PACKAGE.rglob("kernels.py"))
@@ -36,7 +40,7 @@ def kernel_count() -> int:
 def cache_directory() -> Path:
     """Where compiled kernels are kept; `LIVE_CACHE_DIR` overrides the user's cache directory."""
     digest = hashlib.sha256(sys.version.encode())
-    for path in kernel_files():
+    for path in (*kernel_files(), *(_PACKAGE / name for name in CONSTANTS)):
         digest.update(path.read_bytes())
     root = os.environ.get("LIVE_CACHE_DIR") or platformdirs.user_cache_dir("choreographics-live")
     return Path(root) / f"kernels-{digest.hexdigest()[:16]}"

@@ -1,6 +1,7 @@
 """The door to numba: names of the cache, counts, and that wrong arrays are refused rather than compiled anew."""
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -41,3 +42,13 @@ def test_a_cache_that_cannot_be_written_does_not_stop_the_start(tmp_path):
     code = "import os, live.base.jit; print(os.environ['NUMBA_CACHE_DIR'])"
     result = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
     assert Path(result.stdout.strip()).parent == tmp_path
+
+
+def test_whatever_kernels_take_from_other_files_is_part_of_the_caches_name():
+    package = Path(jit.__file__).resolve().parent.parent
+    named = {package / name for name in jit.CONSTANTS}
+    for path in [*jit.kernel_files(), *named]:
+        for module in re.findall(r"^from (live\.[\w.]+) import", path.read_text(encoding="utf-8"), re.MULTILINE):
+            source = package.parent / (module.replace(".", "/") + ".py")
+            if source.is_file() and source.name not in ("kernels.py", "jit.py", "errors.py"):
+                assert source in named, f"{path} takes numbers from {source}: name it in live.base.jit.CONSTANTS"
