@@ -15,7 +15,7 @@ Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
 
 ROWS, NUMBERS, CELL_ROWS, SPARE_COLUMNS = 39, 16, 3, 32
-"""Rows of the scratch arrays `rows`, `numbers` and `cells`, and how many more columns they have than there are agents."""
+"""Rows of the scratch arrays `rows`, `numbers` and `cells`, and how many columns they have beyond the agents."""
 _VELOCITY, _ACCELERATION, _REST, _HEED = 2, 4, 6, 7
 
 

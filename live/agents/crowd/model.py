@@ -35,11 +35,11 @@ class Steering:
     """Fastest turn of the way an agent goes [rad/s] while she walks."""
     relaxation: float = 0.5
     """Seconds in which the velocity comes near the desired one (T081: force = desired - current velocity)."""
-    horizon: float = 4.0
-    """Seconds that the predictive mode looks ahead (Karamouzas, Skinner & Guy 2014: τ0 = 3 s, without an end)."""
-    strength: float = 4.0
-    """k of the power law [m²/s²] (Karamouzas, Skinner & Guy 2014: 1.5, with an exponential in the place of the cut-off)."""
-    side: float = 0.12
+    horizon: float = 3.0
+    """Seconds that the predictive mode looks ahead: τ0, and where the power law is cut off (2014: τ0 = 3 s, no end)."""
+    strength: float = 2.5
+    """k of the power law [m²/s²] of Karamouzas, Skinner & Guy (2014: 1.5, from people in the street)."""
+    side: float = 0.1
     """Angle [rad] by which others are seen farther to the left than they are: all keep to the right; < 0: left."""
     d_s: float = 0.8
     """T108, thesis mode [m]: closer than this all other behaviours are ignored and the speed is limited."""

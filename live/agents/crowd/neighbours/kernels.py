@@ -8,6 +8,7 @@ lanes and added in a fixed order, so that they are the same on every machine. An
 distance and no relative speed she adds nothing but 1 to WEIGHT and to NEAR.
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -55,7 +56,7 @@ _ZERO: Any = _F(0.0)
 _ONE: Any = _F(1.0)
 _TWO: Any = _F(2.0)
 _FOUR: Any = _F(4.0)
-_EIGHT: Any = _F(8.0)
+_GRAZE: Any = _F(0.05)
 _MARGIN: Any = _F(CONTACT_MARGIN)
 _FAR: Any = _F(1e3)
 _PER_RANGE2: Any = _F(1.0 / NEIGHBOUR_RANGE**2)
@@ -126,8 +127,73 @@ def _note_pairs(
     return pair_count
 
 
+@part
+def _sum_lanes(
+    lanes: Float32,
+    acc: Float32,
+    sums: Float32,
+    asks: Float32,
+    i: int,
+    own: tuple[Any, Any, Any, Any, Any],
+    first: int,
+    last: int,
+    side: Any,
+    per_tau: Any,
+) -> None:
+    """Sums of agent i, of whom `own` is x, z, vx, vz and the radius with the margin, over lanes first:last."""
+    xi, zi, vxi, vzi, watched = own
+    per_sep2, latest = asks[PER_SEPARATION2, i], asks[LATEST, i]
+    align, cohere = asks[ALIGNMENT, i], asks[COHESION, i]
+    for f in range(SUM_ROWS):
+        for j in range(LANES):
+            acc[f, j] = _ZERO
+    for b in range((last - first + LANES - 1) // LANES):
+        for j in range(LANES):
+            k: Any = np.uint64(first + b * LANES + j)  # unsigned: contiguous loads
+            dx, dz = xi - lanes[X, k], zi - lanes[Z, k]
+            ux, uz = vxi - lanes[VX, k], vzi - lanes[VZ, k]
+            d2 = dx * dx + dz * dz
+            # separation
+            q = max(_ONE - d2 * per_sep2, _ZERO)
+            w = q * q
+            acc[PUSH_X, j] += w * dx
+            acc[PUSH_Z, j] += w * dz
+            # flock
+            seen = max(_ONE - d2 * _PER_RANGE2, _ZERO)
+            w = seen * seen
+            acc[WEIGHT, j] += w
+            acc[FLOCK_X, j] -= w * (align * ux + cohere * dx)
+            acc[FLOCK_Z, j] -= w * (align * uz + cohere * dz)
+            # predicted collision; w is 1 / time to it
+            tx, tz = dx + side * dz, dz - side * dx
+            closing = max(-(tx * ux + tz * uz), _ZERO)
+            u2 = ux * ux + uz * uz
+            touch = watched + lanes[RADIUS, k]
+            reach = touch - _MARGIN
+            reach2 = reach * reach
+            c = max(d2 - reach2, _LEAST_C)
+            disc = max(closing * closing - u2 * c, _ZERO)
+            root = math.sqrt(disc)
+            blunt = disc + _GRAZE * (u2 * reach2) + _TINY
+            inverse = _ONE / (c * blunt)
+            w = min((closing + root) * (blunt * inverse), _MOST_W)
+            gate = (lanes[GIVE, k] * min(_FOUR * seen, _ONE)) * ((c * inverse) * root)
+            h = max(w - latest, _ZERO)
+            force = min((_TWO * h + per_tau) * h * gate, _CAP)
+            acc[AVOID_X, j] += force * (tx * w + ux)
+            acc[AVOID_Z, j] += force * (tz * w + uz)
+            acc[NEAR, j] += _ONE if d2 < touch * touch else _ZERO
+    for f in range(SUM_ROWS):
+        sums[f, i] = (
+            ((acc[f, 0] + acc[f, 8]) + (acc[f, 4] + acc[f, 12])) + ((acc[f, 2] + acc[f, 10]) + (acc[f, 6] + acc[f, 14]))
+        ) + (
+            ((acc[f, 1] + acc[f, 9]) + (acc[f, 5] + acc[f, 13])) + ((acc[f, 3] + acc[f, 11]) + (acc[f, 7] + acc[f, 15]))
+        )
+
+
 @kernel(
-    "i8(f4[:,::1], i4[::1], f8[::1], f4[:,::1], f4[:,::1], f4[::1], f4[:,::1], i4[::1], i4[::1], i4[::1], i4[::1], i4[::1])"
+    "i8(f4[:,::1], i4[::1], f8[::1], f4[:,::1], f4[:,::1], f4[::1], f4[:,::1], "
+    "i4[::1], i4[::1], i4[::1], i4[::1], i4[::1])"
 )
 def sum_neighbours(
     sorted_: Float32,
@@ -171,53 +237,7 @@ def sum_neighbours(
             xi, zi, vxi, vzi = sorted_[X, i], sorted_[Z, i], sorted_[VX, i], sorted_[VZ, i]
             ri, yi = sorted_[RADIUS, i], (_TWO - sorted_[GIVE, i]) * strength
             watched = ri + _MARGIN
-            per_sep2, latest = asks[PER_SEPARATION2, i], asks[LATEST, i]
-            align, cohere = asks[ALIGNMENT, i], asks[COHESION, i]
-            for f in range(SUM_ROWS):
-                for j in range(LANES):
-                    acc[f, j] = _ZERO
-            for b in range((last - first + LANES - 1) // LANES):
-                for j in range(LANES):
-                    k: Any = np.uint64(first + b * LANES + j)  # unsigned: contiguous loads
-                    dx, dz = xi - lanes[X, k], zi - lanes[Z, k]
-                    ux, uz = vxi - lanes[VX, k], vzi - lanes[VZ, k]
-                    d2 = dx * dx + dz * dz
-                    # separation
-                    q = max(_ONE - d2 * per_sep2, _ZERO)
-                    w = q * q
-                    acc[PUSH_X, j] += w * dx
-                    acc[PUSH_Z, j] += w * dz
-                    # flock
-                    seen = max(_ONE - d2 * _PER_RANGE2, _ZERO)
-                    w = seen * seen
-                    acc[WEIGHT, j] += w
-                    acc[FLOCK_X, j] -= w * (align * ux + cohere * dx)
-                    acc[FLOCK_Z, j] -= w * (align * uz + cohere * dz)
-                    # predicted collision: v is 1 for passing just clear, 0 head on; w is 1 / time to collision
-                    tx, tz = dx - side * dz, dz + side * dx
-                    closing = max(-(tx * ux + tz * uz), _ZERO)
-                    touch = watched + lanes[RADIUS, k]
-                    reach = touch - _MARGIN
-                    c = max(d2 - reach * reach, _LEAST_C)
-                    inverse = _ONE / (closing * c + _TINY)
-                    v = min(((ux * ux + uz * uz) * c) * (c * c) * (inverse * inverse), _ONE)
-                    w = min((closing * closing * inverse) * (_TWO - v * v), _MOST_W)
-                    gate = (lanes[GIVE, k] * min(_FOUR * seen, _ONE) * (c * inverse)) * (
-                        (_ONE + v) * min(_EIGHT - _EIGHT * v, _ONE)
-                    )
-                    h = max(w - latest, _ZERO)
-                    force = min((_TWO * h + per_tau) * h * gate, _CAP)
-                    acc[AVOID_X, j] += force * (tx * w + ux)
-                    acc[AVOID_Z, j] += force * (tz * w + uz)
-                    acc[NEAR, j] += _ONE if d2 < touch * touch else _ZERO
-            for f in range(SUM_ROWS):
-                sums[f, i] = (
-                    ((acc[f, 0] + acc[f, 8]) + (acc[f, 4] + acc[f, 12]))
-                    + ((acc[f, 2] + acc[f, 10]) + (acc[f, 6] + acc[f, 14]))
-                ) + (
-                    ((acc[f, 1] + acc[f, 9]) + (acc[f, 5] + acc[f, 13]))
-                    + ((acc[f, 3] + acc[f, 11]) + (acc[f, 7] + acc[f, 15]))
-                )
+            _sum_lanes(lanes, acc, sums, asks, i, (xi, zi, vxi, vzi, watched), first, last, side, per_tau)
             sums[AVOID_X, i] *= yi
             sums[AVOID_Z, i] *= yi
             if sums[NEAR, i] > _ONE:

@@ -1,0 +1,123 @@
+"""The neighbour pass against plain numpy, pair by pair, and the power law it follows."""
+
+import math
+
+import numpy as np
+import pytest
+
+from live.agents.crowd.cells.kernels import NEIGHBOUR_RANGE, SORTED_ROWS, sort_agents
+from live.agents.crowd.kernels import CELL_ROWS, SPARE_COLUMNS
+from live.agents.crowd.model import Steering
+from live.agents.crowd.neighbours.kernels import (
+    ASK_ROWS,
+    AVOID_X,
+    AVOID_Z,
+    CONTACT_MARGIN,
+    FLOCK_X,
+    FLOCK_Z,
+    NEAR,
+    PUSH_X,
+    PUSH_Z,
+    SUM_ROWS,
+    WEIGHT,
+    sum_neighbours,
+)
+
+
+def _sums(position, velocity, give=None, separation=1.2, horizon=3.0, steering=None):
+    """Sums (SUM_ROWS, A) in the order of the agents, and the pairs near contact."""
+    a = len(position)
+    width = a + SPARE_COLUMNS
+    state = np.zeros(8 * a, np.float32)
+    state[: 2 * a], state[2 * a : 4 * a] = position.ravel(), velocity.ravel()
+    wants = np.zeros((a, 8), np.float32)
+    wants[:, 0], wants[:, 2], wants[:, 7] = 5.0, 1.0, 1.0
+    model = np.zeros((a, 2), np.float32)
+    model[:, 0], model[:, 1] = 0.25, 1.0 if give is None else 2.0 - np.asarray(give)
+    rows, slots = np.zeros((SORTED_ROWS, width), np.float32), np.zeros(width, np.int32)
+    cells, grid = np.zeros((CELL_ROWS, 8 * a + 258), np.int32), np.empty(4)
+    n = sort_agents(state, wants.ravel(), model.ravel(), rows, slots, np.zeros(2 * width, np.int32), cells, grid)
+    assert n == a
+    asks = np.zeros((ASK_ROWS, width), np.float32)
+    asks[0], asks[1], asks[2], asks[3] = 1.0 / separation**2, 1.0 / horizon, 0.4, 0.2
+    sums, pairs = np.zeros((SUM_ROWS, width), np.float32), np.zeros(12 * width, np.int32)
+    params = (steering or Steering()).vector()
+    lanes = np.zeros((SORTED_ROWS, width), np.float32)
+    scratch = np.zeros((2, width), np.int32)
+    count = sum_neighbours(
+        rows, cells[0], grid, asks, sums, params, lanes, scratch[0], cells[1], cells[2], scratch[1], pairs
+    )
+    ordered = np.zeros((SUM_ROWS, a))
+    ordered[:, slots[:a]] = sums[:, :a]
+    found = {tuple(sorted(slots[pairs[2 * p : 2 * p + 2]].tolist())) for p in range(count)}
+    return ordered, found
+
+
+def _one_pair(dx, dz, ux, uz, give, separation, horizon, steering):
+    """What one neighbour asks of an agent; (dx, dz) from her to the agent, (ux, uz) relative velocity; plain floats."""
+    d2 = dx * dx + dz * dz
+    out = np.zeros(SUM_ROWS)
+    push = max(1 - d2 / separation**2, 0.0) ** 2
+    seen = max(1 - d2 / NEIGHBOUR_RANGE**2, 0.0)
+    out[PUSH_X], out[PUSH_Z], out[WEIGHT] = push * dx, push * dz, seen**2
+    out[FLOCK_X], out[FLOCK_Z] = -(seen**2) * (0.4 * ux + 0.2 * dx), -(seen**2) * (0.4 * uz + 0.2 * dz)
+    out[NEAR] = math.sqrt(d2) < 0.5 + CONTACT_MARGIN
+    tx, tz = dx + steering.side * dz, dz - steering.side * dx
+    closing, u2, c = -(tx * ux + tz * uz), ux * ux + uz * uz, max(d2 - 0.25, 1e-3)
+    disc = closing**2 - u2 * c
+    if closing > 0 and disc > 0:
+        w = min((closing + math.sqrt(disc)) / c, 1 / 0.15)
+        h = max(w - 1 / horizon, 0.0)
+        gate = give * min(4 * seen, 1.0) * math.sqrt(disc) / (disc + 0.05 * u2 * 0.25 + 1e-9)
+        force = steering.strength * min(h * (2 * h + 1 / steering.horizon) * gate, 40.0)
+        out[AVOID_X], out[AVOID_Z] = force * (tx * w + ux), force * (tz * w + uz)
+    return out
+
+
+@pytest.mark.parametrize("count", [2, 7, 60])
+def test_all_sums_are_those_of_all_pairs(count):
+    chance, steering = np.random.default_rng(count), Steering()
+    position = chance.uniform(-4, 4, (count, 2)).astype(np.float32)
+    velocity = chance.normal(0, 0.8, (count, 2)).astype(np.float32)
+    give = chance.uniform(0.2, 2.0, count)
+    sums, pairs = _sums(position, velocity, give)
+    for i in range(count):
+        expected = np.zeros(SUM_ROWS)
+        expected[[WEIGHT, NEAR]] = 1.0  # herself
+        for j in set(range(count)) - {i}:
+            d, u = (position[i] - position[j]).astype(float), (velocity[i] - velocity[j]).astype(float)
+            one = _one_pair(*d, *u, give[j], 1.2, 3.0, steering)
+            one[[AVOID_X, AVOID_Z]] *= 2.0 - give[i]
+            expected += one
+        assert sums[:, i] == pytest.approx(expected, rel=2e-3, abs=2e-3)
+    close = np.hypot(*(position[:, None] - position[None]).transpose(2, 0, 1)) < 0.5 + CONTACT_MARGIN
+    assert pairs == {(i, j) for i in range(count) for j in range(i + 1, count) if close[i, j]}
+
+
+@pytest.mark.parametrize("time", [0.3, 0.5, 1.0])
+def test_head_on_the_force_is_the_gradient_of_the_power_law(time):
+    # Karamouzas, Skinner & Guy 2014: E = k exp(-t / t0) / t²; head on the gradient of t along the way is 1 / speed
+    speed, k, t0 = 2.0, 4.0, 30.0
+    steering = Steering(side=0.0, strength=k, horizon=t0)
+    position = np.array([[0.0, 0.0], [0.5 + speed * time, 0.0]], np.float32)
+    velocity = np.array([[speed / 2, 0.0], [-speed / 2, 0.0]], np.float32)
+    sums, _ = _sums(position, velocity, horizon=1e6, steering=steering)
+    energy = lambda t: k * math.exp(-t / t0) / t**2  # noqa: E731
+    expected = (energy(time + 1e-5) - energy(time - 1e-5)) / 2e-5 / speed
+    fade = min(4 * (1 - position[1, 0] ** 2 / NEIGHBOUR_RANGE**2), 1.0)
+    assert sums[AVOID_X, 0] == pytest.approx(expected * fade, rel=0.05)
+    assert sums[AVOID_X, 1] == pytest.approx(-sums[AVOID_X, 0], rel=1e-5)
+    assert abs(sums[AVOID_Z, 0]) < 1e-6
+
+
+def test_many_in_one_place_are_all_counted():
+    position = np.zeros((700, 2), np.float32)
+    sums, _ = _sums(position, np.zeros_like(position))
+    assert (sums[WEIGHT] == 700).all()
+    assert np.isfinite(sums).all()
+
+
+def test_neighbours_out_of_reach_add_exactly_nothing():
+    position = np.array([[0.0, 0.0], [NEIGHBOUR_RANGE + 0.01, 0.0]], np.float32)
+    sums, _ = _sums(position, np.array([[2.0, 0.0], [-2.0, 0.0]], np.float32))
+    assert (sums[[PUSH_X, PUSH_Z, FLOCK_X, FLOCK_Z, AVOID_X, AVOID_Z]] == 0).all()

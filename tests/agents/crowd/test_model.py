@@ -1,0 +1,38 @@
+"""AgentModel, AgentState, Steering: what is refused, and that the state's arrays are parts of one."""
+
+import numpy as np
+import pytest
+
+from live.agents.crowd.model import AgentModel, AgentState, Steering
+
+
+def test_the_arrays_of_a_state_are_contiguous_parts_of_one():
+    state = AgentState.at(np.arange(6.0).reshape(3, 2))
+    for array in (state.position, state.velocity, state.acceleration, state.rest, state.heed):
+        assert array.flags.c_contiguous
+        assert np.shares_memory(array, state.flat)
+    other = AgentState(3)
+    other.copy_from(state)
+    assert (other.position == state.position).all()
+    assert not np.shares_memory(other.flat, state.flat)
+
+
+def test_an_unbounded_stage_is_infinite_for_the_kernels():
+    vector = Steering(half_width=None, half_depth=3.0, avoidance="thesis").vector()
+    assert np.isinf(vector[0])
+    assert vector[1] == 3.0
+    assert vector[2] == 1.0
+
+
+@pytest.mark.parametrize("wrong", [{"acceleration": -1.0}, {"turn_rate": float("nan")}, {"avoidance": "none"}])
+def test_parameters_that_make_no_sense_are_refused(wrong):
+    with pytest.raises(ValueError, match=next(iter(wrong))):
+        Steering(**wrong)
+
+
+@pytest.mark.parametrize(
+    ("radius", "responsibility"), [([0.0], [1.0]), ([0.3], [1.5]), ([0.3], [-0.1]), ([0.3, 0.3], [1.0])]
+)
+def test_a_model_needs_bodies_and_shares(radius, responsibility):
+    with pytest.raises(ValueError, match=r"radius|responsib"):
+        AgentModel(np.array(radius, np.float32), np.array(responsibility, np.float32), Steering(), 1)
