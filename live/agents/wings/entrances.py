@@ -19,6 +19,7 @@ WAITING, CALLED, ENTERING, ON, LEAVING = range(5)
 """In the wings; will come at the next measure line; on her way in; on the stage; on her way out."""
 NEAR: Final = 0.35
 """An entering dancer has arrived within this distance of her place [m]."""
+_PRESENCE: Final = np.array([ABSENT, ABSENT, PASSING, ON_STAGE, PASSING], np.float32)
 ARRIVAL_S: Final = 0.8
 """Seconds of way that remain when she begins to slow down."""
 CANDIDATES: Final = 48
@@ -97,16 +98,19 @@ class Entrances:
 
     def settle(self, position: Float32) -> None:
         """Who has arrived at her place is on the stage from now on; agents at `position` (A, 2) [m]."""
-        arrived = np.hypot(*(self.goal - position).T) < NEAR
-        self.state[(self.state == ENTERING) & arrived & ~self._outside(position)] = ON
+        rows = np.flatnonzero(self.state == ENTERING)
+        if not len(rows):
+            return
+        way, half = self.goal[rows] - position[rows], self._size
+        inside = (np.abs(position[rows]) <= half).all(axis=1)
+        self.state[rows[inside & (np.hypot(*way.T) < NEAR)]] = ON
 
     def write(self, wants: Wants, position: Float32) -> None:
         """Presence of everybody, and the way of those who enter or leave (arrive, T082), into `wants`."""
-        wants.presence[:] = np.where(self.state >= ENTERING, ON_STAGE, ABSENT)
-        rows = np.flatnonzero(self.passing)
+        wants.presence[:] = _PRESENCE[self.state]
+        rows = np.flatnonzero(wants.presence == PASSING)
         if not len(rows):
             return
-        wants.presence[rows] = PASSING
         way = self.goal[rows] - position[rows]
         far = np.maximum(np.hypot(*way.T), 1e-6)
         speed = np.minimum(wants.speed[rows], far / ARRIVAL_S)
