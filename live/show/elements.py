@@ -1,7 +1,5 @@
 """Elements: the procedural elements of a show, put there by the score or live, each for its own group (T105-T110)."""
 
-from typing import Final
-
 import numpy as np
 import numpy.typing as npt
 
@@ -21,9 +19,6 @@ from live.show.score import Score
 
 Float32 = npt.NDArray[np.float32]
 
-SEPARATION: Final = 1.25
-"""Distance [m] under which dancers whom elements move push each other away."""
-
 
 class Elements:
     """The elements of one show: from the patch's score at their measures, from controls now or at the next line."""
@@ -34,7 +29,12 @@ class Elements:
         self._score = Score(patch)
         self._addressees = Addressees(casting)
         self._field = ElementField(
-            count, half_width=half[0], half_depth=half[1], seed=seed, separation=SEPARATION, combine="blended"
+            count,
+            half_width=half[0],
+            half_depth=half[1],
+            seed=seed,
+            separation=patch.steering.separation,
+            combine=patch.steering.combine,
         )
         self._ahead: Float32 = np.zeros(count, np.float32)
         self._last_of: dict[str, Element] = {}

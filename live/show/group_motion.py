@@ -62,6 +62,20 @@ def gates_of(patch: Patch) -> tuple[Gate, ...]:
     return named or wings(half_width, half_depth)
 
 
+def steering_of(patch: Patch) -> Steering:
+    """The parameters of a patch's steering."""
+    section = patch.steering
+    return Steering(
+        half_width=patch.stage.width / 2,
+        half_depth=patch.stage.depth / 2,
+        avoidance=section.avoidance,
+        acceleration=section.acceleration,
+        turn_rate=math.radians(section.turn_deg_s),
+        d_s=section.near,
+        d_f=section.far,
+    )
+
+
 class GroupMotion:
     """The agents of one show. Call `begin_measure` at measure lines and `tick` for every tick."""
 
@@ -72,8 +86,8 @@ class GroupMotion:
         self.casting = casting
         self._seed = seed
         self._half = np.array(half, np.float32)
-        steering = Steering(half_width=half[0], half_depth=half[1])
-        radius = np.full(count, AGENT_RADIUS, np.float32)
+        steering = steering_of(patch)
+        radius = np.array([section.radius for section in patch.group], np.float32)[casting.group]
         responsibility = np.where(casting.soloists, 0.0, 1.0).astype(np.float32)
         self.model = AgentModel(radius, responsibility, steering, seed)
         self.gates = gates_of(patch)

@@ -13,7 +13,14 @@ from live.show.sections.motion import LocomotionSection, MotionSection
 from live.show.sections.music import ClockSection, MusicSection, SoundSection
 from live.show.sections.section import Name, Section
 from live.show.sections.segment import FormationTable, RegroupSection, SegmentSection
-from live.show.sections.stage import CameraSection, GateSection, LookSection, ObstacleSection, StageSection
+from live.show.sections.stage import (
+    CameraSection,
+    GateSection,
+    LookSection,
+    ObstacleSection,
+    StageSection,
+    SteeringSection,
+)
 
 
 class Patch(Section):
@@ -35,6 +42,7 @@ class Patch(Section):
     sound: SoundSection = SoundSection()
     clock: ClockSection = ClockSection()
     stage: StageSection = StageSection()
+    steering: SteeringSection = SteeringSection()
     gate: Annotated[tuple[GateSection, ...], Field(max_length=32)] = ()
     obstacle: Annotated[tuple[ObstacleSection, ...], Field(max_length=64)] = ()
     camera: CameraSection = CameraSection()

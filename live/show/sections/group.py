@@ -32,6 +32,8 @@ class GroupSection(Section):
     """Words for its dancers ("tall", "red"), by which they can be chosen later."""
     soloists: Annotated[int, Field(ge=0, le=4000)] = 0
     """So many of its dancers, the first ones, are soloists: the others give way to them."""
+    radius: Annotated[float, Field(ge=0.1, le=1)] = 0.25
+    """How wide its dancers' bodies are around their middle [m]."""
     steps: Annotated[tuple[str, ...], Field(max_length=10000)] = ()
     """Steps in order, one after the other and again from the start; "groove x4" repeats one. With
     `choose = "random"` the set from which steps are drawn. Needed, unless the group dances like another."""

@@ -1,6 +1,6 @@
 """Stage, camera and light of a patch."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
@@ -38,6 +38,31 @@ class ObstacleSection(Section):
     """How far it reaches around that [m]; of no meaning for a wall."""
     wall_to: Place | None = None
     """It is a wall from `at` to here (x, z) [m]."""
+
+
+class SteeringSection(Section):
+    """`[steering]`: how dancers make way for each other, and how their wishes are combined."""
+
+    avoidance: Literal["predictive", "thesis"] = "predictive"
+    """By the time to the collision that is coming, or by two distances as in the thesis (T108)."""
+    combine: Literal["blended", "switched"] = "blended"
+    """Wishes of several elements are summed, or the more urgent ones take the speed first (T083)."""
+    acceleration: Annotated[float, Field(gt=0, le=50)] = 6.0
+    """Largest acceleration [m/s²]."""
+    turn_deg_s: Annotated[float, Field(ge=10, le=3600)] = 290.0
+    """Fastest turn of the way [degrees a second]."""
+    separation: Annotated[float, Field(ge=0, le=3)] = 1.25
+    """Distance [m] under which dancers whom elements move push each other away."""
+    near: Annotated[float, Field(ge=0, le=10)] = 0.8
+    """d_s of the thesis' rule [m]: nearer than this only the other one counts, and the speed is limited."""
+    far: Annotated[float, Field(ge=0, le=10)] = 2.0
+    """d_f of the thesis' rule [m]: nearer than this all forces are combined."""
+
+    @model_validator(mode="after")
+    def _near_is_nearer(self) -> "SteeringSection":
+        if self.near >= self.far:
+            raise ValueError(f"near {self.near:g} has to be less than far {self.far:g}")
+        return self
 
 
 class CameraSection(Section):
