@@ -66,7 +66,7 @@ class Crowd:
 
 
 class Peer:
-    """The same workload in pyrvo; only what its user cannot do without is timed: setting velocities, and its step."""
+    """The same workload in pyrvo; only what its user cannot do without is timed: positions, velocities, its step."""
 
     def __init__(self, agents: int) -> None:
         import pyrvo
@@ -83,9 +83,11 @@ class Peer:
         return self._chance.uniform(-self._half, self._half, (count, 2))
 
     def tick(self) -> None:
-        """One step; `spent` grows by the processor time [s] of setters and step."""
+        """One step; `spent` grows by the time [s] that getters, setters and the step take."""
         simulator, count = self._simulator, len(self._goals)
+        begin = time.thread_time_ns()
         positions = [simulator.get_agent_position(i) for i in range(count)]
+        self.spent += (time.thread_time_ns() - begin) * 1e-9
         way = self._goals - np.array([(p.x, p.y) for p in positions])
         distance = np.hypot(way[:, 0], way[:, 1])
         reached = distance < REACH
