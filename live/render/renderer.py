@@ -5,7 +5,7 @@ from typing import Final
 import moderngl
 import numpy as np
 
-from live.base.stage_view import Scene, StageView
+from live.base.stage_view import PATH, Scene, StageView
 from live.render.camera import covered, view_matrix, world_to_clip
 from live.render.crowd import Crowd
 from live.render.frame import FLOOR_MARGIN, WALL_BEHIND, FrameBlock
@@ -72,7 +72,9 @@ class Renderer:
         scratch = self._ctx.texture(size, 4)
         framebuffer = self._ctx.framebuffer([scratch])
         view = StageView.allocate(max(self._scene.dancer_count, 1), self._scene.joint_count)
-        view.element_count = 1
+        view.element_count, view.obstacle_count = 3, 1  # a point, a disc, and a line with something running along it
+        view.element_radius[1], view.obstacle[0, 2] = 1.0, 1.0
+        view.element_kind[2], view.element_corners[2] = PATH, 2
         self.draw(view, framebuffer)
         release_all(framebuffer, scratch)
 

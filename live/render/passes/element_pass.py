@@ -85,8 +85,8 @@ class ElementPass:
         if not count:
             return
         beat = view.beat % _RETURN_BEATS
-        set_uniform(self._pools, "beat", beat)
-        set_uniform(self._lines, "beat", beat)
+        for linked in (self._pools, self._regions, self._lines):
+            set_uniform(linked, "beat", beat)
         self._stage(view, count)
         pieces = self._stage_pieces(view, count)
         ctx = self._ctx
@@ -121,7 +121,9 @@ class ElementPass:
         if used > 1 and (corners > 1).any():
             staged = self._corners[:used]
             staged[:, :2] = view.element_corner[:used]
-            staged[1:, 2] = np.cumsum(np.hypot(*np.diff(staged[:, :2], axis=0).T))
+            square = (np.diff(staged[:, :2], axis=0) ** 2).sum(1)
+            staged[1:, 2] = np.cumsum(np.sqrt(square))
+            staged[:-1, 3] = 1.0 / np.maximum(square, 1e-9)
             self._corner_buffer.write(staged)
             return True
         return bool((view.element_radius[:count] > 0.0).any())

@@ -7,7 +7,7 @@ flat in int kind;
 flat in float level;
 flat in float radius;
 flat in float flow;
-flat in vec2 home;
+flat in vec3 ember;
 out vec4 light;
 
 vec3 attractor(float away, float pulse) {
@@ -31,13 +31,7 @@ vec3 spreader(float away, float pulse) {
     return MINT * (line * fade * 0.16 + fade * 0.035 + halo * 0.5);
 }
 
-// A small ember, each with its own warmth, glimmering in its own time.
-vec3 voice(float away) {
-    float own = hash(home.x * 3.1 + home.y * 7.7);
-    float glimmer = 0.78 + 0.22 * sin(6.2831853 * (beat * (0.25 + 0.125 * floor(own * 3.0)) + own));
-    vec3 colour = mix(vec3(1.0, 0.34, 0.12), vec3(1.0, 0.66, 0.30), own);
-    return colour * (hairline(away, 0.06) * 0.75 + bell(away, 0.24) * 0.16) * glimmer;
-}
+vec3 voice(float away) { return ember * (hairline(away, 0.06) * 0.75 + bell(away, 0.24) * 0.16); }
 
 vec3 current(float away) {
     bool vortex = int(abs(flow) + 0.5) - 1 == VORTEX;

@@ -18,14 +18,21 @@ float hairline(float x, float width) {
     return bell(x, shown) * sqrt(width / shown);
 }
 
-float hash(float n) { return fract(sin(n * 127.1 + 3.7) * 43758.5453); }
+// Chance from a number, without sines: the same on all drivers (Hoskins, Hash without Sine, 2014).
+float hash(float n) {
+    n = fract(n * 0.1031);
+    n *= n + 33.33;
+    return fract(n * (n + n));
+}
 
 // Light that runs towards +along in lanes beside each other: heads with long tails, no two lanes alike.
 float stream(float along, float lane, float across, float width, float round_trip) {
+    float shown = max(width, 0.5 * texel);
     float chance = hash(lane);
+    if (abs(across) > 2.5 * shown || hash(lane + 41.0) < 0.30) return 0.0;   // dark between lanes, and some lanes
     float speed = (chance < 0.4 ? 0.25 : (chance < 0.75 ? 0.1875 : 0.3125)) * 2.4 / round_trip;
     speed = max(round(speed * 64.0), 1.0) / 64.0;   // whole round trips in 64 beats
     float q = fract(along / round_trip - beat * speed + hash(lane + 17.0));
     float body = square(q) * q * (1.0 - smoothstep(0.93, 1.0, q));
-    return body * bell(across, max(width, 0.5 * texel)) * step(0.30, hash(lane + 41.0)) * (0.5 + 0.5 * chance);
+    return body * bell(across, shown) * (0.5 + 0.5 * chance);
 }

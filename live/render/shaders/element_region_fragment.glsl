@@ -23,17 +23,27 @@ struct Nearest {
 Nearest nearest() {
     vec2 to = place - home;
     Nearest found = Nearest(dot(to, to), false, 0.0, 1.0);
-    if (range.y > 0) found.away = 1e12;
-    for (int i = range.x; i < range.x + range.y; ++i) {
-        vec2 a = corners[i].xy, b = corners[i + 1].xy, piece = b - a, from = place - a;
-        float t = clamp(dot(from, piece) / max(dot(piece, piece), 1e-9), 0.0, 1.0);
-        vec2 off = from - piece * t;
-        if (dot(off, off) < found.away) {
-            found.away = dot(off, off);
-            found.along = mix(corners[i].z, corners[i + 1].z, t);
-            found.side = piece.x * from.y < piece.y * from.x ? -1.0 : 1.0;
+    if (range.y > 0) {
+        found.away = 1e12;
+        float nearest = 0.0;   // number of the piece, and how much of it lies before
+        vec4 a = corners[range.x];
+        for (int i = 0; i < range.y; ++i) {
+            vec4 b = corners[range.x + i + 1];
+            vec2 piece = b.xy - a.xy, from = place - a.xy;
+            float t = clamp(dot(from, piece) * a.w, 0.0, 1.0);
+            vec2 off = from - piece * t;
+            float away = dot(off, off);
+            nearest = away < found.away ? float(i) + min(t, 0.9999) : nearest;
+            found.away = min(found.away, away);
+            if (closed == 1 && (a.y > place.y) != (b.y > place.y) && from.x < piece.x * from.y / piece.y) {
+                found.inside = !found.inside;
+            }
+            a = b;
         }
-        if ((a.y > place.y) != (b.y > place.y) && from.x < piece.x * from.y / piece.y) found.inside = !found.inside;
+        int i = range.x + int(nearest);
+        vec2 piece = corners[i + 1].xy - corners[i].xy, from = place - corners[i].xy;
+        found.along = mix(corners[i].z, corners[i + 1].z, fract(nearest));
+        found.side = piece.x * from.y < piece.y * from.x ? -1.0 : 1.0;
     }
     found.away = sqrt(found.away);
     return found;

@@ -1,5 +1,6 @@
 // One square of the floor map for each element that acts around a point; the others get none.
 #include "frame.glsl"
+#include "element_light.glsl"
 
 in vec4 in_element;   // x, z [m], kind, level
 in vec4 in_form;      // radius [m], first corner, number of corners, way and kind of a flow
@@ -9,13 +10,20 @@ flat out int kind;
 flat out float level;
 flat out float radius;
 flat out float flow;
-flat out vec2 home;
+flat out vec3 ember;
+
+// Each ember has its own warmth, and glimmers in its own time.
+vec3 ember_at(vec2 home) {
+    float own = hash(home.x * 3.1 + home.y * 7.7);
+    float glimmer = 0.78 + 0.22 * sin(6.2831853 * (beat * (0.25 + 0.125 * floor(own * 3.0)) + own));
+    return mix(vec3(1.0, 0.34, 0.12), vec3(1.0, 0.66, 0.30), own) * glimmer;
+}
 
 float reach_of() {
     bool point = in_form.z < 1.5 && in_form.x <= 0.0;
     if (kind == ATTRACTOR || kind == REPULSOR) return point ? 1.9 : 0.0;
     if (kind == SPREADER) return 3.2;
-    if (kind == VOICE) return 0.6;
+    if (kind == VOICE) return 0.5;
     int turning = int(abs(in_form.w) + 0.5) - 1;
     if (kind == FLOW && (turning == RADIAL || turning == VORTEX)) return in_form.x > 0.0 ? in_form.x + 0.5 : 3.4;
     return 0.0;
@@ -26,7 +34,7 @@ void main() {
     level = in_element.w;
     radius = in_form.x;
     flow = in_form.w;
-    home = in_element.xy;
+    ember = ember_at(in_element.xy);
     vec2 corner = vec2((gl_VertexID & 1) == 0 ? -1.0 : 1.0, gl_VertexID < 2 ? -1.0 : 1.0);
     offset = corner * reach_of();
     gl_Position = vec4((in_element.xy + offset) / stage.zw, 0.0, 1.0);

@@ -17,7 +17,7 @@ void main() {
         return;
     }
     float dark = 1.0 - smoothstep(-texel, texel, d);
-    float soft = exp(-max(d, 0.0) / 0.22) * 0.35;   // it takes some light from the floor around it, too
+    float soft = exp(-max(d, 0.0) / 0.22) * 0.35 * (1.0 - smoothstep(0.3, 0.6, d));   // it takes some light from the floor around it, too
     float width = max(0.035, 0.95 * texel);
     float rim = exp(-square(d / width)) * sqrt(0.035 / width);
     float back = 0.5 - 0.5 * normalize(off + vec2(1e-5, 0.0)).y;   // the lamps stand behind

@@ -21,6 +21,7 @@ from live.agents.procedural.kinds import (
     RADIAL,
     REPULSOR,
     SPREADER,
+    VOICE,
     VORTEX,
     WANDER,
 )
@@ -186,6 +187,25 @@ def test_the_snapshot_shows_kind_place_and_level():
     assert view.element_kind[:2].tolist() == [ATTRACTOR, SPREADER]
     assert view.element_position[0].tolist() == [1.0, 2.0]
     assert view.element_level[:2].tolist() == [0.5, 1.0]
+
+
+def test_the_snapshot_has_room_for_so_many_corners_and_leaves_out_whole_lines():
+    field = ElementField(1, half_width=6.0, half_depth=4.0)
+    for number in range(40):
+        angle = np.linspace(0.0, 6.0, 30) + number
+        field.add(Element(ATTRACTOR, tuple(zip(3 * np.cos(angle), 3 * np.sin(angle), strict=True)), closed=True))
+    field.add(Element(ATTRACTOR, ((1.0, 1.0),), fair=True))
+    field.refresh(8.0, *_quiet())
+    view = StageView.allocate(0, 22)
+    field.show(view)
+    corners, first = view.element_corners[:41], view.element_first[:41]
+    assert view.element_count == 41
+    assert view.element_kind[:41].tolist() == [ATTRACTOR] * 40 + [VOICE]
+    assert corners.tolist() == [31] * 33 + [0] * 8  # 33 * 31 = 1023
+    for number in range(33):
+        line = view.element_corner[first[number] : first[number] + 31]
+        assert line[:30].tolist() == [list(point) for point in np.float32(field.elements[number].points)]
+        assert line[30].tolist() == line[0].tolist()
 
 
 def test_a_flow_grid_has_to_fit():

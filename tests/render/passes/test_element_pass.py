@@ -1,0 +1,237 @@
+"""Elements on the floor: where their light lies, by distances of shapely's, and which way it moves."""
+
+from collections.abc import Iterator
+
+import moderngl
+import numpy as np
+import pytest
+import shapely
+
+from live.base.stage_view import (
+    ATTRACTOR,
+    CROSSING,
+    DRAWN,
+    EVADE,
+    FLOCK,
+    FLOW,
+    FOLLOW,
+    PATH,
+    PURSUE,
+    RADIAL,
+    REPULSOR,
+    SPREADER,
+    UNIFORM,
+    VOICE,
+    VORTEX,
+    WANDER,
+    StageView,
+)
+from live.motion.skeleton import JOINT_COUNT
+from live.render.passes.element_pass import ElementPass
+from tests.render.passes.conftest import STAGE, TEXEL, Draw, Floats, FloorLight
+
+pytestmark = pytest.mark.gl
+Points = tuple[tuple[float, float], ...]
+BENT: Points = ((-3.0, 1.0), (-0.5, -1.0), (0.5, 1.5), (3.0, 1.0))
+ARROW: Points = ((-2.5, -1.5), (2.5, -1.5), (2.5, 2.0), (0.0, 0.0), (-2.5, 2.0))
+
+
+@pytest.fixture
+def elements(gl_context: moderngl.Context) -> Iterator[ElementPass]:
+    made = ElementPass(gl_context, TEXEL)
+    yield made
+    made.release()
+
+
+def add(
+    view: StageView,
+    kind: int,
+    points: Points,
+    *,
+    closed: bool = False,
+    radius: float = 0.0,
+    strength: float = 1.0,
+    flow: int = UNIFORM,
+    level: float = 1.0,
+) -> StageView:
+    place = view.element_count
+    used = int((view.element_first + view.element_corners)[:place].max(initial=0))
+    corners = (*points, points[0]) if closed else points
+    view.element_kind[place], view.element_position[place], view.element_level[place] = kind, points[0], level
+    view.element_radius[place], view.element_strength[place], view.element_flow[place] = radius, strength, flow
+    view.element_first[place], view.element_corners[place] = used, len(corners) if len(corners) > 1 else 0
+    view.element_corner[used : used + len(corners)] = corners
+    view.element_count += 1
+    return view
+
+
+def view_of(kind: int, *points: tuple[float, float], beat: float = 0.3, **form: object) -> StageView:
+    view = StageView.allocate(0, JOINT_COUNT)
+    view.beat = view.phase = beat
+    return add(view, kind, points, **form)  # type: ignore[arg-type]
+
+
+def distance(floor: FloorLight, shape: shapely.Geometry) -> Floats:
+    away: Floats = shapely.distance(shape, shapely.points(floor.x, floor.z))
+    return away
+
+
+@pytest.mark.parametrize("kind", [ATTRACTOR, REPULSOR])
+@pytest.mark.parametrize(("points", "closed"), [(BENT, False), (ARROW, True)])
+def test_the_light_of_lines_and_regions_follows_the_distance_alone(
+    floor: Draw, elements: ElementPass, kind: int, points: Points, closed: bool
+) -> None:
+    drawn = floor(elements, view_of(kind, *points, closed=closed))
+    line = shapely.LinearRing(points) if closed else shapely.LineString(points)
+    d = distance(drawn, line)
+    if closed:
+        d = np.where(shapely.contains(shapely.Polygon(points), shapely.points(drawn.x, drawn.z)), -d, d)
+    light = drawn.brightness
+    at, value = np.sort(d.ravel()), light.ravel()[d.ravel().argsort()]
+    near = np.abs(at) < 1.1
+    steps = np.diff(value[near]) / np.maximum(np.diff(at[near]), 1e-3)
+    assert np.abs(steps).max() < 15.0  # one curve: texels of nearly one distance have nearly one light
+    assert light[d > 1.4].max() < 1e-3
+    warm, cool = drawn.light[..., 0].sum(), drawn.light[..., 2].sum()
+    assert warm > 2.0 * cool if kind == ATTRACTOR else cool > 2.0 * warm
+    if kind == ATTRACTOR:
+        assert light[np.abs(d) < 0.04].min() > 2.5 * light[np.abs(d - 0.5) < 0.04].max()
+    if closed:
+        assert light[np.abs(d + 0.7) < 0.04].min() > light[np.abs(d - 1.1) < 0.04].max()
+
+
+def test_a_disc_and_a_broad_line_have_their_border_at_the_radius(floor: Draw, elements: ElementPass) -> None:
+    for points, shape in (((1.0, 0.5),), shapely.Point(1.0, 0.5)), (BENT, shapely.LineString(BENT)):
+        drawn = floor(elements, view_of(ATTRACTOR, *points, radius=0.8))
+        d = distance(drawn, shape)
+        border = drawn.brightness[np.abs(d - 0.8) < 0.03].min()
+        assert border > 1.3 * drawn.brightness[np.abs(d - 0.8) > 0.25].max()
+        assert drawn.brightness[d < 0.5].min() > 0.02
+
+
+def test_a_crossing_is_a_whole_line_with_sparks_to_both_sides(floor: Draw, elements: ElementPass) -> None:
+    frames = [floor(elements, view_of(CROSSING, (-0.1, 0.5), (0.1, 0.5), beat=b)) for b in np.arange(0.0, 2.0, 0.125)]
+    for drawn in frames:
+        for x in (-4.5, 0.0, 4.5):
+            assert drawn.at(x, 0.5)[:3].sum() > 0.15
+        assert drawn.brightness[np.abs(drawn.x) > STAGE[0] / 2 + 1.0].max() == 0.0
+    light = np.array([drawn.brightness for drawn in frames])
+    across, deep = frames[0].x, frames[0].z
+    ways = []
+    for lane in range(-5, 5):
+        inside = (np.abs(across - (lane + 0.5) * 0.7) < 0.1) & (np.abs(np.abs(deep - 0.5) - 0.8) < 0.5)
+        ways.append(np.sign(moving(light[:, inside.any(1)][:, :, inside.any(0)], axis=1)))
+    assert ways == [1.0, -1.0] * 5 or ways == [-1.0, 1.0] * 5
+
+
+def moving(frames: Floats, axis: int) -> float:
+    """Above 0 if what is seen in `frames` (time first) moves along `axis`, below if the other way."""
+    # of a moving picture dI/dt = -v dI/dx
+    change, slope = np.diff(frames, axis=0), np.gradient(frames, axis=axis)[:-1]
+    return -float((change * slope).sum())
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("points", "flow", "radius", "field"),
+    [
+        (((-1.0, 0.0), (1.0, 0.0)), UNIFORM, 0.0, lambda x, z: (1.0 + 0 * x, 0 * z)),
+        (((-2.0, -1.0), (2.0, 1.0)), UNIFORM, 0.8, lambda x, z: (2.0 + 0 * x, 1.0 + 0 * z)),
+        (((-3.0, 1.0), (0.0, 0.9), (3.0, 1.0)), DRAWN, 0.0, lambda x, z: (1.0 + 0 * x, 0 * z)),
+        (((0.0, 0.0),), RADIAL, 0.0, lambda x, z: (x, z)),
+        (((0.0, 0.0),), VORTEX, 0.0, lambda x, z: (-z, x)),
+    ],
+    ids=["uniform", "uniform within", "drawn", "radial", "vortex"],
+)
+def test_flows_are_seen_to_flow(
+    floor: Draw, elements: ElementPass, points: Points, flow: int, radius: float, field: object, way: float
+) -> None:
+    frames = [
+        floor(elements, view_of(FLOW, *points, flow=flow, radius=radius, strength=way, beat=beat))
+        for beat in np.arange(5.0, 6.0, 0.05)
+    ]
+    light = np.array([drawn.brightness for drawn in frames])
+    to_x, to_z = field(frames[0].x, frames[0].z)  # type: ignore[operator]
+    slope_z, slope_x = np.gradient(light, axis=(1, 2))
+    change = np.diff(light, axis=0)
+    carried = -(change * (slope_x * to_x + slope_z * to_z)[:-1]).sum()
+    assert carried * way > 0.0
+    aside = -(change * (slope_z * to_x - slope_x * to_z)[:-1]).sum()
+    assert abs(aside) < 0.3 * abs(carried)
+
+
+def test_a_flow_the_other_way_is_the_mirror_image(floor: Draw, elements: ElementPass) -> None:
+    there = floor(elements, view_of(FLOW, (-1.0, 0.0), (1.0, 0.0))).brightness
+    back = floor(elements, view_of(FLOW, (-1.0, 0.0), (1.0, 0.0), strength=-1.0)).brightness
+    np.testing.assert_allclose(back, there[:, ::-1], atol=2e-3)
+
+
+def test_a_path_is_dashed_and_its_dashes_march(floor: Draw, elements: ElementPass) -> None:
+    points = ((-4.0, 1.0), (0.0, 1.0), (4.0, 1.0))
+    frames = np.array([floor(elements, view_of(PATH, *points, beat=b)).brightness for b in np.arange(0.0, 1.0, 0.05)])
+    row = floor(elements, view_of(PATH, *points))
+    along = row.brightness[np.abs(row.z[:, 0] - 1.0).argmin()]
+    dashes = int((np.diff((along > 0.5 * along.max()).astype(int)) == 1).sum())
+    assert dashes == pytest.approx(8.0 / 0.55, abs=1.5)
+    assert moving(frames, axis=2) > 0.0
+
+
+def test_voices_are_embers_that_never_burn_out(floor: Draw, elements: ElementPass) -> None:
+    one = floor(elements, view_of(VOICE, (1.0, 1.0)))
+    assert one.brightness.max() > 0.2
+    assert one.brightness[np.hypot(one.x - 1.0, one.z - 1.0) > 0.9].max() == 0.0
+    crowd = view_of(VOICE, (1.0, 1.0))
+    for _ in range(255):
+        add(crowd, VOICE, ((1.0, 1.0),))
+    many = floor(elements, crowd)
+    assert many.brightness.max() > 1.5 * one.brightness.max()
+    assert many.light.max() <= 1.0
+
+
+@pytest.mark.parametrize("kind", [FOLLOW, PURSUE, EVADE, FLOCK, WANDER])
+def test_what_has_no_place_gives_no_light(floor: Draw, elements: ElementPass, kind: int) -> None:
+    assert not floor(elements, view_of(kind, (0.0, 0.0))).light.any()
+    assert not floor(elements, view_of(kind, *BENT, radius=1.0)).light.any()
+
+
+EVERY = (
+    (ATTRACTOR, ((0.0, 0.0),), UNIFORM),
+    (SPREADER, ((0.0, 0.0),), UNIFORM),
+    (ATTRACTOR, BENT, UNIFORM),
+    (CROSSING, BENT, UNIFORM),
+    (FLOW, BENT, UNIFORM),
+    (FLOW, BENT, DRAWN),
+    (FLOW, ((0.0, 0.0),), VORTEX),
+    (PATH, BENT, UNIFORM),
+    (VOICE, ((0.0, 0.0),), UNIFORM),
+)
+
+
+@pytest.mark.parametrize(("kind", "points", "flow"), EVERY)
+def test_light_fades_with_the_level_and_comes_back_after_64_beats(
+    floor: Draw, elements: ElementPass, kind: int, points: Points, flow: int
+) -> None:
+    full, half, none = (floor(elements, view_of(kind, *points, flow=flow, level=level)) for level in (1.0, 0.5, 0.0))
+    assert full.brightness.max() > 0.1
+    np.testing.assert_allclose(half.light, 0.5 * full.light, atol=1e-6)
+    assert not none.light.any()
+    assert not full.light[..., 3].any()  # it takes no light away
+    later = floor(elements, view_of(kind, *points, flow=flow, beat=0.3 + 640.0))
+    np.testing.assert_allclose(later.light, full.light, atol=2e-3)
+
+
+def test_lines_do_not_disturb_each_other(floor: Draw, elements: ElementPass) -> None:
+    """Corners lie in one array: each element uses its own."""
+    forms: tuple[tuple[int, Points, bool], ...] = (
+        (ATTRACTOR, ((-4.0, -3.0), (-4.0, -1.0)), False),
+        (REPULSOR, ((3.0, 2.0), (4.5, 2.0), (4.0, 3.5)), True),
+        (PATH, ((-4.0, 3.5), (-1.0, 3.5)), False),
+        (FLOW, ((3.0, -3.0), (4.5, -2.0)), False),
+    )
+    together = StageView.allocate(0, JOINT_COUNT)
+    apart = np.zeros(())
+    together.beat = together.phase = 0.3
+    for kind, points, closed in forms:
+        add(together, kind, points, closed=closed, flow=DRAWN)
+        apart = apart + floor(elements, view_of(kind, *points, closed=closed, flow=DRAWN)).light
+    np.testing.assert_allclose(floor(elements, together).light, apart, atol=2e-3)

@@ -1,0 +1,54 @@
+"""What the show tells the picture of its elements and of what stands on the stage."""
+
+import numpy as np
+
+from live.agents.procedural.kinds import ATTRACTOR, CROSSING, PATH, VOICE
+from live.base.stage_view import StageView
+from live.clock.ticks import TICK
+from live.control import events
+from live.motion.skeleton import JOINT_COUNT
+from tests.show.made_show import made_show
+
+SET = """
+[[obstacle]]
+name = "plinth"
+at = [-5.0, 3.5]
+radius = 0.4
+[[obstacle]]
+name = "screen"
+at = [5.0, -3.5]
+wall_to = [5.5, -2.5]
+[[element]]
+kind = "path"
+measure = 1
+points = [[-3, 2], [3, 2], [3, -2]]
+closed = true
+radius = 0.5
+[[element]]
+kind = "cross"
+measure = 1
+at = [0, -1]
+to = [0, 1]
+"""
+
+
+def test_elements_obstacles_and_walls_come_into_the_snapshot():
+    show = made_show(SET)
+    show.apply(events.Performer(time=0.0, source="camera", name="Ana", x=4.0, z=3.0))
+    show.apply(events.Voice(time=0.0, source="phone", x=1.5, z=-0.5))
+    for tick in range(1, 65):
+        show.tick(tick * TICK)
+    view = StageView.allocate(9, JOINT_COUNT)
+    show.fill(view, show.time)
+    np.testing.assert_allclose(view.obstacle[: view.obstacle_count], [[-5, 3.5, 0.4, 1], [4, 3, 0.25, 0]])
+    np.testing.assert_allclose(view.wall[: view.wall_count], [[5, -3.5, 5.5, -2.5]])
+    assert view.element_kind[: view.element_count].tolist() == [CROSSING, PATH, VOICE]
+    assert ATTRACTOR not in view.element_kind[: view.element_count]
+    assert view.element_corners[:3].tolist() == [2, 4, 0]
+    first = view.element_first[1]
+    assert view.element_corner[first : first + 4].tolist() == [[-3, 2], [3, 2], [3, -2], [-3, 2]]
+    assert view.element_radius[1] == 0.5
+    assert view.element_position[2].tolist() == [1.5, -0.5]
+    show.apply(events.RemoveObstacle(time=show.time, source="test", name="plinth"))
+    show.fill(view, show.time)
+    assert view.obstacle[: view.obstacle_count, 3].tolist() == [0.0]
