@@ -17,52 +17,92 @@ TICKS_PER_FRAME = 2
 
 @pytest.fixture(scope="module", params=EXPERIMENTS)
 def danced(request):
-    """The show after MEASURES measures, hips of every frame (F, A, 2), the largest acceleration, and the figures."""
+    """The show after MEASURES measures, hips of every frame (F, A, 2), the largest acceleration, the figures, and of each
+    measure line where hips are (A, 2), where segments want them, and headings (A,)."""
     show = load_show(find_patch(request.param)).start()
     view, report, tick = show.view(), FrameReport(show), 0
-    hips, last, strongest = [], [], 0.0
+    hips, last, strongest, lines = [], [], 0.0, {}
     while show.span.number < MEASURES:
         tick += 1
-        show.tick(tick / 64)
+        if show.tick(tick / 64):
+            lines[show.span.number] = _at_line(show)
         if tick % TICKS_PER_FRAME:
             continue
         show.fill(view, tick / 64)
+        seen = view.joint_position[view.present]
         assert np.isfinite(view.joint_position).all()
-        assert view.joint_position[..., 1].min() > -0.02
+        assert seen[..., 1].min() > -0.02
         if show.span.number < 12:  # the score has acted by then, and feet, knees and hands have been everywhere
             report.frame(view)
-            last = [*last[-2:], view.joint_position.astype(np.float64)]
+            last = [*last[-2:], seen.astype(np.float64)]
             if len(last) == 3:
                 bend = np.linalg.norm(last[2] - 2.0 * last[1] + last[0], axis=-1)
                 strongest = max(strongest, float(bend.max()) * (64 / TICKS_PER_FRAME) ** 2)
-        hips.append(view.joint_position[:, 0][:, (0, 2)].copy())
-    return request.param, show, np.array(hips), strongest, report.result()
+        hips.append(seen[:, 0][:, (0, 2)].copy())
+    return request.param, show, np.array(hips), strongest, report.result(), lines
+
+
+def _at_line(show):
+    on = show.motion.present
+    _, wanted, _ = show.motion.evolutions.target(show.span.number * show.timeline.beats_per_measure)
+    return show.dancers.hips(0.0)[on], wanted[on], show.dancers.present.begin_heading()[on]
 
 
 def test_nobody_is_stuck_or_must_dance_another_step(danced):
-    _, show, _, _, _ = danced
+    _, show, _, _, _, _ = danced
     assert show.scheduler.dead_ends == 0
     assert show.scheduler.detours == 0
     assert show.graph.missing == ()
 
 
 def test_everybody_stays_on_the_stage(danced):
-    _, show, hips, _, _ = danced
+    _, show, hips, _, _, _ = danced
     assert np.abs(hips[..., 0]).max() < show.patch.stage.width / 2
     assert np.abs(hips[..., 1]).max() < show.patch.stage.depth / 2
 
 
 def test_no_joint_pops_and_standing_feet_stand(danced):
     """At 32 frames/s the quickest knee of a jump shows 160 m/s²; a joint that pops shows thousands."""
-    _, _, _, strongest, figures = danced
+    _, _, _, strongest, figures, _ = danced
     assert strongest < 190.0
     assert figures["foot_slide_mean"] < 0.03
     assert figures["beat_offset_ms"]["annotated"]["p95"] < 15.0
 
 
 def test_dancers_keep_apart(danced):
-    _, show, _, _, figures = danced
+    _, show, _, _, figures, _ = danced
     assert len(show.group) == 1 or figures["min_distance_m"] > 0.35
+
+
+def test_tap_reaches_its_three_formations_and_faces_the_public_there(danced):
+    """T126: each formation stands on its measure line; along the way while travelling, turned back smoothly (T127)."""
+    name, _, _, _, _, lines = danced
+    if name != "tap":
+        pytest.skip("the experiment with formations")
+    standing = {}
+    for line in (16, 32, 48):
+        hips, wanted, _ = lines[line]
+        assert np.hypot(*(hips - wanted).T).max() < 0.1
+        standing[line] = hips
+    assert np.abs(np.hypot(standing[16][:, 0] / 4.3, (standing[16][:, 1] - 0.2) / 2.6) - 1.0).max() < 0.05  # the ring
+    assert len(np.unique(np.round(standing[48][:, 1], 0))) == 3  # the lines
+    for line in (20, 24, 36, 40):
+        assert np.degrees(np.abs(lines[line][2])).max() < 6.0
+    way = lines[14][0] - lines[12][0]
+    going = np.hypot(*way.T) > 0.5
+    off = lines[13][2] - np.arctan2(way[:, 0], way[:, 1])
+    assert going.sum() >= 8
+    assert np.degrees(np.abs(np.arctan2(np.sin(off), np.cos(off))))[going].max() < 30.0
+
+
+def test_contemporary_crosses_the_bar(danced):
+    """T110, T132: after the bar in the middle, in measures 13 to 18, everybody is on the other side."""
+    name, _, _, _, _, lines = danced
+    if name != "contemporary":
+        pytest.skip("the experiment with elements")
+    before, after = lines[12][0][:, 0], lines[18][0][:, 0]
+    assert (np.sign(before) != np.sign(after)).all()
+    assert np.abs(after).min() > 0.3
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)

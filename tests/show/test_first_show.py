@@ -15,7 +15,7 @@ SECONDS = 45
 
 @pytest.fixture(scope="module")
 def danced():
-    """Joint positions of every frame (F, A, J, 3), and the figures of the report."""
+    """Joint positions (F, A, J, 3) of those who can be seen, in every frame, and the figures of the report."""
     loaded = load_show(Path(DEFAULT_PATCH))
     show = loaded.start()
     view, report, frames, tick = show.view(), FrameReport(show), [], 0
@@ -25,7 +25,7 @@ def danced():
             show.tick(tick / 64)
         show.fill(view, frame / FPS + 1 / 64)
         report.frame(view)
-        frames.append(view.joint_position.copy())
+        frames.append(view.joint_position[view.present].copy())
     return show, np.array(frames), report.result()
 
 

@@ -6,14 +6,12 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from live.base.errors import PersonError
-
 Mask = npt.NDArray[np.bool_]
 
 PLACE_WORDS = ("left", "right", "front", "back", "centre", "center")
 """Words that mean where a dancer stands at that moment, as the audience sees it, unless a group is called so."""
 ALL_WORDS = ("all", "everyone")
-"""Words that mean every dancer."""
+"""Words that mean every dancer, unless a group is called so."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,14 +26,6 @@ class Roster:
     """The words each dancer is described by, in the order of their numbers; length A."""
     groups: Mapping[str, str] = field(default_factory=dict)
     """Name of a group → expression that says who belongs to it."""
-
-    def __post_init__(self) -> None:
-        for name in (*self.groups, *(word for words in self.attributes for word in words)):
-            if name.casefold() in ALL_WORDS:
-                raise PersonError(
-                    f"a group or attribute cannot be called {name!r}: that word means everyone",
-                    f"choose another name than {', '.join(ALL_WORDS)}",
-                )
 
     @staticmethod
     def of(count: int, attributes: Mapping[int, Sequence[str]] | None = None, **groups: str) -> "Roster":

@@ -76,12 +76,12 @@ def _evaluate(
 def _named(
     word: str, roster: Roster, positions: Places | None, half: tuple[float, float], inside: tuple[str, ...]
 ) -> Mask:
-    if word.casefold() in ALL_WORDS:
-        return np.ones(roster.count, np.bool_)
     if word in roster.groups:
         expression = _expression_of(word, roster, inside)
         return _evaluate(parse(expression), roster, positions, half, (*inside, word))
     mask = roster.having(word)
+    if not mask.any() and word.casefold() in ALL_WORDS:
+        return np.ones(roster.count, np.bool_)
     if not mask.any() and word.casefold() in PLACE_WORDS:
         return _placed(word.casefold(), positions, half)
     if not mask.any():

@@ -78,15 +78,7 @@ def test_a_group_that_contains_itself_is_refused():
         selection("a", roster)
 
 
-@pytest.mark.parametrize("word", ["all", "Everyone"])
-def test_everyone_is_no_name(word):
-    with pytest.raises(PersonError, match="cannot be called"):
-        Roster.of(2, {1: [word]})
-    with pytest.raises(PersonError, match="cannot be called"):
-        Roster.of(2, **{word: "1"})
-
-
-@pytest.mark.parametrize("word", PLACE_WORDS)
+@pytest.mark.parametrize("word", [*PLACE_WORDS, "all", "everyone"])
 def test_a_group_that_is_called_like_a_place_comes_first(word):
     roster = Roster.of(3, **{word: "2-3"})
     assert selection(word, roster, np.zeros((3, 2))).tolist() == [False, True, True]
