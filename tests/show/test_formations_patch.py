@@ -1,0 +1,48 @@
+"""The piece of formations: each one stands on its measure line, and a mirrored canon is one."""
+
+import numpy as np
+import pytest
+
+from live.show.load import load_show
+from live.show.patch_file import find_patch
+
+STANDING = {4: "letters", 12: "star", 20: "spiral", 25: "scattered", 31: "halves"}
+MEASURES = 38
+
+
+@pytest.fixture(scope="module")
+def lines():
+    """Of each measure line: where hips are (A, 2), where segments want them (A, 2), the nearest two agents [m]."""
+    show, tick, lines = load_show(find_patch("formations")).start(), 0, {}
+    while show.span.number < MEASURES:
+        tick += 1
+        if show.tick(tick / 64):
+            on = show.motion.present
+            under, wanted, _ = show.motion.evolutions.target(show.span.number * show.timeline.beats_per_measure)
+            assert under[on].all()
+            apart = np.hypot(*(show.state.position[on][:, None] - show.state.position[on][None]).transpose(2, 0, 1))
+            np.fill_diagonal(apart, np.inf)
+            lines[show.span.number] = show.dancers.hips(0.0)[on], wanted[on], apart.min()
+    return lines
+
+
+@pytest.mark.parametrize("line", STANDING)
+def test_each_formation_stands_on_its_measure_line(lines, line):
+    hips, wanted, _ = lines[line]
+    off = np.hypot(*(hips - wanted).T)
+    assert off.mean() < 0.1
+    assert off.max() < 0.35
+
+
+def test_nobody_stands_in_another(lines):
+    assert min(nearest for _, _, nearest in lines.values()) > 0.5
+
+
+def test_the_halves_mirror_each_other_two_measures_later(lines):
+    """Segments in measures 33 and 34: the left half's way, reflected, is the right half's in 35 and 36 (T147)."""
+    left = lines[31][1][:, 0] < 0.0
+    way = {line: lines[line][1] - lines[31][1] for line in (34, 36)}
+    assert np.abs(way[34][~left]).max() < 1e-3
+    assert np.allclose(way[34][left], way[34][left][0], atol=1e-3)
+    assert np.hypot(*way[34][left][0]) > 0.5
+    assert np.allclose(way[36][~left], way[34][left][0] * (-1.0, 1.0), atol=1e-3)
