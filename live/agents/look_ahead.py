@@ -1,6 +1,6 @@
 """LookAhead: where the agents will be, by the same steering on a copy, in coarse steps spread over several ticks."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Final
 
 import numpy as np
@@ -30,26 +30,31 @@ class LookAhead:
         self._wants = Wants(agent_count)
         self._state = AgentState(agent_count)
         self._spare = AgentState(agent_count)
-        self._left = 0.0
+        self._stops: list[float] = []
         self._time = 0.0
+        self.positions: list[Float32] = []
+        """Predicted positions [m] at each moment that was asked for, as far as the copy has come, shape (A, 2) each."""
 
-    def begin(self, state: AgentState, *, time: float, seconds: float) -> None:
-        """Start from `state` at `time` [s]; look `seconds` ahead."""
+    def begin(self, state: AgentState, *, time: float, seconds: Sequence[float]) -> None:
+        """Start from `state` at `time` [s]; look so many `seconds` ahead, in rising order, none below 0."""
         self._state.copy_from(state)
-        self._left = seconds
+        self._stops = [time + ahead for ahead in seconds]
         self._time = time
+        self.positions = []
 
     @property
     def done(self) -> bool:
         """Whether the copy has reached its end."""
-        return self._left <= 1e-9
+        return len(self.positions) == len(self._stops)
 
     def work(self, steps: int) -> None:
         """Do at most `steps` coarse steps. The copies are on no leash: their dancers are taken to keep up."""
         for _ in range(steps):
+            while not self.done and self._stops[len(self.positions)] - self._time <= 1e-9:
+                self.positions.append(self._state.position.copy())
             if self.done:
                 return
-            dt = min(self.STEP, self._left)
+            dt = min(self.STEP, self._stops[len(self.positions)] - self._time)
             self._ask(self._wants, self._state, self._time)
             self._advance(
                 self._state,
@@ -60,10 +65,4 @@ class LookAhead:
                 dt=dt,
             )
             self._state, self._spare = self._spare, self._state
-            self._left -= dt
             self._time += dt
-
-    @property
-    def position(self) -> Float32:
-        """Predicted positions [m], shape (A, 2)."""
-        return self._state.position

@@ -266,8 +266,7 @@ class Show:
             self._cross_measure_line(time)
             crossed = True
         self.scheduler.work(self.span, self.timeline, time)
-        hips = self.dancers.hips(self.span.fraction(beat))
-        self.motion.tick(time, self.timeline, self.span, speed=self.scheduler.speed, dancer=hips)
+        self.motion.tick(time, self.timeline, self.span, speed=self.scheduler.speed, dancer=self.dancers.shown)
         self.dancers.tick(self.span.fraction(beat), time, TICK)
         self.brightness = damper(self.brightness, 0.0 if self.blackout else 1.0, FADE_HALFLIFE, TICK)
         return crossed

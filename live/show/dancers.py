@@ -35,6 +35,8 @@ class Dancers:
         for name in ("sample", "placement", "share"):  # one question, asked of the legs alone at every tick
             setattr(self._legs, name, getattr(self._pipeline, name))
         self._everybody = np.arange(dancer_count)
+        self.shown: Float32 = np.zeros((dancer_count, 2), np.float32)
+        """Where the hips of each dancer were at the last tick [m], shape (A, 2): what the audience sees."""
 
     def take_graph(self, graph: MotionGraph) -> None:
         """Go on in a graph in which all nodes of the old one keep their indices."""
@@ -60,6 +62,7 @@ class Dancers:
         danced.correction[:] = 0.0
         self.past.node[:] = UNDECIDED
         self.coming.node[:] = UNDECIDED
+        self.shown[:] = position
 
     def place(self, rows: npt.NDArray[np.intp], position: Float64, heading: Float64) -> None:
         """Put dancers `rows` (n,), whom nobody sees, at `position` (n, 2) [m]: there they begin the present measure."""
@@ -68,6 +71,7 @@ class Dancers:
         danced.correction[rows] = 0.0
         self.past.node[rows] = UNDECIDED
         self.lock.state[rows] = 0.0
+        self.shown[rows] = position
 
     def hips(self, fraction: float) -> Float32:
         """Where the hips of each dancer are at the share `fraction` of the measure [m], float32, shape (A, 2)."""
@@ -104,6 +108,7 @@ class Dancers:
         """Follow the feet to the tick at `time` [s], `dt` [s] after the last one (foot lock)."""
         contact = self.contact(fraction) & (self.variation.lock != 0.0)[:, None]
         position, _ = self._legs.run(self.graph.library.leg_store)
+        self.shown[:] = position[:, 0, ::2]
         self.lock.tick(position, contact, dt)
         self._locked_at = time
 

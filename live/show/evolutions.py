@@ -10,6 +10,7 @@ from live.agents.crowd.model import AgentState
 from live.agents.evolutions.intention import Evolve, Hold, Repertoire
 from live.agents.evolutions.plan import Plan
 from live.agents.evolutions.segment import Segment
+from live.agents.formations.formation import Formation, formation_of
 from live.agents.wants import Wants
 from live.base.errors import PersonError, named
 from live.control import events
@@ -81,6 +82,11 @@ class Evolutions:
                 self._plan.repertoire = self._plan.repertoire.with_path(way, np.array(section.path))
             segments.append(segment_of_section(section, start=measure, formation=formation, path=way))
         return segments
+
+    def formation(self, words: str, count: int) -> Formation:
+        """The formation that `words` name or say, for `count` dancers, with what is to be said of it."""
+        named_formation = self._formations.find(words)
+        return formation_of(named_formation.spec, count, named_formation.seed)
 
     @property
     def repertoire(self) -> Repertoire:

@@ -109,6 +109,7 @@ class GroupMotion:
         self._now: tuple[Timeline, MeasureSpan] | None = None
         self._speed: Float32 = np.zeros(count, np.float32)
         self._performers: dict[str, Performer] = {}
+        self._late: Float64 = np.zeros(count)
 
     def _starting_places(self, patch: Patch) -> Float32:
         position = np.zeros((len(self.casting.group), 2), np.float32)
@@ -180,10 +181,12 @@ class GroupMotion:
 
     # -- what is ahead -------------------------------------------------------------------------------------------
 
-    def look(self, time: float, seconds: float, heading: Float64) -> None:
+    def look(self, time: float, seconds: float, heading: Float64, late: Float64) -> None:
         """Begin to look `seconds` [s] ahead of `time` [s], and to work out what begins with the next measure, for
-        dancers who will face `heading` (A,) [rad] then."""
-        self._look.begin(self.state, time=time, seconds=seconds)
+        dancers who will face `heading` (A,) [rad] then and are `late` (A,) [beats] on purpose."""
+        self._late = late
+        tempo = 120.0 if self._now is None else self._now[0].tempo
+        self._look.begin(self.state, time=time, seconds=[seconds + beats * 60.0 / tempo for beats in np.unique(late)])
         if self._now is not None:
             self.evolutions.prepare(self._now[1].number + 1, self.state.position, heading)
 
@@ -192,17 +195,20 @@ class GroupMotion:
         self._look.work(steps)
 
     def ahead(self) -> tuple[Float64, Bool, Float64]:
-        """Where everybody will be when the next measure ends, (A, 2) [m]; who is in an evolution then, (A,), and with
-        which heading, (A,) [rad]. The look ahead must be finished."""
-        place = self._look.position.astype(np.float64)
-        heading = np.zeros(len(place))
-        if self._now is None:
-            return place, np.zeros(len(place), np.bool_), heading
-        timeline, span = self._now
-        known, planned, facing = self.evolutions.target((span.number + 2) * timeline.beats_per_measure)
-        known = known & (self.elements.influence < TAKEN) & ~self.entrances.passing
-        place[known], heading[known] = planned[known], facing[known]
-        return place, known, heading
+        """Where everybody will be when her next measure ends, (A, 2) [m]; who is in an evolution then, (A,), and with
+        which heading, (A,) [rad]. The look ahead must be finished. Measures of those who are late end later."""
+        count = len(self.casting.group)
+        place, heading, held = np.zeros((count, 2)), np.zeros(count), np.zeros(count, np.bool_)
+        for beats, position in zip(np.unique(self._late), self._look.positions, strict=True):
+            rows = self._late == beats
+            place[rows] = position[rows]
+            if self._now is None:
+                continue
+            timeline, span = self._now
+            known, planned, facing = self.evolutions.target((span.number + 2) * timeline.beats_per_measure + beats)
+            rows &= known & (self.elements.influence < TAKEN) & ~self.entrances.passing
+            place[rows], heading[rows], held[rows] = planned[rows], facing[rows], True
+        return place, held, heading
 
     # -- live ----------------------------------------------------------------------------------------------------
 

@@ -1,6 +1,7 @@
 """Rehearsing: the score's evolutions gone through beforehand: what is too far for the steps, who would meet (T088)."""
 
 from live.agents.evolutions.rehearsal import rehearse
+from live.agents.formations.stage_fit import fit_stage
 from live.show.core import Show
 from live.show.group_motion import AGENT_RADIUS
 
@@ -45,7 +46,24 @@ def rehearsal_notes(show: Show) -> list[str]:
         for one in rehearsal.too_near
         if present[one.first] and present[one.second]
     ]
-    return [*_first(notes), *_first(near)]
+    return [*_first(_formation_notes(show)), *_first(notes), *_first(near)]
+
+
+def _formation_notes(show: Show) -> list[str]:
+    """What is to be said of the formations for as many dancers as they are made for: too tight, off the stage."""
+    notes = []
+    stage = show.patch.stage
+    for section in show.patch.segment:
+        if section.formation is None:
+            continue
+        who = show.casting.select(section.group, show.state.position) & show.motion.present
+        formation = show.motion.evolutions.formation(section.formation, int(who.sum()))
+        where = f"measure {section.measure}: {section.formation}"
+        notes += [f"{where}: {warning}" for warning in formation.warnings]
+        fit = fit_stage(formation, stage.width, stage.depth)
+        if not fit.fits:
+            notes.append(f"{where}: {len(fit.outside)} places lie off the stage: {fit.remedy}")
+    return list(dict.fromkeys(notes))
 
 
 def _first(notes: list[str]) -> list[str]:

@@ -122,19 +122,24 @@ class Scheduler:
             return
         if not self._looking and left <= max(LOOK_BEATS, DECIDE_BEATS + 2.0 * TICK):
             seconds = max(0.0, (left + timeline.beats_per_measure) * 60.0 / timeline.tempo)
-            self._motion.look(time, seconds, self._dancers.present.end_heading())
+            self._look(time, seconds, timeline)
             self._looking = True
             ticks = max(1.0, (left - DECIDE_BEATS) * 60.0 / timeline.tempo / TICK)
-            self._share = math.ceil(seconds / LookAhead.STEP / ticks)
+            late = float(self._dancers.variation.late.max()) * timeline.beats_per_measure * 60.0 / timeline.tempo
+            self._share = math.ceil((seconds + late) / LookAhead.STEP / ticks)
         if self._looking:
             self._motion.work(self._share)
+
+    def _look(self, time: float, seconds: float, timeline: Timeline) -> None:
+        late = self._dancers.variation.late * timeline.beats_per_measure
+        self._motion.look(time, seconds, self._dancers.present.end_heading(), late)
 
     def decide(self, span: MeasureSpan, timeline: Timeline, time: float) -> None:
         """Choose the next measure of every dancer now, finishing the look-ahead first."""
         if not self._looking:
             left = max(0.0, span.end - timeline.beat_at(time))
             seconds = (left + timeline.beats_per_measure) * 60.0 / timeline.tempo
-            self._motion.look(time, seconds, self._dancers.present.end_heading())
+            self._look(time, seconds, timeline)
         self._motion.work(1 << 20)
         self._looking = False
         dancers, graph = self._dancers, self._dancers.graph
