@@ -38,6 +38,7 @@ class Elements:
         )
         self._ahead: Float32 = np.zeros(count, np.float32)
         self._last_of: dict[str, Element] = {}
+        self._placed = -1
         for section in patch.element:  # whatever is wrong is told at the start, not in measure 200
             with named(f"element in measure {section.measure:g}"):
                 self._made(placing_of_section(section), "", 0.0, 4, np.zeros((count, 2), np.float32))
@@ -53,7 +54,13 @@ class Elements:
         return self._field.elements
 
     def begin_measure(self, measure: int, beat: float, beats_per_measure: int, position: Float32) -> None:
-        """Put the score's elements in force that begin in `measure` (from 0), whose line is at `beat`."""
+        """Put the score's elements in force that begin in `measure` (from 0), whose line is or will be at `beat`.
+
+        To be called when the measure begins, and before if somebody looks ahead; the first call counts.
+        """
+        if measure <= self._placed:
+            return
+        self._placed = measure
         for section in self._score.elements(measure):
             start = beat + (section.measure - int(section.measure)) * beats_per_measure
             self._place(placing_of_section(section), "score", start, beats_per_measure, position)
@@ -124,9 +131,14 @@ class Elements:
         """Once a tick, before `wish`: which elements act at `beat`."""
         self._field.refresh(beat, wants, state, self._addressees.bits)
 
-    def wish(self, wants: Wants, state: AgentState, *, time: float, ahead: bool) -> None:
-        """Blend what the elements wish of agents in `state` into `wants`; `ahead`: on a copy, nothing is noted."""
+    def wish(self, wants: Wants, state: AgentState, *, time: float, beat: float, ahead: bool) -> None:
+        """Blend what the elements wish at `beat` of agents in `state` into `wants`.
+
+        `ahead`: on a copy and later than now; `refresh` has to come before the next wish that is meant.
+        """
         influence = self._ahead if ahead else None
+        if ahead:
+            self._field.foresee(beat)
         self._field.wish(wants, state, self._addressees.bits, time=time, influence=influence)
 
     def show(self, view: StageView) -> None:

@@ -102,6 +102,7 @@ class Evolutions:
         self._plan.begin_measure(measure, position, heading)
         self._plan.forget(measure + 1)
         self._take_up(measure + 1)
+        self._plan.prepare(measure + 1, position, heading, if_known=True)
 
     def prepare(self, measure: int, position: Float32, heading: Float64) -> None:
         """Begin to work out, ahead of time, what begins with `measure`, from foreseen places and headings."""

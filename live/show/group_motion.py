@@ -176,7 +176,7 @@ class GroupMotion:
         wants.speed[:] = np.where(wants.firm > 0.0, self._speed * HURRY, self._speed * leash)
         if not ahead:
             self.elements.refresh(beat, wants, state)
-        self.elements.wish(wants, state, time=time, ahead=ahead)
+        self.elements.wish(wants, state, time=time, beat=beat, ahead=ahead)
         self.entrances.write(wants, state.position)
 
     # -- what is ahead -------------------------------------------------------------------------------------------
@@ -187,8 +187,12 @@ class GroupMotion:
         self._late = late
         tempo = 120.0 if self._now is None else self._now[0].tempo
         self._look.begin(self.state, time=time, seconds=[seconds + beats * 60.0 / tempo for beats in np.unique(late)])
-        if self._now is not None:
-            self.evolutions.prepare(self._now[1].number + 1, self.state.position, heading)
+        if self._now is None:
+            return
+        timeline, span = self._now
+        position = self.state.position
+        self.elements.begin_measure(span.number + 1, span.end, timeline.beats_per_measure, position)
+        self.evolutions.prepare(span.number + 1, position, heading)
 
     def work(self, steps: int) -> None:
         """Do at most so many coarse steps of looking ahead."""

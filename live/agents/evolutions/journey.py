@@ -81,17 +81,26 @@ class Journey:
     """Whether clearance was looked at; above `CHECKED` dancers it is not."""
 
 
-def travelling(segment: Segment, intention: Intention, repertoire: Repertoire, departure: Departure) -> Pieces[Journey]:
-    """Work out a segment whose intention prescribes places (all but `Procedural`), in pieces."""
+@dataclass(slots=True, eq=False)
+class Draft:
+    """What is known of a journey as soon as everybody has her place: the ways before they are mended."""
+
+    journey: Journey | None = None
+
+
+def travelling(
+    segment: Segment, intention: Intention, repertoire: Repertoire, departure: Departure, draft: Draft
+) -> Pieces[Journey]:
+    """Work out a segment whose intention prescribes places (all but `Procedural`), in pieces; `draft` comes first."""
     if isinstance(intention, Hold):
         formation = repertoire.formation(intention.formation, len(departure.numbers))
         soon = replace(departure, end=min(departure.end, departure.begin + departure.measure_beats))
-        return (yield from _evolve(segment, Evolve(intention.formation, intention.matching), formation, soon))
+        return (yield from _evolve(segment, Evolve(intention.formation, intention.matching), formation, soon, draft))
     if isinstance(intention, Evolve):
         formation = repertoire.formation(intention.formation, len(departure.numbers))
-        return (yield from _evolve(segment, intention, formation, departure))
+        return (yield from _evolve(segment, intention, formation, departure, draft))
     if isinstance(intention, Trajectory):
-        return (yield from _trajectory(segment, intention, repertoire.path(intention.path), departure))
+        return (yield from _trajectory(segment, intention, repertoire.path(intention.path), departure, draft))
     return _pause(departure)
 
 
@@ -103,7 +112,9 @@ def _pause(departure: Departure) -> Journey:
     return Journey(Locomotion(ways, stays, turns), np.full(count, -1, np.int32))
 
 
-def _evolve(segment: Segment, evolve: Evolve, formation: FormationLike, departure: Departure) -> Pieces[Journey]:
+def _evolve(
+    segment: Segment, evolve: Evolve, formation: FormationLike, departure: Departure, draft: Draft
+) -> Pieces[Journey]:
     slots = np.asarray(formation.slots, np.float64).reshape(-1, 2)
     facing = np.asarray(formation.heading, np.float64).reshape(-1)
     if segment.mirror is not None:
@@ -113,7 +124,11 @@ def _evolve(segment: Segment, evolve: Evolve, formation: FormationLike, departur
     after = np.concatenate([facing, np.zeros(len(places) - len(facing))])[slot]
     slot = np.where(slot < len(slots), slot, -1).astype(np.int32)
     ways = paths.straight(departure.position, goal)
-    moved = yield from _timed(segment, ways, evolve.soft, evolve.way, evolve.orientation, departure, closing=True)
+    timing = _timing(segment, ways, evolve.soft, evolve.orientation, departure, closing=True)
+    rough = _turned(timing.journey(), evolve.orientation, departure, after, closing=True)
+    draft.journey = replace(rough, slot=slot)
+    yield
+    moved = yield from _timed(segment, timing, evolve.way, departure)
     journey = _turned(moved, evolve.orientation, departure, after, closing=True)
     return replace(journey, slot=slot)
 
@@ -163,7 +178,7 @@ def _seats(dancer_section: npt.NDArray[np.int32], slot_section: npt.NDArray[np.i
 
 
 def _trajectory(
-    segment: Segment, trajectory: Trajectory, polyline: npt.NDArray[np.floating], departure: Departure
+    segment: Segment, trajectory: Trajectory, polyline: npt.NDArray[np.floating], departure: Departure, draft: Draft
 ) -> Pieces[Journey]:
     line = np.asarray(polyline, np.float64)
     if segment.mirror is not None:
@@ -175,46 +190,61 @@ def _trajectory(
     else:
         ways = paths.shifted(line, departure.position)
     facing = trajectory.orientation
-    moved = yield from _timed(segment, ways, trajectory.soft, Way.STRAIGHT, facing, departure, closing=False)
     after = departure.heading
     if facing.facing in (Facing.TANGENT, Facing.MEASURES):
         after = orientation.final_direction(ways, departure.heading)
+    timing = _timing(segment, ways, trajectory.soft, facing, departure, closing=False)
+    draft.journey = _turned(timing.journey(), facing, departure, after, closing=False)
+    yield
+    moved = yield from _timed(segment, timing, Way.STRAIGHT, departure)
     return _turned(moved, facing, departure, after, closing=False)
 
 
-def _timed(
-    segment: Segment,
-    ways: Float32,
-    soft: float,
-    way: Way,
-    facing: Orientation,
-    departure: Departure,
-    *,
-    closing: bool,
-) -> Pieces[Journey]:
-    """The way with its times, mended as far as asked; no turns yet. `closing`: leave time for the last turn."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Timing:
+    """Ways with their times as they are asked for, before anything is mended; no turns yet."""
+
+    locomotion: Locomotion
+    waits: Float64
+    begin: float
+    end: float
+
+    def journey(self) -> Journey:
+        """The same as a journey that nobody has looked at."""
+        return Journey(self.locomotion, np.full(self.locomotion.count, -1, np.int32), checked=False)
+
+
+def _timing(
+    segment: Segment, ways: Float32, soft: float, facing: Orientation, departure: Departure, *, closing: bool
+) -> _Timing:
+    """When everybody is on her way. `closing`: leave time for the last turn."""
     begin, end = departure.begin, departure.end
     turn = _turn_beats(facing, departure)
     begin, end = begin + turn, end - (turn if closing else 0.0)
     waits = squeezed(delays(segment.ripple, departure.position, departure.numbers, seed=departure.seed), end - begin)
     own = times(begin, end, waits, segment.ripple.arrive)
     still = orientation.linear(own, departure.heading, departure.heading)
-    locomotion = Locomotion(ways, own, still, soft)
-    nothing = np.full(len(ways), -1, np.int32)
-    if len(ways) > CHECKED:
-        return Journey(locomotion, nothing, checked=False)
+    return _Timing(Locomotion(ways, own, still, soft), waits, begin, end)
+
+
+def _timed(segment: Segment, timing: _Timing, way: Way, departure: Departure) -> Pieces[Journey]:
+    """The way with its times, mended as far as asked; no turns yet."""
+    locomotion, waits = timing.locomotion, timing.waits
+    if locomotion.count > CHECKED:
+        return timing.journey()
     result: Mended = yield from mending(
         locomotion,
         departure.radius,
         waits,
-        begin=begin,
-        end=end,
+        begin=timing.begin,
+        end=timing.end,
         arrive=segment.ripple.arrive if waits.any() else Arrive.TOGETHER,
         retime=way is Way.MENDED,
         bend=way is not Way.STRAIGHT,
         seed=departure.seed,
         half=departure.half,
     )
+    nothing = np.full(locomotion.count, -1, np.int32)
     return Journey(result.locomotion, nothing, result.retimed, result.bent, result.remaining)
 
 

@@ -118,25 +118,46 @@ class Plan:
 
     # running
 
-    def prepare(self, measure: int, positions: npt.ArrayLike, headings: npt.ArrayLike) -> None:
-        """Begin to work out, ahead of time, what begins with `measure`; `target` knows of it as soon as it is done.
+    def prepare(
+        self, measure: int, positions: npt.ArrayLike, headings: npt.ArrayLike, *, if_known: bool = False
+    ) -> None:
+        """Begin to work out, ahead of time, what begins with `measure`; `target` knows of it as soon as it can.
 
         `positions` (A, 2) [m] and `headings` (A,) [rad] are those foreseen for its line, for dancers whom no segment
-        holds then. Measures that nothing begins with cost nothing.
+        holds then; `if_known`: only if segments hold everybody who takes part. Measures that nothing begins with cost
+        nothing.
         """
         if measure not in self._coming:
+            if if_known and not self._all_known(measure, positions):
+                return
             entries = [entry for entry in self._entries if entry.segment.start == measure]
             self._coming[measure] = self._begun(entries, None, np.asarray(positions), np.asarray(headings))
 
     def work(self) -> None:
         """Do one piece (about a millisecond at most) of what is to be worked out, if there is anything."""
-        waiting = (motion for coming in self._coming.values() for motion in coming)
-        motion = next((motion for motion in (*self._at_work, *waiting) if not motion.done), None)
-        if motion is not None:
-            motion.work()
-            if motion.done and motion in self._at_work:
+        if self._at_work:
+            motion = self._at_work[0]
+            if motion in self._motions:
+                motion.work_some(late=True)
+            else:
+                motion.work_some()
+                if motion.usable:
+                    self._motions.append(motion)
+            if motion.done:
                 self._at_work.remove(motion)
+            return
+        waiting = (motion for coming in self._coming.values() for motion in coming)
+        motion_ahead = next((motion for motion in waiting if not motion.done), None)
+        if motion_ahead is not None:
+            motion_ahead.work_some()
+
+    def finish(self) -> None:
+        """Do all that is left to be worked out of what has begun, however long it takes: not while a show runs."""
+        for motion in self._at_work:
+            motion.finish()
+            if motion not in self._motions:
                 self._motions.append(motion)
+        self._at_work.clear()
 
     @property
     def idle(self) -> bool:
@@ -153,9 +174,11 @@ class Plan:
         coming = self._coming.pop(measure)
         line = measure * self.measure_beats
         for motion in coming:
-            motion.finish()
+            motion.make_usable()
             if motion.begin <= line:
                 motion.start_from(where[motion.who])
+            if not motion.done:
+                self._at_work.append(motion)
         self._coming = {number: motions for number, motions in self._coming.items() if number > measure}
         self._motions.extend(coming)
         self._forget(line)
@@ -174,8 +197,11 @@ class Plan:
         motions = self._begun([entry], beat + segment.later, np.asarray(positions), np.asarray(headings))
         for motion in motions:
             if len(motion.who) <= AT_ONCE:
-                motion.finish()
-            (self._motions if motion.done else self._at_work).append(motion)
+                motion.make_usable()
+            if motion.usable:
+                self._motions.append(motion)
+            if not motion.done:
+                self._at_work.append(motion)
         self._coming.clear()
         self._forget(beat)
         return motions
@@ -211,7 +237,7 @@ class Plan:
         if ahead:
             for measure in sorted(self._coming):
                 for motion in self._coming[measure]:
-                    if motion.done and motion.begin <= beat:
+                    if motion.usable and motion.begin <= beat:
                         motion.write(beat, out)
         return out
 
@@ -244,6 +270,17 @@ class Plan:
             motions.append(Motion(segment, intention, self._repertoire, departure))
         motions.sort(key=lambda motion: motion.begin)
         return motions
+
+    def _all_known(self, measure: int, positions: npt.ArrayLike) -> bool:
+        """Whether segments say where everybody will be who takes part in those of `measure`."""
+        under = self._fill(measure * self.measure_beats, self._boundary, True).under == 1
+        for entry in self._entries:
+            if entry.segment.start == measure:
+                where = np.asarray(positions, np.float64)
+                who = selection(entry.segment.group, self.roster, where, self._half) & self.available & ~entry.without
+                if (who & ~under).any():
+                    return False
+        return True
 
     def _end_of(self, segment: Segment, begin: float) -> float:
         line = np.floor(begin / self.measure_beats + 0.5) * self.measure_beats

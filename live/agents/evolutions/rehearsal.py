@@ -99,6 +99,7 @@ def rehearse(
             dancers = np.zeros(roster.count, np.bool_)
             dancers[motion.who] = True
             spans[plan.segments.index(motion.segment)] = Span(motion.begin, motion.departure.end, dancers)
+        plan.finish()
         near += _too_near(plan, measure, measure_beats, place, bodies)
         there = plan.target((measure + 1) * measure_beats)
         under = there.under == 1

@@ -127,6 +127,10 @@ class ElementTable:
                     self.remove(row)
             column.refresh_table(self.rows, len(self.elements), beat, FADE_BEATS, self.active)
 
+    def foresee(self, beat: float) -> None:
+        """Set levels and the list of who acts as they will be at `beat`; all rows stay, until the next `refresh`."""
+        column.refresh_table(self.rows, len(self.elements), beat, FADE_BEATS, self.active)
+
     @property
     def acting(self) -> Int32:
         """The rows that act, sorted by kind."""

@@ -162,6 +162,10 @@ class ElementField:
                 table.rows, table.masks, table.active, self._places, self._audience, self._density
             )
 
+    def foresee(self, beat: float) -> None:
+        """Before `wish` on a copy: who will act at `beat`, as far as is known; the next `refresh` undoes it."""
+        self._table.foresee(beat)
+
     def wish(
         self, wants: Wants, state: Moving, groups: UInt64, *, time: float, influence: Float32 | None = None
     ) -> Float32:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from live.agents.crowd.model import AgentState
 from live.agents.evolutions.delays import Arrive, Order, Ripple
 from live.agents.evolutions.intention import (
     By,
@@ -20,6 +21,7 @@ from live.agents.evolutions.intention import (
     Way,
 )
 from live.agents.evolutions.matching import Cost
+from live.agents.evolutions.motion import PATIENCE
 from live.agents.evolutions.orientation import Facing, Orientation, shortest_turn
 from live.agents.evolutions.plan import AT_ONCE, Plan
 from live.agents.evolutions.rehearsal import rehearse
@@ -27,7 +29,6 @@ from live.agents.evolutions.segment import Segment, in_canon, in_mirror
 from live.agents.evolutions.standing_clear import clear_places
 from live.agents.groups.relations import Line, mirrored
 from live.agents.groups.roster import Roster
-from live.agents.crowd.model import AgentState
 from live.agents.wants import Wants
 from live.base.errors import PersonError
 
@@ -190,7 +191,31 @@ def test_a_large_group_is_worked_out_in_pieces_while_the_old_motion_goes_on():
     assert not running.idle
     running.work()
     running.begin_measure(1, grid, np.zeros(count))
+    assert running.target(8.0).position == pytest.approx(running.at(8.0).position)  # everybody knows where she goes
+    assert running.at(8.0).under.all()
+    for _ in range(PATIENCE + 1):  # and what is still mended then takes no longer than this
+        running.work()
     assert running.idle
+
+
+def test_ways_that_are_mended_after_the_start_keep_their_start_and_end():
+    ring = 3.0 * np.stack([np.sin(np.arange(12) * np.pi / 6), np.cos(np.arange(12) * np.pi / 6)], 1)
+    rep = Repertoire().with_formation(Places("across", -ring, np.zeros(12)))
+    running = Plan(Roster.of(12), rep)
+    across = Evolve("across", Matching(by=By.ID))
+    running.start_now(Segment(across), 0.0, ring, np.zeros(12))
+    rough = running.motions[0].journey
+    assert not running.idle
+    assert not rough.checked
+    while not running.idle:
+        running.work()
+    mended = running.motions[0].journey
+    assert mended.checked
+    assert mended.bent
+    for beat, places in ((0.0, ring), (4.0, -ring)):
+        assert running.at(beat).position == pytest.approx(places, abs=1e-5)
+    running.finish()
+    assert running.motions[0].journey is mended
 
 
 def test_prepared_ahead_the_end_is_known_and_ways_begin_where_they_really_are():
