@@ -133,6 +133,7 @@ def preview_show(name: str, clips: list[StepClip], *, travelling: bool) -> Loade
         groups.append(GroupSection(name=own[:60] + str(number), dancers=1, steps=(f"{own} x1",), centre=centre))
     patch = Patch(
         name=f"Step {name}"[:64],
+        reserve=0,
         clock=ClockSection(bpm=clips[0].bpm, beats_per_measure=clips[0].beats_per_measure),
         stage=StageSection(width=min(width, 200.0), depth=min(depth, 200.0)),
         camera=_camera(columns * GAP + 2 * room, rows * GAP + 2 * room),

@@ -122,6 +122,8 @@ def _check_shape(spec: Any) -> None:
 def _check_points(spec: Any) -> None:
     if spec.shape == "polyline" and not spec.points:
         spec.refuse("points", "a list of points [x, z] expected", "points = [[-3, 0], [0, -2], [3, 0]]")
+    if spec.points and spec.shape not in ("polyline", "polygon"):
+        spec.refuse("points", f"shape {spec.shape!r} is not drawn", "shape = 'polyline' or 'polygon'")
     if not isinstance(spec.points, tuple) or not all(isinstance(line, tuple) for line in spec.points):
         spec.refuse("points", "a list of points [x, z], or several such lists, expected", "points = [[-3, 0], [3, 0]]")
     if sum(map(len, spec.points)) > MOST_POINTS:
