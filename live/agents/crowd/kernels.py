@@ -14,7 +14,7 @@ from live.base.jit import kernel
 Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
 
-ROWS, NUMBERS, CELL_ROWS, SPARE_COLUMNS = 39, 16, 3, 32
+ROWS, NUMBERS, CELL_ROWS, SPARE_COLUMNS = 32, 16, 2, 32
 """Rows of the scratch arrays `rows`, `numbers` and `cells`, and how many columns they have beyond the agents."""
 _VELOCITY, _ACCELERATION, _REST, _HEED = 2, 4, 6, 7
 
@@ -88,16 +88,16 @@ def advance_crowd(
     a, width = wants.shape[0], numbers.shape[1]
     grid = np.empty(4)
     wanted = wants.reshape(8 * a)
-    sorted_, sums, moved, change = rows[0:6], rows[6:14], rows[14:18], rows[18:21]
-    asks, lanes, asked = rows[21:25], rows[25:31], rows[31:39].reshape(8 * width)[: 8 * a]
-    slot_agent, slots, hits = numbers[0], numbers[1], numbers[2]
+    sorted_, sums, moved, change = rows[0:6], rows[6:13], rows[13:17], rows[17:20]
+    asks, asked = rows[20:24], rows[24:32].reshape(8 * width)[: 8 * a]
+    slot_agent = numbers[0]
     pairs = numbers[4:16].reshape(12 * width)
     n = sort_agents(
         state, wanted, model.reshape(2 * a), sorted_, slot_agent, numbers[1:3].reshape(2 * width), cells, grid
     )
     ask_agents(asks, wanted, slot_agent, n, params)
     pair_count = sum_neighbours(
-        sorted_, cells[0], grid, asks, sums, params, lanes, slots, cells[1], cells[2], hits, pairs
+        sorted_, cells[0], grid, asks, sums, params, cells[1], numbers[1], numbers[2], numbers[3], pairs
     )
     if params[2] > 0.0:
         asked[:] = wanted

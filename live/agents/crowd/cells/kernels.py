@@ -98,11 +98,11 @@ def sort_agents(
     """Sort those present into cells; returns how many (n).
 
     Slots start[c]:start[c + 1] are cell c's agents in the order of their numbers, start = cells[0]; in the cells before
-    c cells[2, c] agents are awake. slot_agent (A,) holds the numbers, sorted_ (SORTED_ROWS, >= A) the values, cell_of
+    c cells[1, c] agents are awake. slot_agent (A,) holds the numbers, sorted_ (SORTED_ROWS, >= A) the values, cell_of
     (2 A,) is scratch. state (8 A,), wants (8 A,), model (2 A,). grid (4,): x, z of the corner, columns, rows.
     """
     a = wants.shape[0] // 8
-    start, awake = cells[0], cells[2]
+    start, awake = cells[0], cells[1]
     n = _lay_grid(state, wants, cell_of, grid, start.shape[0] - 2)
     columns, rows = int(grid[2]), int(grid[3])
     x0, z0 = np.float32(grid[0]), np.float32(grid[1])

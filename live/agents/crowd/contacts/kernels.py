@@ -6,11 +6,14 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.crowd.bounds.kernels import outside_surroundings
-from live.base.jit import kernel
+from live.agents.crowd.cells.kernels import RADIUS, X, Z
+from live.base.jit import kernel, part
 
 Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
 
+CONTACT_MARGIN = 0.3
+"""Metres of gap from which on two bodies are watched for contact."""
 LANDING = 0.15
 """Seconds: two bodies never near each other faster than they would touch in this time."""
 ROUNDS = 12
@@ -19,6 +22,19 @@ SPARE = 0.001
 """Metres kept between two bodies."""
 LEAST_SHARE = 0.02
 """Mobility of a soloist: somebody has to give way where two of them meet."""
+
+
+@part
+def note_pairs(sorted_: Float32, i: int, touches: Int32, count: int, pairs: Int32, pair_count: int) -> int:
+    """Write down with which later ones of `touches` agent i is near contact; returns the new number of pairs."""
+    for m in range(count):
+        k = touches[m]
+        dx, dz = sorted_[X, i] - sorted_[X, k], sorted_[Z, i] - sorted_[Z, k]
+        reach = sorted_[RADIUS, i] + sorted_[RADIUS, k] + np.float32(CONTACT_MARGIN)
+        if k > i and dx * dx + dz * dz < reach * reach and 2 * pair_count + 2 <= pairs.shape[0]:
+            pairs[2 * pair_count], pairs[2 * pair_count + 1] = i, k
+            pair_count += 1
+    return pair_count
 
 
 @kernel("void(f4[:,::1], f4[:,::1], i4[::1], i8, f4[:,::1], i8, f8)")

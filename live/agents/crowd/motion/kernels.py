@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.crowd.cells.kernels import NEIGHBOUR_RANGE
-from live.agents.crowd.neighbours.kernels import (
+from live.agents.crowd.blocks.kernels import (
     ALIGNMENT,
     AVOID_X,
     AVOID_Z,
@@ -24,6 +23,7 @@ from live.agents.crowd.neighbours.kernels import (
     PUSH_Z,
     WEIGHT,
 )
+from live.agents.crowd.cells.kernels import NEIGHBOUR_RANGE
 from live.base.jit import kernel, part
 
 Float32 = npt.NDArray[np.float32]
@@ -37,7 +37,7 @@ FIRM_HORIZON = 0.4
 FIRM_SWERVE = 0.25
 """Seconds for which a firm agent's avoiding acceleration counts in her velocity."""
 # rows of a block; what is asked comes in the order of Wants.rows, the sums in that of the neighbour pass
-_WANTS, _SUMS, _OLD, _AX, _AZ, _NEW_X, _NEW_Z, _BLOCK_ROWS = 0, 7, 15, 17, 18, 19, 20, 21
+_WANTS, _SUMS, _OLD, _AX, _AZ, _NEW_X, _NEW_Z, _BLOCK_ROWS = 0, 7, 14, 16, 17, 18, 19, 20
 _WISH_X, _WISH_Z, _SPEED, _SEPARATION, _FIRM = 0, 1, 2, 3, 6
 
 _F = np.float32

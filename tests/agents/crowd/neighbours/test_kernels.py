@@ -5,26 +5,25 @@ import math
 import numpy as np
 import pytest
 
-from live.agents.crowd.cells.kernels import NEIGHBOUR_RANGE, SORTED_ROWS, sort_agents
-from live.agents.crowd.kernels import CELL_ROWS, SPARE_COLUMNS
-from live.agents.crowd.model import Steering
-from live.agents.crowd.neighbours.kernels import (
+from live.agents.crowd.blocks.kernels import (
     ASK_ROWS,
     AVOID_X,
     AVOID_Z,
-    CONTACT_MARGIN,
     FLOCK_X,
     FLOCK_Z,
-    NEAR,
     PUSH_X,
     PUSH_Z,
     SUM_ROWS,
     WEIGHT,
-    sum_neighbours,
 )
+from live.agents.crowd.cells.kernels import NEIGHBOUR_RANGE, SLEEP, SORTED_ROWS, sort_agents
+from live.agents.crowd.contacts.kernels import CONTACT_MARGIN
+from live.agents.crowd.kernels import CELL_ROWS, SPARE_COLUMNS
+from live.agents.crowd.model import Steering
+from live.agents.crowd.neighbours.kernels import sum_neighbours
 
 
-def _sums(position, velocity, give=None, separation=1.2, horizon=3.0, steering=None):
+def _sums(position, velocity, give=None, separation=1.2, horizon=3.0, steering=None, asleep=()):
     """Sums (SUM_ROWS, A) in the order of the agents, and the pairs near contact."""
     a = len(position)
     width = a + SPARE_COLUMNS
@@ -32,6 +31,8 @@ def _sums(position, velocity, give=None, separation=1.2, horizon=3.0, steering=N
     state[: 2 * a], state[2 * a : 4 * a] = position.ravel(), velocity.ravel()
     wants = np.zeros((a, 8), np.float32)
     wants[:, 0], wants[:, 2], wants[:, 7] = 5.0, 1.0, 1.0
+    for i in asleep:
+        wants[i, 0], state[6 * a + i] = 0.0, SLEEP
     model = np.zeros((a, 2), np.float32)
     model[:, 0], model[:, 1] = 0.25, 1.0 if give is None else 2.0 - np.asarray(give)
     rows, slots = np.zeros((SORTED_ROWS, width), np.float32), np.zeros(width, np.int32)
@@ -42,11 +43,7 @@ def _sums(position, velocity, give=None, separation=1.2, horizon=3.0, steering=N
     asks[0], asks[1], asks[2], asks[3] = 1.0 / separation**2, 1.0 / horizon, 0.4, 0.2
     sums, pairs = np.zeros((SUM_ROWS, width), np.float32), np.zeros(12 * width, np.int32)
     params = (steering or Steering()).vector()
-    lanes = np.zeros((SORTED_ROWS, width), np.float32)
-    scratch = np.zeros((2, width), np.int32)
-    count = sum_neighbours(
-        rows, cells[0], grid, asks, sums, params, lanes, scratch[0], cells[1], cells[2], scratch[1], pairs
-    )
+    count = sum_neighbours(rows, cells[0], grid, asks, sums, params, cells[1], *np.zeros((3, width), np.int32), pairs)
     ordered = np.zeros((SUM_ROWS, a))
     ordered[:, slots[:a]] = sums[:, :a]
     found = {tuple(sorted(slots[pairs[2 * p : 2 * p + 2]].tolist())) for p in range(count)}
@@ -61,7 +58,6 @@ def _one_pair(dx, dz, ux, uz, give, separation, horizon, steering):
     seen = max(1 - d2 / NEIGHBOUR_RANGE**2, 0.0)
     out[PUSH_X], out[PUSH_Z], out[WEIGHT] = push * dx, push * dz, seen**2
     out[FLOCK_X], out[FLOCK_Z] = -(seen**2) * (0.4 * ux + 0.2 * dx), -(seen**2) * (0.4 * uz + 0.2 * dz)
-    out[NEAR] = math.sqrt(d2) < 0.5 + CONTACT_MARGIN
     tx, tz = dx + steering.side * dz, dz - steering.side * dx
     closing, u2, c = -(tx * ux + tz * uz), ux * ux + uz * uz, max(d2 - 0.25, 1e-3)
     disc = closing**2 - u2 * c
@@ -83,7 +79,7 @@ def test_all_sums_are_those_of_all_pairs(count):
     sums, pairs = _sums(position, velocity, give)
     for i in range(count):
         expected = np.zeros(SUM_ROWS)
-        expected[[WEIGHT, NEAR]] = 1.0  # herself
+        expected[WEIGHT] = 1.0  # herself
         for j in set(range(count)) - {i}:
             d, u = (position[i] - position[j]).astype(float), (velocity[i] - velocity[j]).astype(float)
             one = _one_pair(*d, *u, give[j], 1.2, 3.0, steering)
@@ -111,9 +107,9 @@ def test_head_on_the_force_is_the_gradient_of_the_power_law(time):
 
 
 def test_many_in_one_place_are_all_counted():
-    position = np.zeros((700, 2), np.float32)
+    position = np.zeros((300, 2), np.float32)
     sums, _ = _sums(position, np.zeros_like(position))
-    assert (sums[WEIGHT] == 700).all()
+    assert (sums[WEIGHT] == 300).all()
     assert np.isfinite(sums).all()
 
 
@@ -121,3 +117,26 @@ def test_neighbours_out_of_reach_add_exactly_nothing():
     position = np.array([[0.0, 0.0], [NEIGHBOUR_RANGE + 0.01, 0.0]], np.float32)
     sums, _ = _sums(position, np.array([[2.0, 0.0], [-2.0, 0.0]], np.float32))
     assert (sums[[PUSH_X, PUSH_Z, FLOCK_X, FLOCK_Z, AVOID_X, AVOID_Z]] == 0).all()
+
+
+def test_the_sums_of_an_agent_do_not_depend_on_who_shares_her_block():
+    chance = np.random.default_rng(5)
+    position = chance.uniform(-3, 3, (40, 2)).astype(np.float32)
+    velocity = chance.normal(0, 0.8, (40, 2)).astype(np.float32)
+    position[0], position[1] = (-3, -3), (3, 3)  # they span the grid
+    alone, _ = _sums(position, velocity, np.ones(40))
+    for gone in range(2, 40):
+        near = np.hypot(*(position - position[gone]).T) <= NEIGHBOUR_RANGE
+        stay = np.arange(40) != gone
+        fewer, _ = _sums(position[stay], velocity[stay], np.ones(39))
+        assert (fewer[:, ~near[stay]] == alone[:, ~near]).all()
+
+
+def test_where_all_sleep_nothing_is_summed_and_who_is_near_one_awake_is():
+    position = np.stack([np.arange(0.1, 12.0, 0.9), np.zeros(14)], 1).astype(np.float32)
+    sums, _ = _sums(position, np.zeros_like(position), asleep=range(1, 14))
+    assert (sums[:, position[:, 0] > 5] == 0).all()
+    near = position[:, 0] < NEIGHBOUR_RANGE
+    assert (sums[WEIGHT, near] > 1).all()
+    assert (sums[:, near] == _sums(position, np.zeros_like(position))[0][:, near]).all()
+    assert (_sums(position, np.zeros_like(position), asleep=range(14))[0] == 0).all()

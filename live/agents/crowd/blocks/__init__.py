@@ -1,0 +1,1 @@
+"""Blocks: agents who lie one after another, as lanes."""
