@@ -28,8 +28,12 @@ _PRESENCE = 7  # column of Wants.rows
 SLEEP = 0.5
 """Seconds of standing still after which an agent sleeps."""
 _LIMIT = 1e6
+_NEXT: Any = np.uint64(1)
+_ZERO: Any = np.float32(0.0)
 _ONE: Any = np.float32(1.0)
 _TWO: Any = np.float32(2.0)
+_PER_X: Any = np.float32(1.0 / CELL_X)
+_PER_Z: Any = np.float32(1.0 / CELL_Z)
 _BRISK2: Any = np.float32(0.7**2)
 _SLOWEST2: Any = np.float32(0.01)
 _IDLE_GIVES: Any = np.float32(0.9)
@@ -84,6 +88,52 @@ def _is_awake(state: Float32, wants: Float32, i: int, a: int) -> Any:
     return np.int32(0) if asleep else np.int32(1)
 
 
+@part
+def _find_cells(state: Float32, cell_of: Int32, grid: Any, a: int) -> None:
+    """Cells of all agents, who may be absent, into cell_of[a:]; without branches, so that it is vectorised."""
+    x0, z0 = np.float32(grid[0]), np.float32(grid[1])
+    last_column, last_row = np.float32(grid[2] - 1.0), np.float32(grid[3] - 1.0)
+    columns = np.int32(grid[2])
+    for i in range(a):
+        column = np.int32(min(max((state[2 * i] - x0) * _PER_X, _ZERO), last_column))
+        row = np.int32(min(max((state[2 * i + 1] - z0) * _PER_Z, _ZERO), last_row))
+        cell_of[a + i] = np.int32(row * columns) + column
+
+
+@part
+def _count_awake(
+    state: Float32, wants: Float32, cell_of: Int32, start: Int32, awake: Int32, n: int, cell_count: int
+) -> None:
+    """How many agents are awake in the cells before; mostly nobody rests, and that is seen at once."""
+    a = wants.shape[0] // 8
+    resting: Any = np.int32(0)
+    for i in range(a):
+        resting = np.int32(resting | np.int32(state[6 * a + i] >= np.float32(SLEEP)))
+    for c in range(cell_count + 1):
+        awake[c] = 0 if resting != 0 else start[c + 1]
+    if resting != 0:
+        for k in range(n):
+            i = cell_of[k]
+            awake[cell_of[a + i] + 1] += _is_awake(state, wants, i, a)
+        for c in range(1, cell_count):
+            awake[c + 1] += awake[c]
+
+
+@part
+def _copy_agents(state: Float32, wants: Float32, model: Float32, slot_agent: Int32, sorted_: Float32, n: int) -> None:
+    """What the passes need of the agents, in the order of their slots; unsigned indices cannot count from the end."""
+    velocity = np.uint64(2 * (wants.shape[0] // 8))
+    for s in range(n):
+        two, eight = np.uint64(2 * slot_agent[s]), np.uint64(8 * slot_agent[s])
+        sorted_[X, s], sorted_[Z, s] = state[two], state[two + _NEXT]
+        sorted_[VX, s], sorted_[VZ, s] = state[velocity + two], state[velocity + two + _NEXT]
+        wish2 = wants[eight] * wants[eight] + wants[eight + _NEXT] * wants[eight + _NEXT]
+        speed = wants[eight + _NEXT + _NEXT]
+        idle = max(_ONE - wish2 / max(_BRISK2 * speed * speed, _SLOWEST2), _ZERO)
+        sorted_[RADIUS, s] = model[two]
+        sorted_[GIVE, s] = _TWO - model[two + _NEXT] * (_ONE + _IDLE_GIVES * idle)
+
+
 @kernel("i8(f4[::1], f4[::1], f4[::1], f4[:,::1], i4[::1], i4[::1], i4[:,::1], f8[::1])")
 def sort_agents(
     state: Float32,
@@ -104,31 +154,20 @@ def sort_agents(
     a = wants.shape[0] // 8
     start, awake = cells[0], cells[1]
     n = _lay_grid(state, wants, cell_of, grid, start.shape[0] - 2)
-    columns, rows = int(grid[2]), int(grid[3])
-    x0, z0 = np.float32(grid[0]), np.float32(grid[1])
-    per_x, per_z = np.float32(1.0 / CELL_X), np.float32(1.0 / CELL_Z)
-    for c in range(columns * rows + 2):
-        start[c], awake[c] = 0, 0
-    last_column, last_row, zero = np.float32(columns - 1), np.float32(rows - 1), np.float32(0.0)
+    cell_count = int(grid[2]) * int(grid[3])
+    for c in range(cell_count + 2):
+        start[c] = 0
+    _find_cells(state, cell_of, grid, a)
     for k in range(n):
-        i = cell_of[k]
-        column = np.int32(min(max((state[2 * i] - x0) * per_x, zero), last_column))
-        row = np.int32(min(max((state[2 * i + 1] - z0) * per_z, zero), last_row))
-        cell_of[a + k] = row * np.int32(columns) + column
-        start[cell_of[a + k] + 2] += 1
-        awake[cell_of[a + k] + 1] += _is_awake(state, wants, i, a)
-    for c in range(1, columns * rows):
+        start[np.uint64(cell_of[np.uint64(a) + np.uint64(cell_of[k])] + 2)] += 1
+    for c in range(1, cell_count):
         start[c + 2] += start[c + 1]
-        awake[c + 1] += awake[c]
+    _count_awake(state, wants, cell_of, start, awake, n, cell_count)
     for k in range(n):
-        i, c = cell_of[k], cell_of[a + k]
-        s = start[c + 1]
-        start[c + 1] = s + 1
-        slot_agent[s] = i
-        sorted_[X, s], sorted_[Z, s] = state[2 * i], state[2 * i + 1]
-        sorted_[VX, s], sorted_[VZ, s] = state[2 * a + 2 * i], state[2 * a + 2 * i + 1]
-        wish2, speed = wants[8 * i] * wants[8 * i] + wants[8 * i + 1] * wants[8 * i + 1], wants[8 * i + 2]
-        idle = max(_ONE - wish2 / max(_BRISK2 * speed * speed, _SLOWEST2), zero)
-        sorted_[RADIUS, s] = model[2 * i]
-        sorted_[GIVE, s] = _TWO - model[2 * i + 1] * (_ONE + _IDLE_GIVES * idle)
+        i: Any = np.uint64(cell_of[k])
+        c_next: Any = np.uint64(cell_of[np.uint64(a) + i] + 1)
+        s = start[c_next]
+        start[c_next] = s + 1
+        slot_agent[np.uint64(s)] = i
+    _copy_agents(state, wants, model, slot_agent, sorted_, n)
     return n
