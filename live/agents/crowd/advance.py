@@ -13,12 +13,10 @@ class Advance:
 
     def __init__(self, model: AgentModel) -> None:
         count = model.agent_count
-        self._numbers_of_model = np.ascontiguousarray(np.stack([model.radius, model.responsibility], 1), np.float32)
-        self._params = model.steering.vector()
-        self._seed = model.seed
+        of_agents = np.stack([model.radius, model.responsibility], 1, dtype=np.float32)
+        self._fixed = np.concatenate([of_agents.ravel(), model.steering.vector()])
         self._rows = np.zeros((ROWS, count + SPARE_COLUMNS), np.float32)
-        self._numbers = np.zeros((NUMBERS, count + SPARE_COLUMNS), np.int32)
-        self._cells = np.zeros((CELL_ROWS, 8 * count + 258), np.int32)
+        self._numbers = np.zeros(NUMBERS * (count + SPARE_COLUMNS) + CELL_ROWS * (8 * count + 258), np.int32)
 
     def __call__(
         self,
@@ -30,21 +28,8 @@ class Advance:
         time: float,
         dt: float,
     ) -> None:
-        """Read `current`, write `out` (another object), `dt` [s] later; `time` [s] is that of `current`."""
-        advance_crowd(
-            out.flat,
-            current.flat,
-            self._numbers_of_model,
-            wants.rows,
-            surroundings.walls,
-            surroundings.wall_count,
-            surroundings.obstacles,
-            surroundings.obstacle_count,
-            self._params,
-            self._seed,
-            time,
-            dt,
-            self._rows,
-            self._numbers,
-            self._cells,
-        )
+        """Read `current`, write `out` (another object), `dt` [s] later; `time` [s] is that of `current`.
+
+        Few arguments go to the kernel, since each costs as much as an agent.
+        """
+        advance_crowd(out.flat, current.flat, self._fixed, wants.rows, surroundings.flat, dt, self._rows, self._numbers)

@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.crowd.bounds.kernels import bend_at_surroundings, keep_on_stage
+from live.agents.crowd.bounds.kernels import CAPACITY, bend_at_surroundings, keep_on_stage
 from live.agents.crowd.cells.kernels import SLEEP, X, Z, asked_of, sort_agents
 from live.agents.crowd.contacts.kernels import land_softly, part_bodies
 from live.agents.crowd.motion.kernels import ask_agents, steer_agents
@@ -59,42 +59,37 @@ def finish_tick(
         out[_REST * a + i], out[_HEED * a + i] = rested, heed
 
 
-@kernel(
-    "void(f4[::1], f4[::1], f4[:,::1], f4[:,::1], f4[:,::1], i8, f4[:,::1], i8, f4[::1], i8, f8, f8, "
-    "f4[:,::1], i4[:,::1], i4[:,::1])"
-)
+@kernel("void(f4[::1], f4[::1], f4[::1], f4[:,::1], f4[::1], f8, f4[:,::1], i4[::1])")
 def advance_crowd(
     out: Float32,
     state: Float32,
-    model: Float32,
+    fixed: Float32,
     wants: Float32,
-    walls: Float32,
-    wall_count: int,
-    obstacles: Float32,
-    obstacle_count: int,
-    params: Float32,
-    seed: int,
-    time: float,
+    surroundings: Float32,
     dt: float,
     rows: Float32,
-    numbers: Int32,
-    cells: Int32,
+    integers: Int32,
 ) -> None:
     """Advance all agents by dt [s] from `state` to `out` (8 A,), in the order of AgentState.flat.
 
-    model (A, 2): radius, responsibility; wants (A, 8): Wants.rows; params: Steering.vector(); scratch: rows
-    (ROWS, A + SPARE_COLUMNS), numbers (NUMBERS, A + SPARE_COLUMNS), cells (CELL_ROWS, number of cells + 2).
+    fixed (2 A + 13,): radius and responsibility of each agent, then Steering.vector(); wants (A, 8): Wants.rows;
+    surroundings: Surroundings.flat; scratch: rows (ROWS, A + SPARE_COLUMNS), integers: NUMBERS rows as long, then
+    CELL_ROWS rows of the number of cells + 2.
     """
-    a, width = wants.shape[0], numbers.shape[1]
+    a, width = wants.shape[0], rows.shape[1]
+    numbers = integers[: NUMBERS * width].reshape(NUMBERS, width)
+    cells = integers[NUMBERS * width :].reshape(CELL_ROWS, (integers.shape[0] - NUMBERS * width) // CELL_ROWS)
+    params = fixed[2 * a :]
+    walls = surroundings[: 4 * CAPACITY].reshape(CAPACITY, 4)
+    obstacles = surroundings[4 * CAPACITY : 9 * CAPACITY].reshape(CAPACITY, 5)
+    wall_count, obstacle_count = int(surroundings[9 * CAPACITY]), int(surroundings[9 * CAPACITY + 1])
     grid = np.empty(4)
     wanted = wants.reshape(8 * a)
     sorted_, sums, moved, change = rows[0:6], rows[6:13], rows[13:17], rows[17:20]
     asks, asked = rows[20:24], rows[24:32].reshape(8 * width)[: 8 * a]
     slot_agent = numbers[0]
     pairs = numbers[4:16].reshape(12 * width)
-    n = sort_agents(
-        state, wanted, model.reshape(2 * a), sorted_, slot_agent, numbers[1:3].reshape(2 * width), cells, grid
-    )
+    n = sort_agents(state, wanted, fixed[: 2 * a], sorted_, slot_agent, numbers[1:3].reshape(2 * width), cells, grid)
     ask_agents(asks, wanted, slot_agent, n, params)
     pair_count = sum_neighbours(
         sorted_, cells[0], grid, asks, sums, params, cells[1], numbers[1], numbers[2], numbers[3], pairs

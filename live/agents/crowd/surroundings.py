@@ -1,22 +1,20 @@
 """Surroundings: walls, and round obstacles that may move (set items, real dancers who are tracked) (T082, T107)."""
 
 import math
-from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-Float32 = npt.NDArray[np.float32]
+from live.agents.crowd.bounds.kernels import CAPACITY
 
-CAPACITY: Final = 64
-"""How many walls, and how many obstacles, there may be at a time."""
+Float32 = npt.NDArray[np.float32]
 
 
 class _Rows:
-    """Named rows of numbers, the first `count` in use; nothing is allocated while they come and go."""
+    """Named rows of numbers, the first `count[0]` in use; nothing is allocated while they come and go."""
 
-    def __init__(self, columns: int) -> None:
-        self.rows: Float32 = np.zeros((CAPACITY, columns), np.float32)
+    def __init__(self, rows: Float32, count: Float32) -> None:
+        self.rows, self._count = rows, count
         self.names: list[str] = []
         self._place: dict[str, int] = {}
 
@@ -29,6 +27,7 @@ class _Rows:
                 return False
             place = self._place[name] = len(self.names)
             self.names.append(name)
+            self._count[0] = len(self.names)
         self.rows[place] = values
         return True
 
@@ -37,6 +36,7 @@ class _Rows:
         if place is None:
             return False
         last = self.names.pop()
+        self._count[0] = len(self.names)
         if place < len(self.names):  # the last one moves into the gap
             self.names[place] = last
             self._place[last] = place
@@ -52,8 +52,11 @@ class Surroundings:
     """
 
     def __init__(self) -> None:
-        self._walls = _Rows(4)
-        self._obstacles = _Rows(5)
+        self.flat: Float32 = np.zeros(9 * CAPACITY + 2, np.float32)
+        """All that the kernels see: rows of walls, rows of obstacles, the numbers of both."""
+        walls, obstacles = self.flat[: 4 * CAPACITY], self.flat[4 * CAPACITY : 9 * CAPACITY]
+        self._walls = _Rows(walls.reshape(CAPACITY, 4), self.flat[9 * CAPACITY :])
+        self._obstacles = _Rows(obstacles.reshape(CAPACITY, 5), self.flat[9 * CAPACITY + 1 :])
         self.refused = 0
         """How many walls and obstacles were not taken."""
 

@@ -4,7 +4,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.agents.crowd.surroundings import CAPACITY, Surroundings
+from live.agents.crowd.bounds.kernels import CAPACITY
+from live.agents.crowd.surroundings import Surroundings
 
 
 @settings(max_examples=50, deadline=None)

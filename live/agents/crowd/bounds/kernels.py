@@ -10,6 +10,8 @@ from live.base.jit import kernel
 Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
 
+CAPACITY = 64
+"""How many walls, and how many obstacles, there may be at a time."""
 SOFT_LANDING = 0.25
 """Seconds: nobody goes at an edge, a wall or a body faster than she would reach it in this time."""
 
