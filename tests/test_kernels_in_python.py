@@ -24,7 +24,7 @@ TESTS = (
 )
 LONG = (  # seconds of a crowd's motion are minutes of plain Python
     "spreading_from or order_of_the or waits_for or only_the_nearest or prediction or head_on or "
-    "repelled_agents or every_edit or threads or formula or same_again_is_bit or exactly_symmetric"
+    "repelled_agents or every_edit or threads or formula or same_again_is_bit or exactly_symmetric or sleepers_lie"
 )
 
 

@@ -140,10 +140,7 @@ def _speed_up(block: Float32, most: Any, turn: Any, dt: Any) -> None:
         block[_NEW_Z, j] = keep * new_z + firm * (block[_WISH_Z, j] + _SWERVE * block[_AZ, j])
 
 
-@kernel(
-    "void(f4[::1], f4[::1], f4[::1], f4[:,::1], f4[:,::1], i4[::1], i8, f4[::1], f8)",
-    fastmath={"contract"},  # as in the neighbour pass
-)
+@kernel("void(f4[::1], f4[::1], f4[::1], f4[:,::1], f4[:,::1], i4[::1], i8, f4[::1], f8)")
 def steer_agents(
     out: Float32,
     state: Float32,
