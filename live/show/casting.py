@@ -5,6 +5,7 @@ import numpy.typing as npt
 
 from live.agents.groups.roster import Roster
 from live.agents.groups.selection import needs_places, selection
+from live.base.errors import named
 from live.show.patch import Patch
 
 Int32 = npt.NDArray[np.int32]
@@ -19,7 +20,7 @@ class Casting:
     """The groups of A dancers. Those that the patch holds in reserve come last and belong to the first group."""
 
     def __init__(self, patch: Patch) -> None:
-        """Raises PersonError if a group or attribute has a name that means a place."""
+        """Raises PersonError if one of the patch's selections means nobody there is."""
         count = patch.dancer_count + patch.reserve
         sizes = [section.dancers for section in patch.group]
         self.group: Int32 = np.zeros(count, np.int32)
@@ -39,9 +40,15 @@ class Casting:
         self.roster = self._made()
         """What each dancer is, for selections."""
 
+    def check(self) -> None:
+        """Raise a PersonError if a selection of the patch names nobody there is, or itself."""
+        for name in self._named:
+            with named(f"selections: {name}"):
+                selection(name, self.roster, np.zeros((len(self.group), 2)), self._half)
+
     def _made(self) -> Roster:
         words = (frozenset({*own, self.names[g]}) for own, g in zip(self._own, self.group.tolist(), strict=True))
-        return Roster(tuple(words), self._named)
+        return Roster(tuple(words), self._named, frozenset(self.names))
 
     @property
     def soloists(self) -> Bool:

@@ -71,6 +71,7 @@ class Show:
         )
         self.timeline = self.follower.timeline
         self.casting = Casting(patch)
+        self.casting.check()
         self.group = self.casting.group
         self.motion = GroupMotion(patch, self.casting, seed=self.seed)
         self._group_names = {section.name.casefold(): index for index, section in enumerate(patch.group)}
@@ -284,7 +285,12 @@ class Show:
         self._controls.cross_measure_line(self.span.number)
         self.variation.begin_measure(self.span.number)
         self.scheduler.set_speed(self.span.number, self.timeline)
-        entered = self.motion.begin_measure(self.span, beat, self.timeline, self.dancers.present.begin_heading())
+        heading = self.dancers.present.begin_heading()
+        try:
+            entered = self.motion.begin_measure(self.span, beat, self.timeline, heading)
+        except PersonError as error:  # a score that asks for the impossible in measure 200 stops no show
+            self._refuse(f"score: {error}")
+            return
         if len(entered):
             place = self.state.position[entered].astype(np.float64)
             way = self.motion.entrances.goal[entered] - place

@@ -12,7 +12,10 @@ from live.show.journal import JournalWriter
 from live.show.status import Status
 
 EVENTS_PER_FRAME = 512
-"""Events taken from the inbox in one frame; a flood waits, it does not stall a frame."""
+"""Events taken from the inbox in one frame at most ..."""
+EVENTS_AT_ONCE = 8
+EVENT_SECONDS = 0.003
+"""... and no more once so much time has gone by: a flood waits, it does not stall a frame."""
 
 
 Picture = Callable[[StageView], None]
@@ -57,8 +60,12 @@ class Engine:
     def frame(self, picture: Picture) -> None:
         """One frame: events, ticks that are due, drawing."""
         now = self._clock.now()
-        for event in self._inbox.drain(EVENTS_PER_FRAME):
-            self.apply(event)
+        for _ in range(0, EVENTS_PER_FRAME, EVENTS_AT_ONCE):
+            events = self._inbox.drain(EVENTS_AT_ONCE)
+            for event in events:
+                self.apply(event)
+            if len(events) < EVENTS_AT_ONCE or self._clock.now() - now > EVENT_SECONDS:
+                break
         self._status.dropped_events = self._inbox.dropped
         target = now + self._lead
         self._run_ticks(now, target)

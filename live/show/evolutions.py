@@ -122,7 +122,7 @@ class Evolutions:
             self._ways += 1
             self._plan.repertoire = self._plan.repertoire.with_path(way, drawn)
         if event.next or beat < 0.0:
-            self._plan.add(segment)
+            self._plan.add(segment, instead=True)
         else:
             self._plan.start_now(segment, beat, position, heading)
 

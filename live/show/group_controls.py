@@ -93,8 +93,6 @@ class GroupControls:
         return self._motion.casting.select(words, self._motion.state.position)
 
     def _group(self, name: str) -> int:
-        if name.strip() in ("", "*"):
-            return 0
         index = self._motion.casting.index_of(name)
         if index is None:
             names = ", ".join(section.name for section in self._patch.group)
@@ -118,10 +116,11 @@ class GroupControls:
         self._variation.regrouped()
 
     def _enter(self, event: events.Enter) -> None:
-        group, gate = self._group(event.group), self._gate(event.gate)
+        own = event.group.strip() in ("", "*")
+        group, gate = 0 if own else self._group(event.group), self._gate(event.gate)
         rows = self._motion.entrances.call(int(event.count), gate)
         for row in rows.tolist():
-            self._joining[row] = group
+            self._joining[row] = int(self._motion.casting.group[row]) if own else group
         if len(rows) < int(event.count):
             waiting = "nobody waits" if not len(rows) else f"only {len(rows)} waited"
             raise PersonError(f"{waiting} in the wings", "the patch's reserve says how many do")

@@ -107,8 +107,12 @@ class Patch(Section):
 
     @model_validator(mode="after")
     def _names_differ(self) -> "Patch":
-        names = [group.name for group in self.group]
-        twice = sorted({name for name in names if names.count(name) > 1})
-        if twice:
-            raise ValueError(f"two groups are called {twice[0]!r}: give each its own name")
+        formations = [str(table["name"]) for table in self.formation]
+        things = {"groups": [group.name for group in self.group], "formations": formations}
+        things |= {"gates": [gate.name for gate in self.gate], "obstacles": [item.name for item in self.obstacle]}
+        for what, names in things.items():
+            folded = [name.casefold().strip() for name in names]
+            twice = next((name for name, fold in zip(names, folded, strict=True) if folded.count(fold) > 1), None)
+            if twice is not None:
+                raise ValueError(f"two {what} are called {twice[:60]!r}: give each its own name")
         return self

@@ -113,6 +113,13 @@ def _words(problem: Any) -> str:
         return "missing; it must be given"
     if kind == "value_error":
         return str(message).removeprefix("Value error, ")
+    context = problem.get("ctx", {})
+    if kind == "too_short":
+        return f"at least {context['min_length']} expected, found {context['actual_length']}"
+    if kind == "too_long":
+        return f"at most {context['max_length']} expected, found {context['actual_length']}"
+    if kind == "model_type":
+        return f"a table expected, found {str(read)[:40]}"
     shown = repr(read) if isinstance(read, str | int | float | bool) else f"a {type(read).__name__}"
     return f"{message[:1].lower()}{message[1:]}, found {shown[:60]}"
 

@@ -1,5 +1,9 @@
 """Rehearsing: the score's evolutions gone through beforehand: what is too far for the steps, who would meet (T088)."""
 
+import numpy as np
+import numpy.typing as npt
+from shapely import LineString, Point
+
 from live.agents.evolutions.rehearsal import rehearse
 from live.agents.formations.stage_fit import fit_stage
 from live.show.core import Show
@@ -7,6 +11,8 @@ from live.show.group_motion import AGENT_RADIUS
 
 LONGEST = 400
 """Measures that are gone through at most."""
+NEARLY = 0.1
+"""So much more than the steps reach [m] nobody sees."""
 TOLD = 6
 """Warnings of each kind at most."""
 
@@ -32,21 +38,23 @@ def rehearsal_notes(show: Show) -> list[str]:
     reach = show.scheduler.farthest() + patch.locomotion.correction_m
     present = show.motion.present
     far: dict[int, list[tuple[float, float]]] = {}
-    for one in rehearsal.too_far(reach):
+    for one in rehearsal.too_far(reach + NEARLY):
         if present[one.dancer]:
             far.setdefault(one.measure, []).append((one.way, one.reach))
     notes = [
         f"measure {measure + 1}: {_dancers(len(ways))} {max(way for way, _ in ways):.1f} m to go, their steps reach "
-        f"{min(most for _, most in ways):.1f} m: give the segment more measures, or the group a travel_step"
+        f"{min(most for _, most in ways) - NEARLY:.1f} m: give the segment more measures, or the group "
+        "a step that goes farther"
         for measure, ways in sorted(far.items())
     ]
+    far_notes = notes + _blocked(show, rehearsal.places, rehearsal.under)
     near = [
         f"measure {one.measure + 1}: dancers {one.first + 1} and {one.second + 1} would come as near as "
         f"{one.distance:.2f} m on their ways; they will go around each other"
         for one in rehearsal.too_near
         if present[one.first] and present[one.second]
     ]
-    return [*_first(_formation_notes(show)), *_first(notes), *_first(near)]
+    return [*_first(_formation_notes(show)), *_first(far_notes), *_first(near)]
 
 
 def _formation_notes(show: Show) -> list[str]:
@@ -57,6 +65,9 @@ def _formation_notes(show: Show) -> list[str]:
         if section.formation is None:
             continue
         who = show.casting.select(section.group, show.state.position) & show.motion.present
+        if not who.any() and not show.casting.means_places(section.group):
+            notes.append(f"measure {section.measure}: nobody is {section.group!r} as the groups are at the beginning")
+            continue
         formation = show.motion.evolutions.formation(section.formation, int(who.sum()))
         where = f"measure {section.measure}: {section.formation}"
         notes += [f"{where}: {warning}" for warning in formation.warnings]
@@ -73,3 +84,18 @@ def _first(notes: list[str]) -> list[str]:
 
 def _dancers(count: int) -> str:
     return "a dancer has" if count == 1 else f"{count} dancers have"
+
+
+def _blocked(show: Show, places: npt.NDArray[np.float32], under: npt.NDArray[np.bool_]) -> list[str]:
+    """Which items of the set lie in the ways of a measure; `places` (M + 1, A, 2) [m] at its lines, `under` (M, A)."""
+    notes = []
+    things = [
+        (item.name, LineString([item.at, item.wall_to]) if item.wall_to else Point(item.at), item.radius)
+        for item in show.patch.obstacle
+    ]
+    for measure, dancer in np.argwhere(under & show.motion.present):
+        way = LineString(places[measure : measure + 2, dancer])
+        for name, thing, radius in things:
+            if way.distance(thing) < AGENT_RADIUS + (radius if isinstance(thing, Point) else 0.0):
+                notes.append(f"measure {measure + 1}: {name!r} stands in the way of dancers; draw a path around it")
+    return list(dict.fromkeys(notes))

@@ -211,6 +211,36 @@ def test_a_patch_is_told_at_the_start_what_it_names_in_vain():
             made_show(extra)
 
 
+def test_a_group_that_has_become_empty_is_nobody_and_stops_nothing():
+    show = made_show('[[segment]]\nmeasure = 4\ngroup = "back"\nformation = "line"\n')
+    run(show, 0.5)
+    assert show.apply(at(events.Evolve, show, formation="star", measures=1.0, group="back & 6-9", next=True))
+    assert show.apply(at(events.Regroup, show, dancers="back", group="front"))
+    run(show, 10.0)
+    assert show.group.tolist() == [0] * 9
+    assert not show.apply(at(events.Evolve, show, formation="line", group="back"))
+    assert "nobody is 'back' now" in show.refusal
+
+
+def test_whoever_comes_back_dances_with_her_own_group():
+    show = made_show()
+    show.apply(at(events.Leave, show, dancers="9"))
+    run(show, 12.0)
+    assert not show.motion.present[8]
+    show.apply(at(events.Enter, show))
+    run(show, 4.0)
+    assert show.motion.present[8]
+    assert show.group[8] == 1
+
+
+def test_a_later_wish_for_the_same_line_replaces_the_earlier_one():
+    show = made_show()
+    for formation in ("star", "circle", "line"):
+        show.apply(at(events.Evolve, show, formation=formation, measures=3.0, next=True))
+    run(show, 9.0)
+    assert np.ptp(show.state.position[:, 1]) < 0.05
+
+
 def scripted(show):
     """Everything at once, as it may come on an evening; hashes at measure lines."""
     script = {

@@ -128,8 +128,8 @@ def test_every_event_survives_the_journal_bit_by_bit():
             "x": 0.1 + 0.2, "z": -1e-17, "name": "pas de bourrée", "tempo": 100 / 3, "on": True, "beat_time": 1 / 7,
             "period": 0.3, "confidence": 1.0, "state": "lost", "count": 3,
             "parameter": "mix", "value": 2 / 7, "group": "front", "steps": "a, é x2, *",
-            "clips": "a\nb", "library": "0f", "kind": "flow", "formation": "star:6", "points": "0 1, 2 3", "gate": "left",
-            "dancers": "ember & left", "x2": 1e300, "z2": 5e-324, "strength": -1 / 3,
+            "clips": "a\nb", "library": "0f", "kind": "flow", "formation": "star:6", "points": "0 1, 2 3",
+            "gate": "left", "dancers": "ember & left", "x2": 1e300, "z2": 5e-324, "strength": -1 / 3,
         }  # fmt: skip
         fields = {key: value for key, value in values.items() if key in cls.__dataclass_fields__}
         event = cls(time=2 / 3, source="test", **fields)

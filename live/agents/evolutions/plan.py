@@ -93,8 +93,15 @@ class Plan:
         self._repertoire = repertoire
         self._coming.clear()
 
-    def add(self, segment: Segment) -> None:
-        """Plan one more segment for its measure; it replaces what its dancers have then. PersonError: unknown names."""
+    def add(self, segment: Segment, *, instead: bool = False) -> None:
+        """Plan one more segment for its measure; it replaces what its dancers have then. PersonError: unknown names.
+
+        `instead`: one that the same words planned for the same measure is forgotten.
+        """
+        if instead:
+            self._entries = [
+                e for e in self._entries if (e.segment.start, e.segment.group) != (segment.start, segment.group)
+            ]
         self._repertoire.intention(segment.intention)
         selection(segment.group, self.roster, np.zeros((self.roster.count, 2)), self._half)
         self._entries.append(_Entry(segment, np.zeros(self.roster.count, np.bool_)))

@@ -26,6 +26,8 @@ class Roster:
     """The words each dancer is described by, in the order of their numbers; length A."""
     groups: Mapping[str, str] = field(default_factory=dict)
     """Name of a group → expression that says who belongs to it."""
+    known: frozenset[str] = frozenset()
+    """Words that nobody has at present, but that mean something: nobody, then."""
 
     @staticmethod
     def of(count: int, attributes: Mapping[int, Sequence[str]] | None = None, **groups: str) -> "Roster":

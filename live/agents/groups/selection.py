@@ -26,8 +26,9 @@ def selection(
     """
     if not expression.strip():
         return np.ones(roster.count, np.bool_)
-    if roster.having(expression.strip()).any():  # the whole is one name, which may hold blanks
-        return roster.having(expression.strip())
+    whole = expression.strip()
+    if whole in roster.known or roster.having(whole).any():  # it is one name, which may hold blanks
+        return roster.having(whole)
     return _evaluate(parse(expression), roster, positions, half, ())
 
 
@@ -80,6 +81,8 @@ def _named(
         expression = _expression_of(word, roster, inside)
         return _evaluate(parse(expression), roster, positions, half, (*inside, word))
     mask = roster.having(word)
+    if word in roster.known:
+        return mask
     if not mask.any() and word.casefold() in ALL_WORDS:
         return np.ones(roster.count, np.bool_)
     if not mask.any() and word.casefold() in PLACE_WORDS:
@@ -116,7 +119,7 @@ def _names_places(node: Expression, roster: Roster, inside: tuple[str, ...]) -> 
         return _names_places(node.left, roster, inside) or _names_places(node.right, roster, inside)
     if isinstance(node, Numbers):
         return False
-    if node.word.casefold() in PLACE_WORDS and node.word not in roster.groups:
+    if node.word.casefold() in PLACE_WORDS and node.word not in roster.groups and node.word not in roster.known:
         return not roster.having(node.word).any()
     if node.word in roster.groups:
         return _names_places(parse(_expression_of(node.word, roster, inside)), roster, (*inside, node.word))

@@ -19,7 +19,7 @@ GROUP_CONTROLS: Final = (
         "/dance/formation", events.Evolve,
         (
             _FORMATION, _WHOLE, WHO, NEXT,
-            Argument("match", "name", "who goes where: squared, shortest, equal, both or number", default="squared"),
+            Argument("match", "name", "squared, shortest, equal, both, bottleneck, number", default="squared"),
             Argument("ripple", "float", "beats from the first who starts to the last", "beats", 0, 64, 0.0),
         ),
         "Dancers go to a formation and arrive together, exactly on a measure.", "musician",
@@ -48,7 +48,7 @@ GROUP_CONTROLS: Final = (
         "/dance/enter", events.Enter,
         (
             Argument("count", "float", "how many", "", 1, 1000, 1.0),
-            Argument("group", "name", "the group whose steps they dance; * the first", default="*"),
+            Argument("group", "name", "the group whose steps they dance; * the one they danced with last", default="*"),
             _GATE,
         ),
         "Dancers who wait in the wings enter at the next measure line.", "operator",

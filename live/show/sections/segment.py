@@ -1,5 +1,6 @@
 """Evolutions of the score: `[[segment]]`, and the formations they refer to: `[[formation]]` (T085-T087, T095-T103)."""
 
+import math
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, model_validator
@@ -91,6 +92,8 @@ class SegmentSection(Section):
             raise ValueError("formation and path: leave one out; without either the dancers pause")
         if self.hold and self.formation is None:
             raise ValueError("hold needs a formation")
+        if isinstance(self.mirror, tuple) and math.dist(*self.mirror) < 1e-3:
+            raise ValueError("mirror: both points are the same, there is no line through them")
         if (self.facing == "declared") != bool(self.headings_deg):
             raise ValueError('facing = "declared" and headings_deg need each other')
         return self

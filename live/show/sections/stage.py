@@ -28,7 +28,7 @@ class GateSection(Section):
 
 
 class ObstacleSection(Section):
-    """`[[obstacle]]`: an item of the set that dancers go around."""
+    """`[[obstacle]]`: an item of the set; dancers go around round ones, and slide along walls."""
 
     name: Name
     """What `/dance/obstacle` calls it."""

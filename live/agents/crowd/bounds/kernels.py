@@ -12,6 +12,11 @@ Int32 = npt.NDArray[np.int32]
 
 CAPACITY = 64
 """How many walls, and how many obstacles, there may be at a time."""
+AHEAD = 1.5
+"""Metres before an obstacle or wall from which on it is seen."""
+CLOSE = 0.1
+SWERVE = 0.5
+"""How much of her speed at it an agent takes to the side before she is as `CLOSE` [m] to something round."""
 SOFT_LANDING = 0.25
 """Seconds: nobody goes at an edge, a wall or a body faster than she would reach it in this time."""
 
@@ -57,7 +62,12 @@ def wall_way(x: float, z: float, walls: Float32, w: int) -> tuple[float, float]:
 def bend_at_surroundings(
     moved: Float32, sorted_: Float32, n: int, walls: Float32, wall_count: int, obstacles: Float32, obstacle_count: int
 ) -> None:
-    """Bend the velocities in `moved` at walls and obstacles: along them, never into them."""
+    """Bend the velocities in `moved` at walls and obstacles: round them, never into them (obstacle avoidance, T082).
+
+    Head on there would be no side to slide to: well before a round obstacle she swerves a little, to the side she
+    tends to or else to one and the same. Once she touches it she is left alone: what she wants may be there. Along a
+    wall she slides, and is held where it lies square in her way.
+    """
     for s in range(n):
         x, z, radius = float(sorted_[0, s]), float(sorted_[1, s]), float(sorted_[4, s])
         vx, vz = float(moved[0, s]), float(moved[1, s])
@@ -70,12 +80,18 @@ def bend_at_surroundings(
                 dx, dz = x - obstacles[o, 0], z - obstacles[o, 1]
                 ux, uz, reach = float(obstacles[o, 3]), float(obstacles[o, 4]), radius + obstacles[o, 2]
             d = math.sqrt(dx * dx + dz * dz)
-            if d < 1e-9 or d > reach + 1.5:
+            if d < 1e-9 or d > reach + AHEAD:
                 continue
             nx, nz = dx / d, dz / d
-            inward = (d - reach) / SOFT_LANDING + (vx - ux) * nx + (vz - uz) * nz
+            at, gap = (vx - ux) * nx + (vz - uz) * nz, d - reach
+            inward = gap / SOFT_LANDING + at
             if inward < 0.0:
                 vx, vz = vx - inward * nx, vz - inward * nz
+            if w >= wall_count and at < 0.0 and gap > CLOSE:
+                along, least = vx * nz - vz * nx, -SWERVE * at * (1.0 - gap / AHEAD)
+                if abs(along) < least:
+                    more = math.copysign(least, along) - along
+                    vx, vz = vx + more * nz, vz - more * nx
         moved[0, s], moved[1, s] = vx, vz
 
 

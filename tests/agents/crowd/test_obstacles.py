@@ -1,0 +1,55 @@
+"""Round obstacles are gone around, also head on; who wants to be there rests at them; walls stop."""
+
+import numpy as np
+import pytest
+
+from live.agents.crowd.advance import Advance
+from live.agents.crowd.model import AgentModel, AgentState, Steering
+from live.agents.crowd.surroundings import Surroundings
+from live.agents.wants import Wants
+
+
+def walk(start, goal, surroundings, firm=0.0, seconds=9.0):
+    """Agents go from `start` to `goal`; where they are then, and how near anybody came to (0, 0)."""
+    count, goal = len(start), np.array(goal, float)
+    model = AgentModel(np.full(count, 0.25, np.float32), np.ones(count, np.float32), Steering(), 1)
+    state, advance, wants = AgentState.at(np.array(start, float)), Advance(model), Wants(count)
+    spare, nearest = AgentState.at(state.position), np.inf
+    for tick in range(round(seconds * 64)):
+        wants.rest()
+        wants.speed[:], way = 1.2, goal - state.position
+        far = np.maximum(np.hypot(*way.T), 1e-6)
+        wants.velocity[:] = way * (np.minimum(1.2, far) / far)[:, None]
+        wants.firm[:] = firm
+        advance(state, spare, wants=wants, surroundings=surroundings, time=tick / 64, dt=1 / 64)
+        state, spare = spare, state
+        nearest = min(nearest, float(np.hypot(*state.position.T).min()))
+    return state.position, nearest
+
+
+@pytest.mark.parametrize("firm", [0.0, 1.0])
+@pytest.mark.parametrize("angle", [0.0, 0.7, 2.0])
+def test_an_obstacle_square_in_the_way_is_gone_around(firm, angle):
+    surroundings = Surroundings()
+    surroundings.put_obstacle("box", 0.0, 0.0, 0.6)
+    begin = 3.0 * np.array([np.sin(angle), np.cos(angle)])
+    end, nearest = walk([begin], [-begin], surroundings, firm)
+    assert end[0] == pytest.approx(-begin, abs=0.05)
+    assert nearest > 0.85 - 0.01
+
+
+def test_who_wants_to_be_where_it_stands_rests_beside_it():
+    surroundings = Surroundings()
+    surroundings.put_obstacle("singer", 0.0, 0.0, 0.6)
+    start = [(0.0, 3.0), (3.0, 0.0), (-3.0, 0.1)]
+    before, _ = walk(start, [(0.0, 0.0)] * 3, surroundings)
+    after, _ = walk(start, [(0.0, 0.0)] * 3, surroundings, seconds=12.0)
+    assert np.hypot(*before.T) == pytest.approx(0.85, abs=0.02)
+    assert np.abs(after - before).max() < 0.05
+
+
+def test_nobody_goes_through_a_wall():
+    surroundings = Surroundings()
+    surroundings.put_wall("wall", -4.0, 0.0, 4.0, 0.0)
+    end, _ = walk([(0.0, 2.0), (1.0, 2.0)], [(0.0, -2.0), (1.0, -2.0)], surroundings)
+    assert (end[:, 1] >= 0.25 - 1e-3).all()
