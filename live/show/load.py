@@ -175,11 +175,12 @@ def for_recordings(patch: Patch, clips: list[StepClip]) -> Patch:
 
 
 def with_steps_of(patch: Patch, graph: MotionGraph) -> Patch:
-    """The patch with every group drawing from all steps that connect, as `--steps` asks for."""
+    """The patch with every group drawing from all steps that connect, as `--steps` asks for; echoes go on echoing."""
     library = graph.library
     names = tuple(f"{name} x1" for step, name in enumerate(library.steps) if len(graph.entries(step)))
     groups = tuple(
-        group.model_copy(update={"steps": names, "choose": "random", "travel_step": None}) for group in patch.group
+        group.model_copy(update={"travel_step": None} | ({} if group.like else {"steps": names, "choose": "random"}))
+        for group in patch.group
     )
     return patch.model_copy(update={"group": groups})
 
