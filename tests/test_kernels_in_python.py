@@ -15,16 +15,19 @@ TESTS = (
     "tests/graph/test_motion_graph.py",
     "tests/render/test_kernels.py",
     "tests/agents/behaviours",
-    "tests/agents/crowd",
+    "tests/agents/crowd/cells",
+    "tests/agents/crowd/neighbours",
+    "tests/agents/crowd/thesis",
     "tests/agents/evolutions/test_kernels.py",
     "tests/agents/formations/test_kernels.py",
     "tests/agents/goals/test_goals.py",
-    "tests/agents/parting",
-    "tests/agents/procedural",
+    "tests/agents/parting/test_parting.py::test_a_crowd_in_one_place_parts_when_it_may",
+    "tests/agents/procedural/test_sources.py",
 )
 LONG = (  # seconds of a crowd's motion are minutes of plain Python
     "spreading_from or order_of_the or waits_for or only_the_nearest or prediction or head_on or "
-    "repelled_agents or every_edit or threads or formula or same_again_is_bit or exactly_symmetric or sleepers_lie"
+    "repelled_agents or every_edit or threads or formula or same_again_is_bit or exactly_symmetric or sleepers_lie or "
+    "force_laws or line_attracts or d_s or many"
 )
 
 

@@ -29,7 +29,7 @@ from tests.show.made_show import PATCH
         ("[[segment]]\nmeasure = 1\npath = [[0, 0]]", "line 4: segment.1.path", "at least 2 expected, found 1"),
         ("[[segment]]\nmeasure = 1\nmirror = [[1, 1], [1, 1]]", "line 2: segment.1", "there is no line through them"),
         ('[[formation]]\nname = "a"\n[[formation]]\nname = "A"', "line 1: the patch", "two formations are called 'a'"),
-        ("segment = [3]", "segment.1", "a table expected, found 3"),
+        ("segment = [3]", "line 2: segment.1", "a table expected, found 3"),
         ('[[group]]\nname = "b"\ndancers = 2\nsteps = [" "]', "line 5: group.1.steps", "is no step"),
         ('[[group]]\nname = "b"\ndancers = 2\nsteps = ["a x0"]', "line 5: group.1.steps", "'a x0' is no step"),
         ("name 3", "line 2: not valid TOML", ""),

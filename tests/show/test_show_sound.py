@@ -18,9 +18,12 @@ SOLO = {"warp_beats": 0.0, "amplitude": 0.0}
 def tap_show(*, dancers=1, at=(0.0, 0.0), **motion):
     """A show of the tap patch: one group, on the beat, nobody drawn anywhere."""
     patch = read_patch(TAP)
-    group = patch.group[2].model_copy(update={"dancers": dancers, "centre": at, "facing": "public"})
+    place = {"formation": "grid", "centre": at, "facing": "public"}
+    group = patch.group[2].model_copy(update={"dancers": dancers, **place})
     motion = patch.motion.model_copy(update=SOLO | motion)
-    return show_of(patch.model_copy(update={"group": (group,), "element": (), "motion": motion}), TAP).start()
+    return show_of(
+        patch.model_copy(update={"group": (group,), "element": (), "segment": (), "motion": motion}), TAP
+    ).start()
 
 
 def run(show, seconds, *, fps=60, **sound):
