@@ -264,12 +264,13 @@ if [ -n "$dry_run" ] || [ ! -e "$stamp" ] || ! venv_works; then
   [ -z "$system_ready" ] || : >"$stamp"
 fi
 
-# The compiled kernels lie in the user's cache, under a name that follows their sources; the stamp holds that name.
+# The compiled kernels lie in the user's cache, under names that follow their sources; the stamp names the file there
+# that says they are complete.
 kernels=".venv/.warm-$({
-  cat live/*/kernels.py
+  find live -name kernels.py -exec cat {} +
   echo "${LIVE_CACHE_DIR:-} ${XDG_CACHE_HOME:-} ${HOME:-}"
 } | cksum | tr ' ' '-')"
-if ! { [ -s "$kernels" ] && [ -d "$(cat "$kernels")" ] && [ -z "$(find live -name kernels.py -newer "$kernels")" ]; }; then
+if ! { [ -s "$kernels" ] && [ -e "$(cat "$kernels")" ] && [ -z "$(find live -name kernels.py -newer "$kernels")" ]; }; then
   rm -f .venv/.warm-*
   .venv/bin/live warm --stamp "$kernels"
 fi

@@ -1,16 +1,18 @@
-"""The one door to numba: kernels with explicit signatures, kept on disk under a name that follows their sources.
+"""The one door to numba: kernels with explicit signatures, kept on disk under names that follow their sources.
 
 A lazy kernel recompiles without a word when it meets a read-only, strided or float64 array, and forty frames are
 lost on stage. Here every kernel names its types, so it is compiled when its module is imported and a wrong array
-is a TypeError. numba's disk cache does not see an edit in *another* file that a kernel calls; therefore the cache
-directory carries a hash of all kernel sources, and must be named before numba is loaded.
+is a TypeError. numba's disk cache does not see an edit in *another* file that a kernel calls; therefore the folder
+in which the kernels of a file are kept carries a hash of that file and of all that it takes from others.
 """
 
 import hashlib
 import os
+import re
 import sys
 import tempfile
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -23,8 +25,7 @@ kernel_compiled: list[Callable[[str], None]] = []
 """Called with a kernel's name each time one is ready (progress bars listen here)."""
 
 
-CONSTANTS = ("agents/procedural/kinds.py", "agents/wants.py", "base/stage_view.py")
-"""Files whose numbers are written into kernels; a test sees to it that none is missing."""
+_IMPORT = re.compile(r"^from (live\.[\w.]+) import", re.MULTILINE)
 
 
 def kernel_files() -> list[Path]:
@@ -37,28 +38,55 @@ def kernel_count() -> int:
     return sum(path.read_text(encoding="utf-8").count("\n@kernel(") for path in kernel_files())
 
 
-def cache_directory() -> Path:
+def sources_of(path: Path) -> list[Path]:
+    """A file of kernels and all files whose code or numbers are written into them, in a fixed order.
+
+    Other files of kernels are followed to their own sources; of any other file only its text counts: kernels take
+    plain numbers from there.
+    """
+    found: set[Path] = set()
+    waiting = [path]
+    while waiting:
+        file = waiting.pop()
+        if file in found or not file.is_file():
+            continue
+        found.add(file)
+        if file.name == "kernels.py":
+            modules = _IMPORT.findall(file.read_text(encoding="utf-8"))
+            waiting += [_PACKAGE.parent.joinpath(*module.split(".")).with_suffix(".py") for module in modules]
+    return sorted(found)
+
+
+def cache_root() -> Path:
     """Where compiled kernels are kept; `LIVE_CACHE_DIR` overrides the user's cache directory."""
+    return Path(os.environ.get("LIVE_CACHE_DIR") or platformdirs.user_cache_dir("choreographics-live")) / "kernels"
+
+
+@cache
+def cache_name(path: Path) -> str:
+    """The folder for the kernels of one file: it changes with its sources and with Python."""
     digest = hashlib.sha256(sys.version.encode())
-    for path in (*kernel_files(), *(_PACKAGE / name for name in CONSTANTS)):
-        digest.update(path.read_bytes())
-    root = os.environ.get("LIVE_CACHE_DIR") or platformdirs.user_cache_dir("choreographics-live")
-    return Path(root) / f"kernels-{digest.hexdigest()[:16]}"
+    for source in sources_of(path):
+        digest.update(source.read_bytes())
+    return f"{path.parent.name}-{digest.hexdigest()[:16]}"
 
 
-def _name_cache_directory() -> None:
-    directory = cache_directory()
+def _writable_root() -> Path:
+    root = cache_root()
     try:
-        directory.mkdir(parents=True, exist_ok=True)
-        if not os.access(directory, os.W_OK):
-            raise PermissionError(directory)
+        root.mkdir(parents=True, exist_ok=True)
+        if not os.access(root, os.W_OK):
+            raise PermissionError(root)
     except OSError:  # a read-only home: the show starts all the same, and compiles again the next time
-        directory = Path(tempfile.gettempdir()) / directory.name
-        directory.mkdir(parents=True, exist_ok=True)
-    os.environ["NUMBA_CACHE_DIR"] = str(directory)
+        root = Path(tempfile.gettempdir()) / "choreographics-live-kernels"
+        root.mkdir(parents=True, exist_ok=True)
+    return root
 
 
-_name_cache_directory()
+KERNELS = _writable_root()
+"""The folder of this process's compiled kernels."""
+
+os.environ["NUMBA_CACHE_DIR"] = str(KERNELS)
 import numba  # noqa: E402 - its cache directory had to be named first
 
 JIT_DISABLED = bool(numba.config.DISABLE_JIT)
@@ -72,6 +100,7 @@ def kernel(signature: str, **options: Any) -> Callable[[Function], Function]:
     """
 
     def compile_(function: Function) -> Function:
+        numba.config.CACHE_DIR = str(KERNELS / cache_name(Path(function.__code__.co_filename).resolve()))
         compiled: Function = numba.njit(signature, cache=True, nogil=True, error_model="numpy", **options)(function)
         for listener in kernel_compiled:
             listener(function.__name__)

@@ -1,14 +1,12 @@
 """The checks of `live doctor`: one function each, none of which raises."""
 
 import importlib.metadata
-import os
 import re
 import socket
 import sys
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Literal
 
 from live.cli.inventory import Section, audio, midi, monitors, one_line
@@ -130,7 +128,7 @@ def check_kernels() -> Check:
     from live.base import jit
     from live.cli.warm import is_warm
 
-    wished, used = jit.cache_directory(), Path(os.environ["NUMBA_CACHE_DIR"])
+    wished, used = jit.cache_root(), jit.KERNELS
     if used != wished:
         remedy = "make it writable, or name another folder in LIVE_CACHE_DIR"
         return Check("kernel cache", "limited", f"{wished} is not writable; {used} is used until the reboot", remedy)

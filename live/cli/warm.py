@@ -21,9 +21,10 @@ def _ready_mark() -> Path:
     from live.base import jit
 
     # numba keeps its entries per source path and drops them when a file's time or size changes: so does this mark
-    state = [(str(path), path.stat().st_mtime_ns, path.stat().st_size) for path in jit.kernel_files()]
+    files = jit.kernel_files()
+    state = [(str(path), path.stat().st_mtime_ns, path.stat().st_size, jit.cache_name(path)) for path in files]
     digest = hashlib.sha256(repr(state).encode()).hexdigest()
-    return Path(os.environ["NUMBA_CACHE_DIR"]) / f"ready-{digest[:16]}"
+    return jit.KERNELS / f"ready-{digest[:16]}"
 
 
 def is_warm() -> bool:
@@ -98,7 +99,7 @@ def warm_kernels(console: "Console") -> int:
 
 def warm(
     stamp: Annotated[
-        Path | None, typer.Option(help="Write the folder of the compiled kernels into this file.", dir_okay=False)
+        Path | None, typer.Option(help="Write into this file which file tells that all is compiled.", dir_okay=False)
     ] = None,
 ) -> None:
     """Compile and cache the kernels, so that the first show starts at once."""
@@ -109,4 +110,4 @@ def warm(
     count = warm_kernels(console)
     console.print(f"{count} kernels ready in {time.perf_counter() - start:.1f} s", highlight=False)
     if stamp is not None:
-        stamp.write_text(os.environ["NUMBA_CACHE_DIR"] + "\n", encoding="utf-8")
+        stamp.write_text(f"{_ready_mark()}\n", encoding="utf-8")

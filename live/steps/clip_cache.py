@@ -16,7 +16,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from live.base.jit import cache_directory
+from live.base.jit import cache_root
 from live.motion.clip import Clip
 from live.motion.step_clip import StepClip
 
@@ -51,7 +51,7 @@ class ClipCache:
         for source in sources:
             digest.update(len(source).to_bytes(8, "little"))
             digest.update(source)
-        return cache_directory().parent / f"{self.kind}-{digest.hexdigest()[:16]}.npz"
+        return cache_root().parent / f"{self.kind}-{digest.hexdigest()[:16]}.npz"
 
     def _write(self, path: Path, clips: list[StepClip]) -> None:
         unfinished = path.with_suffix(f".{os.getpid()}.tmp")

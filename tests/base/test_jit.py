@@ -13,14 +13,37 @@ from live.base import jit, kernels
 from live.motion.legs.kernels import follow_feet
 
 
-def test_the_cache_is_named_after_the_sources(tmp_path, monkeypatch):
-    monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path))
-    before = jit.cache_directory()
-    assert before.parent == tmp_path
-    changed = tmp_path / "kernels.py"
-    changed.write_text("# another kernel")
-    monkeypatch.setattr(jit, "kernel_files", lambda: [changed])
-    assert jit.cache_directory() != before
+def test_the_name_of_the_cache_follows_a_file_and_what_it_takes_from_others(tmp_path, monkeypatch):
+    """An edit renames the folders of those who use it, and of nobody else."""
+    package = tmp_path / "live"
+    texts = {
+        "a/kernels.py": "from live.b.kernels import part_of\n",
+        "b/kernels.py": "from live.c import NUMBER\n",
+        "c.py": "from live.d import OTHER\nNUMBER = 1\n",
+        "d.py": "OTHER = 1\n",
+        "e/kernels.py": "import math\n",
+    }
+    for name, text in texts.items():
+        (package / name).parent.mkdir(parents=True, exist_ok=True)
+        (package / name).write_text(text)
+    monkeypatch.setattr(jit, "_PACKAGE", package)
+
+    def names() -> dict[str, str]:
+        jit.cache_name.cache_clear()
+        return {folder: jit.cache_name(package / folder / "kernels.py") for folder in "abe"}
+
+    before = names()
+    (package / "c.py").write_text("from live.d import OTHER\nNUMBER = 2\n")
+    after = names()
+    assert {folder for folder in "abe" if after[folder] != before[folder]} == {"a", "b"}
+    (package / "e/kernels.py").write_text("import numpy\n")
+    again = names()
+    assert {folder for folder in "abe" if again[folder] != after[folder]} == {"e"}
+
+
+def test_kernels_are_kept_in_the_folder_of_their_file():
+    folder = jit.KERNELS / jit.cache_name(Path(kernels.__file__).resolve())
+    assert jit.JIT_DISABLED or list(folder.rglob("*.nbi"))
 
 
 def test_every_kernel_file_is_counted():
@@ -39,16 +62,17 @@ def test_a_cache_that_cannot_be_written_does_not_stop_the_start(tmp_path):
     blocked = tmp_path / "file"
     blocked.write_text("not a folder")
     environment = {**os.environ, "LIVE_CACHE_DIR": str(blocked), "TMPDIR": str(tmp_path), "NUMBA_DISABLE_JIT": "1"}
-    code = "import os, live.base.jit; print(os.environ['NUMBA_CACHE_DIR'])"
+    code = "import live.base.jit; print(live.base.jit.KERNELS)"
     result = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
     assert Path(result.stdout.strip()).parent == tmp_path
 
 
-def test_whatever_kernels_take_from_other_files_is_part_of_the_caches_name():
-    package = Path(jit.__file__).resolve().parent.parent
-    named = {package / name for name in jit.CONSTANTS}
-    for path in [*jit.kernel_files(), *named]:
-        for module in re.findall(r"^from (live\.[\w.]+) import", path.read_text(encoding="utf-8"), re.MULTILINE):
-            source = package.parent / (module.replace(".", "/") + ".py")
-            if source.is_file() and source.name not in ("kernels.py", "jit.py", "errors.py"):
-                assert source in named, f"{path} takes numbers from {source}: name it in live.base.jit.CONSTANTS"
+def test_kernels_name_their_sources_in_full():
+    """`sources_of` reads ``from live.… import …`` at the beginning of a line: nothing may come in another way."""
+    for path in jit.kernel_files():
+        text = path.read_text(encoding="utf-8")
+        for line in re.findall(r"^.*\blive[.\w]*.*\bimport\b.*$|^.*\bimport\b.*\blive\b.*$", text, re.MULTILINE):
+            assert re.match(r"from live\.[\w.]+ import", line), f"{path}: {line}"
+        for module in re.findall(r"^from (live\.[\w.]+) import", text, re.MULTILINE):
+            source = Path(jit.__file__).parents[2].joinpath(*module.split(".")).with_suffix(".py")
+            assert source in jit.sources_of(path), f"{path}: {module} is a package or missing"
