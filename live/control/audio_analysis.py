@@ -5,19 +5,19 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from live.clock.beats import BeatTracker
+from live.clock.aubio_tracker import AubioTracker
 from live.control.events import BeatHeard, ControlEvent, SourceChanged
 
 
 class AudioAnalysis:
-    """Feeds a BeatTracker and turns what it finds into events with the times of the show.
+    """Feeds a AubioTracker and turns what it finds into events with the times of the show.
 
     Thread: one at a time; it belongs to the thread that analyses.
     """
 
     def __init__(self, sample_rate: float, source: str = "audio") -> None:
         """`source` is the name that the events carry; ValueError for a sample rate that no sound has."""
-        self.tracker = BeatTracker(sample_rate)
+        self.tracker = AubioTracker(sample_rate)
         self._source = source
         self._silent = False
         self._mono = np.zeros(self.tracker.hop, np.float32)

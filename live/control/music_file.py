@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from live.clock.beats import RATE_MAX_HZ, RATE_MIN_HZ
+from live.clock.aubio_tracker import RATE_MAX_HZ, RATE_MIN_HZ
 from live.control.audio_analysis import AudioAnalysis
 from live.control.events import BeatHeard, ControlEvent, One, SourceChanged
 

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from live.base.errors import PersonError
-from live.clock.beats import BeatTracker
+from live.clock.aubio_tracker import AubioTracker
 from live.control.music_file import Music, MusicFileError, read_music
 from live.motion.source_motion import Float64
 
@@ -68,7 +68,7 @@ def song_beats(path: Path) -> SongBeats:
 
 def _heard(music: Music) -> tuple[Float64, float]:
     """Beats as the tracker hears them, ascending and apart, and the period it hears most of the time [s]."""
-    tracker = BeatTracker(float(music.sample_rate))
+    tracker = AubioTracker(float(music.sample_rate))
     mono = music.samples.mean(axis=1, dtype=np.float32)
     estimates = [beat for at in range(0, mono.size, BLOCK) for beat in tracker.feed(mono[at : at + BLOCK])]
     if not estimates:

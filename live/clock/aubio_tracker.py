@@ -1,15 +1,13 @@
-"""BeatTracker: sound in, beat estimates out, around aubio's causal tempo tracker (Davies and Plumbley)."""
+"""AubioTracker: sound in, beat estimates out, around aubio's causal tempo tracker (Davies and Plumbley)."""
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, Final
 
 import aubio
 import numpy as np
-import numpy.typing as npt
 
-Samples = npt.NDArray[np.float32]
+from live.clock.estimate import BeatEstimate, Samples
 
 HOP: Final = 0.0116
 """Wanted step of the analysis [s]; the hop is the power of two of samples that comes nearest."""
@@ -51,21 +49,7 @@ RATE_MIN_HZ: Final = 8_000.0
 RATE_MAX_HZ: Final = 400_000.0
 
 
-@dataclass(frozen=True, slots=True)
-class BeatEstimate:
-    """One beat as the tracker hears it; `position` and `heard` are seconds from the first sample fed."""
-
-    position: float
-    """Where the beat lies [s]; it may lie a few milliseconds ahead of what was fed."""
-    period: float
-    """Seconds to the next beat."""
-    confidence: float
-    """How sure the tracker is, 0 to 1."""
-    heard: float
-    """How much had been fed when the estimate was made [s]."""
-
-
-class BeatTracker:
+class AubioTracker:
     """Feeds blocks of any length to aubio, hop by hop, at the device's own sample rate.
 
     Samples that are no sound (NaN, infinite, beyond `LOUDEST`) become 0 and are counted. In silence nothing is

@@ -1,15 +1,16 @@
-"""BeatTracker: clicks whose times are known, any rate, any block size, and what is no sound."""
+"""AubioTracker: clicks whose times are known, any rate, any block size, and what is no sound."""
 
 import numpy as np
 import pytest
 
-from live.clock.beats import SILENT_AFTER, BeatEstimate, BeatTracker, Samples
+from live.clock.aubio_tracker import SILENT_AFTER, AubioTracker
+from live.clock.estimate import BeatEstimate, Samples
 from tests.clock.clicks import clicks, groove
 
 RATE = 44_100
 
 
-def feed(tracker: BeatTracker, sound: Samples, block: int = 512) -> list[BeatEstimate]:
+def feed(tracker: AubioTracker, sound: Samples, block: int = 512) -> list[BeatEstimate]:
     return [beat for start in range(0, sound.size, block) for beat in tracker.feed(sound[start : start + block])]
 
 
@@ -21,7 +22,7 @@ def lateness(beats: list[BeatEstimate], times: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("bpm", [60, 80, 96, 112, 126, 140, 160, 180])
 def test_clicks_are_found_without_bias(bpm: int) -> None:
     sound, times = clicks(bpm, RATE, 20.0)
-    beats = [beat for beat in feed(BeatTracker(RATE), sound) if 5.0 < beat.position < times[-1] + 0.1]
+    beats = [beat for beat in feed(AubioTracker(RATE), sound) if 5.0 < beat.position < times[-1] + 0.1]
     late = lateness(beats, times)
     assert len(beats) >= 0.9 * np.count_nonzero(times > 5.0)
     assert abs(np.mean(late)) < 0.003
@@ -32,7 +33,7 @@ def test_clicks_are_found_without_bias(bpm: int) -> None:
 @pytest.mark.parametrize("rate", [16_000, 22_050, 32_000, 48_000, 96_000, 192_000])
 def test_any_sample_rate_gives_the_same_beats(rate: int) -> None:
     sound, times = clicks(120, rate, 15.0)
-    tracker = BeatTracker(rate)
+    tracker = AubioTracker(rate)
     assert 0.008 <= tracker.hop / rate <= 0.0165
     late = lateness([beat for beat in feed(tracker, sound) if 5.0 < beat.position < times[-1] + 0.1], times)
     assert late.size >= 15
@@ -42,19 +43,19 @@ def test_any_sample_rate_gives_the_same_beats(rate: int) -> None:
 @pytest.mark.parametrize("block", [1, 100, 441, 512, 4096, 1_000_000])
 def test_blocks_of_any_size_give_the_same_beats(block: int) -> None:
     sound, _ = clicks(120, 8_000, 6.0)
-    assert feed(BeatTracker(8_000), sound, block) == feed(BeatTracker(8_000), sound, 64)
+    assert feed(AubioTracker(8_000), sound, block) == feed(AubioTracker(8_000), sound, 64)
 
 
 def test_nothing_from_the_future_is_used() -> None:
     sound, _ = clicks(126, RATE, 12.0)
-    whole = feed(BeatTracker(RATE), sound)
-    cut = feed(BeatTracker(RATE), sound[: 7 * RATE])
+    whole = feed(AubioTracker(RATE), sound)
+    cut = feed(AubioTracker(RATE), sound[: 7 * RATE])
     assert cut == [beat for beat in whole if beat.heard <= 7.0]
     assert all(beat.position < beat.heard + 0.05 for beat in whole)
 
 
 def test_loud_hats_between_the_beats_are_not_the_beat() -> None:
-    beats = [beat for beat in feed(BeatTracker(RATE), groove(118, RATE, 20.0)) if beat.position > 8.0]
+    beats = [beat for beat in feed(AubioTracker(RATE), groove(118, RATE, 20.0)) if beat.position > 8.0]
     off = np.array([(beat.position * 118 / 60.0 + 0.5) % 1.0 - 0.5 for beat in beats])
     assert len(beats) > 15
     assert np.mean(np.abs(off) < 0.15) > 0.9
@@ -67,7 +68,7 @@ def test_what_is_no_sound_becomes_silence_and_is_counted() -> None:
     hurt[200_000] = np.inf
     hurt[300_000] = -np.inf
     hurt[400_000] = 1e30
-    tracker = BeatTracker(RATE)
+    tracker = AubioTracker(RATE)
     beats = [beat for beat in feed(tracker, hurt) if 10.0 < beat.position < times[-1] + 0.1]
     assert tracker.bad_samples == len(range(1000, 40_000, 977)) + 3
     assert np.percentile(np.abs(lateness(beats, times)), 95) < 0.012
@@ -75,7 +76,7 @@ def test_what_is_no_sound_becomes_silence_and_is_counted() -> None:
 
 
 def test_nothing_but_nonsense_gives_no_beat_and_no_error() -> None:
-    tracker = BeatTracker(RATE)
+    tracker = AubioTracker(RATE)
     assert feed(tracker, np.full(5 * RATE, np.nan, np.float32)) == []
     assert tracker.bad_samples >= 5 * RATE - tracker.hop
     assert tracker.silent
@@ -84,7 +85,7 @@ def test_nothing_but_nonsense_gives_no_beat_and_no_error() -> None:
 def test_silence_is_noticed_and_music_after_it_is_heard_afresh() -> None:
     first, _ = clicks(120, RATE, 8.0)
     second, times = clicks(97, RATE, 12.0)
-    tracker = BeatTracker(RATE)
+    tracker = AubioTracker(RATE)
     feed(tracker, first)
     assert not tracker.silent
     assert feed(tracker, np.zeros(int(0.5 * RATE), np.float32)) is not None
@@ -99,7 +100,7 @@ def test_silence_is_noticed_and_music_after_it_is_heard_afresh() -> None:
 
 
 def test_a_quiet_noise_floor_is_silence() -> None:
-    tracker = BeatTracker(RATE)
+    tracker = AubioTracker(RATE)
     feed(tracker, np.random.default_rng(0).normal(0.0, 3e-4, 2 * RATE).astype(np.float32))
     assert tracker.silent
     assert 1e-4 < tracker.level < 1e-3
@@ -108,9 +109,9 @@ def test_a_quiet_noise_floor_is_silence() -> None:
 @pytest.mark.parametrize("rate", [0.0, -44_100.0, 1e9, float("nan")])
 def test_absurd_sample_rates_are_refused(rate: float) -> None:
     with pytest.raises(ValueError, match="sample rate"):
-        BeatTracker(rate)
+        AubioTracker(rate)
 
 
 def test_only_one_channel_is_taken() -> None:
     with pytest.raises(ValueError, match="one channel"):
-        BeatTracker(RATE).feed(np.zeros((512, 2), np.float32))
+        AubioTracker(RATE).feed(np.zeros((512, 2), np.float32))
