@@ -1,0 +1,112 @@
+"""Bands: where the ear of the tracker listens, in Hz, and the windows and filters that follow for a sample rate.
+
+Windows are the same length in seconds at every sample rate, so a spectrum's bins lie at the same frequencies (within
+0.5 %) and one trained network serves all of them without a resampler (filters spaced by a logarithm: Böck and Schedl,
+Enhanced beat tracking with context-aware neural networks, DAFx 2011).
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+BASE_RATE: Final = 44_100.0
+BASE_HOP: Final = 512
+HOP: Final = BASE_HOP / BASE_RATE
+"""Seconds from one frame to the next, at any sample rate."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ear:
+    """One window and the bands that are read from it."""
+
+    window: int
+    """Length in samples at 44.1 kHz."""
+    low_hz: float
+    high_hz: float
+    per_octave: int
+    """Bands per octave, as far as the window can tell them apart."""
+    coarse_hz: float
+    """From here on there are half as many."""
+    lag: int
+    """Frames back to what a band's rise is measured against."""
+
+
+EARS: Final = (
+    Ear(window=2048, low_hz=32.0, high_hz=16_000.0, per_octave=12, coarse_hz=3000.0, lag=2),
+    Ear(window=4096, low_hz=60.0, high_hz=1600.0, per_octave=12, coarse_hz=1e9, lag=4),
+)
+"""The short window hears drums and attacks, the long one which notes sound."""
+
+
+def centres(ear: Ear) -> npt.NDArray[np.float64]:
+    """Frequencies [Hz] of an ear's bands, shape (bands + 2,): the first and last are only the outer edges."""
+    resolution = BASE_RATE / ear.window
+    found = [ear.low_hz]
+    while found[-1] < ear.high_hz:
+        last = found[-1]
+        per_octave = ear.per_octave if last < ear.coarse_hz else ear.per_octave / 2
+        found.append(max(last * 2.0 ** (1.0 / per_octave), last + resolution))
+    return np.array([max(found[0] - resolution, 1.0), *found])
+
+
+BANDS: Final = tuple(centres(ear).size - 2 for ear in EARS)
+"""Bands of each ear."""
+
+BAND_COUNT: Final = sum(BANDS)
+LAGS: Final = np.repeat(np.array([ear.lag for ear in EARS], np.int32), BANDS)
+"""Per band, frames back to what its rise is measured against, shape (BAND_COUNT,)."""
+
+
+def window_length(ear: Ear, sample_rate: float) -> int:
+    """Samples of an ear's window at `sample_rate` [Hz]: the nearest length with prime factors up to 7 (fast Fourier)."""
+    wanted = ear.window * sample_rate / BASE_RATE
+    for off in range(round(wanted)):
+        for length in (round(wanted) - off, round(wanted) + off):
+            if length % 2 == 0 and _is_smooth(length):
+                return length
+    raise ValueError(f"no window at {sample_rate} Hz")
+
+
+def _is_smooth(number: int) -> bool:
+    for prime in (2, 3, 5, 7):
+        while number % prime == 0:
+            number //= prime
+    return number == 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Filters:
+    """Triangles over the magnitudes of a spectrum, kept as their non-zero stretches."""
+
+    start: npt.NDArray[np.int32]
+    """First bin of each band, shape (bands,)."""
+    offset: npt.NDArray[np.int32]
+    """Where each band's weights lie in `weight`, shape (bands + 1,); equal neighbours mark an empty band."""
+    weight: npt.NDArray[np.float32]
+
+
+def filters(ear: Ear, sample_rate: float, length: int) -> Filters:
+    """An ear's filters for a window of `length` samples: means of magnitude, wide bands raised by √width.
+
+    So noise of equal strength per Hz gives the same in each band as it would in an energy sum. The magnitude is
+    scaled so that a full sine in the middle of a band of one bin gives about 1. Bands beyond half the sample rate
+    stay empty: they hear 0.
+    """
+    edges = centres(ear)
+    bin_hz = sample_rate / length
+    bins = np.arange(length // 2 + 1) * bin_hz
+    start, offset, weight = [], [0], []
+    for low, centre, high in zip(edges[:-2], edges[1:-1], edges[2:], strict=True):
+        rise = (bins - low) / (centre - low)
+        fall = (high - bins) / (high - centre)
+        triangle = np.maximum(np.minimum(rise, fall), 0.0)
+        inside = np.flatnonzero(triangle)
+        if high > 0.5 * sample_rate or inside.size == 0:
+            inside = inside[:0]
+        start.append(int(inside[0]) if inside.size else 0)
+        width = 0.5 * (high - low) / bin_hz
+        weight.append(triangle[inside] / width * np.sqrt(max(width, 1.0)) * 4.0 / length)
+        offset.append(offset[-1] + inside.size)
+    return Filters(np.array(start, np.int32), np.array(offset, np.int32), np.concatenate(weight).astype(np.float32))

@@ -1,0 +1,105 @@
+"""Compiled steps of hearing: samples into the window, spectra into bands, bands into what the network reads."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel
+
+Floats = npt.NDArray[np.float32]
+Ints = npt.NDArray[np.int32]
+
+LOUDEST = 64.0
+"""Samples beyond this are no sound but a fault, and become 0 (full scale is 1)."""
+
+LEVEL_FLOOR = 2e-5
+"""The mean band below which nothing is made louder: about -70 dB of full scale."""
+
+LEVEL_FALL = 0.0028
+"""Share of each frame in a falling level (time constant 4 s): a fade of 2 dB a second is followed."""
+
+LEVEL_RISE = 0.045
+"""Share of each frame in a rising level (time constant 0.25 s)."""
+
+LEVEL_JUMP = 4.0
+"""A frame this much louder than the level lifts it at once."""
+
+CONTRAST = 10.0
+"""A band at the level becomes ln(1 + CONTRAST)."""
+
+
+@kernel("f8(f4[::1],f4[::1],i8,i8)")
+def append(history: Floats, samples: Floats, start: int, count: int) -> float:
+    """Shift `count` samples from `samples[start:]` into `history`, faults as 0; returns how many were faults."""
+    kept = history.shape[0] - count
+    for index in range(kept):
+        history[index] = history[index + count]
+    bad = 0
+    for index in range(count):
+        value = samples[start + index]
+        if not abs(value) <= LOUDEST:  # true for NaN too
+            value = np.float32(0.0)
+            bad += 1
+        history[kept + index] = value
+    return float(bad)
+
+
+@kernel("f8(f4[::1],i8)")
+def level_of(history: Floats, count: int) -> float:
+    """RMS of the newest `count` samples."""
+    total = 0.0
+    for index in range(history.shape[0] - count, history.shape[0]):
+        total += float(history[index]) * float(history[index])
+    return math.sqrt(total / count)
+
+
+@kernel("void(f4[::1],f4[::1],i8,f4[::1])")
+def cut(history: Floats, window: Floats, newest: int, out: Floats) -> None:
+    """The stretch of `history` that ends `newest` samples before its end, times `window`, into `out`."""
+    start = history.shape[0] - newest - window.shape[0]
+    for index in range(window.shape[0]):
+        out[index] = history[start + index] * window[index]
+
+
+@kernel("void(c8[::1],i4[::1],i4[::1],f4[::1],f4[::1])")
+def band_magnitudes(
+    spectrum: npt.NDArray[np.complex64], start: Ints, offset: Ints, weight: Floats, out: Floats
+) -> None:
+    """Weighted sums of the spectrum's magnitudes, one per band, shape (bands,)."""
+    for band in range(start.shape[0]):
+        total = np.float32(0.0)
+        first = start[band] - offset[band]
+        for index in range(offset[band], offset[band + 1]):
+            value = spectrum[first + index]
+            total += weight[index] * math.sqrt(value.real * value.real + value.imag * value.imag)
+        out[band] = total
+
+
+@kernel("f8(f4[::1],f8)")
+def follow_level(bands: Floats, level: float) -> float:
+    """The slow level of the music after one more frame of band magnitudes, from the level before it."""
+    mean = 0.0
+    for band in range(bands.shape[0]):
+        mean += float(bands[band])
+    mean /= bands.shape[0]
+    level += (LEVEL_RISE if mean > level else LEVEL_FALL) * (mean - level)
+    return max(level, mean / LEVEL_JUMP, LEVEL_FLOOR)
+
+
+@kernel("void(f4[::1],f8,i4[::1],f4[:,::1],i8,f4[::1])")
+def look(bands: Floats, level: float, lags: Ints, past: Floats, frame: int, out: Floats) -> None:
+    """What the network reads of one frame: compressed bands, then their rises, shape (2 B,).
+
+    past (P, B) is a ring of compressed bands, written at row `frame` modulo P.
+    """
+    count = bands.shape[0]
+    rows = past.shape[0]
+    gain = CONTRAST / level
+    row = frame % rows
+    for band in range(count):
+        value = np.float32(math.log1p(gain * float(bands[band])))
+        past[row, band] = value
+        out[band] = value
+        before = past[(frame - lags[band]) % rows, band]
+        out[count + band] = max(value - before, np.float32(0.0))
