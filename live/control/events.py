@@ -7,6 +7,7 @@ import math
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
+from live.control.audio_events import ChooseAudio, MusicHeard, RestartAudio, SetLatency
 from live.control.element_events import Attract, PlaceElement, Repel, Spread, Voice
 from live.control.event import ControlEvent
 from live.control.group_events import (
@@ -30,12 +31,14 @@ __all__ = [
     "BeatHeard",
     "Blackout",
     "CallStep",
+    "ChooseAudio",
     "Clear",
     "ControlEvent",
     "DefineFormation",
     "Enter",
     "Evolve",
     "Leave",
+    "MusicHeard",
     "One",
     "Pause",
     "Performer",
@@ -46,6 +49,8 @@ __all__ = [
     "Release",
     "RemoveObstacle",
     "Repel",
+    "RestartAudio",
+    "SetLatency",
     "SetMotion",
     "SetSequence",
     "SetTempo",
@@ -170,7 +175,8 @@ EVENT_TYPES: dict[str, type[ControlEvent]] = {
     for cls in (
         Attract, Repel, Spread, Voice, PlaceElement, Evolve, DefineFormation, Travel, Pause, Release, Regroup, Enter,
         Leave, PlaceObstacle, PlaceWall, RemoveObstacle, Performer, Clear, CallStep, SetSequence, SetMotion, Tap, One,
-        SetTempo, Blackout, BeatHeard, SourceChanged, StepsAdded, TicksSkipped,
+        SetTempo, Blackout, BeatHeard, SourceChanged, StepsAdded, TicksSkipped, MusicHeard, RestartAudio, ChooseAudio,
+        SetLatency,
     )
 }  # fmt: skip
 """Every kind of event by its name in the journal."""

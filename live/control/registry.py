@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 from live.control.control import Control, Released, Reply
+from live.control.controls.audio import AUDIO_CONTROLS
 from live.control.controls.clock import CLOCK_CONTROLS
 from live.control.controls.elements import ELEMENT_CONTROLS
 from live.control.controls.group_motion import GROUP_CONTROLS
@@ -43,5 +44,7 @@ class Registry:
         return control.call(values, time, source)
 
 
-REGISTRY: Final = Registry((*ELEMENT_CONTROLS, *GROUP_CONTROLS, *STEP_CONTROLS, *MOTION_CONTROLS, *CLOCK_CONTROLS))
+REGISTRY: Final = Registry(
+    (*ELEMENT_CONTROLS, *GROUP_CONTROLS, *STEP_CONTROLS, *MOTION_CONTROLS, *CLOCK_CONTROLS, *AUDIO_CONTROLS)
+)
 """Every control there is."""

@@ -6,7 +6,7 @@ from live.base.inbox import Inbox
 from live.base.stage_view import StageView
 from live.clock.source import Clock
 from live.clock.ticks import STALL, TICK, Ticks
-from live.control.events import BeatHeard, ControlEvent, SourceChanged, TicksSkipped
+from live.control.events import BeatHeard, ControlEvent, MusicHeard, SourceChanged, TicksSkipped
 from live.show.core import Show
 from live.show.journal import JournalWriter
 from live.show.status import Status
@@ -49,7 +49,10 @@ class Engine:
         self._status = status
         self.journal = journal
         """Where events and measures are noted; None: nowhere."""
-        self._lead = lead
+        self.lead = lead
+        """How far ahead of the clock the picture is [s]; it may be changed while the show runs."""
+        self.outward: list[Callable[[ControlEvent], None]] = []
+        """Told every event after the show: for what concerns devices and not the dance."""
         self.ticks = Ticks(stall=stall)
         self.view = show.view()
         self.overlay = False
@@ -67,7 +70,7 @@ class Engine:
             if len(events) < EVENTS_AT_ONCE or self._clock.now() - now > EVENT_SECONDS:
                 break
         self._status.dropped_events = self._inbox.dropped
-        target = now + self._lead
+        target = now + self.lead
         self._run_ticks(now, target)
         self.show.fill(self.view, max(target, self.ticks.time))
         self.view.overlay = self._status.overlay(now) if self.overlay else ()
@@ -85,8 +88,10 @@ class Engine:
         """Write an event to the journal and let it act from the next tick on; the show counts what it refuses."""
         if self.journal is not None:
             self.journal.event(self.ticks.index, event)
-        if self.show.apply(event) and not isinstance(event, TicksSkipped | BeatHeard | SourceChanged):
+        if self.show.apply(event) and not isinstance(event, TicksSkipped | BeatHeard | SourceChanged | MusicHeard):
             self._status.events_accepted += 1
+        for told in self.outward:
+            told(event)
 
     def _run_ticks(self, now: float, target: float) -> None:
         lost = self.ticks.stalled(target)

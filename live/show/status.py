@@ -69,6 +69,8 @@ class Status:
         self.skipped_ticks = 0
         self.events_accepted = 0
         self.dropped_events = 0
+        self.more: dict[str, Callable[[], dict[str, Any]]] = {}
+        """What other parts have to say, by its key in the snapshot."""
         self.tool = ""
         """What the pointer places, for the overlay; empty until the operator chose."""
         self.faults = 0
@@ -108,6 +110,7 @@ class Status:
             "phones": 0,
             "rss_mb": round(self._memory(), 1),
             "faults": self.faults,
+            **{key: tell() for key, tell in self.more.items()},
         }
 
     def overlay(self, time: float) -> tuple[str, ...]:
