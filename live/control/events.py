@@ -153,6 +153,8 @@ class BeatHeard(ControlEvent):
     """The source's own number of the measure, from 0 (song position, Link); -1 where it counts none."""
     jump: bool = False
     """Whether the source says that it has jumped (start, song position): its grid is to be taken at once."""
+    anchored: bool = True
+    """False where the source only counts evenly and cannot tell when a beat is: MIDI clock that was never started."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
