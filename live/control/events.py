@@ -8,6 +8,18 @@ from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 from live.control.audio_events import ChooseAudio, MusicHeard, RestartAudio, SetLatency
+from live.control.clock_events import (
+    ChooseSource,
+    CountIn,
+    HoldTempo,
+    Nudge,
+    One,
+    ScaleTempo,
+    SetMetre,
+    SetTempo,
+    ShiftBeats,
+    Tap,
+)
 from live.control.element_events import Attract, PlaceElement, Repel, Spread, Voice
 from live.control.event import ControlEvent
 from live.control.group_events import (
@@ -32,13 +44,17 @@ __all__ = [
     "Blackout",
     "CallStep",
     "ChooseAudio",
+    "ChooseSource",
     "Clear",
     "ControlEvent",
+    "CountIn",
     "DefineFormation",
     "Enter",
     "Evolve",
+    "HoldTempo",
     "Leave",
     "MusicHeard",
+    "Nudge",
     "One",
     "Pause",
     "Performer",
@@ -50,10 +66,13 @@ __all__ = [
     "RemoveObstacle",
     "Repel",
     "RestartAudio",
+    "ScaleTempo",
     "SetLatency",
+    "SetMetre",
     "SetMotion",
     "SetSequence",
     "SetTempo",
+    "ShiftBeats",
     "SourceChanged",
     "Spread",
     "StepsAdded",
@@ -111,23 +130,6 @@ class SetMotion(ControlEvent):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Tap(ControlEvent):
-    """A beat was tapped at `time`."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class One(ControlEvent):
-    """ "This is the one": the beat at `time` is the first of a measure."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SetTempo(ControlEvent):
-    """The tempo is set by hand [bpm]; the beat position goes on without a step."""
-
-    tempo: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Blackout(ControlEvent):
     """The light goes out or comes back."""
 
@@ -177,8 +179,8 @@ EVENT_TYPES: dict[str, type[ControlEvent]] = {
     for cls in (
         Attract, Repel, Spread, Voice, PlaceElement, Evolve, DefineFormation, Travel, Pause, Release, Regroup, Enter,
         Leave, PlaceObstacle, PlaceWall, RemoveObstacle, Performer, Clear, CallStep, SetSequence, SetMotion, Tap, One,
-        SetTempo, Blackout, BeatHeard, SourceChanged, StepsAdded, TicksSkipped, MusicHeard, RestartAudio, ChooseAudio,
-        SetLatency,
+        SetTempo, Nudge, ShiftBeats, ScaleTempo, HoldTempo, SetMetre, CountIn, ChooseSource, Blackout, BeatHeard,
+        SourceChanged, StepsAdded, TicksSkipped, MusicHeard, RestartAudio, ChooseAudio, SetLatency,
     )
 }  # fmt: skip
 """Every kind of event by its name in the journal."""
