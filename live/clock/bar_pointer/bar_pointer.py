@@ -1,0 +1,181 @@
+"""BarPointer: what has been heard so far, frame by frame, as tempo, phase, beat and metre (forward filter)."""
+
+from typing import Final
+
+import numpy as np
+
+from live.clock.bar_pointer.hand import Hand, interval_of
+from live.clock.bar_pointer.kernels import advance, leap, observe, refine, rescale, search, tally
+from live.clock.bar_pointer.model import FIRST_SLOT, METRES, SLOTS, Model, slot_metre
+from live.clock.bar_pointer.states import States
+
+_PLACE: Final = tuple(slot_metre(slot) for slot in range(SLOTS - 1))
+_NEXT: Final = tuple(first + (b + 1) % n for n, first in zip(METRES, FIRST_SLOT, strict=True) for b in range(n))
+_PREVIOUS: Final = tuple(first + (b - 1) % n for n, first in zip(METRES, FIRST_SLOT, strict=True) for b in range(n))
+_SIDE_BINS: Final = 2
+
+
+class BarPointer:
+    """Filters activations forward; `step` takes a frame, the attributes say what is believed after it.
+
+    It follows one grid (interval, phase) through the posterior and leaves it only for another one that has clearly
+    more of the states: what is chosen stays put.
+    """
+
+    def __init__(self, model: Model | None = None) -> None:
+        self.model = Model() if model is None else model
+        self._states = States(self.model)
+        self._hand = Hand(self._states)
+        self._window = np.array(self.model.window, np.float32)
+        self._no_births = np.zeros(self._states.count, np.float32)
+        self._found = np.zeros(4)
+        self._slots = np.zeros(SLOTS)
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget everything that was heard; what was set by hand stays."""
+        self._states.fill()
+        self._scale = np.float32(1.0)
+        self._challenged = 0
+        self._place = 0.0  # how far the window of the present beat is past, 0 to 1 beat
+        self._slot = FIRST_SLOT[METRES.index(4)]
+        self.interval = 0.0
+        """Frames from beat to beat; 0 before the first frame."""
+        self.share = 0.0
+        """The share of all states near this grid, 0 to 1."""
+        self.rival = 0.0
+        """The share of those near the strongest place of all."""
+        self.slot_share = 0.0
+        """The share of the grid's states that agree on metre and beat."""
+        self.jumps = 0
+        """How often the grid was left for another one."""
+
+    @property
+    def tempo(self) -> float:
+        """Beats per minute; 0 before the first frame."""
+        return 60.0 * self.model.frame_rate / self.interval if self.interval > 0.0 else 0.0
+
+    @property
+    def since_beat(self) -> float:
+        """Frames from the last beat to the last frame."""
+        since = self._place * self.interval - self.model.centre
+        return since if since >= 0.0 else since + self.interval
+
+    @property
+    def to_next(self) -> float:
+        """Frames from the last frame to the next beat."""
+        return self.interval - self.since_beat
+
+    @property
+    def metre(self) -> int:
+        """Beats of a measure."""
+        return _PLACE[self._slot][0]
+
+    @property
+    def beat(self) -> int:
+        """Which beat of its measure the last beat was, from 0."""
+        past = self._place * self.interval >= self.model.centre
+        return _PLACE[self._slot if past else _PREVIOUS[self._slot]][1]
+
+    def step(self, beat: float, downbeat: float, listening: bool = True) -> None:
+        """One frame: the chance of a beat, and of a downbeat (never more), 0 to 1.
+
+        While not `listening` (silence) the states run on, and nothing else changes.
+        """
+        states, hand = self._states, self._hand
+        ring = (states.share, states.head, states.offset, states.length)
+        if listening:
+            advance(
+                *ring, hand.tempo, hand.metre, hand.born, states.slot_share, states.leaving, states.entering,
+                np.float32(hand.line_change),
+            )  # fmt: skip
+            leap(*ring, states.partner, states.slot_share, hand.leap)
+            observe(*ring, self._window, *self._likelihoods(beat, downbeat))
+        else:
+            advance(
+                *ring, states.still, states.same_metre, self._no_births, states.slot_share, states.leaving,
+                states.entering, np.float32(0.0),
+            )  # fmt: skip
+        rescale(states.flat, self._scale)
+        total = tally(*ring, states.histogram)
+        self._scale = np.float32(1.0 / total)
+        self._follow(1.0 / total)
+
+    def tap(self, bpm: float) -> None:
+        """The tempo was tapped: it is this, and its level is kept. ValueError for one that is not looked for."""
+        self._hand.tap(interval_of(bpm, self.model))
+        self._set_anew()
+
+    def one(self, age: float) -> None:
+        """A measure began `age` frames before the last frame (negative: it will begin)."""
+        self._hand.one(age)
+        self._set_anew()
+
+    def set_metre(self, beats: int) -> None:
+        """The measure has 2, 3, 4 or 6 beats; 0: as heard. ValueError for another number."""
+        self._hand.set_metre(beats)
+        self._set_anew()
+
+    def let_go(self) -> None:
+        """Nothing is set by hand any more."""
+        self._hand.let_go()
+
+    def _set_anew(self) -> None:
+        self._scale = np.float32(1.0)
+        if self.interval > 0.0:
+            self._challenged = self.model.switch_frames + 1
+
+    def _likelihoods(self, beat: float, downbeat: float) -> tuple[np.float32, np.float32, np.float32]:
+        """How much likelier the frame is with a beat that is no downbeat, with a downbeat, and between beats."""
+        model = self.model
+        beat = min(max(beat, 1e-4), 1.0 - 1e-4)
+        first = min(max(downbeat / beat, 0.01), 0.99)
+        low, high = model.ratio_min, model.ratio_max
+        odds = beat / (1.0 - beat) * (1.0 - model.beat_share) / model.beat_share
+        any_beat = min(max(odds**model.sharpness, low), high)
+        usual = model.downbeat_share / model.beat_share
+        sharp = self._hand.downbeat_sharpness
+        other = any_beat * ((1.0 - first) / (1.0 - usual)) ** sharp
+        one = any_beat * (first / usual) ** sharp
+        between = any_beat**model.half_beat if model.half_beat > 0.0 else 1.0
+        return np.float32(other), np.float32(one), np.float32(between)
+
+    def _follow(self, scale: float) -> None:
+        """Move the grid on by one frame, and onto the mean of the states near it; or leave it for another one."""
+        states, model, found = self._states, self.model, self._found
+        if self.interval > 0.0:
+            self._move(1.0 / self.interval)
+        search(
+            states.histogram, states.length, states.near, states.boxes, self.interval, self._place, model.near_tempo,
+            _SIDE_BINS, found,
+        )  # fmt: skip
+        self.rival = float(found[2]) * scale
+        better = found[2] > model.switch_ratio * found[3]
+        self._challenged = self._challenged + 1 if better else 0
+        switch = self.interval == 0.0 or self._challenged > model.switch_frames
+        if switch:
+            self.jumps += self.interval > 0.0
+            self.interval, self._place = float(found[0]), float(found[1])
+            self._challenged = 0
+        refine(
+            states.share, states.head, states.offset, states.length, self.interval, self._place, model.near_tempo,
+            model.near_phase, found, self._slots,
+        )  # fmt: skip
+        self.share = float(found[2]) * scale
+        if found[2] <= 0.0:
+            return
+        best = int(np.argmax(self._slots))
+        if switch or self._slots[best] > model.line_ratio * self._slots[self._slot]:
+            self._slot = best
+        self.slot_share = float(self._slots[self._slot])
+        self.interval = float(found[0])
+        self._move(float(found[1]))
+
+    def _move(self, beats: float) -> None:
+        self._place += beats
+        if self._place >= 1.0:
+            self._place -= 1.0
+            self._slot = _NEXT[self._slot]
+        elif self._place < 0.0:
+            self._place += 1.0
+            self._slot = _PREVIOUS[self._slot]

@@ -1,0 +1,260 @@
+"""One frame of the bar pointer: all states advance, meet what was heard, and are counted by tempo and phase."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+_SLOTS, _USED = 16, 15
+_LEAST = np.float32(1e-18)
+"""No state falls below this: denormal numbers are slow, and nothing is ever impossible."""
+_BINS = 24
+"""Phase bins of a beat in `histogram`."""
+_NEXT = np.array([1, 0, 3, 4, 2, 6, 7, 8, 5, 10, 11, 12, 13, 14, 9, 15])
+_PREVIOUS = np.array([1, 0, 4, 2, 3, 8, 5, 6, 7, 14, 9, 10, 11, 12, 13, 15])
+"""The slot of the beat after and before, in the same metre."""
+_FIRST = np.array([0, 2, 5, 9])
+"""The slot of each metre's downbeat."""
+
+
+@kernel("void(f4[:,::1], i4[::1], i4[::1], i4[::1], f4[:,::1], f4[:,::1], f4[::1], f4[::1], f4[:,::1], f4[:,::1], f4)")
+def advance(
+    state: Float32,
+    head: Int32,
+    offset: Int32,
+    length: Int32,
+    tempo: Float32,
+    metre: Float32,
+    born: Float32,
+    slot_share: Float32,
+    leaving: Float32,
+    entering: Float32,
+    odds: np.float32,
+) -> None:
+    """One frame later: each position is the next one; where a beat ends another begins, perhaps at another tempo.
+
+    state (N, 16): shares of all states, a ring of length[k] rows for interval k from row offset[k] on, position 0 at
+    head[k]. tempo (K, 2R+1) and metre (4, 4): transitions, see Model; born (K,) new grids that begin in this frame;
+    leaving, entering (K, 16): scratch. odds: [0, 1) chance that a beat is any other of its metre.
+    """
+    intervals, reach = length.shape[0], tempo.shape[1] // 2
+    zero, one = np.float32(0.0), np.float32(1.0)
+    slots = np.zeros(_SLOTS, np.float32)
+    for k in range(intervals):
+        head[k] = head[k] - 1 if head[k] > 0 else length[k] - 1
+        row = offset[k] + head[k]
+        for s in range(_SLOTS):
+            leaving[k, s] = state[row, s]
+            entering[k, s] = zero
+    for k in range(intervals):
+        for step in range(2 * reach + 1):
+            other = k + step - reach
+            share = tempo[k, step]
+            if share > zero:
+                for s in range(_SLOTS):
+                    entering[other, s] += share * leaving[k, s]
+    for k in range(intervals):
+        row = offset[k] + head[k]
+        e2, e3, e4, e6 = entering[k, 1], entering[k, 4], entering[k, 8], entering[k, 14]
+        total = zero
+        for s in range(_USED):
+            total += entering[k, s]
+        for s in range(_USED):
+            slots[s] = entering[k, _PREVIOUS[s]]
+        for to in range(4):
+            slots[_FIRST[to]] = e2 * metre[0, to] + e3 * metre[1, to] + e4 * metre[2, to] + e6 * metre[3, to]
+        for s in range(_USED):
+            state[row, s] = (one - odds) * slots[s] + (odds * total + born[k]) * slot_share[s]
+        state[row, _USED] = zero
+
+
+@kernel("void(f4[:,::1], i4[::1], i4[::1], i4[::1], i4[::1], f4[::1], f4[:,::1])")
+def leap(
+    state: Float32, head: Int32, offset: Int32, length: Int32, partner: Int32, slot_share: Float32, odds: Float32
+) -> None:
+    """A few of the beats that begin now go on at half or double the tempo.
+
+    Called after `advance`. partner (2 K,): the interval of half and of double the tempo, -1 where there is none;
+    odds (K, 2): the chance of each.
+    """
+    for k in range(length.shape[0]):
+        row = offset[k] + head[k]
+        for way in range(2):
+            other = partner[2 * k + way]
+            if other >= 0 and odds[k, way] > np.float32(0.0):
+                total = np.float32(0.0)
+                for s in range(_USED):
+                    total += state[row, s]
+                total *= odds[k, way]
+                beside = offset[other] + head[other]
+                for s in range(_USED):
+                    state[beside, s] += total * slot_share[s]
+
+
+@kernel("void(f4[:,::1], i4[::1], i4[::1], i4[::1], f4[::1], f4, f4, f4)")
+def observe(
+    state: Float32,
+    head: Int32,
+    offset: Int32,
+    length: Int32,
+    window: Float32,
+    beat: np.float32,
+    downbeat: np.float32,
+    between: np.float32,
+) -> None:
+    """Weigh the states in whose beat window this frame lies: by `downbeat` for the first of a measure, else `beat`.
+
+    Both are likelihoods relative to a frame without a beat; `between` is that of a frame half way between beats.
+    window (W,): how much of it counts at each position.
+    """
+    one = np.float32(1.0)
+    width = window.shape[0]
+    for k in range(length.shape[0]):
+        for p in range(width):
+            at = head[k] + p
+            row = offset[k] + (at - length[k] if at >= length[k] else at)
+            other = one + window[p] * (beat - one)
+            first = one + window[p] * (downbeat - one)
+            zero, three, four, six = state[row, 0], state[row, 2], state[row, 5], state[row, 9]
+            for s in range(_SLOTS):
+                state[row, s] *= other
+            state[row, 0], state[row, 2], state[row, 5], state[row, 9] = (
+                zero * first,
+                three * first,
+                four * first,
+                six * first,
+            )
+        if between != one:
+            for p in range(width):
+                at = head[k] + p + length[k] // 2
+                row = offset[k] + (at - length[k] if at >= length[k] else at)
+                factor = one + window[p] * (between - one)
+                for s in range(_SLOTS):
+                    state[row, s] *= factor
+
+
+@kernel("void(f4[::1], f4)")
+def rescale(flat: Float32, scale: np.float32) -> None:
+    """Multiply all states, shape (16 N,), by `scale`; none falls below what stays a normal number."""
+    for i in range(flat.shape[0]):
+        flat[i] = max(flat[i] * scale, _LEAST)
+
+
+@kernel("f8(f4[:,::1], i4[::1], i4[::1], i4[::1], f4[:,::1])", fastmath={"reassoc"})
+def tally(state: Float32, head: Int32, offset: Int32, length: Int32, histogram: Float32) -> float:
+    """Count all states by interval and phase of the beat: histogram (K, 24). Returns their sum."""
+    total = 0.0
+    for k in range(length.shape[0]):
+        n = length[k]
+        row, last = offset[k] + head[k], offset[k] + n
+        begin = 0
+        for b in range(_BINS):
+            end = ((b + 1) * n) // _BINS
+            count = np.float32(0.0)
+            for _ in range(begin, end):
+                share = np.float32(0.0)
+                for s in range(_SLOTS):
+                    share += state[row, s]
+                count += share
+                row = row + 1 if row + 1 < last else offset[k]
+            begin = end
+            histogram[k, b] = count
+            total += count
+    return total
+
+
+@kernel("void(f4[:,::1], i4[::1], i4[:,::1], f8[:,::1], f8, f8, f8, i8, f8[::1])")
+def search(
+    histogram: Float32,
+    length: Int32,
+    near: Int32,
+    boxes: Float64,
+    interval: float,
+    phase: float,
+    width: float,
+    side: int,
+    found: Float64,
+) -> None:
+    """Where most of the states are, and how many are near the present grid.
+
+    A place counts what lies within the intervals near[k, 0] ... near[k, 1] - 1 and ± `side` bins of its phase. found
+    gets (interval, phase, share there, share within ± `width` (ratio) and ± `side` bins of (interval, phase)).
+    boxes (K + 1, 24): scratch.
+    """
+    intervals = length.shape[0]
+    present = 0.0
+    for b in range(_BINS):
+        boxes[0, b] = 0.0
+    for k in range(intervals):
+        for b in range(_BINS):
+            share = 0.0
+            for c in range(b - side, b + side + 1):
+                share += histogram[k, c + _BINS if c < 0 else (c - _BINS if c >= _BINS else c)]
+            boxes[k + 1, b] = boxes[k, b] + share
+    best, best_k, best_b = -1.0, 0, 0
+    for k in range(intervals):
+        for b in range(_BINS):
+            share = boxes[near[k, 1], b] - boxes[near[k, 0], b]
+            if share > best:
+                best, best_k, best_b = share, k, b
+    if interval > 0.0:
+        here = int(phase * _BINS) % _BINS
+        for k in range(intervals):
+            if abs(length[k] / interval - 1.0) <= width:
+                present += boxes[k + 1, here] - boxes[k, here]
+    found[0], found[1] = float(length[best_k]), (best_b + 0.5) / _BINS
+    found[2], found[3] = best, present
+
+
+@kernel("void(f4[:,::1], i4[::1], i4[::1], i4[::1], f8, f8, f8, f8, f8[::1], f8[::1])")
+def refine(
+    state: Float32,
+    head: Int32,
+    offset: Int32,
+    length: Int32,
+    interval: float,
+    phase: float,
+    width: float,
+    spread: float,
+    found: Float64,
+    slots: Float64,
+) -> None:
+    """The means over the states near a grid: found gets (interval, how many beats to move the phase, share).
+
+    slots (16,): the share of each slot among them.
+    """
+    total = sum_interval = sum_off = 0.0
+    for s in range(_SLOTS):
+        slots[s] = 0.0
+    for k in range(length.shape[0]):
+        n = length[k]
+        if abs(n / interval - 1.0) > width:
+            continue
+        for p in range(n):
+            off = p / n - phase
+            turn = math.floor(off + 0.5)
+            off -= turn
+            if abs(off) > spread:
+                continue
+            at = head[k] + p
+            row = offset[k] + (at - n if at >= n else at)
+            share = 0.0
+            for s in range(_USED):
+                share += state[row, s]
+            total += share
+            sum_interval += share * n
+            sum_off += share * off
+            # Those that are past the line while the middle is before it (or the other way) belong to another beat.
+            for s in range(_USED):
+                slots[_NEXT[s] if turn > 0.0 else (_PREVIOUS[s] if turn < 0.0 else s)] += state[row, s]
+    found[2] = total
+    if total > 0.0:
+        found[0], found[1], found[2] = sum_interval / total, sum_off / total, total
+        for s in range(_SLOTS):
+            slots[s] /= total

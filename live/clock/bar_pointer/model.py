@@ -1,0 +1,126 @@
+"""Model: the numbers of the bar pointer, and the layout of its states (Krebs, Böck and Widmer, ISMIR 2015).
+
+A state is (interval, position, metre, beat): `interval` frames from beat to beat, `position` frames since the beat's
+window began, and a slot that says which beat of which metre it is. The position advances by one each frame; the
+interval may change only at a beat.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+Float32 = npt.NDArray[np.float32]
+Int32 = npt.NDArray[np.int32]
+
+METRES: Final = (2, 3, 4, 6)
+"""Beats of a measure that are looked for."""
+
+FIRST_SLOT: Final = (0, 2, 5, 9)
+"""The slot of each metre's downbeat; its other beats follow."""
+
+SLOTS: Final = 16
+"""Numbers kept for each (interval, position); the last is never used: sixteen fill the processor's registers."""
+
+WINDOW: Final = 7
+"""Frames in which a beat's activation may lie; the beat is in the middle."""
+
+REACH: Final = 12
+"""Intervals to each side that the tempo can change to at one beat."""
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """What the bar pointer believes before it hears anything. Rates are per frame, shares between 0 and 1."""
+
+    frame_rate: float = 44100.0 / 512.0
+    """Frames of activations per second."""
+    slowest_bpm: float = 38.0
+    fastest_bpm: float = 260.0
+    tempo_bpm: float = 115.0
+    """The middle of the tempi that people tap (log-normal)."""
+    tempo_octaves: float = 0.8
+    tempo_pull: float = 0.0
+    """How much of that preference counts anew each second."""
+    tempo_change: float = 90.0
+    """The larger, the more constant the tempo: a change from i to j frames weighs exp(-x |j / i - 1|)."""
+    octave_change: float = 1e-4
+    """Chance at each beat that the beats turn out to be twice as far apart, or half as far."""
+    birth: float = 2e-5
+    """Chance in each frame that a new grid begins."""
+    metre_change: float = 2e-3
+    """Chance at each measure line that another metre begins."""
+    line_change: float = 2e-4
+    """Chance at each beat that it is any other beat of its metre."""
+    metre_share: tuple[float, float, float, float] = (0.1, 0.2, 0.65, 0.05)
+    """How common the metres are."""
+    beat_share: float = 0.035
+    """Share of frames that hold a beat, as far as the activations are concerned."""
+    downbeat_share: float = 0.010
+    sharpness: float = 0.6
+    """Exponent of the likelihoods: neighbouring frames say much the same thing."""
+    downbeat_sharpness: float = 0.8
+    """Exponent of what is said about downbeats alone."""
+    ratio_max: float = 60.0
+    ratio_min: float = 0.02
+    """Bounds of what one frame can say for or against a beat."""
+    half_beat: float = 0.0
+    """Exponent of the beats' likelihood in the middle between beats: above 0, off-beats are expected to sound."""
+    window: tuple[float, float, float, float, float, float, float] = (0.0, 0.2, 0.8, 1.0, 0.8, 0.2, 0.0)
+    """How much each frame of a beat's window is expected to hold the activation."""
+
+    centre: float = 3.0
+    """Where the beat lies in its window [frames]."""
+    near_tempo: float = 0.08
+    near_phase: float = 0.12
+    """States within this ratio of an interval and this many beats of a phase belong to one grid."""
+    switch_ratio: float = 3.0
+    """A grid is left for another one that has this many times its share of the states ..."""
+    switch_frames: int = 8
+    """... for more than so many frames."""
+    line_ratio: float = 2.0
+    """Another beat of the measure, or another metre, is taken when it has this many times the share."""
+
+    @property
+    def intervals(self) -> Int32:
+        """Frames from beat to beat of each tempo, ascending, shape (K,)."""
+        shortest = round(60.0 * self.frame_rate / self.fastest_bpm)
+        longest = round(60.0 * self.frame_rate / self.slowest_bpm)
+        return np.arange(shortest, longest + 1, dtype=np.int32)
+
+    def tempo_share(self) -> Float32:
+        """How likely each interval is before anything is heard, shape (K,), sum 1."""
+        octaves = np.log2(60.0 * self.frame_rate / self.intervals / self.tempo_bpm)
+        share = np.exp(-0.5 * (octaves / self.tempo_octaves) ** 2) / self.intervals
+        return (share / share.sum()).astype(np.float32)
+
+    def tempo_transitions(self) -> Float32:
+        """From interval k to k - REACH … k + REACH, shape (K, 2 REACH + 1); rows sum to 1."""
+        lengths = self.intervals.astype(np.float64)
+        steps = np.arange(-REACH, REACH + 1)
+        other = lengths[:, None] + steps
+        weight = np.exp(-self.tempo_change * np.abs(other / lengths[:, None] - 1.0))
+        weight[(other < lengths[0]) | (other > lengths[-1])] = 0.0
+        return np.ascontiguousarray(weight / weight.sum(axis=1, keepdims=True), np.float32)
+
+    def metre_transitions(self) -> Float32:
+        """From a measure of one metre to the next one's, shape (4, 4); rows sum to 1."""
+        share = np.array(self.metre_share) / sum(self.metre_share)
+        stay = np.eye(len(METRES)) * (1.0 - self.metre_change)
+        return (stay + self.metre_change * share[None, :]).astype(np.float32)
+
+    def slot_share(self) -> Float32:
+        """How likely each slot is before anything is heard, shape (SLOTS,), sum 1."""
+        share = np.zeros(SLOTS, np.float32)
+        for metre, first, part in zip(METRES, FIRST_SLOT, self.metre_share, strict=True):
+            share[first : first + metre] = part / metre
+        return share / share.sum()
+
+
+def slot_metre(slot: int) -> tuple[int, int]:
+    """(beats of the measure, which of them from 0) of a slot."""
+    for metre, first in zip(METRES, FIRST_SLOT, strict=True):
+        if slot < first + metre:
+            return metre, slot - first
+    raise ValueError(f"slot {slot}: 0 to {FIRST_SLOT[-1] + METRES[-1] - 1} expected")
