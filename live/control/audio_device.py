@@ -1,17 +1,16 @@
-"""AudioInput: a sound device that is listened to: callback → ring → analysis thread → inbox."""
+"""AudioInput: a sound device that is listened to, and goes on being listened to whatever happens to it."""
 
 import threading
 from typing import Any, Final
 
-import numpy as np
-import numpy.typing as npt
-
+from live.base.errors import PersonError
 from live.base.inbox import Inbox
-from live.clock.sample_clock import SampleClock
 from live.clock.source import Clock
 from live.control.audio_analysis import AudioAnalysis
-from live.control.events import ControlEvent, SourceChanged
-from live.control.sound_devices import SoundDevice, close_stream, find_device, open_stream, refresh
+from live.control.channels import Channels
+from live.control.events import ChooseAudio, ControlEvent, RestartAudio, SourceChanged
+from live.control.listening import Listening, MakeAnalysis, open_device
+from live.control.sound_devices import SoundDevice, find_device, refresh
 
 LOST_AFTER: Final = 0.5
 """Seconds without a callback after which the device counts as lost."""
@@ -22,68 +21,21 @@ FIRST_SOUND: Final = 3.0
 RETRY: Final = 2.0
 """Seconds between attempts to open a lost device again."""
 
+CRASHES_APART: Final = 5.0
+"""When the analysis fails twice within so many seconds the device is closed and opened again."""
+
+HUNG_AFTER: Final = 10.0
+"""A thread that has not come round for so many seconds hangs in the sound system; a restart leaves it behind."""
+
 POLL: Final = 0.010
-BLOCK: Final = 512
-RING_SECONDS: Final = 2.0
-CHANNELS: Final = 2
-STAMPS: Final = 512
-
-
-class Ring:
-    """Sound between two threads: the callback writes, the analysis reads; nobody waits.
-
-    Thread: `write` from the callback only, `read` from one other thread. Each side moves only its own counter.
-    """
-
-    def __init__(self, frames: int, channels: int) -> None:
-        self._sound = np.zeros((frames, channels), np.float32)
-        self._stamp_frame = np.zeros(STAMPS, np.int64)
-        self._stamp_time = np.zeros(STAMPS)
-        self.written = 0
-        """Frames written since the start."""
-        self._stamps = 0
-        self._stamps_read = 0
-        self.read_frames = 0
-        """Frames read (or given up) since the start."""
-        self.overrun = 0
-        """Frames that were overwritten before anybody read them."""
-
-    def write(self, block: npt.NDArray[np.float32], time: float) -> None:
-        """Copy a block, shape (n, channels), that was complete at `time` [s]."""
-        size = self._sound.shape[0]
-        block = block[-size:]
-        start = self.written % size
-        first = min(size - start, block.shape[0])
-        self._sound[start : start + first] = block[:first]
-        self._sound[: block.shape[0] - first] = block[first:]
-        self.written += block.shape[0]
-        self._stamp_frame[self._stamps % STAMPS] = self.written
-        self._stamp_time[self._stamps % STAMPS] = time
-        self._stamps += 1
-
-    def stamps(self) -> list[tuple[int, float]]:
-        """(frames written by then, time [s]) of each block since the last call."""
-        until = self._stamps
-        since = max(self._stamps_read, until - STAMPS // 2)
-        self._stamps_read = until
-        return [(int(self._stamp_frame[i % STAMPS]), float(self._stamp_time[i % STAMPS])) for i in range(since, until)]
-
-    def read(self) -> npt.NDArray[np.float32]:
-        """All frames not yet read, shape (n, channels), as a copy; what was overwritten counts as `overrun`."""
-        size, until = self._sound.shape[0], self.written
-        if until - self.read_frames > size // 2:  # the writer may already be at work in the older half
-            self.overrun += until - size // 2 - self.read_frames
-            self.read_frames = until - size // 2
-        block = np.take(self._sound, np.arange(self.read_frames, until) % size, axis=0)
-        self.read_frames = until
-        return block
 
 
 class AudioInput:
-    """Listens to a device and puts BeatHeard and SourceChanged events into an inbox.
+    """Listens to a device and puts what the analysis finds, and SourceChanged, into an inbox.
 
     When no sound arrives for half a second the source is "lost", and the device is opened again, by name, every
-    two seconds until it is "found". Samples that are NaN become silence. The device's own sample rate is used.
+    two seconds until it is "found"; it may come back with another rate or other channels. An analysis that fails is
+    begun anew and counted. Samples that are NaN become silence. `act` takes the events that ask something of it.
     """
 
     def __init__(
@@ -92,27 +44,43 @@ class AudioInput:
         inbox: Inbox[ControlEvent],
         clock: Clock,
         *,
+        channels: Channels = Channels(),  # noqa: B008 - frozen
         latency: float = 0.0,
         source: str = "audio",
+        analysis: MakeAnalysis | None = None,
     ) -> None:
-        """`device` as for `find_device`; `latency` [s] is how long sound takes until it is here (measured by ear).
+        """`device` as for `find_device`; `latency` [s] is how long sound takes from the loudspeakers until it is here.
 
-        Raises SoundUnavailable or UnknownDevice.
+        `analysis` makes what listens, for a sample rate. Raises SoundUnavailable or UnknownDevice, and PersonError if
+        the device lacks the channels.
         """
         self.device: SoundDevice = find_device(device)
+        self.channels = channels
         self.latency = latency
         self.reopened = 0
         """How often the device was opened again."""
+        self.crashes = 0
+        """How often the analysis failed and was begun anew."""
+        self.problem = ""
+        """What is wrong with the sound now, in words; empty if nothing is."""
+        missing = channels.missing(self.device.channels)
+        if missing:
+            raise PersonError(f"{self.device.name}: {missing}", "choose others, see `live devices`")
         self._inbox = inbox
         self._clock = clock
         self._source = source
+        self._analysis: MakeAnalysis = analysis or (lambda rate: AudioAnalysis(rate, source))
         self._stop = threading.Event()
-        self._thread: threading.Thread | None = None
-        self._stream: Any = None
+        self._listening: Listening | None = None
+        self._asked: RestartAudio | ChooseAudio | None = None
         self._level = 0.0
+        self._bad_before = 0
         self._lost = False
-        self._alive_at = self._patience = 0.0
-        self._begin_session()
+        self._alive_at = self._patience = self._round_at = 0.0
+        self._crashed_at = -CRASHES_APART
+        self._thread: threading.Thread | None = None
+
+    # -- any thread ----------------------------------------------------------------------------------------------
 
     @property
     def level(self) -> float:
@@ -121,15 +89,40 @@ class AudioInput:
 
     @property
     def bad_samples(self) -> int:
-        """Samples that were no sound (NaN, infinite, absurd) since the device was opened. Thread: any."""
-        return self._analysis.tracker.bad_samples
+        """Samples that were no sound (NaN, infinite, absurd) since the start. Thread: any."""
+        listening = self._listening
+        now = 0 if listening is None else listening.analysis.tracker.bad_samples + listening.mixer.bad_samples
+        return self._bad_before + now
+
+    def facts(self) -> dict[str, Any]:
+        """What the operator is told of the device, for the status. Thread: any."""
+        listening = self._listening
+        return {
+            "device": self.device.name,
+            "channels": str(self.channels),
+            "sample_rate": self.device.sample_rate if listening is None else listening.sample_rate,
+            "state": "lost" if self._lost else "open",
+            "level": round(self._level, 5),
+            "reopened": self.reopened,
+            "crashes": self.crashes,
+            "bad_samples": self.bad_samples,
+            "overrun": 0 if listening is None else listening.ring.overrun,
+            "problem": self.problem,
+        }
+
+    def act(self, event: ControlEvent) -> None:
+        """Take up RestartAudio and ChooseAudio; other events concern others. Thread: any."""
+        if not isinstance(event, RestartAudio | ChooseAudio):
+            return
+        self._asked = event
+        if self._thread is not None and self._clock.now() - self._round_at > HUNG_AFTER:
+            self._listening = None  # its stream belongs to the thread that hangs, and is left behind with it
+            self._begin_thread()
 
     def start(self) -> None:
         """Open the device and begin to listen; raises sounddevice.PortAudioError if it refuses now."""
         self._open()
-        self._stop.clear()
-        self._thread = threading.Thread(target=self._listen, name="audio analysis", daemon=True)
-        self._thread.start()
+        self._begin_thread()
 
     def stop(self) -> None:
         """End; a device that hangs is left to its thread after two seconds."""
@@ -138,83 +131,82 @@ class AudioInput:
             self._thread.join(timeout=2.0)
             self._thread = None
 
-    def _begin_session(self) -> None:
-        """A fresh ring, line and tracker for the device as it is now."""
-        channels = min(self.device.channels, CHANNELS)
-        self._ring = Ring(int(RING_SECONDS * self.device.sample_rate), channels)
-        self._line = SampleClock(self.device.sample_rate)
-        self._analysis = AudioAnalysis(self.device.sample_rate, self._source)
-        self._skipped = 0
+    def _begin_thread(self) -> None:
+        self._stop.set()
+        self._stop = threading.Event()
+        self._round_at = self._clock.now()
+        self._thread = threading.Thread(target=self._run, args=(self._stop,), name="audio analysis", daemon=True)
+        self._thread.start()
+
+    # -- the thread that listens ---------------------------------------------------------------------------------
+
+    def _run(self, stop: threading.Event) -> None:
+        try:
+            while not stop.wait(POLL):
+                self.turn()
+        finally:
+            if stop is self._stop:
+                self._close()
+
+    def turn(self) -> None:
+        """One round: what was asked, what was heard, what is lost. Never raises. Thread: the one that listens."""
+        now = self._round_at = self._clock.now()
+        try:
+            self._work(now)
+        except Exception as error:  # whatever fails in here, the listening goes on
+            self.crashes += 1
+            self.problem = f"the analysis failed: {type(error).__name__}: {error}"
+            again, self._crashed_at = now - self._crashed_at < CRASHES_APART, now
+            if self._listening is None or again:
+                self._lose(now, self.problem)
+            else:
+                self._listening.begin_analysis(self._listening.ring.read_frames)
+
+    def _work(self, now: float) -> None:
+        asked, self._asked = self._asked, None
+        if asked is not None:
+            self._change(asked, now)
+        listening = self._listening
+        if listening is None:
+            if now - self._alive_at >= RETRY:
+                self._try_again(now)
+            return
+        last = listening.observe()
+        if last is not None:
+            self._alive_at = max(self._alive_at, last)
+            self._patience = LOST_AFTER
+            if self._lost:
+                self._lost = False
+                self._put("found", now, self.device.name)
+            for event in listening.events(self.latency, now):
+                self._inbox.put(event)
+            self._level = listening.analysis.tracker.level
+        if now - self._alive_at > self._patience:
+            self._lose(now, self.device.name)
+
+    def _lose(self, now: float, why: str) -> None:
+        if not self._lost:
+            self._lost = True
+            self._put("lost", now, why)
+        self._level = 0.0
+        self._close()
+        self._alive_at = now
 
     def _open(self) -> None:
-        self._begin_session()
-        ring, clock = self._ring, self._clock
-
-        def callback(block: npt.NDArray[np.float32], _frames: int, _times: Any, _status: Any) -> None:
-            ring.write(block, clock.now())
-
-        self._stream = open_stream(
-            "input",
-            device=self.device.index,
-            samplerate=self.device.sample_rate,
-            blocksize=BLOCK,
-            channels=min(self.device.channels, CHANNELS),
-            dtype="float32",
-            latency="low",
-            callback=callback,
-        )
+        stop = self._stop
+        listening = open_device(self.device, self.channels, self._clock, self._analysis)
+        if stop is not self._stop:  # this thread hung for so long that another one listens now
+            listening.close()
+            return
+        self._listening = listening
+        self.problem = listening.missing
         self._alive_at = self._clock.now()
         self._patience = FIRST_SOUND
 
     def _close(self) -> None:
-        if self._stream is not None:
-            stream, self._stream = self._stream, None
-            close_stream(stream)
-
-    def _listen(self) -> None:
-        try:
-            while not self._stop.wait(POLL):
-                now = self._clock.now()
-                if self._stream is None:
-                    if now - self._alive_at >= RETRY:
-                        self._try_again(now)
-                    continue
-                self._analyse(now)
-                if now - self._alive_at > self._patience:
-                    self._lose(now)
-        finally:
-            self._close()
-
-    def _analyse(self, now: float) -> None:
-        stamps = self._ring.stamps()
-        for frame, time in stamps:
-            self._line.observe(frame, time)
-            self._alive_at = max(self._alive_at, time)
-        if not stamps:
-            return
-        self._patience = LOST_AFTER
-        if self._lost:
-            self._lost = False
-            self._put("found", now, self.device.name)
-        missed = self._ring.overrun
-        block = self._ring.read()
-        if self._ring.overrun != missed:  # this thread stood still for a second: the sound in between is gone
-            self._analysis = AudioAnalysis(self.device.sample_rate, self._source)
-            self._skipped = self._ring.read_frames - block.shape[0]
-        rate, skipped = self.device.sample_rate, self._skipped
-        for event in self._analysis.feed(
-            block, lambda position: self._line.time_of(position * rate + skipped) - self.latency, now
-        ):
-            self._inbox.put(event)
-        self._level = self._analysis.tracker.level
-
-    def _lose(self, now: float) -> None:
-        if not self._lost:
-            self._lost = True
-            self._put("lost", now, self.device.name)
-        self._level = 0.0
-        self._close()
-        self._alive_at = now
+        if self._listening is not None:
+            listening, self._bad_before, self._listening = self._listening, self.bad_samples, None
+            listening.close()
 
     def _try_again(self, now: float) -> None:
         """Look for the device by its name and open it; whatever goes wrong, there is another time."""
@@ -223,10 +215,32 @@ class AudioInput:
             refresh()
             self.device = find_device(self.device.name)
             self._open()
-        except Exception:  # the sound system is coming and going: no error of its may end the listening
-            self._stream = None
+        except Exception as error:  # the sound system is coming and going: no error of its may end the listening
+            self._listening = None
+            self.problem = str(error)
             return
         self.reopened += 1
+
+    def _change(self, asked: RestartAudio | ChooseAudio, now: float) -> None:
+        """Close the device and open it again, or another; if that one is not there, the one that was."""
+        self._lose(now, "opened anew by hand")
+        before = self.device, self.channels
+        refusal = ""
+        if isinstance(asked, ChooseAudio):
+            try:
+                if asked.channels:
+                    self.channels = Channels.of(asked.channels)
+                refresh()
+                if asked.device:
+                    self.device = find_device(asked.device)
+                missing = self.channels.missing(self.device.channels)
+                if missing:
+                    raise PersonError(f"{self.device.name}: {missing}")
+            except Exception as error:
+                refusal = str(error)
+                self.device, self.channels = before
+        self._try_again(now)
+        self.problem = refusal or self.problem
 
     def _put(self, state: str, time: float, detail: str) -> None:
         self._inbox.put(SourceChanged(time=time, source=self._source, state=state, detail=detail))

@@ -1,9 +1,18 @@
 """The sound devices of this machine, through PortAudio, which is loaded only when somebody asks for it."""
 
+import contextlib
+import re
 import threading
+from collections.abc import Iterator
 from dataclasses import dataclass
 from types import ModuleType
-from typing import Any
+from typing import Any, Final
+
+ANSWERS_WITHIN: Final = 5.0
+"""Seconds after which the sound system, asked by somebody else, counts as hung."""
+
+CLOSES_WITHIN: Final = 2.0
+"""Seconds that a stream may take to close before it is left behind."""
 
 _guard = threading.Lock()
 _streams = 0
@@ -53,9 +62,26 @@ def list_output_devices() -> list[SoundDevice]:
     return _list("output")
 
 
+@contextlib.contextmanager
+def _alone() -> Iterator[None]:
+    """One at a time with PortAudio; SoundUnavailable if another thread's call never returns."""
+    if not _guard.acquire(timeout=ANSWERS_WITHIN):
+        raise SoundUnavailable("the sound system does not answer any more; restart it (PulseAudio: pulseaudio -k)")
+    try:
+        yield
+    finally:
+        _guard.release()
+
+
+def lasting_name(name: str) -> str:
+    """A device's name without the number of its card, which changes when it is plugged in again."""
+    return re.sub(r"\s*\(hw:\d+,\d+\)\s*$", "", name).casefold()
+
+
 def find_device(text: str | int | None, kind: str = "input") -> SoundDevice:
     """The device with this index or name, or whose name contains `text` (case does not matter); None: the default.
 
+    An exact name comes first, then the same name on another card (`hw:0,0` and `hw:1,0`), then a part of a name.
     `kind` is "input" or "output". Raises UnknownDevice, which lists what there is.
     """
     devices = _list(kind)
@@ -65,9 +91,11 @@ def find_device(text: str | int | None, kind: str = "input") -> SoundDevice:
         chosen = [device for device in devices if device.index == int(text)]
     else:
         wanted = text.strip().casefold()
-        chosen = [device for device in devices if device.name.casefold() == wanted] or [
-            device for device in devices if wanted and wanted in device.name.casefold()
-        ]
+        chosen = (
+            [device for device in devices if device.name.casefold() == wanted]
+            or [device for device in devices if lasting_name(device.name) == lasting_name(text) != ""]
+            or [device for device in devices if wanted and wanted in device.name.casefold()]
+        )
     if chosen:
         return chosen[0]
     asked = f"no sound {kind}" if text is None else f"no sound {kind} {text!r}"
@@ -83,7 +111,7 @@ def refresh() -> bool:
     Returns whether it was done. Thread: any.
     """
     module = sounddevice()
-    with _guard:
+    with _alone():
         if _streams:
             return False
         module._terminate()
@@ -95,7 +123,7 @@ def open_stream(kind: str, **options: Any) -> Any:
     """Open and start a sounddevice InputStream or OutputStream; PortAudioError if the device refuses. Thread: any."""
     global _streams
     module = sounddevice()
-    with _guard:
+    with _alone():
         stream = (module.InputStream if kind == "input" else module.OutputStream)(**options)
         try:
             stream.start()
@@ -107,7 +135,13 @@ def open_stream(kind: str, **options: Any) -> Any:
 
 
 def close_stream(stream: Any) -> None:
-    """Stop and close a stream of `open_stream`, dead or alive. Thread: any."""
+    """Stop and close a stream of `open_stream`, dead or alive; one that hangs is left behind. Thread: any."""
+    closing = threading.Thread(target=_close, args=(stream,), name="closes a sound device", daemon=True)
+    closing.start()
+    closing.join(CLOSES_WITHIN)
+
+
+def _close(stream: Any) -> None:
     global _streams
     try:
         stream.abort(ignore_errors=True)
@@ -119,7 +153,7 @@ def close_stream(stream: Any) -> None:
 
 def _list(kind: str) -> list[SoundDevice]:
     module = sounddevice()
-    with _guard:
+    with _alone():
         try:
             hosts, found = module.query_hostapis(), module.query_devices()
             default = module.default.device[0 if kind == "input" else 1]

@@ -1,4 +1,4 @@
-"""Listening to a device: the ring, and a real input over PulseAudio, with music, without, and gone."""
+"""Listening to a device: a real input over PulseAudio, with music, without, and gone."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,50 +9,12 @@ import pytest
 from live.base.inbox import Inbox
 from live.clock.follow import TimelineFollower
 from live.clock.source import SystemClock
-from live.control.audio_device import AudioInput, Ring
+from live.control.audio_device import AudioInput
 from live.control.events import BeatHeard, ControlEvent, SourceChanged
 from tests.clock.clicks import groove
 from tests.control.conftest import PulseSink
 from tests.control.test_music_file import write_wav
 from tests.control.waiting import wait_for
-
-
-def test_what_is_written_is_read_once_and_in_order() -> None:
-    ring, sound, read = Ring(1000, 2), np.arange(9000, dtype=np.float32), []
-    sizes = np.random.default_rng(0).integers(1, 250, 60)
-    start = 0
-    for size in sizes:
-        block = sound[start : start + size]
-        ring.write(np.stack([block, -block], axis=1), 0.0)
-        start += size
-        read.append(ring.read())
-    both = np.concatenate(read)
-    assert np.array_equal(both[:, 0], sound[:start])
-    assert np.array_equal(both[:, 1], -sound[:start])
-    assert ring.overrun == 0
-
-
-def test_a_reader_that_slept_loses_the_oldest_and_knows_it() -> None:
-    ring = Ring(1000, 1)
-    for start in range(0, 5000, 100):
-        ring.write(np.arange(start, start + 100, dtype=np.float32)[:, None], start / 1000.0)
-    assert ring.read()[:, 0].tolist() == list(range(4500, 5000))
-    assert ring.overrun == 4500
-    assert ring.read().shape == (0, 1)
-
-
-def test_stamps_say_when_how_much_was_there() -> None:
-    ring = Ring(1000, 1)
-    ring.write(np.zeros((64, 1), np.float32), 1.0)
-    ring.write(np.zeros((64, 1), np.float32), 2.0)
-    assert ring.stamps() == [(64, 1.0), (128, 2.0)]
-    assert ring.stamps() == []
-
-
-def test_a_block_longer_than_the_ring_leaves_its_end() -> None:
-    ring = Ring(10, 1)
-    ring.write(np.arange(25, dtype=np.float32)[:, None], 0.0)
-    assert ring.read()[:, 0].tolist() == [20, 21, 22, 23, 24]
 
 
 class Listener:

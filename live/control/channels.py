@@ -1,0 +1,155 @@
+"""Channels: which channels of a sound device are listened to, and how they become one."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.errors import PersonError
+
+Float32 = npt.NDArray[np.float32]
+
+MOST: Final = 128
+"""No card has more channels."""
+
+MUTE: Final = 1e-4
+"""A channel with less than this share of the loudest one's power (-40 dB) is mute and does not count."""
+
+STILL_HEARD: Final = 1e-5
+"""... and one that counted goes on to count down to this share."""
+
+MEMORY: Final = 0.3
+"""Seconds over which a channel's power is averaged."""
+
+OPPOSED: Final = 0.02
+"""When the mean of the channels has less than this share of their power, they cancel: one of them is taken alone."""
+
+AGREED: Final = 0.1
+"""... until it has this share again."""
+
+LOUDEST: Final = 64.0
+"""Samples beyond this are no sound but a fault (full scale is 1)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Channels:
+    """A choice of channels by their numbers from 0; none: all that there are."""
+
+    numbers: tuple[int, ...] = (0, 1)
+
+    @staticmethod
+    def of(words: str | Sequence[int]) -> "Channels":
+        """`3`, `5,6` or `all`, or a list of numbers; they count from 1. PersonError for anything else."""
+        if isinstance(words, str):
+            if words.strip().casefold() in ("all", "mix", "*"):
+                return Channels(())
+            if not re.fullmatch(r"\s*\d{1,3}(\s*[,+ ]\s*\d{1,3})*\s*", words):
+                raise _refused(words)
+            words = [int(number) for number in re.findall(r"\d+", words)]
+        if not words or any(isinstance(n, bool) or not 1 <= n <= MOST for n in words) or len(words) != len(set(words)):
+            raise _refused(words)
+        return Channels(tuple(number - 1 for number in words))
+
+    def __str__(self) -> str:
+        return ",".join(str(number + 1) for number in self.numbers) or "all"
+
+    def among(self, available: int) -> tuple[int, ...]:
+        """Those of a device with `available` channels; all of its own, up to two, if it has none of the chosen."""
+        if not self.numbers:
+            return tuple(range(available))
+        there = tuple(number for number in self.numbers if number < available)
+        return there or tuple(range(min(available, 2)))
+
+    def missing(self, available: int) -> str:
+        """Which of the chosen channels a device with `available` channels lacks, in words; empty if none.
+
+        Of the usual choice, the first two, one is enough.
+        """
+        lacking = [str(number + 1) for number in self.numbers if number >= available]
+        if not lacking or (self == Channels() and available):
+            return ""
+        return f"no channel {', '.join(lacking)} among {available}"
+
+
+def _refused(words: object) -> PersonError:
+    return PersonError(f"channels {str(words)[:60]!r}: numbers from 1 to {MOST}, or all, expected", "3, or 5,6, or all")
+
+
+class Mixer:
+    """Brings the chosen channels of blocks down to one; a mute channel does not halve the level.
+
+    The mean is over the channels that are not mute; if they cancel each other (one of a pair wired the wrong way
+    round), the loudest alone is taken. Changes are faded over a block.
+    """
+
+    def __init__(self, chosen: Sequence[int], sample_rate: float, longest: int) -> None:
+        """`chosen`: channels from 0; `longest`: frames of a block at most."""
+        count = len(chosen)
+        self._chosen = np.array(chosen, np.intp)
+        self._sample_rate = sample_rate
+        self._picked: Float32 = np.zeros((longest, count), np.float32)
+        self._mono: Float32 = np.zeros(longest, np.float32)
+        self._block_power: Float32 = np.zeros(count, np.float32)
+        self._power = np.zeros(count)
+        self._mean_power = 0.0
+        self._opposed = False
+        self._mean: Float32 = np.full(count, 1.0 / count, np.float32)
+        self._weights: Float32 = self._mean.copy()
+        self.bad_samples = 0
+        """Samples that were no sound and became 0, if there is more than one channel; of one the tracker counts."""
+
+    def mix(self, block: Float32) -> Float32:
+        """One channel, shape (n,), of a block of shape (n, channels of the device), valid until the next call."""
+        picked = self._picked[: block.shape[0]]
+        np.take(block, self._chosen, axis=1, out=picked, mode="clip")
+        if picked.shape[1] == 1 or not picked.shape[0]:
+            return picked[:, 0]
+        self._measure(picked)
+        mono = self._mono[: picked.shape[0]]
+        np.dot(picked, self._mean, out=mono)
+        self._compare(float(np.dot(mono, mono)) / mono.shape[0], mono.shape[0])
+        wanted = self._wanted()
+        if np.array_equal(wanted, self._weights):
+            if self._opposed:
+                np.dot(picked, wanted, out=mono)
+            return mono
+        fade = np.linspace(0.0, 1.0, mono.shape[0], dtype=np.float32)
+        mono[:] = (picked @ self._weights) * (1.0 - fade) + (picked @ wanted) * fade
+        self._weights = wanted.copy()
+        return mono
+
+    def _measure(self, picked: Float32) -> None:
+        np.einsum("nc,nc->c", picked, picked, out=self._block_power)
+        if not float(self._block_power.max()) <= LOUDEST**2:  # NaN too
+            bad = ~(np.abs(picked) <= LOUDEST)
+            self.bad_samples += int(np.count_nonzero(bad))
+            picked[bad] = 0.0
+            np.einsum("nc,nc->c", picked, picked, out=self._block_power)
+        count = picked.shape[0]
+        share = min(count / (MEMORY * self._sample_rate), 1.0)
+        self._power += share * (self._block_power / count - self._power)
+
+    def _compare(self, mean_power: float, count: int) -> None:
+        share = min(count / (MEMORY * self._sample_rate), 1.0)
+        self._mean_power += share * (mean_power - self._mean_power)
+        whole = float(self._power.max())
+        if whole > 0.0:
+            self._opposed = self._mean_power < (AGREED if self._opposed else OPPOSED) * whole
+
+    def _wanted(self) -> Float32:
+        """The weights that the powers ask for; `_mean` follows with those of the channels that are not mute."""
+        loudest = float(self._power.max())
+        heard = self._power > np.where(self._mean > 0.0, STILL_HEARD, MUTE) * loudest
+        if not heard.any():
+            return self._weights
+        mean = (heard / np.count_nonzero(heard)).astype(np.float32)
+        if not np.array_equal(mean, self._mean):
+            self._mean = mean
+        if not self._opposed:
+            return self._mean
+        alone = np.zeros_like(self._mean)
+        alone[int(np.argmax(self._power))] = 1.0
+        return alone
