@@ -32,10 +32,11 @@ die() {
 
 # --- system packages -----------------------------------------------------------------------------------------------
 # "a|b" = b where a is not known (names differ between releases). Windows: GLFW loads the libX* by name at run time.
-apt_play="libegl1 libgl1 libasound2t64|libasound2 libportaudio2 libx11-6 libxcursor1 libxi6 libxinerama1 libxrandr2"
+apt_play="libegl1 libgl1 libasound2t64|libasound2 libportaudio2 libatomic1
+  libx11-6 libxcursor1 libxi6 libxinerama1 libxrandr2"
 apt_test="xserver-xorg-core xserver-xorg-video-dummy x11-xserver-utils xdotool imagemagick
   pulseaudio pulseaudio-utils libasound2-plugins liblo-tools"
-dnf_play="libglvnd-egl libglvnd-glx mesa-libEGL mesa-libGL mesa-dri-drivers alsa-lib portaudio
+dnf_play="libglvnd-egl libglvnd-glx mesa-libEGL mesa-libGL mesa-dri-drivers alsa-lib portaudio libatomic
   libX11 libXcursor libXi libXinerama libXrandr"
 dnf_test="xorg-x11-server-Xorg xorg-x11-drv-dummy xrandr xdotool ImageMagick pulseaudio pulseaudio-utils
   alsa-plugins-pulseaudio liblo"
@@ -224,11 +225,16 @@ install_python_packages() {
   fi
   groups=--no-dev
   [ "$mode" = play ] || groups="--group=dev"
+  sync_packages --extra=link "$groups" && return 0
+  say "setup: once more without Ableton Link, of which not every machine has a wheel"
+  sync_packages "$groups" || die "could not install the locked packages; the message above says why"
+}
+
+sync_packages() {
   # --compile-bytecode: starting must not wait for the compiler of Python either.
   # --inexact: what else you installed in .venv stays, so `make play` does not undo `make test`.
   env -u VIRTUAL_ENV UV_PYTHON_DOWNLOADS=never UV_PROJECT_ENVIRONMENT="$PWD/.venv" \
-    .venv/bin/uv sync --frozen --inexact --compile-bytecode --python "$PWD/.venv/bin/python" "$groups" >&2 ||
-    die "could not install the locked packages; the message above says why"
+    .venv/bin/uv sync --frozen --inexact --compile-bytecode --python "$PWD/.venv/bin/python" "$@" >&2
 }
 
 # --- all of it -----------------------------------------------------------------------------------------------------

@@ -17,6 +17,8 @@ from live.cli.quiet import quiet_stderr
 State = Literal["ok", "limited", "missing"]
 OSC_ADDRESS = ("127.0.0.1", 9010)
 OLDEST_OPENGL = 410
+EXTRAS = {"linkpython-extern": "Ableton Link"}
+"""What a show lacks without an optional package."""
 _OTHER_PYTHON = "take Python 3.11 or 3.12: make clean play PYTHON=python3.12"
 
 
@@ -53,7 +55,9 @@ def check_packages() -> Iterator[Check]:
         try:
             yield Check(name, "ok", importlib.metadata.version(name), needed=not optional)
         except importlib.metadata.PackageNotFoundError:
-            if optional:
+            if "extra ==" in requirement:
+                yield Check(name, "limited", f"not installed: no {EXTRAS.get(name, 'such part')}", "make play")
+            elif optional:
                 detail = f"not for this Python ({requirement.partition(';')[2].strip()})"
                 yield Check(name, "limited", detail, _OTHER_PYTHON)
             else:

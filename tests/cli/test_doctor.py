@@ -4,6 +4,7 @@ import errno
 import json
 import socket
 import subprocess
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
 import pytest
@@ -84,6 +85,16 @@ def test_a_package_that_this_python_does_not_take_is_a_limit(monkeypatch: pytest
     (found,) = checks.check_packages()
     assert (found.state, found.needed) == ("limited", False)
     assert 'python_version < "3.13"' in found.detail
+
+
+def test_without_ableton_link_shows_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    def not_there(name: str) -> str:
+        raise PackageNotFoundError
+
+    monkeypatch.setattr("importlib.metadata.requires", lambda name: ['linkpython-extern>=1.3; extra == "link"'])
+    monkeypatch.setattr("importlib.metadata.version", not_there)
+    (found,) = checks.check_packages()
+    assert (found.state, found.detail) == ("limited", "not installed: no Ableton Link")
 
 
 def test_portaudio_that_is_not_installed_names_its_package(monkeypatch: pytest.MonkeyPatch) -> None:

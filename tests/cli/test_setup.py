@@ -40,6 +40,7 @@ esac
 """
 UV = """#!/bin/sh
 echo "uv $*" >>"$LOG"
+case "$*" in *--extra=link*) [ -z "$FAKE_NO_LINK" ] || exit 1 ;; esac
 cp "$MACHINE/fake-live" .venv/bin/live
 """
 LIVE = """#!/bin/sh
@@ -131,6 +132,7 @@ def machine(tmp_path: Path) -> Machine:
         "FAKE_PYTHON": "3.11",
         "FAKE_UNKNOWN": "libasound2t64",
         "FAKE_UNINSTALLABLE": "",
+        "FAKE_NO_LINK": "",
     }
     made = Machine(tmp_path, environment)
     made.add("python3", PYTHON)
@@ -153,8 +155,8 @@ def _make_root(machine: Machine) -> None:
 
 
 APT_LINE = (
-    "  sudo apt-get install --no-install-recommends libegl1 libgl1 libasound2 libportaudio2 libx11-6 libxcursor1 libxi6"
-    " libxinerama1 libxrandr2 python3.11-venv"
+    "  sudo apt-get install --no-install-recommends libegl1 libgl1 libasound2 libportaudio2 libatomic1"
+    " libx11-6 libxcursor1 libxi6 libxinerama1 libxrandr2 python3.11-venv"
 )
 
 
@@ -187,8 +189,8 @@ def test_what_is_installed_is_not_asked_for(debian: Machine) -> None:
     for package in ("libegl1", "libasound2t64", "python3.11-venv"):
         (debian.home / "installed" / package).touch()
     assert debian.run("play", code=1).splitlines()[-1] == (
-        "  sudo apt-get install --no-install-recommends libgl1 libportaudio2 libx11-6 libxcursor1 libxi6 libxinerama1"
-        " libxrandr2"
+        "  sudo apt-get install --no-install-recommends libgl1 libportaudio2 libatomic1 libx11-6 libxcursor1 libxi6"
+        " libxinerama1 libxrandr2"
     )
 
 
@@ -211,6 +213,14 @@ def test_without_any_package_manager_it_goes_on(machine: Machine) -> None:
     assert any(line.startswith("uv sync") for line in machine.log())
 
 
+def test_without_a_wheel_of_link_everything_else_is_installed(debian: Machine) -> None:
+    _make_root(debian)
+    assert "without Ableton Link" in debian.run("play", FAKE_NO_LINK="yes")
+    first, second = (line for line in debian.log() if line.startswith("uv sync"))
+    assert "--extra=link" in first
+    assert "--extra" not in second
+
+
 def test_as_root_all_is_installed_once(debian: Machine) -> None:
     _make_root(debian)
     debian.run("play")
@@ -222,7 +232,7 @@ def test_as_root_all_is_installed_once(debian: Machine) -> None:
     assert python[:2] == ["python -m venv .venv", "python -m pip --version"]
     assert python[2].startswith("python -m pip install")
     assert python[3].startswith("uv sync --frozen --inexact")
-    assert python[3].endswith("--no-dev")
+    assert python[3].endswith("--extra=link --no-dev")
     assert python[4].startswith("live warm --stamp")
 
     debian.run("play")
