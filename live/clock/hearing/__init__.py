@@ -1,1 +1,1 @@
-"""Sound in, beat and downbeat activations out: what one hears in each frame of 11.6 ms, before any rhythm is made of it."""
+"""Sound in, beat and downbeat activations out: what is heard in each frame, before any rhythm is made of it."""

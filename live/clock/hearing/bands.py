@@ -60,7 +60,7 @@ LAGS: Final = np.repeat(np.array([ear.lag for ear in EARS], np.int32), BANDS)
 
 
 def window_length(ear: Ear, sample_rate: float) -> int:
-    """Samples of an ear's window at `sample_rate` [Hz]: the nearest length with prime factors up to 7 (fast Fourier)."""
+    """Samples of an ear's window at `sample_rate` [Hz]: the nearest even length without prime factors above 7."""
     wanted = ear.window * sample_rate / BASE_RATE
     for off in range(round(wanted)):
         for length in (round(wanted) - off, round(wanted) + off):

@@ -84,7 +84,8 @@ def follow_level(bands: Floats, level: float) -> float:
         mean += float(bands[band])
     mean /= bands.shape[0]
     level += (LEVEL_RISE if mean > level else LEVEL_FALL) * (mean - level)
-    return max(level, mean / LEVEL_JUMP, LEVEL_FLOOR)
+    louder: float = max(level, mean / LEVEL_JUMP, LEVEL_FLOOR)
+    return louder
 
 
 @kernel("void(f4[::1],f8,i4[::1],f4[:,::1],i8,f4[::1])")
@@ -103,3 +104,64 @@ def look(bands: Floats, level: float, lags: Ints, past: Floats, frame: int, out:
         out[band] = value
         before = past[(frame - lags[band]) % rows, band]
         out[count + band] = max(value - before, np.float32(0.0))
+
+
+@kernel("void(f4[::1],i8,i8,f4[:,::1],f4[::1],i8,f4[::1],i8)")
+def filter_bands(
+    seen: Floats, first: int, bands: int, weight: Floats, bias: Floats, stride: int, out: Floats, at: int
+) -> None:
+    """One ear's filters along frequency: weight (2 span, channels) over levels and rises, into out[at:].
+
+    The same filters look at every `stride`-th place of the ear's bands, seen[first : first + bands]; negative
+    results become 0.
+    """
+    channels = weight.shape[1]
+    span = weight.shape[0] // 2
+    count = seen.shape[0] // 2
+    for place in range((bands - span) // stride + 1):
+        start = at + place * channels
+        for channel in range(channels):
+            out[start + channel] = bias[channel]
+        for index in range(span):
+            level = seen[first + place * stride + index]
+            for channel in range(channels):
+                out[start + channel] += level * weight[index, channel]
+            rise = seen[count + first + place * stride + index]
+            if rise > 0.0:
+                for channel in range(channels):
+                    out[start + channel] += rise * weight[span + index, channel]
+        for channel in range(channels):
+            out[start + channel] = max(out[start + channel], np.float32(0.0))
+
+
+@kernel("void(f4[::1],f4[:,::1],f4[::1],f4[::1])")
+def layer(values: Floats, weight: Floats, bias: Floats, out: Floats) -> None:
+    """values (I,) through weight (I, O) and bias (O,), into out (O,)."""
+    for column in range(out.shape[0]):
+        out[column] = bias[column]
+    for row in range(values.shape[0]):
+        value = values[row]
+        if value != 0.0:
+            for column in range(out.shape[0]):
+                out[column] += value * weight[row, column]
+
+
+@kernel("void(f4[::1])")
+def rectify(values: Floats) -> None:
+    """Negative values become 0."""
+    for index in range(values.shape[0]):
+        values[index] = max(values[index], np.float32(0.0))
+
+
+@kernel("void(f4[::1],f4[::1],f4[::1],f4[::1])")
+def remember(asked: Floats, recalled: Floats, bias: Floats, memory: Floats) -> None:
+    """Gates of one recurrent layer: memory (U,) after a frame, from its input's and its memory's shares (3 U,).
+
+    The order is update, reset, candidate; `bias` (U,) is added to the candidate's recalled share before the reset.
+    """
+    units = memory.shape[0]
+    for unit in range(units):
+        update = 1.0 / (1.0 + math.exp(-(asked[unit] + recalled[unit])))
+        reset = 1.0 / (1.0 + math.exp(-(asked[units + unit] + recalled[units + unit])))
+        new = math.tanh(asked[2 * units + unit] + reset * (recalled[2 * units + unit] + bias[unit]))
+        memory[unit] = new + update * (memory[unit] - new)

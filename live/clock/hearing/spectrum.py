@@ -1,5 +1,6 @@
 """Spectrum: a stream of samples of any rate and block size, cut into frames of band magnitudes."""
 
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -41,7 +42,7 @@ class Spectrum:
         self._spectrum = [np.zeros(length // 2 + 1, np.complex64) for length in lengths]
         self._filters = [filters(ear, sample_rate, length) for ear, length in zip(EARS, lengths, strict=True)]
         edges = np.cumsum((0, *BANDS))
-        self._out = [self.bands[low:high] for low, high in zip(edges[:-1], edges[1:], strict=True)]
+        self._out = [self.bands[low:high] for low, high in pairwise(edges)]
 
     @property
     def next_end(self) -> int:
@@ -55,7 +56,7 @@ class Spectrum:
 
     def take(self, samples: Samples, start: int) -> int:
         """Take samples[start:], shape (n,), up to the end of the frame; returns how many were taken."""
-        taken = min(self.wanted, samples.shape[0] - start)
+        taken: int = min(self.wanted, samples.shape[0] - start)
         self.bad_samples += int(append(self._history, samples, start, taken))
         self.fed += taken
         return taken
@@ -65,7 +66,7 @@ class Spectrum:
         self.level = level_of(self._history, int(self.hop))
         for index, window in enumerate(self._windows):
             cut(self._history, window, 0, self._cut[index])
-            np.fft.rfft(self._cut[index], out=self._spectrum[index])
+            np.fft.rfft(self._cut[index], out=self._spectrum[index])  # type: ignore[arg-type] # its stub knows no complex64
             kept = self._filters[index]
             band_magnitudes(self._spectrum[index], kept.start, kept.offset, kept.weight, self._out[index])
         self.frames += 1

@@ -1,0 +1,1 @@
+"""Training music for the beat network: composed from rules, sounded by General MIDI fonts, annotated exactly."""

@@ -1,0 +1,144 @@
+"""python -m training.train DATA --out live/clock/hearing/weights.npz --seed S: train the beat network and write it.
+
+The same data and seed give the same weights (on one machine and one version of JAX). See README.md for the recipe.
+"""
+
+import argparse
+import json
+import queue
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Final
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optax
+
+from training import network, validation
+from training.examples import Batch, batches
+from training.features import Item, read_items
+
+LANES: Final = 32
+FRAMES: Final = 1000
+RATE: Final = 2.5e-3
+WARM_UP: Final = 60
+CLIP: Final = 1.0
+AVERAGE: Final = 0.995
+"""Share of the old in the running mean of the weights, which is what is kept."""
+WEIGHT_BEAT: Final = 2.0
+"""How much more a frame on a beat counts; a downbeat twice as much more."""
+WEIGHT_PHASE: Final = 0.15
+
+
+def loss(weights: network.Weights, batch: Any, memory: jax.Array) -> tuple[jax.Array, Any]:
+    """(loss, (memory after, its parts)): cross-entropy of the classes, squared error of the phases."""
+    look, classes, phases, known = batch
+    logits, phase, memory = network.forward(weights, look, memory)
+    logs = jax.nn.log_softmax(logits)
+    both = jnp.logaddexp(logs[..., 1], logs[..., 2])
+    any_beat = classes[..., 1] + classes[..., 2]
+    weight = 1.0 + WEIGHT_BEAT * any_beat + WEIGHT_BEAT * classes[..., 2]
+    full = -(classes * logs).sum(-1)
+    only_beats = -(classes[..., 0] * logs[..., 0] + any_beat * both)
+    each = jnp.where(known[..., 1] > 0.5, full, only_beats) * weight * known[..., 0]
+    entropy = each.sum() / (known[..., 0].sum() + 1.0)
+    error = (phase - phases) ** 2
+    off = (error[..., :2].sum(-1) * known[..., 2]).sum() / (known[..., 2].sum() + 1.0)
+    off_measure = (error[..., 2:].sum(-1) * known[..., 3]).sum() / (known[..., 3].sum() + 1.0)
+    return entropy + WEIGHT_PHASE * (off + off_measure), (memory, jnp.stack([entropy, off, off_measure]))
+
+
+def ahead(source: Iterator[Batch], count: int = 3) -> Iterator[Batch]:
+    """The same batches, made in another thread a few ahead."""
+    waiting: queue.Queue[Batch] = queue.Queue(count)
+
+    def work() -> None:
+        for batch in source:
+            waiting.put(batch)
+
+    threading.Thread(target=work, daemon=True).start()
+    while True:
+        yield waiting.get()
+
+
+def train(
+    items: list[Item], held_out: list[Item], seed: int, steps: int, start: network.Weights | None = None,
+    report_every: int = 200, deadline: float = float("inf"), out: Path | None = None,
+) -> network.Weights:
+    """Weights after `steps` steps of Adam under a cosine; `start` goes on from other weights."""
+    weights = network.initial(seed) if start is None else start
+    schedule = optax.warmup_cosine_decay_schedule(0.0, RATE, WARM_UP, steps, RATE * 0.01)
+    optimiser = optax.chain(optax.clip_by_global_norm(CLIP), optax.adamw(schedule, weight_decay=1e-4))
+    moments = optimiser.init(weights)
+    mean = weights
+
+    @jax.jit
+    def update(weights: Any, moments: Any, mean: Any, memory: Any, batch: Any, fresh: Any, number: Any) -> Any:
+        memory = jnp.where(fresh[None, :, None], 0.0, memory)
+        (_, (memory, parts)), gradient = jax.value_and_grad(loss, has_aux=True)(weights, batch, memory)
+        change, moments = optimiser.update(gradient, moments, weights)
+        weights = optax.apply_updates(weights, change)
+        share = jnp.minimum(AVERAGE, (1.0 + number) / (10.0 + number))
+        mean = jax.tree.map(lambda a, b: share * a + (1.0 - share) * b, mean, weights)
+        return weights, moments, mean, memory, parts
+
+    memory = network.state(LANES)
+    began, told = time.monotonic(), []
+    for number, batch in enumerate(ahead(batches(items, LANES, FRAMES, seed))):
+        arrays = (batch.look, batch.classes, batch.phases, batch.known)
+        weights, moments, mean, memory, parts = update(weights, moments, mean, memory, arrays, batch.fresh, number)
+        told.append(np.asarray(parts))
+        if number % 25 == 24:
+            print(number + 1, f"{time.monotonic() - began:.0f} s", np.round(np.mean(told, 0), 4), flush=True)
+            told = []
+        last = number + 1 >= steps
+        if (number + 1) % report_every == 0 or last:
+            print(validation.report(mean, held_out, brief=not last), flush=True)
+            if out is not None:
+                save(mean, out, {"seed": seed, "steps": number + 1})
+        if last:
+            break
+    return mean
+
+
+def save(weights: network.Weights, path: Path, facts: dict[str, Any]) -> None:
+    """Write the engine's part of the weights as float16, with what made them."""
+    kept = {name: np.asarray(value, np.float16) for name, value in weights.items()}
+    recipe = {
+        "recipe": "training.train", "lanes": LANES, "frames": FRAMES, "rate": RATE, "average": AVERAGE,
+        "span": network.SPAN, "stride": network.STRIDE, "units": network.UNITS, **facts,
+    }
+    text = np.frombuffer(json.dumps(recipe).encode(), np.uint8)
+    partial = path.with_suffix(".part.npz")
+    np.savez_compressed(partial, recipe=text, **kept)
+    partial.rename(path)
+
+
+def load(path: Path) -> network.Weights:
+    """Weights written by `save`."""
+    with np.load(path) as kept:
+        return {name: jnp.asarray(kept[name], jnp.float32) for name in kept.files if name != "recipe"}
+
+
+def main() -> None:
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("data", type=Path, nargs="+")
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--steps", type=int, default=2000)
+    parser.add_argument("--start", type=Path)
+    parser.add_argument("--report-every", type=int, default=250)
+    options = parser.parse_args()
+    items = [item for folder in options.data for item in read_items(folder)]
+    learned, held_out = validation.split(items)
+    print(len(learned), "items to learn from,", len(held_out), "held out", flush=True)
+    start = load(options.start) if options.start else None
+    train(learned, held_out, options.seed, options.steps, start, options.report_every, out=options.out)
+
+
+if __name__ == "__main__":
+    main()
