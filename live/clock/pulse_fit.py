@@ -1,0 +1,136 @@
+"""PulseFit: the curve through the times of numbered pulses, over as long a stretch as one curve explains.
+
+A bank of straight lines (a steady tempo) and parabolas (a tempo that changes evenly) over the last 4 to 384 pulses.
+The one that predicts best is taken among those that the newest pulses do not contradict: long windows for a steady
+sender, short ones while the tempo moves (Lepski's method of choosing a bandwidth; Goldenshluger and Nemirovski, "On
+spatially adaptive estimation of nonparametric regression", 1997).
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+Times = npt.NDArray[np.float64]
+
+LINES: Final = (4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 72, 96, 144, 192, 288, 384)
+PARABOLAS: Final = (32, 48, 64, 96, 128, 192)
+"""Lengths of the windows [pulses]."""
+
+RECENT: Final = np.array((4, 6, 8, 12, 16, 24, 32, 48, 64, 96))
+"""Over so many newest pulses the mean residual of a curve must be no more than chance."""
+
+AHEAD: Final = 12.0
+"""Curves are compared by how well they tell the time of the pulse half a beat ahead."""
+
+CONTRADICTED: Final = np.array((4.2, 3.8, 3.5, 3.2, 3.0, 2.8, 2.7, 2.7, 2.7, 2.7))
+"""Standard errors of each mean residual that contradict a curve; few pulses scatter with a long tail."""
+
+_HANKEL: Final = np.array(((0, 1, 2), (1, 2, 3), (2, 3, 4)))
+
+NOISE_MIN: Final = 2e-4
+"""What arrival times scatter at least [s]; below this no curve is refused."""
+
+NOISE_WINDOW: Final = 96
+SPREAD_OF_SECOND_DIFFERENCES: Final = 2.05
+"""Standard deviation of white noise's second differences, largest tenth left out, in units of the noise's own."""
+
+
+@dataclass(frozen=True, slots=True)
+class PulseFit:
+    """time(n) = time + period · x + bend · x² with x = n − number."""
+
+    number: int
+    time: float
+    """Seconds at pulse `number`, the last one that was fitted."""
+    period: float
+    """Seconds from pulse to pulse at that moment."""
+    bend: float
+    noise: float
+    """How far arrivals scatter about the curve [s]."""
+    count: int
+    """Pulses that were fitted."""
+
+    def time_of(self, number: float) -> float:
+        """When pulse `number` falls [s]; a bend is not believed for longer than a beat."""
+        x = number - self.number
+        if x <= 24.0:
+            return self.time + self.period * x + self.bend * x * x
+        return self.time_of(self.number + 24.0) + self.period_at(number) * (x - 24.0)
+
+    def period_at(self, number: float) -> float:
+        """Seconds from pulse to pulse at `number`, never less than half of today's."""
+        return max(self.period + 2.0 * self.bend * min(number - self.number, 24.0), 0.5 * self.period)
+
+
+def _variance_ahead(length: npt.NDArray[np.float64], degree: int) -> npt.NDArray[np.float64]:
+    """Variance of a prediction `AHEAD` pulses beyond a window, for white noise of variance 1 (Legendre polynomials)."""
+    x = 1.0 + 2.0 * AHEAD / length
+    value = 1.0 + 3.0 * x**2
+    if degree == 2:
+        value += 5.0 * ((3.0 * x**2 - 1.0) / 2.0) ** 2
+    return np.asarray(value / length)
+
+
+def noise_of(numbers: npt.NDArray[np.int64], times: Times) -> float:
+    """How far arrivals scatter [s], from second differences: a tempo that moves hardly shows in them."""
+    numbers, times = numbers[-NOISE_WINDOW:], times[-NOISE_WINDOW:]
+    bends = np.diff(times, 2)[(numbers[2:] - numbers[:-2]) == 2]
+    if bends.size < 4:
+        return NOISE_MIN
+    squares = np.sort(bends * bends)[: max(bends.size - bends.size // 10, 4)]
+    return max(float(np.sqrt(squares.mean())) / SPREAD_OF_SECOND_DIFFERENCES, NOISE_MIN)
+
+
+def fit(numbers: npt.NDArray[np.int64], times: Times, weights: Times, noise: float) -> PulseFit:
+    """The best curve through pulses, oldest first, of one stretch without a sudden change; at least 4 are needed.
+
+    `weights` are 1, or 0 for pulses that are left out. `noise` as `noise_of` tells.
+    """
+    last = int(numbers[-1])
+    x = (numbers - last).astype(np.float64)[::-1]
+    rough = (times[-1] - times[0]) / max(last - int(numbers[0]), 1)
+    y = (times - times[-1])[::-1] - rough * x
+    w = weights[::-1]
+    moments = np.cumsum(np.stack((w, w * x, w * x**2, w * x**3, w * x**4, w * y, w * x * y, w * x**2 * y)), axis=1)
+    have = x.size
+    lines = np.array(sorted({length for length in LINES if length < have} | {min(have, LINES[-1])}))
+    parabolas = np.array([length for length in PARABOLAS if length <= have], dtype=np.int64)
+    lengths = np.concatenate((lines, parabolas))
+    bent = np.arange(lengths.size) >= lines.size
+    curves = _curves(moments[:, lengths - 1], bent)
+    order = np.argsort(np.where(bent, _variance_ahead(lengths * 1.0, 2), _variance_ahead(lengths * 1.0, 1)))
+    good = _uncontradicted(moments, lengths, bent, curves, noise)
+    chosen = next((int(i) for i in order if good[i]), 0)
+    offset, slope, bend = (float(value) for value in curves[:, chosen])
+    return PulseFit(last, float(times[-1]) + offset, rough + slope, bend, noise, int(lengths[chosen]))
+
+
+def _curves(m: Times, bent: npt.NDArray[np.bool_]) -> Times:
+    """Least squares by the moments of each window, shape (8, C): offset, slope, bend, shape (3, C)."""
+    matrices = m[_HANKEL].transpose(2, 0, 1).copy()
+    right = m[5:8].T.copy()
+    straight = ~bent
+    matrices[straight, 2, :] = matrices[straight, :, 2] = 0.0
+    right[straight, 2] = 0.0
+    matrices[straight, 2, 2] = 1.0
+    few = m[0] < np.where(bent, 4.0, 3.0)  # too many were left out
+    matrices[few] = np.eye(3)
+    right[few] = np.nan
+    return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, :, 0].T)
+
+
+def _uncontradicted(
+    moments: Times, lengths: npt.NDArray[np.int64], bent: npt.NDArray[np.bool_], curves: Times, noise: float
+) -> npt.NDArray[np.bool_]:
+    """Which curves the newest pulses agree with: all mean residuals over `RECENT` within chance, shape (C,)."""
+    recent = RECENT[moments.shape[1] >= RECENT]
+    part = moments[:, recent - 1]
+    count = np.maximum(part[0], 1e-9)
+    means = (part[5] - (curves.T @ part[:3])) / count
+    # A curve's own residuals are smaller than the noise, at its end and where the window is short.
+    share = np.minimum(recent[None, :] * np.where(bent, 9.0, 4.0)[:, None] / lengths[:, None], 1.0)
+    allowed = CONTRADICTED[: recent.size] * noise * np.sqrt(np.maximum(1.0 - share, 0.35) / count)
+    inside = recent[None, :] < lengths[:, None]
+    return np.asarray(((np.abs(means) <= allowed) | ~inside).all(axis=1) & np.isfinite(curves[0]))
