@@ -36,9 +36,11 @@ class PulseSink:
                 raise RuntimeError("PulseAudio does not start")
             time.sleep(0.05)
 
-    def restart(self) -> None:
-        """Start the server again after it was killed."""
-        self.server = subprocess.Popen(self.command, env=self.env)
+    def restart(self, *, rate: int = 48_000, channels: int = 2) -> None:
+        """Start the server again after it was killed, with another sound card in it if asked for."""
+        card = f"rate={rate} channels={channels}"
+        command = [part.replace("rate=48000 channels=2", card) for part in self.command]
+        self.server = subprocess.Popen(command, env=self.env)
         self.wait_until_up()
         self.make_default()
 
