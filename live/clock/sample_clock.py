@@ -10,50 +10,70 @@ RATE_TOLERANCE: Final = 3e-4
 SPAN_FOR_RATE: Final = 8.0
 """Seconds of observations before the true rate is estimated; until then the nominal one holds."""
 
-JUMP: Final = 0.060
-"""When the last observations all lie this far [s] to one side, samples were lost and the line begins anew."""
+BIN_SECONDS: Final = 0.15
+BIN_COUNT: Final = 4
+"""A bin is full after so many seconds of samples, and so many observations at least."""
 
-JUMP_COUNT: Final = 12
+BINS: Final = 80
+"""Full bins that are remembered (12 s)."""
 
-REFIT: Final = 8
-"""Observations between two fits, once there are some."""
+RECENT: Final = 20
+"""Of these the newest say where the line lies now (3 s) ..."""
+
+LOW: Final = 0.25
+"""... at this quantile of their earliest observations."""
+
+SLACK: Final = 0.003
+"""Observations this much earlier than the line [s] move it at once, and bins this much later after `LATE_BINS`."""
+
+LATE_BINS: Final = 3
+"""So many full bins (half a second) that are wholly late mean that samples were lost."""
 
 
 class SampleClock:
-    """A robust straight line through (frames counted, time of the callback that brought them).
+    """A robust straight line below (frames counted, time of the callback that brought them).
 
-    The time stamps that sound servers give are worthless (90 ms of scatter over PulseAudio), and callbacks come in
-    bunches; medians over the last seconds do not mind either. Thread: one at a time.
+    The time stamps that sound servers give are worthless (90 ms of scatter over PulseAudio). Callbacks can be late,
+    by a lot on a busy machine, and come in bunches, but none comes before its samples are there: so the line follows
+    the earliest of each bin of time. If all are late for half a second, samples were lost.
+    Thread: one at a time.
     """
 
-    def __init__(self, sample_rate: float, capacity: int = 1024) -> None:
+    def __init__(self, sample_rate: float) -> None:
         self.sample_rate = sample_rate
-        self._frame = np.zeros(capacity)
-        self._late = np.zeros(capacity)
-        self._count = 0
-        self._fitted = 0
+        self.jumps = 0
+        """How often the line was moved because samples were lost, or had been taken for lost."""
+        self._frame = np.zeros(BINS)
+        self._late = np.zeros(BINS)
+        self._full = 0
         self._rate_error = 0.0
         self._offset = 0.0
         self._middle = 0.0
-        self.jumps = 0
-        """How often the line began anew because samples were lost."""
+        self._observed = 0
+        self._bin_from = 0.0
+        self._bin_count = 0
+        self._bin_frame = 0.0
+        self._bin_late = np.inf
+        self._bin_over = np.inf
+        self._late_by = np.full(LATE_BINS, -np.inf)
 
     def observe(self, frame: float, time: float) -> None:
         """Frame number `frame` was there at `time` [s]."""
-        slot = self._count % self._frame.shape[0]
-        self._frame[slot], self._late[slot] = frame, time - frame / self.sample_rate
-        self._count += 1
-        if self._count > 2 * JUMP_COUNT and self._jumped():
-            last = [(self._count - 1 - back) % self._frame.shape[0] for back in range(JUMP_COUNT)]
-            self._frame[:JUMP_COUNT], self._late[:JUMP_COUNT] = self._frame[last], self._late[last]
-            self._count = JUMP_COUNT
-            self._rate_error = 0.0
-            self.jumps += 1
-            self._fitted = 0
-        if self._count < self._fitted + (REFIT if self._count > 2 * JUMP_COUNT else 1):
-            return
-        self._fitted = self._count
-        self._fit()
+        late = time - frame / self.sample_rate
+        if not self._observed:
+            self._offset, self._middle, self._bin_from = late, frame, frame
+        self._observed += 1
+        over = late - self._lateness(frame)
+        if not self._full:
+            self._offset += min(over, 0.0)
+        elif over < -SLACK:
+            self._shift(over)
+            over = 0.0
+        self._bin_count += 1
+        if over < self._bin_over:
+            self._bin_over, self._bin_late, self._bin_frame = over, late, frame
+        if self._bin_count >= BIN_COUNT and frame - self._bin_from >= BIN_SECONDS * self.sample_rate:
+            self._close_bin(frame)
 
     def time_of(self, frame: float) -> float:
         """Time of the show [s] that belongs to a frame number."""
@@ -67,24 +87,38 @@ class SampleClock:
     def _lateness(self, frame: float) -> float:
         return self._offset + self._rate_error * (frame - self._middle) / self.sample_rate
 
-    def _jumped(self) -> bool:
-        side = 0.0
-        for back in range(JUMP_COUNT):
-            slot = (self._count - 1 - back) % self._frame.shape[0]
-            off = float(self._late[slot]) - self._lateness(float(self._frame[slot]))
-            if abs(off) <= JUMP or off * side < 0.0:
-                return False
-            side = off
-        return True
+    def _shift(self, by: float) -> None:
+        """Samples were lost, or were not after all: the line and all that it rests on moves."""
+        self._offset += by
+        self._late += by
+        self._late_by[:] = -np.inf
+        self.jumps += 1
+
+    def _close_bin(self, frame: float) -> None:
+        slot = self._full % BINS
+        self._frame[slot], self._late[slot] = self._bin_frame, self._bin_late
+        self._full += 1
+        self._late_by[:-1] = self._late_by[1:]
+        self._late_by[-1] = self._bin_over
+        lost = float(self._late_by.min())
+        if lost > SLACK and self._full > LATE_BINS:
+            newest = [(self._full - 1 - back) % BINS for back in range(LATE_BINS)]
+            kept = self._late[newest]
+            self._shift(lost)
+            self._late[newest] = kept
+        self._bin_from, self._bin_count = frame, 0
+        self._bin_over = self._bin_late = np.inf
+        self._fit()
 
     def _fit(self) -> None:
-        known = min(self._count, self._frame.shape[0])
+        known = min(self._full, BINS)
         frame, late = self._frame[:known], self._late[:known]
-        self._middle = float(np.median(frame))
-        span = float(np.ptp(frame)) / self.sample_rate
-        if span >= SPAN_FOR_RATE:
-            newer = frame > self._middle
+        middle = float(np.median(frame))
+        if float(np.ptp(frame)) >= SPAN_FOR_RATE * self.sample_rate:
+            newer = frame > middle
             rise = float(np.median(late[newer]) - np.median(late[~newer]))
             run = float(np.median(frame[newer]) - np.median(frame[~newer])) / self.sample_rate
             self._rate_error = min(max(rise / run, -RATE_TOLERANCE), RATE_TOLERANCE)
-        self._offset = float(np.median(late - self._rate_error * (frame - self._middle) / self.sample_rate))
+        recent = [(self._full - 1 - back) % BINS for back in range(min(known, RECENT))]
+        level = self._late[recent] - self._rate_error * (self._frame[recent] - middle) / self.sample_rate
+        self._middle, self._offset = middle, float(np.quantile(level, LOW))
