@@ -1,53 +1,44 @@
-"""TimelineFollower: beat estimates, taps and losses in, a Timeline out that never jumps and never stands still."""
+"""TimelineFollower: what all sources and hands say in, one Timeline out that never goes back and never stands still."""
 
 import math
-from dataclasses import replace
+from collections.abc import Sequence
 from typing import Final
 
-from live.clock.consensus import Consensus, Heard, Preference
+from live.clock.following.audio import AudioSource
+from live.clock.following.count_in import CountingIn
+from live.clock.following.direct import DirectSource
+from live.clock.following.hand import HandSource
+from live.clock.following.hand_controls import HandControls
+from live.clock.following.jump import Jump
+from live.clock.following.measures import Measures
+from live.clock.following.ruling import PRIORITY, Ruling
+from live.clock.following.run import SLEW_LOCKED, SLEW_UNLOCKED, Run
+from live.clock.following.said import Said
+from live.clock.following.source import HeardSource, Source
 from live.clock.grid import Grid
 from live.clock.tap import TapTempo
-from live.clock.timeline import TEMPO_MAX_BPM, TEMPO_MIN_BPM, Timeline
+from live.clock.timeline import Timeline
 
-CORRECTION_TIME: Final = 0.8
-"""Time constant with which a phase error is run in [s]."""
-
-SLEW_LOCKED: Final = 0.12
-SLEW_UNLOCKED: Final = 0.20
-"""How much faster or slower than the music the beats may run to catch up with it."""
-
-TAPS_RULE: Final = 8.0
-"""Seconds after the last tap, or tempo set by hand, in which the ear is not asked."""
-
-NOTHING_HEARD: Final = 3.0
-"""Seconds (at least three beats) without an estimate after which the held tempo runs on alone."""
-
-CHALLENGE: Final = 1.3
-"""A grid that contradicts the present one needs this much more support, from ..."""
-
-CHALLENGE_SPAN: Final = 2.0
-"""... at least three estimates over at least these seconds: one decision of a tracker may sound like several."""
+__all__ = ["SLEW_LOCKED", "SLEW_UNLOCKED", "TimelineFollower"]
 
 ONE_WITHIN: Final = 30.0
 """How long after the known first downbeat [s] a first lock may still count measures back to it."""
 
-PLAUSIBLE: Final = 60.0
-"""An event's time lies at most this far from now [s]; ..."""
+FADE: Final = 8.0
+"""Seconds in which confidence falls to 1/e while nothing is heard."""
 
-START_PLAUSIBLE: Final = 1e7
-"""... before the first tick it is at most this [s]."""
-
-HAND_OCTAVES: Final = 0.15
-KNOWN_OCTAVES: Final = 0.12
-"""How narrowly a tempo that somebody tapped, typed or wrote down rules the choice of octave."""
+NEAR: Final = 0.1
+FAR: Final = 0.25
+"""A lock is reported from when the Timeline is so near to the source's beat until it is so far from it [beats]."""
 
 
-class TimelineFollower:
+class TimelineFollower(HandControls):
     """Runs a Timeline after what is heard and tapped; pure: all times [s] are given, none is read.
 
-    The grid is what the estimates say together (Consensus); the Timeline runs after it by going up to 12 % (20 % while
-    not locked) faster or slower, so its beat is continuous and strictly increasing whatever comes in. Estimates,
-    taps and times that are not finite, or absurd, are counted in `rejected` and change nothing.
+    Sources: link, midi, mtc, audio (heard), tap, internal. One rules; the Timeline runs after its beats by going up to
+    12 % (20 % while not locked) faster or slower. Only a jump that is announced (`jumps`, `last_jump`) moves the beat
+    otherwise: forward, by less than a beat. Whatever is not finite, or absurd, is counted in `rejected` and changes
+    nothing.
     """
 
     def __init__(
@@ -57,215 +48,207 @@ class TimelineFollower:
         beats_per_measure: int = 4,
         one_at: float | None = None,
         known_tempo: float | None = None,
+        priority: Sequence[str] = PRIORITY,
+        tempo_range: tuple[float, float] = (20.0, 400.0),
+        follow_metre: bool = False,
     ) -> None:
         """Start on the internal clock at `tempo` [bpm], with a downbeat at `one_at` [s] (0 if not given).
 
         `known_tempo` [bpm] is what the music's score says: it is run from the start and settles the octave.
+        `priority`: sources by rank, those left out are never followed; `tempo_range` [bpm]: into it slower or faster
+        sources are doubled or halved; `follow_metre`: a source may change how many beats a measure has.
         """
         begin = 0.0 if one_at is None else one_at
-        self._timeline = Timeline(
+        timeline = Timeline(
             tempo=tempo if known_tempo is None else known_tempo, time_origin=begin, beats_per_measure=beats_per_measure
         )
-        self._grid = Grid(begin, 60.0 / self._timeline.tempo)
-        self._prefer = Preference() if known_tempo is None else Preference(known_tempo, KNOWN_OCTAVES)
+        grid = Grid(begin, 60.0 / timeline.tempo)
+        self._audio = AudioSource(grid, known_tempo)
+        self._internal, self._tap = HandSource("internal", grid), HandSource("tap")
+        direct = {name: DirectSource(name) for name in ("link", "midi", "mtc")}
+        self._sources: dict[str, Source] = {
+            **direct, "audio": self._audio, "tap": self._tap, "internal": self._internal,
+        }  # fmt: skip
+        self._run = Run(timeline, grid)
+        self._measures = Measures(follow_metre=follow_metre)
+        self._ruling = Ruling(self._sources, self._run, self._measures, priority=priority, tempo_range=tempo_range)
+        self._taps, self._counting = TapTempo(), CountingIn()
         self._one_at = one_at
-        self._consensus = Consensus()
-        self._taps = TapTempo()
         self._now = -math.inf
-        self._hand_until = -math.inf
-        self._heard_at = -math.inf
-        self._silent_since: float | None = None
+        self._scale = 1.0
+        self._locked = False
         self._share = 0.0
-        self.state = "internal"
-        """internal | following (heard, not yet sure) | locked | freewheel (nothing heard) | held (by hand)."""
-        self.source = "internal"
-        """What the beats come from: internal | audio | tap."""
-        self.rejected = 0
-        """Inputs refused because they cannot be true, since the start."""
+
+    # -- what is seen ------------------------------------------------------------------------------------------
 
     @property
     def timeline(self) -> Timeline:
         """The timeline in force."""
-        return self._timeline
+        return self._run.timeline
 
     @property
     def tempo(self) -> float:
         """The music's tempo [bpm], without the passing corrections that the timeline's carries."""
-        return self._grid.tempo
+        return self._run.goal.tempo
 
     @property
     def confidence(self) -> float:
-        """The share of what was lately heard that agrees with the beats, 0 to 1; it fades in freewheel."""
+        """How sure the source in force is, 0 to 1; it fades in freewheel."""
         return self._share
 
-    def heard(self, beat_time: float, period: float, confidence: float, now: float) -> None:
-        """A tracker's estimate, received at `now`: a beat at `beat_time`, `period` [s] to the next."""
-        if not (
-            all(map(math.isfinite, (beat_time, period, confidence, now)))
-            and 0.15 <= period <= 4.0
-            and -5.0 <= beat_time - now <= 2.0
-        ):
+    @property
+    def source(self) -> str:
+        """Who rules: link | midi | mtc | audio | tap | internal."""
+        return self._ruling.name
+
+    @property
+    def choice(self) -> str:
+        """What the operator chose: auto, or a source's name."""
+        return self._ruling.choice
+
+    @property
+    def state(self) -> str:
+        """internal | following (heard, not yet sure) | locked | freewheel (nothing heard) | held (by hand)."""
+        if self._ruling.held:
+            return "held"
+        if self._ruling.free:
+            return "freewheel"
+        if self.source in ("internal", "tap"):
+            return "internal" if self.source == "internal" else "held"
+        return "locked" if self._locked else "following"
+
+    @property
+    def states(self) -> dict[str, str]:
+        """The state of every source: absent | listening | following | locked."""
+        return {name: source.state for name, source in self._sources.items()}
+
+    @property
+    def jumps(self) -> int:
+        """How often the beat or the measure lines did not simply go on, since the start."""
+        return self._run.jumps
+
+    @property
+    def last_jump(self) -> Jump | None:
+        """The last of them."""
+        return self._run.last_jump
+
+    @property
+    def counting_in(self) -> int:
+        """Beats that are still counted before the one; 0: none."""
+        return self._counting.left(self._run.beat(self._now)) if math.isfinite(self._now) else 0
+
+    @property
+    def source_measure(self) -> int:
+        """The number of the measure as the source in force counts, from 0; -1: it counts none."""
+        source = self._ruling.source
+        return source.measure if isinstance(source, DirectSource) else -1
+
+    # -- what is heard -----------------------------------------------------------------------------------------
+
+    def heard(
+        self,
+        beat_time: float,
+        period: float,
+        confidence: float,
+        now: float,
+        *,
+        source: str = "audio",
+        beat: int = -1,
+        beats_per_measure: int = 0,
+        measure: int = -1,
+        jump: bool = False,
+        anchored: bool = True,
+    ) -> None:
+        """A source's statement, received at `now`: a beat at `beat_time`, `period` [s] to the next; see BeatHeard."""
+        said = Said(beat_time, period, confidence, beat, beats_per_measure, measure, jump, anchored)
+        heard = self._sources.get(source)
+        if not isinstance(heard, HeardSource) or not said.plausible(now) or not self._plausible(now):
             self.rejected += 1
             return
-        if self._silent_since is not None:
-            if beat_time <= self._silent_since:  # on its way when the silence was noticed
-                return
-            self.found(now)
-        self._heard_at = max(self._heard_at, now)
-        self._consensus.add(Heard(beat_time, period, 0.3 + 0.7 * min(max(confidence, 0.0), 1.0)), now)
-        if now < self._hand_until:
-            return
-        self._decide(now)
+        heard.heard(said, max(now, self._now))
 
-    def tap(self, time: float) -> None:
-        """A tap; from the third on tempo and phase are the taps', and which half beat is the beat stays theirs."""
-        if not self._plausible(time):
-            return
-        grid = self._taps.tap(time)
-        if grid is None or not TEMPO_MIN_BPM <= grid.tempo <= TEMPO_MAX_BPM:
-            return
-        self._take_by_hand(grid.numbered_like(self._timeline.beat_at(time), time), time)
-        self._consensus.half_beats = True
-        self.source = "tap"
-        self.state = "held"
-
-    def one(self, time: float) -> None:
-        """The beat nearest to `time` is the first of a measure.
-
-        Said before the beats are sure, it is counted back to when they are.
-        """
-        if not self._plausible(time):
-            return
-        self._timeline = self._timeline.with_one_at(time)
-        self._one_at = time if self.state in ("internal", "following") else None
-
-    def set_tempo(self, bpm: float, time: float) -> None:
-        """Run at `bpm` from `time` on, with no step in the beat."""
-        if not self._plausible(time):
-            return
-        if not TEMPO_MIN_BPM <= bpm <= TEMPO_MAX_BPM:
-            self.rejected += 1
-            return
-        now = self._now if math.isfinite(self._now) else time
-        beat = self._timeline.beat_at(now)
-        number = math.floor(beat)
-        self._take_by_hand(Grid(now - (beat - number) * 60.0 / bpm, 60.0 / bpm, number), now)
-        self._timeline = self._timeline.with_tempo(bpm, now)
-        self.state = "internal" if self.source == "internal" else "held"
-
-    def silent(self, time: float) -> None:
+    def silent(self, time: float, source: str = "audio") -> None:
         """Nothing is played any more: the tempo is kept, the beats run on."""
-        if not self._plausible(time):
-            return
-        self._silent_since = time if self._silent_since is None else self._silent_since
-        self._consensus.clear()
-        if self.source == "audio":
-            self.state = "freewheel"
+        self._changed(time, source, "silent")
 
-    def lost(self, time: float) -> None:
-        """The input went away: as in silence."""
-        self.silent(time)
+    def lost(self, time: float, source: str = "audio") -> None:
+        """The source went away: as in silence."""
+        self._changed(time, source, "lost")
 
-    def found(self, time: float) -> None:
+    def found(self, time: float, source: str = "audio") -> None:
         """There is something to hear again: what comes now is judged afresh, the beats run on until it is sure."""
-        if not self._plausible(time):
-            return
-        self._silent_since = None
-        self._consensus.clear()
+        self._changed(time, source, "found")
+
+    def _changed(self, time: float, source: str, what: str) -> None:
+        heard = self._sources.get(source)
+        if not isinstance(heard, HeardSource):
+            self.rejected += 1
+        elif self._plausible(time):
+            getattr(heard, what)(time)
+            self._ruling.update(max(time, self._now), crossed=False)
+
+    # -- time --------------------------------------------------------------------------------------------------
 
     def advance(self, now: float) -> Timeline:
         """The timeline from `now` [s] on; called each tick. A time before the last one changes nothing."""
         if not math.isfinite(now) or now < self._now:
-            return self._timeline
-        elapsed, self._now = now - self._now, now
-        self._watch(now, elapsed if math.isfinite(elapsed) else 0.0)
-        self._timeline = self._timeline.with_tempo(self._running_tempo(now), now)
-        return self._timeline
+            return self.timeline
+        last, self._now = self._now, now
+        run, before = self._run, self.timeline
+        for source in self._sources.values():
+            source.watch(now)
+        crossed = math.isfinite(last) and before.measure_at(now) != before.measure_at(last)
+        if crossed:
+            self._measures.cross(run, now)
+        self._scale_at_beat(last, now)
+        self._ruling.update(now, crossed=crossed)
+        self._judge(now, now - last if math.isfinite(last) else 0.0)
+        if self._counting.watch(run.beat(now), now):
+            run.announce_one(now)
+        run.to(now, slew=SLEW_LOCKED if self.state == "locked" else SLEW_UNLOCKED)
+        return run.timeline
 
-    def _plausible(self, time: float) -> bool:
-        """Whether a time may be that of an event of now; counts it as rejected if not."""
-        good = abs(time - self._now) <= PLAUSIBLE if math.isfinite(self._now) else abs(time) <= START_PLAUSIBLE
-        self.rejected += not good
-        return good
-
-    def _take_by_hand(self, grid: Grid, now: float) -> None:
-        self._grid = grid
-        self._prefer = Preference(grid.tempo, HAND_OCTAVES)
-        self._consensus.clear()
-        self._hand_until = now + TAPS_RULE
-        self._share = 1.0
-
-    def _decide(self, now: float) -> None:
-        """Keep the grid and refine it, or take another that several estimates agree on."""
-        support, share = self._consensus.support(self._grid, now)
-        support *= self._prefer.of(self._grid.period)
-        best, best_support = self._grid, support
-        for grid in self._consensus.candidates():
-            value = self._consensus.support(grid, now)[0] * self._prefer.of(grid.period)
-            if value > best_support:
-                best, best_support = grid, value
-        first = self.source == "internal"
-        if not self._same(best) and self._convinces(best, best_support, support, first):
-            self._grid = best.numbered_like(self._timeline.beat_at(now), now)
-            self._consensus.half_beats = self._consensus.half_beats and abs(math.log(self.tempo / best.tempo)) < 0.15
-            self.source, self.state = "audio", "following"
-        elif len(self._consensus.witnesses(self._grid)) >= (3 if first else 2):
-            self._refine(now)
-            self.state = self.state if self.source == "audio" and self.state == "locked" else "following"
-            self.source = "audio"
-        self._share = self._consensus.support(self._grid, now)[1] if self.source == "audio" else share
-
-    def _same(self, grid: Grid) -> bool:
-        tempo = abs(math.log(grid.period / self._grid.period)) < 0.04
-        return tempo and abs(self._grid.residual(grid.time)) < 0.15
-
-    def _convinces(self, grid: Grid, value: float, present: float, first: bool) -> bool:
-        witnesses = self._consensus.witnesses(grid)
-        if len(witnesses) < 3 or value < CHALLENGE * present:
-            return False
-        return first or witnesses[-1].time - witnesses[0].time >= CHALLENGE_SPAN
-
-    def _refine(self, now: float) -> None:
-        fitted = self._consensus.fitted(self._grid, now)
-        number = math.floor(fitted.beat_at(now))
-        anchored = Grid(fitted.time + (number - fitted.number) * fitted.period, fitted.period, number)
-        # The numbers stay those that are being run after, unless another whole beat has become much nearer.
-        if abs(anchored.beat_at(now) - self._timeline.beat_at(now)) > 0.6:
-            anchored = anchored.numbered_like(self._timeline.beat_at(now), now)
-        self._grid = anchored
-
-    def _watch(self, now: float, elapsed: float) -> None:
-        """Follow the state: nothing heard for long, the hand's rule over, phase reached or lost."""
-        if self.state == "held" and now >= self._hand_until and self.source == "audio":
-            self.state = "freewheel"
-        if self.state in ("following", "locked") and now - self._heard_at > max(NOTHING_HEARD, 3.0 * self._grid.period):
-            self.state = "freewheel"
-        if self.state == "freewheel":
-            self._share *= math.exp(-elapsed / 8.0)
+    def _judge(self, now: float, elapsed: float) -> None:
+        """Whether the Timeline is where the source is, and how sure that is."""
+        source = self._ruling.source
+        if self._ruling.free:
+            self._share *= math.exp(-elapsed / FADE)
+            self._locked = False
             return
-        error = abs(self._grid.beat_at(now) - self._timeline.beat_at(now))
-        if self.state == "following" and self._share >= 0.5 and error < 0.1 and len(self._consensus) >= 4:
-            self.state = "locked"
+        self._share = source.confidence if isinstance(source, HeardSource) else 0.0 + (self.source == "tap")
+        error = abs(self._run.error(now))
+        was = self._locked
+        self._locked = source.state == "locked" and error < (FAR if was else NEAR) and isinstance(source, HeardSource)
+        if self._locked and not was:
             self._count_from_one(now)
-        elif self.state == "locked" and (self._share < 0.3 or error > 0.25):
-            self.state = "following"
 
     def _count_from_one(self, now: float) -> None:
         """At the first lock: the measures begin where the music's known first downbeat was."""
         if self._one_at is None:
             return
         if 0.0 <= now - self._one_at <= ONE_WITHIN:
-            grid, timeline = self._grid, self._timeline
-            straight = replace(timeline, tempo=grid.tempo, beat_origin=float(grid.number), time_origin=grid.time)
-            origin = straight.with_one_at(self._one_at).measure_origin
-            self._timeline = replace(timeline, measure_origin=origin)
+            self._run.count_from(self._one_at, now)
+            self._measures.pin()
         self._one_at = None
 
-    def _running_tempo(self, now: float) -> float:
-        """The grid's tempo, faster or slower by what the phase error asks for; in freewheel the tempo alone."""
-        if self.state in ("freewheel", "internal"):
-            return min(max(self._grid.tempo, TEMPO_MIN_BPM), TEMPO_MAX_BPM)
-        error = self._grid.beat_at(now) - self._timeline.beat_at(now)
-        limit = SLEW_LOCKED if self.state == "locked" else SLEW_UNLOCKED
-        correction = min(max(error / (CORRECTION_TIME * self._grid.tempo / 60.0), -limit), limit)
-        return min(max(self._grid.tempo * (1.0 + correction), TEMPO_MIN_BPM), TEMPO_MAX_BPM)
+    def _scale_at_beat(self, last: float, now: float) -> None:
+        """Half or double tempo comes with a beat that both have; where beats fall away, with an even one."""
+        if self._scale == 1.0 or not math.isfinite(last):
+            return
+        run, beat = self._run, math.floor(self._run.beat(now))
+        into = round(beat - run.timeline.measure_origin) % run.timeline.beats_per_measure
+        if beat == math.floor(run.beat(last)) or (self._scale < 1.0 and into % 2):
+            return
+        factor, self._scale = self._scale, 1.0
+        source, goal = self._ruling.source, run.goal
+        if isinstance(source, HeardSource) and not source.level.scale(factor, float(beat - self._ruling.shift)):
+            self.rejected += 1
+            return
+        scaled = Grid(goal.time + (beat - goal.number) * goal.period, goal.period / factor, beat)
+        if isinstance(source, HandSource):
+            source.keep(scaled)
+            self._ruling.shift = 0
+        run.goal = scaled
+        run.line(float(beat - round(into * factor)), now, "hand")
+        self._measures.pin()
+        self._seed("scale", now, factor)

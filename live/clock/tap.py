@@ -21,6 +21,11 @@ class TapTempo:
     def __init__(self) -> None:
         self._taps: list[float] = []
 
+    @property
+    def count(self) -> int:
+        """Taps of the row so far."""
+        return len(self._taps)
+
     def tap(self, time: float) -> Grid | None:
         """Add a tap at `time` [s]; the grid through the row's taps, None for fewer than three.
 

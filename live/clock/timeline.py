@@ -61,6 +61,19 @@ class Timeline:
         number = math.floor((downbeat - self.measure_origin) / self.beats_per_measure + 0.5)
         return replace(self, measure_origin=float(downbeat - number * self.beats_per_measure))
 
+    def with_line(self, beat: float, time: float, *, beats_per_measure: int | None = None) -> "Timeline":
+        """A measure begins at `beat` (and measures have so many beats); the beat position stays.
+
+        At `time` [s] the number of the measure is that which is nearest to how far the dance was, and never lower than
+        it was.
+        """
+        size = self.beats_per_measure if beats_per_measure is None else beats_per_measure
+        at, number = self.beat_at(time), self.measure_at(time)
+        into = phase(at - beat, size)
+        on = number + (into / size < self.phase_at(time) / self.beats_per_measure - 0.5)
+        lines = round((at - into - beat) / size)
+        return replace(self, beats_per_measure=size, measure_origin=beat + (lines - on) * size)
+
 
 def phase(beat: float, quantum: float) -> float:
     """Beats into the quantum, in [0, quantum), for negative beats too."""

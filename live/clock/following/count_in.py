@@ -1,0 +1,44 @@
+"""CountingIn: measures that are counted aloud before the one."""
+
+import math
+from typing import Final
+
+ARMED_FOR: Final = 30.0
+"""A count-in that waits for taps waits so long [s]."""
+
+
+class CountingIn:
+    """Counts beats down to the one."""
+
+    def __init__(self) -> None:
+        self._measures = 0
+        self._armed_until = -math.inf
+        self._now = -math.inf
+        self._one: float | None = None
+
+    @property
+    def armed(self) -> bool:
+        """Whether it waits for a measure of taps."""
+        return self._now < self._armed_until
+
+    def arm(self, measures: int, time: float) -> None:
+        """Count so many measures, once there is a beat."""
+        self._measures, self._armed_until, self._now = measures, time + ARMED_FOR, time
+        self._one = None
+
+    def begin(self, first: int, beats_per_measure: int) -> None:
+        """The count begins with the beat `first`."""
+        self._armed_until = -math.inf
+        self._one = float(first + self._measures * beats_per_measure)
+
+    def watch(self, beat: float, now: float) -> bool:
+        """To be called each tick; True when the one has come."""
+        self._now = now
+        if self._one is None or beat < self._one:
+            return False
+        self._one = None
+        return True
+
+    def left(self, beat: float) -> int:
+        """Beats still to be counted, this one included; 0 when nothing is counted."""
+        return 0 if self._one is None else math.ceil(self._one - beat)
