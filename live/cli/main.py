@@ -15,6 +15,7 @@ from rich.text import Text
 from live import __version__
 from live.base.errors import PersonError
 from live.cli import (
+    beats,
     bench,
     bvh,
     check,
@@ -52,6 +53,7 @@ app.command("check")(check.check)
 app.command("dance")(dance.dance)
 app.command("devices")(devices.devices)
 app.command("doctor")(doctor.doctor)
+app.command("beats")(beats.beats)
 app.command("bench")(bench.bench)
 app.command("bvh")(bvh.bvh)
 app.command("export")(export.export)

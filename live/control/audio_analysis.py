@@ -1,56 +1,97 @@
 """AudioAnalysis: sound in, events out; the same for a live input, a music file that plays and one read offline."""
 
+from collections import deque
 from collections.abc import Callable
 
 import numpy as np
 import numpy.typing as npt
 
-from live.clock.aubio_tracker import AubioTracker
+from live.clock.estimate import BeatEstimate
+from live.clock.following.seed import Seed
+from live.clock.tracker import Tracker
 from live.control.events import BeatHeard, ControlEvent, SourceChanged
+from live.control.trackers import TrackerName, make_tracker
+
+TimeOf = Callable[[float], float]
+"""Time of the show [s] for a position in the sound [s since the first sample]."""
+
+LONGEST: int = 4096
+"""Samples mixed at once."""
 
 
 class AudioAnalysis:
-    """Feeds a AubioTracker and turns what it finds into events with the times of the show.
+    """Feeds a tracker and turns what it finds into events with the times of the show.
 
-    Thread: one at a time; it belongs to the thread that analyses.
+    Thread: one at a time; it belongs to the thread that analyses. `seeds` may be filled by any thread.
     """
 
-    def __init__(self, sample_rate: float, source: str = "audio") -> None:
+    def __init__(
+        self,
+        sample_rate: float,
+        source: str = "audio",
+        tracker: TrackerName = "network",
+        seeds: deque[Seed] | None = None,
+    ) -> None:
         """`source` is the name that the events carry; ValueError for a sample rate that no sound has."""
-        self.tracker = AubioTracker(sample_rate)
+        self.tracker, self.note = make_tracker(tracker, sample_rate)
+        self.seeds: deque[Seed] = deque(maxlen=64) if seeds is None else seeds
+        """What people said by hand and the tracker is to know; taken up, and removed, with the next samples."""
         self._source = source
         self._silent = False
-        self._mono = np.zeros(self.tracker.hop, np.float32)
+        self._mono = np.zeros(LONGEST, np.float32)
 
-    def feed(
-        self, samples: npt.NDArray[np.float32], time_of: Callable[[float], float], now: float | None = None
-    ) -> list[ControlEvent]:
+    def feed(self, samples: npt.NDArray[np.float32], time_of: TimeOf, now: float | None = None) -> list[ControlEvent]:
         """Analyse the next samples, shape (n, channels), and return the events found in them, oldest first.
 
-        `time_of` gives the time of the show [s] for a position in the sound [s since the first sample]. Events are
-        stamped with `now` [s], or without it with the time at which their last sample is heard (offline).
+        Events are stamped with `now` [s], or without it with the time at which their last sample is heard (offline).
         """
+        while self.seeds:
+            self._take(self.seeds.popleft(), time_of)
         events: list[ControlEvent] = []
         start = 0
         while start < samples.shape[0]:
-            taken = min(self.tracker.wanted, samples.shape[0] - start)
+            taken = min(self.tracker.wanted, samples.shape[0] - start, LONGEST)
             mono = self._mono[:taken]
             with np.errstate(invalid="ignore", over="ignore"):  # bad samples are the tracker's to find and to count
                 np.mean(samples[start : start + taken], axis=1, out=mono)
             start += taken
             for estimate in self.tracker.feed(mono):
-                events.append(
-                    BeatHeard(
-                        time=time_of(estimate.heard) if now is None else now,
-                        source=self._source,
-                        beat_time=time_of(estimate.position),
-                        period=estimate.period,
-                        confidence=estimate.confidence,
-                    )
-                )
+                if not self.tracker.silent:  # the beats that a tracker counts on in silence are nothing heard
+                    events.append(self._event(estimate, time_of, now))
             if self.tracker.silent != self._silent:
                 self._silent = self.tracker.silent
                 time = time_of(self.tracker.position) if now is None else now
                 state = "silent" if self._silent else "found"
                 events.append(SourceChanged(time=time, source=self._source, state=state))
         return events
+
+    def _event(self, estimate: BeatEstimate, time_of: TimeOf, now: float | None) -> BeatHeard:
+        return BeatHeard(
+            time=time_of(estimate.heard) if now is None else now,
+            source=self._source,
+            beat_time=time_of(estimate.position),
+            period=estimate.period,
+            confidence=estimate.confidence,
+            beat=estimate.beat,
+            beats_per_measure=estimate.beats_per_measure,
+        )
+
+    def _take(self, seed: Seed, time_of: TimeOf) -> None:
+        """Tell the tracker; what it cannot take (a tempo nobody dances to, a metre it does not know) is left out."""
+        tracker = self.tracker
+        if not isinstance(tracker, Tracker):
+            return
+        time = seed.time - (time_of(tracker.position) - tracker.position)
+        try:
+            if seed.kind == "tempo":
+                tracker.tap(seed.value, time)
+            elif seed.kind == "one":
+                tracker.one(time)
+            elif seed.kind == "scale":
+                tracker.scale(seed.value)
+            elif seed.kind == "metre":
+                tracker.set_metre(int(seed.value))
+            else:
+                tracker.let_go()
+        except ValueError:
+            return

@@ -111,6 +111,31 @@ class BarPointer:
         self._hand.one(age)
         self._set_anew()
 
+    def beat_pressed(self, age: float) -> None:
+        """A beat, whichever of its measure, lay `age` frames before the last frame."""
+        self._hand.beat(age)
+        self._set_anew()
+
+    def scale(self, factor: float) -> None:
+        """The beats are `factor` (2 or 0.5) times as fast as believed; the level is kept from now on.
+
+        A tempo that is not looked for changes nothing. Raises ValueError for another factor.
+        """
+        if factor not in (0.5, 2.0):
+            raise ValueError(f"the tempo times {factor}: 2 or 0.5 expected")
+        if self.interval > 0.0 and self._hand.scale(factor, self.interval, self._place * self.interval, self._slot):
+            self._set_anew()
+
+    def doubt(self, share: float) -> None:
+        """So large a share of what is believed is given up for the belief before anything was heard."""
+        self._states.blend(share)
+        self._scale = np.float32(1.0)
+
+    @property
+    def confidence(self) -> float:
+        """How likely the next beat is right, 0 to 1."""
+        return min(max(self.share, 0.0), 1.0)
+
     def set_metre(self, beats: int) -> None:
         """The measure has 2, 3, 4 or 6 beats; 0: as heard. ValueError for another number."""
         self._hand.set_metre(beats)

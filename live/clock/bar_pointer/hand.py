@@ -77,6 +77,35 @@ class Hand:
         self._line_is_set = True
         self._renew()
 
+    def beat(self, age: float) -> None:
+        """A beat lay `age` frames before this one."""
+        states = self._states
+        off = states.positions() - states.model.centre - age
+        off -= np.round(off / states.interval_of) * states.interval_of
+        states.share *= np.maximum(np.exp(-0.5 * (off / (PRESS_WIDTH * self._model.frame_rate)) ** 2), DOUBT)[:, None]
+        states.settle()
+
+    def scale(self, factor: float, interval: float, since: float, slot: int) -> bool:
+        """The grid `interval` [frames], whose beat `slot` began `since` frames ago, gets `factor` times the tempo.
+
+        Where every second beat falls away it is the even ones of the measure (its second, fourth ...). Returns False,
+        and changes nothing, where no such tempo is looked for.
+        """
+        states = self._states
+        wanted = interval / factor
+        if not states.length[0] <= wanted <= states.length[-1]:
+            return False
+        falls_away = wanted > interval and slot_metre(slot)[1] % 2 == 1
+        place = (since + interval if falls_away else since) % wanted
+        off_tempo = np.log(states.interval_of / wanted) / TAP_WIDTH
+        off = states.positions() / states.interval_of - place / wanted
+        off = (off - np.round(off)) * wanted / (PRESS_WIDTH * self._model.frame_rate)
+        near = np.exp(-0.5 * (off_tempo**2 + off**2)) + DOUBT
+        states.share[:] = (near / near.sum())[:, None] * states.slot_share[None, :]
+        self.hold(wanted)
+        states.settle()
+        return True
+
     def set_metre(self, beats: int) -> None:
         """The measure has so many beats (0: as heard). Raises ValueError for a metre that is not looked for."""
         if beats not in (0, *METRES):

@@ -158,14 +158,14 @@ def tally(state: Float32, head: Int32, offset: Int32, length: Int32, histogram: 
             end = ((b + 1) * n) // _BINS
             count = np.float32(0.0)
             for _ in range(begin, end):
-                share = np.float32(0.0)
+                row_count = np.float32(0.0)
                 for s in range(_SLOTS):
-                    share += state[row, s]
-                count += share
+                    row_count += state[row, s]
+                count += row_count
                 row = row + 1 if row + 1 < last else offset[k]
             begin = end
             histogram[k, b] = count
-            total += count
+            total += float(count)
     return total
 
 

@@ -93,7 +93,8 @@ class Model:
         """How likely each interval is before anything is heard, shape (K,), sum 1."""
         octaves = np.log2(60.0 * self.frame_rate / self.intervals / self.tempo_bpm)
         share = np.exp(-0.5 * (octaves / self.tempo_octaves) ** 2) / self.intervals
-        return (share / share.sum()).astype(np.float32)
+        total: Float32 = (share / share.sum()).astype(np.float32)
+        return total
 
     def tempo_transitions(self) -> Float32:
         """From interval k to k - REACH … k + REACH, shape (K, 2 REACH + 1); rows sum to 1."""
@@ -115,7 +116,8 @@ class Model:
         share = np.zeros(SLOTS, np.float32)
         for metre, first, part in zip(METRES, FIRST_SLOT, self.metre_share, strict=True):
             share[first : first + metre] = part / metre
-        return share / share.sum()
+        share /= share.sum()
+        return share
 
 
 def slot_metre(slot: int) -> tuple[int, int]:

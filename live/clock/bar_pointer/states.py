@@ -47,6 +47,13 @@ class States:
         tempo = self.model.tempo_share() / self.length
         self.share[:] = np.repeat(tempo, self.length)[:, None] * self.slot_share[None, :]
 
+    def blend(self, share: float) -> None:
+        """Give up `share` of what is believed for what was believed before anything was heard."""
+        tempo = self.model.tempo_share() / self.length
+        self.settle()
+        self.share *= np.float32(1.0 - share)
+        self.share += np.float32(share) * np.repeat(tempo, self.length)[:, None] * self.slot_share[None, :]
+
     def positions(self) -> Float32:
         """Position of each row at this moment [frames], shape (N,)."""
         at = np.arange(self.share.shape[0]) - np.repeat(self.offset + self.head, self.length)

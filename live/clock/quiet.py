@@ -1,0 +1,51 @@
+"""Quiet: whether nothing is played any more, or the music merely breathes."""
+
+from typing import Final
+
+SILENT_LEVEL: Final = 10.0 ** (-55.0 / 20.0)
+"""Below this level (RMS, full scale = 1) nothing is played: -55 dB lies over the noise of a line input."""
+
+SILENT_AFTER: Final = 1.2
+"""Seconds below `SILENT_LEVEL` that make a silence; clicks at 60 bpm are none."""
+
+PAUSE: Final = 0.25
+"""Seconds below it after which music without rests says nothing more about its beats."""
+
+REST_RATIO: Final = 1.3
+"""Rests may be this much longer than those before."""
+
+REST_FADE: Final = 0.1
+"""How fast rests are forgotten [1/s]."""
+
+
+class Quiet:
+    """Listens to the level, frame by frame."""
+
+    def __init__(self, hop: float) -> None:
+        self._hop = hop
+        self._rest = 0.0
+        self.duration = 0.0
+        """Seconds since something was to be heard."""
+        self.heard = False
+        """Whether anything was heard at all since the start."""
+
+    def step(self, level: float) -> float:
+        """Take the level of the next frame; returns the length [s] of the silence that it ends, 0 if it ends none."""
+        if level < SILENT_LEVEL:
+            self.duration += self._hop
+            return 0.0
+        ended, self.duration, self.heard = self.duration, 0.0, True
+        self._rest *= 1.0 - REST_FADE * self._hop
+        if ended <= 2.0 * SILENT_AFTER:
+            self._rest = max(self._rest, ended)
+        return ended
+
+    @property
+    def silent(self) -> bool:
+        """Whether nothing was to be heard for the last `SILENT_AFTER` seconds."""
+        return self.duration >= SILENT_AFTER
+
+    @property
+    def listening(self) -> bool:
+        """Whether missing beats mean anything: not in a silence longer than the rests before."""
+        return self.duration <= max(PAUSE, REST_RATIO * self._rest)
