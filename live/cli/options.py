@@ -33,6 +33,13 @@ def parse_number(value: float | None, name: str, low: float, high: float) -> Non
         raise PersonError(f"{name} {value:g}: {low:g} to {high:g} expected")
 
 
+def parse_choice(value: str | None, name: str, *choices: str) -> str | None:
+    """PersonError unless `value` is None or one of the words that may be said."""
+    if value is not None and value not in choices:
+        raise PersonError(f"{name} {value}: one of {', '.join(choices)} expected", f"{name} {choices[0]}")
+    return value
+
+
 def film_file(path: Path | None, name: str, *, never: list[str | None]) -> None:
     """PersonError unless `path` is None or names an mp4 file that is none of the files in `never` (what is read)."""
     if path is None:

@@ -28,6 +28,14 @@ def play(
             help="The tempo to begin with; without --audio the internal clock keeps it.", rich_help_panel=PANEL_TIME
         ),
     ] = None,
+    link: Annotated[
+        str | None,
+        typer.Option(
+            help="Ableton Link: follow others' tempo and beat, or lead them with the show's. Default: the patch's.",
+            metavar="follow|lead|off",
+            rich_help_panel=PANEL_TIME,
+        ),
+    ] = None,
     seconds: Annotated[
         float | None, typer.Option(help="End after so many seconds.", rich_help_panel=PANEL_TIME)
     ] = None,
@@ -78,7 +86,7 @@ def play(
     with shift = repulsor. Closing the window, Esc in a window or Ctrl-C here ends the show; music from a file begins
     again at its end. Without a screen, 20 s of the show become a film, first-show.mp4.
     """
-    from live.cli.options import film_file, parse_endpoint, parse_number, parse_size, writable_file
+    from live.cli.options import film_file, parse_choice, parse_endpoint, parse_number, parse_size, writable_file
     from live.cli.session import Wish
     from live.cli.stage import play_show
 
@@ -93,6 +101,7 @@ def play(
             patch=patch,
             audio=audio,
             bpm=bpm,
+            link=parse_choice(link, "--link", "follow", "lead", "off"),
             steps=steps,
             seed=seed,
             osc=parse_endpoint(osc),

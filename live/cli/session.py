@@ -13,6 +13,7 @@ from rich.console import Console
 
 from live.base.errors import PersonError
 from live.base.inbox import Inbox
+from live.cli.link_part import make_link
 from live.cli.news import News
 from live.clock.source import SystemClock
 from live.clock.ticks import STALL
@@ -24,6 +25,7 @@ from live.show.engine import Engine
 from live.show.journal import JournalError, JournalWriter
 from live.show.library_watch import LibraryWatch
 from live.show.load import LoadedShow, load_show
+from live.show.on_link import OnLink
 from live.show.patch_file import find_patch, is_file
 from live.show.status import Status, StatusFile
 
@@ -47,6 +49,8 @@ class Wish:
     patch: str | None = None
     audio: str | None = None
     bpm: float | None = None
+    link: str | None = None
+    """follow, lead or off; None: what the patch says."""
     steps: Path | None = None
     seed: int | None = None
     osc: tuple[str, int] = ("127.0.0.1", 9010)
@@ -144,6 +148,7 @@ class Session:
         self._journal: JournalWriter | None = None
         stall = max(STALL, 3.0 / wish.film_fps)  # a slow rate is no stall
         self.engine = Engine(show, clock=self.clock, inbox=self.inbox, status=self.status, stall=stall)
+        self._link = self._make_link()
         self._watch = self._make_watch()
         self.news = self._make_news()
         self._status_file: StatusFile | None = None
@@ -197,6 +202,8 @@ class Session:
             self._open_status()
             self._start_audio()
             self._open_journal()
+            if self._link is not None:
+                self._link.start()
             if self._watch is not None:
                 self._watch.start()
             self.news.start()
@@ -228,6 +235,14 @@ class Session:
 
             return AudioInput(self.sound.device, self.inbox, self.clock)
         return None
+
+    def _make_link(self) -> OnLink | None:
+        console = Console(stderr=True, highlight=False)
+        link = make_link(self.wish.link, self.show, self.inbox, self.clock, console)
+        if link is not None:
+            self.engine.outward.append(link.heard)
+            self.status.more["link"] = link.status
+        return link
 
     def _make_watch(self) -> LibraryWatch | None:
         """Watches the show's own folder of steps, so that takes that are recorded meanwhile join the dance."""
@@ -263,6 +278,8 @@ class Session:
     def _stop(self) -> None:
         if self._audio is not None:
             self._audio.stop()
+        if self._link is not None:
+            self._link.stop()
         self.osc.stop()
         if self._watch is not None:
             self._watch.stop()
@@ -279,6 +296,8 @@ class Session:
         """Housekeeping after a frame: figures, the status line, and garbage of the youngest generation."""
         self.status.work_times.add(self.clock.now() - started)
         self.status.frame_times.add(started - previous)
+        if self._link is not None:
+            self._link.frame()
         if self._status_file is not None:
             self._status_file.frame(started)
         gc.collect(0)
