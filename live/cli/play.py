@@ -22,6 +22,22 @@ def play(
             rich_help_panel=PANEL_TIME,
         ),
     ] = None,
+    audio_channel: Annotated[
+        str | None,
+        typer.Option(
+            help="Which channels of the input: 3, or 5,6, or all. Default: the first two.",
+            metavar="N[,N]|all",
+            rich_help_panel=PANEL_TIME,
+        ),
+    ] = None,
+    venue: Annotated[
+        str | None,
+        typer.Option(
+            help="The hall: its devices and delays (see `live calibrate`).",
+            metavar="NAME",
+            rich_help_panel=PANEL_TIME,
+        ),
+    ] = None,
     bpm: Annotated[
         float | None,
         typer.Option(
@@ -100,6 +116,8 @@ def play(
         Wish(
             patch=patch,
             audio=audio,
+            audio_channel=audio_channel,
+            venue=venue,
             bpm=bpm,
             link=parse_choice(link, "--link", "follow", "lead", "off"),
             steps=steps,

@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
 import psutil
 from rich.console import Console
@@ -15,10 +14,10 @@ from live.base.errors import PersonError
 from live.base.inbox import Inbox
 from live.cli.link_part import make_link
 from live.cli.news import News
+from live.cli.session_sound import Sound, choose_sound, make_audio
 from live.clock.source import SystemClock
 from live.clock.ticks import STALL
-from live.control.events import ControlEvent
-from live.control.music_file import Music, MusicFileError, read_music
+from live.control.events import ControlEvent, SetLatency
 from live.control.osc import CannotListen, OscInput
 from live.show.core import Show
 from live.show.engine import Engine
@@ -26,20 +25,10 @@ from live.show.journal import JournalError, JournalWriter
 from live.show.library_watch import LibraryWatch
 from live.show.load import LoadedShow, load_show
 from live.show.on_link import OnLink
-from live.show.patch_file import find_patch, is_file
+from live.show.patch_file import find_patch
 from live.show.status import Status, StatusFile
-
-
-class Startable(Protocol):
-    """An audio source that has been made and waits to be started."""
-
-    def start(self) -> None:
-        """Begin to listen or to play."""
-        ...
-
-    def stop(self) -> None:
-        """End, and free the device."""
-        ...
+from live.show.venue import Venue, read_venue
+from live.show.venue_latency import Latencies
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +37,8 @@ class Wish:
 
     patch: str | None = None
     audio: str | None = None
+    audio_channel: str | None = None
+    venue: str | None = None
     bpm: float | None = None
     link: str | None = None
     """follow, lead or off; None: what the patch says."""
@@ -66,47 +57,13 @@ class Wish:
         """Frames per second of a film, and of a show without a monitor."""
         return self.fps or 60.0
 
+    def read_venue(self) -> Venue | None:
+        """The venue that was named, if one was."""
+        return None if self.venue is None else read_venue(self.venue)
+
     def load(self) -> LoadedShow:
         """The patch and its steps."""
         return load_show(find_patch(self.patch), recordings=self.steps)
-
-
-@dataclass(frozen=True, slots=True)
-class Sound:
-    """What the clock follows: a music file, an input device by name, or nothing (the internal clock)."""
-
-    music: Music | None = None
-    device: str | None = None
-    known: bool = False
-    """True if the patch tells the music's tempo and first downbeat: it is the patch's own music."""
-
-
-def choose_sound(wish: Wish, loaded: LoadedShow) -> Sound:
-    """What `--audio` and `--bpm` ask for, else the patch's music; PersonError that lists what there is."""
-    if wish.audio is None:
-        path = loaded.music_path
-        if wish.bpm is not None or path is None:
-            return Sound()
-        return Sound(music=_music(path), known=True)
-    path = Path(wish.audio)
-    if is_file(path):
-        return Sound(music=_music(path))
-    from live.control.sound_devices import SoundUnavailable, UnknownDevice, find_device
-
-    try:
-        return Sound(device=find_device(wish.audio).name)
-    except UnknownDevice as error:
-        what = "there is no such file, and " if path.suffix or "/" in wish.audio else ""
-        raise PersonError(f"--audio {wish.audio!r}: {what}{error}") from None
-    except SoundUnavailable as error:
-        raise PersonError(f"--audio {wish.audio!r}: there is no such file, and {error}") from None
-
-
-def _music(path: Path) -> Music:
-    try:
-        return read_music(path)
-    except MusicFileError as error:
-        raise PersonError(str(error)) from None
 
 
 def start_tempo(wish: Wish, loaded: LoadedShow, sound: Sound) -> float | None:
@@ -125,8 +82,9 @@ def resident_megabytes() -> Callable[[], float]:
 class Session:
     """A running show: engine, inputs, journal, status."""
 
-    def __init__(self, wish: Wish, loaded: LoadedShow, sound: Sound) -> None:
+    def __init__(self, wish: Wish, loaded: LoadedShow, sound: Sound, venue: Venue | None = None) -> None:
         """Everything is made, nothing is started; PersonError for what cannot be."""
+        self.latencies = Latencies.of(venue)
         tempo = start_tempo(wish, loaded, sound)
         show = loaded.start(seed=wish.seed, tempo=tempo)
         self.wish = wish
@@ -136,7 +94,7 @@ class Session:
         self.clock = SystemClock()
         self.inbox: Inbox[ControlEvent] = Inbox()
         self.osc = OscInput(*wish.osc, self.inbox, self.clock)
-        self._audio = self._make_audio()
+        self._audio, self._tell_audio = make_audio(sound, loaded, self.latencies, self.inbox, self.clock)
         self.status = Status(
             show,
             rejected=self._rejected,
@@ -147,7 +105,13 @@ class Session:
         self._tempo = tempo
         self._journal: JournalWriter | None = None
         stall = max(STALL, 3.0 / wish.film_fps)  # a slow rate is no stall
-        self.engine = Engine(show, clock=self.clock, inbox=self.inbox, status=self.status, stall=stall)
+        self.engine = Engine(
+            show, clock=self.clock, inbox=self.inbox, status=self.status, lead=self.latencies.lead, stall=stall
+        )
+        self.engine.outward.append(self._tell_devices)
+        self.status.more["latency"] = self.latencies.facts
+        if self._audio is not None:
+            self.status.more["audio"] = self._audio.facts
         self._link = self._make_link()
         self._watch = self._make_watch()
         self.news = self._make_news()
@@ -157,7 +121,7 @@ class Session:
         """Tells on the terminal what is refused and what joins: with `--headless` there is no overlay that does."""
         watch, console = self._watch, Console(stderr=True, highlight=False)
         refusals: list[Callable[[], str]] = [self._osc_refusal, lambda: self.show.refusal]
-        others: list[Callable[[], str]] = []
+        others: list[Callable[[], str]] = [self._audio_problem]
         if watch is not None:
             refusals.append(lambda: watch.problem)
             others.append(lambda: watch.joined)
@@ -166,6 +130,12 @@ class Session:
             console.print(line, style="yellow", soft_wrap=True, markup=False)
 
         return News(refusals, others, say)
+
+    def _audio_problem(self) -> str:
+        """What is wrong with the device that is listened to."""
+        listens = self._audio is not None and self.sound.device is not None
+        problem = str(self._audio.facts()["problem"]) if listens and self._audio is not None else ""
+        return f"sound: {problem}" if problem else ""
 
     def _osc_refusal(self) -> str:
         """The last refusal of OSC: of a packet that was not understood the reason, of a control all that is known."""
@@ -224,17 +194,12 @@ class Session:
         except OSError as error:
             raise PersonError(f"cannot write --status-json {self.wish.status_json}: {error.strerror}") from None
 
-    def _make_audio(self) -> Startable | None:
-        if self.sound.music is not None:
-            from live.control.music_player import MusicPlayer
-
-            one_at = self.loaded.patch.music.one_at_s if self.sound.known else None
-            return MusicPlayer(self.sound.music, self.inbox, self.clock, loop=True, one_at=one_at)
-        if self.sound.device is not None:
-            from live.control.audio_device import AudioInput
-
-            return AudioInput(self.sound.device, self.inbox, self.clock)
-        return None
+    def _tell_devices(self, event: ControlEvent) -> None:
+        """Events that concern the sound device and the venue's delays, not the dance."""
+        if isinstance(event, SetLatency):
+            self.latencies.set(event.what, event.seconds)
+            self.engine.lead = self.latencies.lead
+        self._tell_audio(event)
 
     def _make_link(self) -> OnLink | None:
         console = Console(stderr=True, highlight=False)

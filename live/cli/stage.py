@@ -21,14 +21,15 @@ def play_show(wish: Wish, *, monitor: str | None, fullscreen: bool, headless: bo
     loaded = wish.load()
     for note in loaded.graph.missing:
         console.print(f"note: {note}", style="yellow", markup=False)
-    sound = choose_sound(wish, loaded)
+    venue = wish.read_venue()
+    sound = choose_sound(wish, loaded, venue)
     chosen = _monitor(monitor)
     if headless:
-        _headless(wish, loaded, sound, console)
+        _headless(Session(wish, loaded, sound, venue), console)
     elif list_monitors():
         from live.cli.window_show import play_in_window
 
-        session = Session(wish, loaded, sound)
+        session = Session(wish, loaded, sound, venue)
         keys = help_lines(formation_names(loaded.patch.formation))
         console.print("\n".join([_welcome(session), *keys]), style="dim", soft_wrap=True, markup=False)
         play_in_window(session, scene_of(loaded.patch), monitor=chosen, fullscreen=fullscreen, console=console)
@@ -36,7 +37,7 @@ def play_show(wish: Wish, *, monitor: str | None, fullscreen: bool, headless: bo
         raise PersonError(f"--fullscreen: {screen_problem()}", "leave it out to make a film")
     elif sound.device is not None:
         console.print(f"{screen_problem()}; listening and running without a picture", style="dim")
-        _headless(wish, loaded, sound, console)
+        _headless(Session(wish, loaded, sound, venue), console)
     else:
         _film(wish, loaded, sound, console)
 
@@ -50,12 +51,11 @@ def _monitor(name: str | None) -> Monitor | None:
         raise PersonError(f"--monitor: {error}") from None
 
 
-def _headless(wish: Wish, loaded: LoadedShow, sound: Sound, console: Console) -> None:
+def _headless(session: Session, console: Console) -> None:
     from live.cli.headless_show import play_headless
 
-    session = Session(wish, loaded, sound)
     console.print(f"{_welcome(session)}; Ctrl-C ends it", style="dim", soft_wrap=True, markup=False)
-    play_headless(session, scene_of(loaded.patch), console)
+    play_headless(session, scene_of(session.loaded.patch), console)
 
 
 def _film(wish: Wish, loaded: LoadedShow, sound: Sound, console: Console) -> None:

@@ -40,7 +40,7 @@ class MusicPlayer:
         *,
         loop: bool = True,
         output: bool | str | int = True,
-        latency: float = 0.0,
+        latency: float | None = None,
         one_at: float | None = None,
     ) -> None:
         """`output`: True = the default device, False = none, else as for `find_device`.
@@ -48,14 +48,15 @@ class MusicPlayer:
         `one_at` [s of the music] is a downbeat that is known: it is told as One when it has been heard and its
         time is sure.
 
-        `latency` [s] is added to what the device says it needs until a sample is heard.
+        `latency` [s]: from a sample handed over until it is heard; None: what the device says.
         Raises UnknownDevice for an output that was named and is not there.
         """
         self._music = music
         self._inbox = inbox
         self._clock = clock
         self._loop = loop
-        self._latency = latency
+        self.latency = latency
+        """From a sample handed over until it is heard [s], None: what the device says; it may be changed meanwhile."""
         self._one_at = one_at
         self.output_problem = ""
         """Why the music is not heard; empty if it is."""
@@ -69,7 +70,7 @@ class MusicPlayer:
         self._stamp_frame = np.zeros(STAMPS, np.int64)
         self._stamp_time = np.zeros(STAMPS)
         self._stamps = self._stamps_read = self._played = self._fed = 0
-        self._begin = self._alive_at = self._delay = 0.0
+        self._begin = self._alive_at = self._reported = 0.0
         self._analysis = AudioAnalysis(music.sample_rate)
         self._skipped = 0
 
@@ -77,6 +78,21 @@ class MusicPlayer:
     def audible(self) -> bool:
         """Whether an output plays the music. Thread: any."""
         return self._stream is not None
+
+    @property
+    def _delay(self) -> float:
+        """From a sample handed over until it is heard [s]."""
+        return self._reported if self.latency is None else self.latency
+
+    def facts(self) -> dict[str, Any]:
+        """What the operator is told of the output, for the status. Thread: any."""
+        return {
+            "device": None if self._device is None else self._device.name,
+            "sample_rate": self._music.sample_rate,
+            "state": "open" if self.audible else "unheard",
+            "latency_ms": round(1000.0 * self._delay, 2),
+            "problem": self.output_problem,
+        }
 
     def start(self) -> None:
         """Play from the beginning. An output that refuses is no error: see `output_problem`."""
@@ -99,7 +115,7 @@ class MusicPlayer:
         if self._stream is None or self._stamps_read < 1:
             return max(time - self._begin, 0.0)
         # What was never handed to the device is not heard, wherever the line points while a server fills its buffers.
-        return min(max(self._line.frame_at(time), 0.0), float(self._played)) / self._music.sample_rate
+        return min(max(self._line.frame_at(time - self._delay), 0.0), float(self._played)) / self._music.sample_rate
 
     def _find(self, output: bool | str | int) -> Any:
         if output is False:
@@ -143,7 +159,7 @@ class MusicPlayer:
             self.output_problem = f"{self._device.name} does not play: {error}"
             return
         reported = float(self._stream.latency)
-        self._delay = self._latency + (reported if 0.0 <= reported <= 1.0 else 0.0)  # some hosts report nonsense
+        self._reported = reported if 0.0 <= reported <= 1.0 else 0.0  # some hosts report nonsense
 
     def _run(self) -> None:
         try:
@@ -164,9 +180,9 @@ class MusicPlayer:
             return
         until = self._stamps
         for index in range(max(self._stamps_read, until - STAMPS // 2), until):
-            heard_at = float(self._stamp_time[index % STAMPS]) + self._delay
-            self._line.observe(float(self._stamp_frame[index % STAMPS]), heard_at)
-            self._alive_at = max(self._alive_at, float(self._stamp_time[index % STAMPS]))
+            time = float(self._stamp_time[index % STAMPS])
+            self._line.observe(float(self._stamp_frame[index % STAMPS]), time)
+            self._alive_at = max(self._alive_at, time)
         self._stamps_read = until
         if now - self._alive_at > (LOST_AFTER if now - self._begin > FIRST_SOUND else FIRST_SOUND):
             self._begin = now - self.position(now)
@@ -206,4 +222,4 @@ class MusicPlayer:
         frame = position * self._music.sample_rate + self._skipped
         if self._stream is None:
             return self._begin + frame / self._music.sample_rate
-        return self._line.time_of(frame)
+        return self._line.time_of(frame) + self._delay

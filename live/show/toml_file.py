@@ -1,0 +1,90 @@
+"""Reading a TOML file into a model of its sections, with errors that name file, line, field and what is allowed."""
+
+import difflib
+import tomllib
+from pathlib import Path
+from typing import Any, Final, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from live.base.errors import PersonError
+from live.base.toml_lines import error_line, line_of, toml_lines
+
+MAX_BYTES: Final = 4_000_000
+SHOWN_PROBLEMS: Final = 8
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def read_text(path: Path, what: str) -> str:
+    """The text of a file; `what` it is in words, as in "patch". PersonError if it cannot be read."""
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise PersonError(f"{path}: {path.stat().st_size} bytes; a {what} has at most {MAX_BYTES}")
+        return path.read_bytes().decode("utf-8")
+    except OSError as error:
+        raise PersonError(f"cannot read the {what} {path}: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise PersonError(f"{path}: not a text in UTF-8 (byte {error.start})") from None
+
+
+def parse_model(text: str, file: str, model: type[Model], what: str) -> Model:
+    """What is written in `text`; `file` is named in errors. PersonError says what is wrong, and where."""
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise PersonError(f"{file}, line {error_line(str(error), text)}: not valid TOML: {error}") from None
+    except RecursionError:
+        raise PersonError(f"{file}: not a {what}: its brackets are nested too deep") from None
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise PersonError(_explain(error, text, file, model, what)) from None
+
+
+def _explain(error: ValidationError, text: str, file: str, model: type[BaseModel], what: str) -> str:
+    lines = toml_lines(text)
+    problems = []
+    for problem in error.errors(include_url=False):
+        where = tuple(problem["loc"])
+        field = ".".join(str(part + 1) if isinstance(part, int) else part for part in where) or f"the {what}"
+        problems.append(f"{file}, line {line_of(lines, where)}: {field}: {_words(problem, model)}")
+    more = len(problems) - SHOWN_PROBLEMS
+    return "; ".join(problems[:SHOWN_PROBLEMS]) + (f"; and {more} more" if more > 0 else "")
+
+
+def _words(problem: Any, model: type[BaseModel]) -> str:
+    """One problem in words: what was read, what is allowed."""
+    kind, message, read = problem["type"], problem["msg"], problem["input"]
+    if kind == "extra_forbidden":
+        return f"unknown key; {_known_keys(problem['loc'], model)}"
+    if kind == "missing":
+        return "missing; it must be given"
+    if kind == "value_error":
+        return str(message).removeprefix("Value error, ")
+    context = problem.get("ctx", {})
+    if kind == "too_short":
+        return f"at least {context['min_length']} expected, found {context['actual_length']}"
+    if kind == "too_long":
+        return f"at most {context['max_length']} expected, found {context['actual_length']}"
+    if kind == "model_type":
+        return f"a table expected, found {str(read)[:40]}"
+    shown = repr(read) if isinstance(read, str | int | float | bool) else f"a {type(read).__name__}"
+    return f"{message[:1].lower()}{message[1:]}, found {shown[:60]}"
+
+
+def _known_keys(where: tuple[str | int, ...], of: type[BaseModel]) -> str:
+    """The keys allowed where an unknown one stands, with the nearest spelling first if one is near."""
+    model: Any = of
+    for part in where[:-1]:
+        if isinstance(part, int):
+            continue
+        annotation = model.model_fields[part].annotation
+        inner = getattr(annotation, "__args__", None)
+        model = inner[0] if inner else annotation
+        if not hasattr(model, "model_fields"):
+            return "see the reference"
+    keys = list(model.model_fields)
+    near = difflib.get_close_matches(str(where[-1]), keys, n=1)
+    hint = f"did you mean {near[0]!r}? " if near else ""
+    return f"{hint}allowed are {', '.join(keys)}"

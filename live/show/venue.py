@@ -1,0 +1,102 @@
+"""Venue: what is true of a hall and not of a show: its sound devices and how long sound and pictures take there."""
+
+import os
+import re
+from pathlib import Path
+from typing import Annotated, Final
+
+import platformdirs
+from pydantic import Field, field_validator
+
+from live.base.errors import PersonError
+from live.clock.ticks import TICK
+from live.show.patch_file import PATCHES, is_file
+from live.show.sections.section import Name, Section
+from live.show.toml_file import parse_model, read_text
+
+Sooner = Annotated[float, Field(ge=-500, le=500, allow_inf_nan=False)]
+Later = Annotated[float, Field(ge=0, le=500, allow_inf_nan=False)]
+Spread = Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)]
+
+
+class VenueAudio(Section):
+    """`[audio]`: which devices are used where the command line names none."""
+
+    device: Annotated[str, Field(min_length=1, max_length=200)] | None = None
+    """The input that is listened to, by its name or a part of it."""
+    channels: Annotated[list[Annotated[int, Field(ge=1, le=128)]], Field(min_length=1, max_length=128)] | None = None
+    """Which of its channels, from 1; the first two if left out."""
+    output: Annotated[str, Field(min_length=1, max_length=200)] | None = None
+    """The output that music is played to."""
+
+
+class VenueLatency(Section):
+    """`[latency]`: how long things take; `live calibrate` measures them."""
+
+    input_ms: Sooner = 0.0
+    """From the sound that is heard to its samples here."""
+    output_ms: Sooner | None = None
+    """From samples handed over here to the sound that is heard; what the device says if left out."""
+    display_ms: Later = TICK * 1000.0
+    """From a picture drawn here to the display; a frame of 60 Hz if left out."""
+    projector_ms: Later = 0.0
+    """What the projector, and all that lies between, takes longer."""
+    round_trip_ms: Sooner | None = None
+    """What was measured last from output to input; for the record."""
+    round_trip_spread_ms: Spread | None = None
+    """How far single measurements differed."""
+    claps_spread_ms: Spread | None = None
+    """How far single claps differed, when the picture was measured."""
+
+
+class Venue(Section):
+    """A hall."""
+
+    name: Name = "venue"
+    """What it is called."""
+    audio: VenueAudio = VenueAudio()
+    latency: VenueLatency = VenueLatency()
+
+    @field_validator("name")
+    @classmethod
+    def _printable(cls, name: str) -> str:
+        if not name.isprintable():
+            raise ValueError("printable characters expected")
+        return name
+
+
+def user_venues() -> Path:
+    """The user's own folder of venues; `LIVE_CONFIG_DIR` overrides where it lies."""
+    root = os.environ.get("LIVE_CONFIG_DIR") or platformdirs.user_config_dir("choreographics-live")
+    return Path(root) / "venues"
+
+
+VENUES: Final = PATCHES / "venues"
+"""The project's own venues."""
+
+
+def venue_path(name: str) -> Path:
+    """The file of a venue: the user's own, else the project's, else where the user's own would be.
+
+    PersonError for a name that no venue can have: venues are never looked up elsewhere, least of all in a show.
+    """
+    if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", name):
+        raise PersonError(
+            f"--venue {name[:80]!r}: a name of letters, digits, - and _ expected, not a file", "--venue hall"
+        )
+    own = user_venues() / f"{name}.toml"
+    return own if is_file(own) or not is_file(VENUES / own.name) else VENUES / own.name
+
+
+def known_venues() -> list[str]:
+    """The names of all venues there are."""
+    return sorted({path.stem for folder in (user_venues(), VENUES) for path in folder.glob("*.toml")})
+
+
+def read_venue(name: str) -> Venue:
+    """The venue of that name; PersonError if there is none, or for what is wrong in its file."""
+    path = venue_path(name)
+    if not is_file(path):
+        known = ", ".join(known_venues()) or "none yet"
+        raise PersonError(f"there is no venue {name!r}", f"live calibrate --venue {name} makes it; there are: {known}")
+    return parse_model(read_text(path, "venue"), str(path), Venue, "venue")
