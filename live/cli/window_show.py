@@ -82,7 +82,8 @@ class Operator:
         elif name in TOOLS:
             self._tool = name
             self._session.status.tool = TOOLS[name].description
-        event = event_for_key(name, time=now, blackout_now=self._session.show.blackout)
+        show = self._session.show
+        event = event_for_key(name, time=now, blackout_now=show.blackout, held_now=show.follower.held)
         if name in FORMATION_KEYS:
             event = self._formation(FORMATION_KEYS.index(name), now)
         if event is not None:

@@ -107,6 +107,11 @@ class TimelineFollower(HandControls):
         return self._ruling.choice
 
     @property
+    def held(self) -> bool:
+        """Whether the hand holds the tempo."""
+        return self._ruling.held
+
+    @property
     def state(self) -> str:
         """internal | following (heard, not yet sure) | locked | freewheel (nothing heard) | held (by hand)."""
         if self._ruling.held:

@@ -23,6 +23,12 @@ class Key:
     what: Literal[
         "/dance/clock/tap",
         "/dance/clock/one",
+        "/dance/clock/nudge",
+        "/dance/clock/shift",
+        "/dance/clock/half",
+        "/dance/clock/double",
+        "/dance/clock/hold",
+        "/dance/clock/count_in",
         "/dance/blackout",
         "/dance/spread",
         "/dance/wander",
@@ -33,6 +39,9 @@ class Key:
         "window/overlay",
     ]
 
+    values: tuple[float, ...] = ()
+    """What the key gives to the control."""
+
     @property
     def is_control(self) -> bool:
         """Whether it changes the show (and so makes an event), not only the window."""
@@ -42,6 +51,15 @@ class Key:
 KEYS: Final[dict[str, Key]] = {
     "Space": Key("tap the beat", "/dance/clock/tap"),
     "1": Key("this is the one: a measure begins now", "/dance/clock/one"),
+    "Left": Key("the beats 10 ms earlier", "/dance/clock/nudge", (-0.01,)),
+    "Right": Key("the beats 10 ms later", "/dance/clock/nudge", (0.01,)),
+    ",": Key("the measure line a beat earlier", "/dance/clock/shift", (-1.0,)),
+    ".": Key("the measure line a beat later", "/dance/clock/shift", (1.0,)),
+    "J": Key("half a beat later: the off-beat is the beat", "/dance/clock/shift", (0.5,)),
+    "Down": Key("half tempo", "/dance/clock/half"),
+    "Up": Key("double tempo", "/dance/clock/double"),
+    "Z": Key("freeze the tempo, and follow again", "/dance/clock/hold"),
+    "N": Key("count in: a measure, then the one", "/dance/clock/count_in"),
     "B": Key("blackout, and back", "/dance/blackout"),
     "F": Key("full screen, and back", "window/fullscreen"),
     "O": Key("overlay: tempo, beat, measure, frame times, dancers", "window/overlay"),
@@ -57,12 +75,16 @@ FORMATION_KEYS: Final = "23456789"
 """Keys that send everybody to the patch's formations, in their order; from the next measure, in four measures."""
 
 
-def event_for_key(name: str, *, time: float, blackout_now: bool) -> ControlEvent | None:
-    """The event of a key pressed at `time` [s of the show]; None for keys that make none (unknown, or the window's)."""
+def event_for_key(name: str, *, time: float, blackout_now: bool, held_now: bool = False) -> ControlEvent | None:
+    """The event of a key pressed at `time` [s of the show]; None for keys that make none (unknown, or the window's).
+
+    `blackout_now`, `held_now`: how those switches stand; their keys turn them over.
+    """
     key = KEYS.get(name.upper() if len(name) == 1 else name)
     if key is None or not key.is_control:
         return None
-    values = (not blackout_now,) if key.what == "/dance/blackout" else ()
+    switches = {"/dance/blackout": (not blackout_now,), "/dance/clock/hold": (not held_now,)}
+    values = switches.get(key.what, key.values)
     result = REGISTRY.call(key.what, values, time, SOURCE)
     return result if isinstance(result, ControlEvent) else None
 

@@ -4,7 +4,7 @@ The same patch, library, seed and (tick, event) list give bit-identical states, 
 """
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from live.agents.crowd.model import AgentState
 from live.base.errors import PersonError
 from live.base.kernels import damper
 from live.base.stage_view import StageView
-from live.clock.follow import TimelineFollower
+from live.clock.following.seed import Seed
 from live.clock.moment import Moment
 from live.clock.ticks import TICK
 from live.control import events
@@ -24,6 +24,7 @@ from live.graph.wanted import parse_sequence
 from live.motion.skeleton import JOINT_COUNT
 from live.motion.step_clip import StepClip
 from live.show.casting import Casting
+from live.show.clock_events import CLOCK_EVENTS, first_seeds, follower_of, tell
 from live.show.dancers import Dancers
 from live.show.echo import Echo
 from live.show.group_controls import GROUP_EVENTS, GroupControls
@@ -39,6 +40,8 @@ FADE_HALFLIFE = 0.06
 """Half-life of a blackout's fade [s]: dark within a fifth of a second, without a flash."""
 SHORTEST_RETIME = 0.5
 """A measure is never re-timed to end within fewer beats than this."""
+LEAP = 1e-6
+"""The clock's beat has jumped if it is so far [beats] from where the last tick's Timeline takes it."""
 LINES_PER_TICK = 4
 """Measure lines crossed in one tick at most, should the tempo ever run away."""
 
@@ -62,13 +65,8 @@ class Show:
         self.patch = patch
         self.graph = graph
         self.seed = patch.seed if seed is None else seed
-        music = patch.music
-        self.follower = TimelineFollower(
-            tempo=tempo or patch.clock.bpm,
-            beats_per_measure=patch.clock.beats_per_measure,
-            one_at=music.one_at_s if tempo is None else None,
-            known_tempo=music.bpm if tempo is None else None,
-        )
+        self.follower = follower_of(patch, tempo)
+        self._known = tempo is None
         self.timeline = self.follower.timeline
         self.casting = Casting(patch)
         self.casting.check()
@@ -134,9 +132,10 @@ class Show:
             except PersonError as error:
                 self._refuse(f"{event.source}: {error}")
             return
+        if isinstance(event, CLOCK_EVENTS):
+            self._tell_clock(event)
+            return
         match event:
-            case events.BeatHeard() | events.SourceChanged() | events.Tap() | events.One() | events.SetTempo():
-                self._follow(event)
             case events.Clear():
                 self._controls.clear(self.time, self.timeline)
                 for programme in self.scheduler.programmes:
@@ -154,24 +153,16 @@ class Show:
             case events.TicksSkipped():
                 self.time += event.count * TICK
 
-    def _follow(
-        self, event: events.BeatHeard | events.SourceChanged | events.Tap | events.One | events.SetTempo
-    ) -> None:
-        match event:
-            case events.BeatHeard():
-                self.follower.heard(event.beat_time, event.period, event.confidence, event.time)
-            case events.Tap():
-                self.follower.tap(event.time)
-            case events.One():
-                self.follower.one(event.time)
-            case events.SetTempo():
-                self.follower.set_tempo(event.tempo, event.time)
-            case events.SourceChanged(state="lost"):
-                self.follower.lost(event.time)
-            case events.SourceChanged(state="silent"):
-                self.follower.silent(event.time)
-            case events.SourceChanged(state="found"):
-                self.follower.found(event.time)
+    def _tell_clock(self, event: ControlEvent) -> None:
+        words = tell(self.follower, event)
+        if words:
+            self._refuse(f"{event.source}: {words}")
+
+    def seed_tracker(self, told: Callable[[Seed], None]) -> None:
+        """Tell `told`, now and in future, what a tracker of sound should know. Thread: the show's calls it."""
+        for seed in first_seeds(self.patch, self.follower, self._known):
+            told(seed)
+        self.follower.on_seed = told
 
     def _call_step(self, event: events.CallStep) -> None:
         try:
@@ -257,8 +248,11 @@ class Show:
     def tick(self, time: float) -> bool:
         """Advance to the tick at `time` [s]; True if a measure line was crossed."""
         self.time = time
+        expected = self.timeline.beat_at(time)
         self.timeline = self.follower.advance(time)
         beat = self.timeline.beat_at(time)
+        if abs(beat - expected) > LEAP:
+            self.span.leap(self.timeline, expected, beat, shortest=SHORTEST_RETIME)
         self.span.follow(self.timeline, beat, shortest=SHORTEST_RETIME)
         crossed = False
         for _ in range(LINES_PER_TICK):

@@ -44,7 +44,8 @@ class GroupControls:
             case events.Attract() | events.Repel() | events.Spread() | events.Voice() | events.PlaceElement():
                 motion.elements.act(event, beat=beat, next_line=span.end, beats_per_measure=size, position=position)
             case events.Evolve() | events.Travel() | events.Pause():
-                danced, heading = span.danced(beat, size), self._dancers.present.end_heading()
+                danced = span.danced(beat, self._patch.clock.beats_per_measure)
+                heading = self._dancers.present.end_heading()
                 motion.evolutions.act(event, measure=span.number, beat=danced, position=position, heading=heading)
             case events.DefineFormation():
                 motion.evolutions.define(event, measure=span.number)

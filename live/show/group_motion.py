@@ -85,6 +85,7 @@ class GroupMotion:
         half = (patch.stage.width / 2, patch.stage.depth / 2)
         self.casting = casting
         self._seed = seed
+        self._beats = patch.clock.beats_per_measure  # of a danced measure in plans, whatever the metre becomes live
         self._half = np.array(half, np.float32)
         steering = steering_of(patch)
         radius = np.array([section.radius for section in patch.group], np.float32)[casting.group]
@@ -165,7 +166,7 @@ class GroupMotion:
         if self._now is None:
             return
         timeline, span = self._now
-        beat, size = timeline.beat_at(time), timeline.beats_per_measure
+        beat, size = timeline.beat_at(time), self._beats
         wants.rest()
         wants.speed[:] = self._speed
         wants.separation[:] = STANDING
@@ -208,8 +209,8 @@ class GroupMotion:
             place[rows] = position[rows]
             if self._now is None:
                 continue
-            timeline, span = self._now
-            known, planned, facing = self.evolutions.target((span.number + 2) * timeline.beats_per_measure + beats)
+            _, span = self._now
+            known, planned, facing = self.evolutions.target((span.number + 2) * self._beats + beats)
             rows &= known & (self.elements.influence < TAKEN) & ~self.entrances.passing
             place[rows], heading[rows], held[rows] = planned[rows], facing[rows], True
         return place, held, heading

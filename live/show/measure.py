@@ -54,12 +54,22 @@ class MeasureSpan:
         offset = math.fmod(abs(self.end - timeline.measure_origin), size)
         if min(offset, size - offset) < 1e-6:
             return False
-        fraction = self.fraction(beat)
+        self._retime(timeline, beat, self.fraction(beat), shortest)
+        return True
+
+    def leap(self, timeline: Timeline, before: float, after: float, *, shortest: float) -> None:
+        """The beat has jumped from `before` to `after`: what was danced stays danced, the rest is re-timed."""
+        if before >= self.end:  # the line is crossed in this very tick
+            self.end = after
+        else:
+            self._retime(timeline, after, self.fraction(before), shortest)
+
+    def _retime(self, timeline: Timeline, beat: float, fraction: float, shortest: float) -> None:
+        size = timeline.beats_per_measure
         left = max(1.0 - fraction, 1e-3) * size
         first = next_phase_match(beat + shortest, timeline.measure_origin, size)
         self.end = min((first, first + size), key=lambda end: abs(math.log((end - beat) / left)))
         self._anchor_beat, self._anchor_fraction = beat, fraction
-        return True
 
     def next(self, timeline: Timeline) -> "MeasureSpan":
         """The measure after this one."""

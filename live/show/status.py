@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from live.clock.follow import TimelineFollower
 from live.show.core import Show
 from live.show.line_writer import LineWriter
 
@@ -98,6 +99,7 @@ class Status:
             "source": show.follower.source,
             "clock_state": show.follower.state,
             "confidence": round(moment.confidence, 3),
+            **clock_figures(show.follower),
             "frames": self.frames,
             "late_frames": self.late_frames,
             "ticks": self.ticks,
@@ -125,18 +127,45 @@ class Status:
         beats = self._show.timeline.beats_per_measure
         frame, cpu = s["frame_ms"], s["cpu_ms"]["p50"]
         level, refusal = self._level(), self._refusal() or self._show.refusal
-        clock = s["source"]
-        if clock != "internal":
-            clock += f", {s['clock_state']}, sure to {s['confidence']:.0%}"
         heard = "" if level is None else f"   input {20.0 * math.log10(max(level, 1e-5)):.0f} dB"
         lines = (
             f"{s['bpm']:.1f} bpm   measure {s['measure']}   beat {s['beat']} of {beats}",
-            f"clock: {clock}{heard}",
+            f"clock: {clock_in_words(s)}{heard}",
             f"frame {frame['p50']:.1f} ms   p99 {frame['p99']:.1f}   cpu {cpu:.1f}   late {s['late_frames']}",
             f"dancers {s['dancers']}   events {s['events_accepted']}   refused {sum(s['events_rejected'].values())}",
         )
         more = (f"pointer: {self.tool}",) if self.tool else ()
         return (*lines, *more, f"last refused: {refusal}") if refusal else (*lines, *more)
+
+
+def clock_figures(follower: TimelineFollower) -> dict[str, Any]:
+    """What there is to say of the clock beside tempo, beat and state."""
+    jump = follower.last_jump
+    return {
+        "metre": follower.timeline.beats_per_measure,
+        "clock_choice": follower.choice,
+        "clock_sources": follower.states,
+        "clock_jumps": follower.jumps,
+        "clock_last_jump": None if jump is None else {"time": round(jump.time, 3), "cause": jump.cause},
+        "count_in": follower.counting_in,
+        "source_measure": follower.source_measure + 1 if follower.source_measure >= 0 else None,
+    }
+
+
+def clock_in_words(figures: dict[str, Any]) -> str:
+    """The overlay's line on the clock: who is followed, how sure that is, and what waits or was chosen."""
+    words = [str(figures["source"])]
+    if figures["source"] != "internal":
+        words += [str(figures["clock_state"]), f"sure to {figures['confidence']:.0%}"]
+    if figures["clock_choice"] not in ("auto", figures["source"]):
+        words.append(f"waits for {figures['clock_choice']}")
+    others = [name for name, state in figures["clock_sources"].items() if state == "locked"]
+    others = [name for name in others if name not in (figures["source"], "internal", "tap")]
+    if others:
+        words.append(f"also {' and '.join(others)}")
+    if figures["count_in"]:
+        words.append(f"counting in: {figures['count_in']}")
+    return ", ".join(words)
 
 
 class StatusFile:
