@@ -14,6 +14,9 @@ _NEXT: Final = tuple(first + (b + 1) % n for n, first in zip(METRES, FIRST_SLOT,
 _PREVIOUS: Final = tuple(first + (b - 1) % n for n, first in zip(METRES, FIRST_SLOT, strict=True) for b in range(n))
 _SIDE_BINS: Final = 2
 
+SURVEY: Final = 3
+"""Frames from one look at all states to the next; in between only those near the grid are looked at."""
+
 
 class BarPointer:
     """Filters activations forward; `step` takes a frame, the attributes say what is believed after it.
@@ -35,7 +38,7 @@ class BarPointer:
     def clear(self) -> None:
         """Forget everything that was heard; what was set by hand stays."""
         self._states.fill()
-        self._scale = np.float32(1.0)
+        self._until_survey = 0
         self._challenged = 0
         self._place = 0.0  # how far the window of the present beat is past, 0 to 1 beat
         self._slot = FIRST_SLOT[METRES.index(4)]
@@ -96,10 +99,11 @@ class BarPointer:
                 *ring, states.still, states.same_metre, self._no_births, states.slot_share, states.leaving,
                 states.entering, np.float32(0.0),
             )  # fmt: skip
-        rescale(states.flat, self._scale)
-        total = tally(*ring, states.histogram)
-        self._scale = np.float32(1.0 / total)
-        self._follow(1.0 / total)
+        if self.interval > 0.0:
+            self._move(1.0 / self.interval)
+        self._until_survey -= 1
+        switch = self._until_survey < 0 and self._survey()
+        self._follow(switch)
 
     def tap(self, bpm: float) -> None:
         """The tempo was tapped: it is this, and its level is kept. ValueError for one that is not looked for."""
@@ -129,7 +133,6 @@ class BarPointer:
     def doubt(self, share: float) -> None:
         """So large a share of what is believed is given up for the belief before anything was heard."""
         self._states.blend(share)
-        self._scale = np.float32(1.0)
 
     @property
     def confidence(self) -> float:
@@ -146,9 +149,8 @@ class BarPointer:
         self._hand.let_go()
 
     def _set_anew(self) -> None:
-        self._scale = np.float32(1.0)
-        if self.interval > 0.0:
-            self._challenged = self.model.switch_frames + 1
+        self._until_survey = 0
+        self._challenged = self.model.switch_surveys
 
     def _likelihoods(self, beat: float, downbeat: float) -> tuple[np.float32, np.float32, np.float32]:
         """How much likelier the frame is with a beat that is no downbeat, with a downbeat, and between beats."""
@@ -165,32 +167,38 @@ class BarPointer:
         between = any_beat**model.half_beat if model.half_beat > 0.0 else 1.0
         return np.float32(other), np.float32(one), np.float32(between)
 
-    def _follow(self, scale: float) -> None:
-        """Move the grid on by one frame, and onto the mean of the states near it; or leave it for another one."""
+    def _survey(self) -> bool:
+        """Bring all states to the sum 1, and look where most of them are. True if the grid is left for that place."""
         states, model, found = self._states, self.model, self._found
-        if self.interval > 0.0:
-            self._move(1.0 / self.interval)
+        self._until_survey = SURVEY - 1
+        total = tally(states.share, states.head, states.offset, states.length, states.histogram)
+        rescale(states.flat, np.float32(1.0 / total))
         search(
             states.histogram, states.length, states.near, states.boxes, self.interval, self._place, model.near_tempo,
             _SIDE_BINS, found,
         )  # fmt: skip
-        self.rival = float(found[2]) * scale
-        better = found[2] > model.switch_ratio * found[3]
-        self._challenged = self._challenged + 1 if better else 0
-        switch = self.interval == 0.0 or self._challenged > model.switch_frames
-        if switch:
-            self.jumps += self.interval > 0.0
-            self.interval, self._place = float(found[0]), float(found[1])
-            self._challenged = 0
+        self.rival, near = float(found[2]) / total, float(found[3]) / total
+        self._challenged = self._challenged + 1 if self.rival > model.switch_ratio * near else 0
+        if self.interval > 0.0 and self._challenged <= model.switch_surveys:
+            return False
+        self.jumps += self.interval > 0.0
+        self.interval, self._place = float(found[0]), float(found[1])
+        self._challenged = 0
+        return True
+
+    def _follow(self, switched: bool) -> None:
+        """Move the grid onto the mean of the states near it, and take the beat of the measure that most of them say."""
+        states, model, found = self._states, self.model, self._found
         refine(
             states.share, states.head, states.offset, states.length, self.interval, self._place, model.near_tempo,
             model.near_phase, found, self._slots,
         )  # fmt: skip
-        self.share = float(found[2]) * scale
+        if self._until_survey == SURVEY - 1:
+            self.share = float(found[2])
         if found[2] <= 0.0:
             return
         best = int(np.argmax(self._slots))
-        if switch or self._slots[best] > model.line_ratio * self._slots[self._slot]:
+        if switched or self._slots[best] > model.line_ratio * self._slots[self._slot]:
             self._slot = best
         self.slot_share = float(self._slots[self._slot])
         self.interval = float(found[0])

@@ -26,8 +26,14 @@ SLOTS: Final = 16
 WINDOW: Final = 7
 """Frames in which a beat's activation may lie; the beat is in the middle."""
 
-REACH: Final = 12
+REACH: Final = 8
 """Intervals to each side that the tempo can change to at one beat."""
+
+COARSE: Final = 90
+"""From this interval on [frames] only every second one is kept: 57 bpm and slower."""
+
+UNLIKELY: Final = 1e-5
+"""Changes of tempo below this chance are left out."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,32 +83,37 @@ class Model:
     """States within this ratio of an interval and this many beats of a phase belong to one grid."""
     switch_ratio: float = 3.0
     """A grid is left for another one that has this many times its share of the states ..."""
-    switch_frames: int = 8
-    """... for more than so many frames."""
+    switch_surveys: int = 2
+    """... for more than so many surveys."""
     line_ratio: float = 2.0
     """Another beat of the measure, or another metre, is taken when it has this many times the share."""
 
     @property
     def intervals(self) -> Int32:
-        """Frames from beat to beat of each tempo, ascending, shape (K,)."""
+        """Frames from beat to beat of each tempo, ascending, shape (K,): each whole number, from `COARSE` on even."""
         shortest = round(60.0 * self.frame_rate / self.fastest_bpm)
         longest = round(60.0 * self.frame_rate / self.slowest_bpm)
-        return np.arange(shortest, longest + 1, dtype=np.int32)
+        fine, coarse = np.arange(shortest, COARSE), np.arange(COARSE, longest + 1, 2)
+        return np.concatenate([fine, coarse]).astype(np.int32)
 
     def tempo_share(self) -> Float32:
         """How likely each interval is before anything is heard, shape (K,), sum 1."""
         octaves = np.log2(60.0 * self.frame_rate / self.intervals / self.tempo_bpm)
-        share = np.exp(-0.5 * (octaves / self.tempo_octaves) ** 2) / self.intervals
+        spacing = np.gradient(self.intervals.astype(np.float64))
+        share = np.exp(-0.5 * (octaves / self.tempo_octaves) ** 2) * spacing / self.intervals
         total: Float32 = (share / share.sum()).astype(np.float32)
         return total
 
     def tempo_transitions(self) -> Float32:
         """From interval k to k - REACH … k + REACH, shape (K, 2 REACH + 1); rows sum to 1."""
         lengths = self.intervals.astype(np.float64)
-        steps = np.arange(-REACH, REACH + 1)
-        other = lengths[:, None] + steps
-        weight = np.exp(-self.tempo_change * np.abs(other / lengths[:, None] - 1.0))
-        weight[(other < lengths[0]) | (other > lengths[-1])] = 0.0
+        index = np.arange(lengths.size)[:, None] + np.arange(-REACH, REACH + 1)
+        other = lengths[np.clip(index, 0, lengths.size - 1)]
+        spacing = np.gradient(lengths)[np.clip(index, 0, lengths.size - 1)]
+        weight = spacing * np.exp(-self.tempo_change * np.abs(other / lengths[:, None] - 1.0))
+        weight[(index < 0) | (index >= lengths.size)] = 0.0
+        weight /= weight.sum(axis=1, keepdims=True)
+        weight[weight < UNLIKELY] = 0.0
         return np.ascontiguousarray(weight / weight.sum(axis=1, keepdims=True), np.float32)
 
     def metre_transitions(self) -> Float32:

@@ -77,11 +77,11 @@ class States:
     def _partners(self) -> "np.typing.NDArray[np.int32]":
         """Interval of half and of double the tempo for each k, shape (2 K,), -1 where there is none."""
         partner = np.full((self.count, 2), -1, np.int32)
-        for k, length in enumerate(self.length):
-            for way, other in enumerate((2 * int(length), round(int(length) / 2))):
-                index = other - int(self.length[0])
-                if 0 <= index < self.count:
-                    partner[k, way] = index
+        for k, length in enumerate(self.length.tolist()):
+            for way, wanted in enumerate((2.0 * length, 0.5 * length)):
+                nearest = int(np.argmin(np.abs(self.length - wanted)))
+                if abs(self.length[nearest] - wanted) <= 1.0:
+                    partner[k, way] = nearest
         return partner.reshape(-1)
 
 
