@@ -50,6 +50,8 @@ class ClockSection(Section):
     """Who is followed first; a source that is left out is never followed unless it is chosen by hand."""
     tempo_range: tuple[Bpm, Bpm] = (40.0, 240.0)
     """Music outside this range [bpm] is danced at half or double tempo."""
+    tracker: Literal["network", "aubio"] = "network"
+    """Who listens to sound: the network that also knows the measure, or aubio's tempo."""
     follow_metre: bool = False
     """Whether music may change how many beats a measure has; if not, only a hand does."""
 
