@@ -18,6 +18,7 @@ from live.cli import (
     beats,
     bench,
     bvh,
+    calibrate,
     check,
     dance,
     devices,
@@ -52,6 +53,7 @@ app.command("replay")(replay.replay)
 app.command("check")(check.check)
 app.command("dance")(dance.dance)
 app.command("devices")(devices.devices)
+app.command("calibrate")(calibrate.calibrate)
 app.command("doctor")(doctor.doctor)
 app.command("beats")(beats.beats)
 app.command("bench")(bench.bench)
