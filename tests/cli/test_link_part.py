@@ -1,0 +1,27 @@
+"""`live play --link`: words that are not understood, and a machine without Link."""
+
+import sys
+
+import pytest
+from rich.console import Console
+
+from live.base.inbox import Inbox
+from live.cli.link_part import make_link
+from live.clock.source import ManualClock
+from tests.cli.command import run_live
+from tests.show.made_show import made_show
+
+
+def test_a_wrong_word_is_one_line() -> None:
+    done = run_live("play", "--link", "yes")
+    assert done.returncode == 2
+    assert "--link yes: one of follow, lead, off expected" in done.stderr
+
+
+def test_without_link_the_show_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "link", None)
+    show, console = made_show(), Console(record=True, width=200)
+    assert make_link("follow", show, Inbox(), ManualClock(), console) is None
+    assert "Ableton Link is not installed" in console.export_text()
+    assert make_link(None, show, Inbox(), ManualClock(), console) is None
+    assert console.export_text() == ""

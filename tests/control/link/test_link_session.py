@@ -1,0 +1,161 @@
+"""A session over a made-up Link: what is committed and when, failures, and machines without Link."""
+
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from live.base.inbox import Inbox
+from live.clock.source import ManualClock, SystemClock
+from live.clock.timeline import Timeline
+from live.control.events import BeatHeard, ControlEvent
+from live.control.link_session import LinkSession, LinkUnavailable, make_link
+from tests.control.waiting import wait_for
+
+
+class MadeUpLink:
+    """Link's interface over one straight timeline; commits are noted in `committed`."""
+
+    def __init__(self, now: Callable[[], float], tempo: float) -> None:
+        self.now = now
+        self.bpm, self.beat, self.at = tempo, 0.0, self.micros()
+        self.others = 0
+        self.enabled = False
+        self.startStopSyncEnabled = False
+        self.committed: list[str] = []
+        self.broken = False
+
+    def micros(self) -> int:
+        return round(self.now() * 1e6) + 249_000
+
+    def clock(self) -> "MadeUpLink":
+        return self
+
+    def numPeers(self) -> int:  # noqa: N802 (Link's names)
+        return self.others
+
+    def captureSessionState(self) -> "MadeUpState":  # noqa: N802
+        if self.broken:
+            raise RuntimeError("no network")
+        return MadeUpState(self)
+
+    def commitSessionState(self, state: "MadeUpState") -> None:  # noqa: N802
+        self.bpm, self.beat, self.at = state.bpm, state.beat, state.at
+        self.committed += state.done
+
+
+class MadeUpState:
+    def __init__(self, link: MadeUpLink) -> None:
+        self.bpm, self.beat, self.at = link.bpm, link.beat, link.at
+        self.done: list[str] = []
+
+    def tempo(self) -> float:
+        return self.bpm
+
+    def beatAtTime(self, micros: int, _quantum: float) -> float:  # noqa: N802
+        return self.beat + (micros - self.at) * self.bpm / 6e7
+
+    def setTempo(self, bpm: float, micros: int) -> None:  # noqa: N802
+        self.beat, self.at, self.bpm = self.beatAtTime(micros, 4.0), micros, bpm
+        self.done.append("tempo")
+
+    def requestBeatAtTime(self, beat: float, micros: int, _quantum: float) -> None:  # noqa: N802
+        self.beat, self.at = beat, micros
+        self.done.append("request")
+
+    def forceBeatAtTime(self, beat: float, micros: int, quantum: float) -> None:  # noqa: N802
+        self.requestBeatAtTime(beat, micros, quantum)
+        self.done[-1] = "force"
+
+    def isPlaying(self) -> bool:  # noqa: N802
+        return False
+
+    def timeForIsPlaying(self) -> int:  # noqa: N802
+        return 0
+
+
+def session_on(clock: ManualClock, **how: Any) -> tuple[LinkSession, MadeUpLink, Inbox[ControlEvent]]:
+    inbox: Inbox[ControlEvent] = Inbox()
+    session = LinkSession(inbox, clock, tempo=100.0, make=lambda tempo: MadeUpLink(clock.now, tempo), **how)
+    return session, session._link, inbox
+
+
+def test_alone_it_runs_with_the_show_and_with_others_it_keeps_its_hands_off() -> None:
+    clock = ManualClock(5.0)
+    session, link, inbox = session_on(clock)
+    show = Timeline(tempo=126.0, beats_per_measure=3, beat_origin=2.0, measure_origin=1.0)
+    session.show(show, 126.0)
+    for _ in range(100):
+        clock.advance(0.02)
+        session.poll()
+    reading = session.reading
+    assert reading is not None
+    assert reading.tempo == pytest.approx(126.0)
+    assert reading.phase == pytest.approx(show.phase_at(reading.time), abs=1e-3)
+    assert not inbox.drain()
+    link.others = 1
+    link.committed.clear()
+    session.show(Timeline(tempo=90.0, beats_per_measure=3), 90.0)
+    for _ in range(100):
+        clock.advance(0.02)
+        session.poll()
+    assert link.committed == []
+    assert {event.period for event in inbox.drain() if isinstance(event, BeatHeard)} == {60.0 / 126.0}
+    session.set_tempo(97.0)
+    clock.advance(0.02)
+    session.poll()
+    assert link.committed == ["tempo"]
+    assert link.bpm == 97.0
+
+
+def test_only_a_person_who_leads_forces_a_beat() -> None:
+    clock = ManualClock(5.0)
+    session, link, inbox = session_on(clock, mode="lead")
+    link.others = 2
+    session.show(Timeline(tempo=126.0, beat_origin=0.5), 126.0)
+    for _ in range(100):
+        clock.advance(0.02)
+        session.poll()
+    assert link.committed[:2] == ["tempo", "force"]
+    assert "force" not in link.committed[2:]
+    session.resync()
+    for _ in range(100):
+        clock.advance(0.02)
+        session.poll()
+    assert link.committed.count("force") == 2
+    assert not inbox.drain()
+    assert session.summary == "off"  # it was never started
+
+
+def test_a_library_that_fails_is_counted_and_asked_again() -> None:
+    session, link, inbox = session_on(SystemClock())  # type: ignore[arg-type]
+    link.others, link.broken = 1, True
+    session.start()
+    try:
+        assert wait_for(lambda: session.faults >= 2, 5.0)
+        link.broken = False
+        assert wait_for(lambda: session.peers == 1, 5.0)
+        assert wait_for(lambda: len(inbox) >= 2, 5.0)
+    finally:
+        session.stop()
+    assert not link.enabled
+    assert [getattr(event, "state", "") for event in inbox.drain()][-1] == "lost"
+
+
+def test_without_the_package_it_is_said_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "link", None)
+    with pytest.raises(LinkUnavailable, match=r"not installed \(make play, or pip install LinkPython-extern\)"):
+        make_link(120.0)
+
+
+def test_a_look_at_the_session_takes_no_time() -> None:
+    clock = SystemClock()
+    session, link, _ = session_on(clock)  # type: ignore[arg-type]
+    link.others = 1
+    session.poll()
+    before = time.process_time()
+    for _ in range(500):
+        session.poll()
+    assert (time.process_time() - before) / 500 < 0.5e-3
