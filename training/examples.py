@@ -35,7 +35,7 @@ class Batch:
 @numba.njit(nogil=True, cache=True)
 def _render(log_bands, first, step, tint, noise, seed, level, past, out):  # type: ignore[no-untyped-def] # numba
     """Frames of a recording as the network sees them; level and past go on from frame to frame as in the engine."""
-    np.random.seed(seed)
+    np.random.seed(seed)  # noqa: NPY002 - numba's own generator
     count, bands = out.shape[0], log_bands.shape[1]
     rows = past.shape[0]
     magnitude = np.zeros(bands, np.float32)
@@ -50,7 +50,9 @@ def _render(log_bands, first, step, tint, noise, seed, level, past, out):  # typ
             )
             value = max(np.exp(value) - np.float32(LOG_FLOOR), np.float32(0.0)) * tint[band]
             if noise[band] > 0.0:
-                value = np.sqrt(value * value - noise[band] * noise[band] * np.float32(np.log(1.0 - np.random.random())))
+                value = np.sqrt(
+                    value * value - noise[band] * noise[band] * np.float32(np.log(1.0 - np.random.random()))  # noqa: NPY002
+                )
             magnitude[band] = value
             mean += value
         mean /= bands
@@ -113,7 +115,9 @@ class Stream:
         self._bands = half(self._item.log_bands)
         self._step = float(np.exp(rng.uniform(np.log(0.8), np.log(1.25)))) if self._altered else 1.0
         self._first = float(rng.uniform(0.0, 400.0)) if self._altered else 0.0
-        self._tint, self._noise = tint(rng) if self._altered else (np.ones(BAND_COUNT, np.float32), np.zeros(BAND_COUNT, np.float32))
+        self._tint, self._noise = (
+            tint(rng) if self._altered else (np.ones(BAND_COUNT, np.float32), np.zeros(BAND_COUNT, np.float32))
+        )
         self._left = int((self._bands.shape[0] - 1 - self._first) / self._step)
 
     def restart(self) -> None:
@@ -132,8 +136,15 @@ class Stream:
             rows = self._past.shape[0]
             out = np.empty((count, look.shape[1]), np.float32)
             self._level = _render(
-                self._bands, self._first, self._step, self._tint, self._noise, int(self._rng.integers(2**31)),
-                self._level, self._past, out,
+                self._bands,
+                self._first,
+                self._step,
+                self._tint,
+                self._noise,
+                int(self._rng.integers(2**31)),
+                self._level,
+                self._past,
+                out,
             )
             self._past = np.roll(self._past, -(count % rows), axis=0)
             look[start:end] = out

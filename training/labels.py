@@ -13,13 +13,13 @@ from training.features import Item
 Floats = npt.NDArray[np.float32]
 
 ATTACK: Final = 0.020
-"""A beat's sound rises steepest in the frame that ends so long after it [s]: this point keeps its place in a stretch."""
+"""A beat's sound rises steepest in the frame that ends so long after it [s]: a stretch turns about this point."""
 
 WIDTH: Final = 2.0
 """Frames over which a beat's label falls to 0 on either side."""
 
-TAIL: Final = 0.4
-"""Beats after the last known one that are still learned from."""
+IGNORED: Final = 0.3
+"""How much frames count that nobody can name beats in (stops): there the network should say nothing."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,7 +31,7 @@ class Labels:
     phases: Floats
     """Cosine and sine of the phase in the beat, then in the measure, shape (T, 4)."""
     known: Floats
-    """1 where beats are known, downbeats are known, beat phase, measure phase; else 0; shape (T, 4)."""
+    """How well beats, downbeats, beat phase and measure phase are known, 0 to 1, shape (T, 4)."""
 
 
 def measures(item: Item) -> npt.NDArray[np.float64]:
@@ -39,7 +39,7 @@ def measures(item: Item) -> npt.NDArray[np.float64]:
     places = item.places.astype(np.float64)
     position = np.full(places.size, np.nan)
     downbeats = np.flatnonzero(places == 1)
-    if downbeats.size == 0 or (places <= 0).any() or item.facts.get("no_downbeat"):
+    if downbeats.size == 0 or (places <= 0).any() or not item.facts.get("has_downbeat", True):
         return position
     lengths = np.diff(downbeats)
     first = lengths[0] if lengths.size else int(places.max())
@@ -66,7 +66,7 @@ def label(item: Item, first: float, step: float, count: int) -> Labels:
     beats = item.beats
     if beats.size < 2:
         classes[:, 0] = 1.0
-        known[:, :2] = 1.0 if item.facts.get("no_music") else 0.0
+        known[:, :2] = 1.0
         return Labels(classes, phases, known)
     late = (DELAY - ATTACK) / HOP
     at = ((beats + ATTACK) / HOP - 1.0 - first) / step + late  # the frame that speaks of each beat
@@ -77,13 +77,12 @@ def label(item: Item, first: float, step: float, count: int) -> Labels:
             share = 1.0 - np.abs(np.arange(low, high) - centre) / WIDTH
             column = 2 if down else 1
             classes[low:high, column] = np.maximum(classes[low:high, column], share)
-    classes[:, 0] = np.maximum(1.0 - classes[:, 1] - classes[:, 2], 0.0)
+    classes[:, 1] = np.minimum(classes[:, 1], 1.0 - classes[:, 2])
+    classes[:, 0] = 1.0 - classes[:, 1] - classes[:, 2]
     frames = np.arange(count, dtype=np.float64)
     number = np.interp(frames, at, np.arange(beats.size))
     inside = (frames >= at[0]) & (frames <= at[-1])
-    end = at[-1] + TAIL * (at[-1] - at[-2])
-    start = at[0] - 0.9 * (at[1] - at[0])
-    known[:, 0] = (frames <= end) & ((frames >= start) | bool(item.facts.get("silent_start", False)))
+    known[:, 0] = 1.0
     known[:, 2] = inside
     position = measures(item)
     if np.isfinite(position).all():
@@ -96,5 +95,7 @@ def label(item: Item, first: float, step: float, count: int) -> Labels:
     phases[:, 1] = np.sin(2 * np.pi * number)
     for low, high in item.facts.get("ignore", []):
         low_at, high_at = ((edge / HOP - 1.0 - first) / step + late for edge in (low, high))
-        known[(frames > low_at) & (frames < high_at)] = 0.0
+        stopped = (frames > low_at) & (frames < high_at)
+        known[stopped, :2] *= IGNORED
+        known[stopped, 2:] = 0.0
     return Labels(classes, phases, known)

@@ -3,6 +3,7 @@
 Frames pass through filters along frequency (one ear at a time), a dense layer, two gated recurrent layers (Cho et
 al., 2014, in the form with the reset after the product), and heads. Only the first head (nothing, beat, downbeat) is
 kept for the engine; the others (phase in the beat and in the measure) teach the layers below to count along.
+The recurrent layers take two frames at a time: half the steps, and half the way to what was two measures ago.
 """
 
 from typing import Any, Final
@@ -26,6 +27,8 @@ UNITS: Final = 80
 LAYERS: Final = 2
 CLASSES: Final = 3
 PHASES: Final = 4
+PAIR: Final = 2
+"""Frames that the recurrent layers take at a time."""
 
 
 def places(bands: int) -> int:
@@ -52,17 +55,17 @@ def initial(seed: int) -> Weights:
         flat += places(bands) * channels
     weights["dense_w"] = matrix(flat, DENSE, 1.4)
     weights["dense_b"] = jnp.zeros(DENSE)
-    size = DENSE
+    size = PAIR * DENSE
     for layer in range(LAYERS):
         weights[f"gru{layer}_x"] = matrix(size, 3 * UNITS)
         weights[f"gru{layer}_h"] = jnp.asarray(np.concatenate([orthogonal(UNITS) for _ in range(3)], 1), jnp.float32)
         bias = np.zeros(3 * UNITS)
-        bias[:UNITS] = np.log(np.exp(rng.uniform(0.0, np.log(200.0), UNITS)) + 1e-3)  # memories from 1 to 200 frames
+        bias[:UNITS] = np.log(np.exp(rng.uniform(0.0, np.log(100.0), UNITS)) + 1e-3)  # memories from 1 to 100 pairs
         weights[f"gru{layer}_b"] = jnp.asarray(bias, jnp.float32)
         weights[f"gru{layer}_c"] = jnp.zeros(UNITS)
         size = UNITS
-    weights["head_w"] = matrix(LAYERS * UNITS, CLASSES, 0.3)
-    weights["head_b"] = jnp.asarray([2.0, -1.0, -2.0], jnp.float32)
+    weights["head_w"] = matrix(LAYERS * UNITS, PAIR * CLASSES, 0.3)
+    weights["head_b"] = jnp.asarray([2.0, -1.0, -2.0] * PAIR, jnp.float32)
     weights["phase_w"] = matrix(LAYERS * UNITS, PHASES, 0.3)
     weights["phase_b"] = jnp.zeros(PHASES)
     return weights
@@ -136,8 +139,10 @@ gru.defvjp(_gru_forward, _gru_backward)
 
 
 def forward(weights: Weights, look: jax.Array, memory: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """(class logits (T, B, 3), phases (T, B, 4), memory after) for look (T, B, 2 bands) and memory (layers, B, U)."""
+    """(class logits (T, B, 3), phases (T / 2, B, 4), memory after) for look (T, B, 2 bands), memory (layers, B, U)."""
     x = front(weights, look)
+    count, lanes = look.shape[:2]
+    x = x.reshape(count // PAIR, PAIR, lanes, DENSE).swapaxes(1, 2).reshape(count // PAIR, lanes, PAIR * DENSE)
     outs, after = [], []
     for layer in range(LAYERS):
         xi = x @ weights[f"gru{layer}_x"] + weights[f"gru{layer}_b"]
@@ -145,5 +150,6 @@ def forward(weights: Weights, look: jax.Array, memory: jax.Array) -> tuple[jax.A
         outs.append(x)
         after.append(x[-1])
     both = jnp.concatenate(outs, -1)
-    logits = both @ weights["head_w"] + weights["head_b"]
-    return logits, both @ weights["phase_w"] + weights["phase_b"], jnp.stack(after)
+    logits = (both @ weights["head_w"] + weights["head_b"]).reshape(count // PAIR, lanes, PAIR, CLASSES)
+    phases = both @ weights["phase_w"] + weights["phase_b"]
+    return logits.swapaxes(1, 2).reshape(count, lanes, CLASSES), phases, jnp.stack(after)

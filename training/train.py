@@ -43,11 +43,12 @@ def loss(weights: network.Weights, batch: Any, memory: jax.Array) -> tuple[jax.A
     weight = 1.0 + WEIGHT_BEAT * any_beat + WEIGHT_BEAT * classes[..., 2]
     full = -(classes * logs).sum(-1)
     only_beats = -(classes[..., 0] * logs[..., 0] + any_beat * both)
-    each = jnp.where(known[..., 1] > 0.5, full, only_beats) * weight * known[..., 0]
+    each = jnp.where(known[..., 1] > 0.0, full, only_beats) * weight * known[..., 0]
     entropy = each.sum() / (known[..., 0].sum() + 1.0)
-    error = (phase - phases) ** 2
-    off = (error[..., :2].sum(-1) * known[..., 2]).sum() / (known[..., 2].sum() + 1.0)
-    off_measure = (error[..., 2:].sum(-1) * known[..., 3]).sum() / (known[..., 3].sum() + 1.0)
+    known_phase = known[network.PAIR - 1 :: network.PAIR]
+    error = (phase - phases[network.PAIR - 1 :: network.PAIR]) ** 2
+    off = (error[..., :2].sum(-1) * known_phase[..., 2]).sum() / (known_phase[..., 2].sum() + 1.0)
+    off_measure = (error[..., 2:].sum(-1) * known_phase[..., 3]).sum() / (known_phase[..., 3].sum() + 1.0)
     return entropy + WEIGHT_PHASE * (off + off_measure), (memory, jnp.stack([entropy, off, off_measure]))
 
 
@@ -65,8 +66,14 @@ def ahead(source: Iterator[Batch], count: int = 3) -> Iterator[Batch]:
 
 
 def train(
-    items: list[Item], held_out: list[Item], seed: int, steps: int, start: network.Weights | None = None,
-    report_every: int = 200, deadline: float = float("inf"), out: Path | None = None,
+    items: list[Item],
+    held_out: list[Item],
+    seed: int,
+    steps: int,
+    start: network.Weights | None = None,
+    report_every: int = 200,
+    deadline: float = float("inf"),
+    out: Path | None = None,
 ) -> network.Weights:
     """Weights after `steps` steps of Adam under a cosine; `start` goes on from other weights."""
     weights = network.initial(seed) if start is None else start
@@ -108,8 +115,15 @@ def save(weights: network.Weights, path: Path, facts: dict[str, Any]) -> None:
     """Write the engine's part of the weights as float16, with what made them."""
     kept = {name: np.asarray(value, np.float16) for name, value in weights.items()}
     recipe = {
-        "recipe": "training.train", "lanes": LANES, "frames": FRAMES, "rate": RATE, "average": AVERAGE,
-        "span": network.SPAN, "stride": network.STRIDE, "units": network.UNITS, **facts,
+        "recipe": "training.train",
+        "lanes": LANES,
+        "frames": FRAMES,
+        "rate": RATE,
+        "average": AVERAGE,
+        "span": network.SPAN,
+        "stride": network.STRIDE,
+        "units": network.UNITS,
+        **facts,
     }
     text = np.frombuffer(json.dumps(recipe).encode(), np.uint8)
     partial = path.with_suffix(".part.npz")

@@ -27,7 +27,7 @@ def split(items: list[Item]) -> tuple[list[Item], list[Item]]:
 
     def is_held_out(item: Item) -> bool:
         if "split" in item.facts:
-            return bool(item.facts["split"] in ("validation", "held_out", "test"))
+            return bool(item.facts["split"] != "train")
         return zlib.crc32(item.name.encode()) % HELD_OUT == 0
 
     return [item for item in items if not is_held_out(item)], [item for item in items if is_held_out(item)]
@@ -75,10 +75,12 @@ def peaks(activation: Floats, threshold: float = THRESHOLD) -> npt.NDArray[np.fl
     return (found + np.clip(shift, -0.5, 0.5) + 1.0) * HOP - DELAY
 
 
-def f_measure(beats: npt.NDArray[np.float64], found: npt.NDArray[np.float64]) -> float:
-    """F of found beats against the true ones within 70 ms, from 5 s on (mir_eval)."""
+def f_measure(item: Item, beats: npt.NDArray[np.float64], found: npt.NDArray[np.float64]) -> float:
+    """F of found beats against the true ones within 70 ms, from 5 s on (mir_eval), where beats can be named."""
     true = beats[beats >= 5.0]
-    found = found[(found >= 5.0) & (found <= (beats[-1] if beats.size else 0.0) + 0.07)]
+    found = found[(found >= 5.0) & (found <= item.beats[-1] + 0.07)]
+    for low, high in item.facts.get("ignore", []):
+        found, true = (times[(times < low) | (times > high)] for times in (found, true))
     return float(mir_eval.beat.f_measure(true, np.sort(found))) if true.size and found.size else 0.0
 
 
@@ -89,10 +91,10 @@ def report(weights: network.Weights, items: list[Item], brief: bool = False) -> 
     worth = [item for item in items if item.beats.size > 8]
     for item, chances in zip(worth, activations(weights, worth), strict=True):
         found = peaks(1.0 - chances[:, 0])
-        beat = f_measure(item.beats, found)
+        beat = f_measure(item, item.beats, found)
         downbeats = item.beats[item.places == 1]
-        usable = downbeats.size > 2 and not item.facts.get("no_downbeat")
-        down = f_measure(downbeats, peaks(chances[:, 2], 0.2)) if usable else float("nan")
+        usable = downbeats.size > 2 and item.facts.get("has_downbeat", True)
+        down = f_measure(item, downbeats, peaks(chances[:, 2], 0.2)) if usable else float("nan")
         rows.setdefault(item.style, []).append((beat, down))
         if found.size:
             off = found - item.beats[np.argmin(np.abs(item.beats[None] - found[:, None]), axis=1)]
@@ -100,9 +102,14 @@ def report(weights: network.Weights, items: list[Item], brief: bool = False) -> 
     every = [row for style in rows.values() for row in style]
     lines = [f"held out: {len(every)}  F {_mean(every, 0):.3f}  downbeat F {_mean(every, 1):.3f}"]
     if errors:
-        lines[0] += f"  error of hits {1e3 * np.median(errors):+.1f} ms, |error| {1e3 * np.median(np.abs(errors)):.1f} ms"
+        lines[0] += (
+            f"  error of hits {1e3 * np.median(errors):+.1f} ms, |error| {1e3 * np.median(np.abs(errors)):.1f} ms"
+        )
     if not brief:
-        lines += [f"  {style:24s} {len(row):4d}  {_mean(row, 0):.3f}  {_mean(row, 1):.3f}" for style, row in sorted(rows.items())]
+        lines += [
+            f"  {style:24s} {len(row):4d}  {_mean(row, 0):.3f}  {_mean(row, 1):.3f}"
+            for style, row in sorted(rows.items())
+        ]
     return "\n".join(lines)
 
 

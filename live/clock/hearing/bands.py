@@ -60,17 +60,14 @@ LAGS: Final = np.repeat(np.array([ear.lag for ear in EARS], np.int32), BANDS)
 
 
 def window_length(ear: Ear, sample_rate: float) -> int:
-    """Samples of an ear's window at `sample_rate` [Hz]: the nearest even length without prime factors above 7."""
+    """Samples of an ear's window at `sample_rate` [Hz]: the nearest length without prime factors above 11."""
     wanted = ear.window * sample_rate / BASE_RATE
-    for off in range(round(wanted)):
-        for length in (round(wanted) - off, round(wanted) + off):
-            if length % 2 == 0 and _is_smooth(length):
-                return length
-    raise ValueError(f"no window at {sample_rate} Hz")
+    lengths = [length for length in range(int(0.9 * wanted), int(1.1 * wanted) + 1) if _is_smooth(length)]
+    return min(lengths, key=lambda length: abs(length - wanted))
 
 
 def _is_smooth(number: int) -> bool:
-    for prime in (2, 3, 5, 7):
+    for prime in (2, 3, 5, 7, 11):
         while number % prime == 0:
             number //= prime
     return number == 1

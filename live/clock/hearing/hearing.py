@@ -13,20 +13,32 @@ DELAY_FRAMES: Final = 3
 DELAY: Final = DELAY_FRAMES * HOP
 """A frame speaks of the moment this long [s] before its last sample: then the window has seen the attack."""
 
+SPARE: Final = 4
+"""Frames that may come beside those that a block completes."""
+
 LONGEST: Final = 256
 """Frames for which room is made at the start (3 s); a longer block makes more once."""
 
 
-class Activation(Protocol):
-    """What makes two numbers of each frame: the network, or plain onsets where there is none."""
+Chances = npt.NDArray[np.float64]
 
-    beat: float
-    """Chance that a beat lies at the frame's moment, 0 to 1 (a downbeat is a beat too)."""
-    downbeat: float
+
+class Activation(Protocol):
+    """What makes two numbers of each frame: the network, or plain onsets where there is none.
+
+    It may wait for a frame or two and then speak of all of them at once.
+    """
+
+    beat: Chances
+    """Chance that a beat lies at a frame's moment, 0 to 1 (a downbeat is a beat too), oldest frame first."""
+    downbeat: Chances
     """Chance that a downbeat lies there, 0 to `beat`."""
 
-    def step(self, look: npt.NDArray[np.float32]) -> None:
-        """Take one frame's compressed bands and rises, shape (2 * BAND_COUNT,)."""
+    def step(self, look: npt.NDArray[np.float32]) -> int:
+        """Take one frame's compressed bands and rises, shape (2 * BAND_COUNT,).
+
+        Returns of how many frames it now speaks, the newest of them this one: the first rows of `beat`, `downbeat`.
+        """
 
     def reset(self) -> None:
         """Forget all music so far."""
@@ -82,14 +94,13 @@ class Hearing:
         """
         if samples.ndim != 1:
             raise ValueError(f"samples of shape {samples.shape}: one channel, shape (n,), expected")
-        if samples.shape[0] > (self.position.shape[0] - 1) * self._spectrum.hop:
-            self._make_room(int(samples.shape[0] / self._spectrum.hop) + 2)
+        if samples.shape[0] > (self.position.shape[0] - SPARE) * self._spectrum.hop:
+            self._make_room(int(samples.shape[0] / self._spectrum.hop) + SPARE + 1)
         count = start = 0
         while start < samples.shape[0]:
             start += self._spectrum.take(samples, start)
             if self._spectrum.wanted == 0:
-                self._hear(count)
-                count += 1
+                count += self._hear(count)
         return count
 
     def reset(self) -> None:
@@ -98,15 +109,17 @@ class Hearing:
         self._level = LEVEL_FLOOR
         self._past[:] = 0.0
 
-    def _hear(self, index: int) -> None:
+    def _hear(self, first: int) -> int:
         spectrum = self._spectrum
         spectrum.read()
         self._level = follow_level(spectrum.bands, self._level)
         look(spectrum.bands, self._level, LAGS, self._past, spectrum.frames, self._look)
-        self._activation.step(self._look)
-        self.position[index] = spectrum.frames * HOP - DELAY
-        self.beat[index] = self._activation.beat
-        self.downbeat[index] = self._activation.downbeat
+        count = self._activation.step(self._look)
+        for index in range(count):
+            self.position[first + index] = (spectrum.frames - count + 1 + index) * HOP - DELAY
+            self.beat[first + index] = self._activation.beat[index]
+            self.downbeat[first + index] = self._activation.downbeat[index]
+        return count
 
     def _make_room(self, frames: int) -> None:
         self.position = np.zeros(frames)

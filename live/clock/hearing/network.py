@@ -2,7 +2,8 @@
 
 Filters along frequency, one dense layer, two gated recurrent layers (Cho et al., Learning phrase representations
 using RNN encoder-decoder, 2014; the form with the reset after the product), one head of three classes: nothing, beat,
-downbeat. `training/` makes the weights; the core is given them as arrays.
+downbeat. The recurrent layers run at every second frame and speak of both. `training/` makes the weights; the core is
+given them as arrays.
 """
 
 import math
@@ -24,6 +25,9 @@ STRIDE: Final = 5
 LAYERS: Final = 2
 """Recurrent layers."""
 
+PAIR: Final = 2
+"""Frames that the recurrent layers take, and speak of, at a time."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Weights:
@@ -41,7 +45,7 @@ class Weights:
     """Per recurrent layer, the memory's share (units, 3 units)."""
     candidate_bias: tuple[Floats, ...]
     head: Floats
-    """(units of all layers, 3)."""
+    """(units of all layers, PAIR * 3): the older frame first."""
     head_bias: Floats
 
     @classmethod
@@ -82,14 +86,14 @@ class Weights:
         for ear, weight in enumerate(self.filters):
             wanted.append((self.filter_bias[ear], (weight.shape[1],)))
         for index in range(LAYERS):
-            below, units = sizes[index], sizes[index + 1]
+            below, units = sizes[index] * (PAIR if index == 0 else 1), sizes[index + 1]
             wanted += [
                 (self.asked[index], (below, 3 * units)),
                 (self.asked_bias[index], (3 * units,)),
                 (self.recalled[index], (units, 3 * units)),
                 (self.candidate_bias[index], (units,)),
             ]
-        wanted += [(self.head, (sum(sizes[1:]), 3)), (self.head_bias, (3,))]
+        wanted += [(self.head, (sum(sizes[1:]), 3 * PAIR)), (self.head_bias, (3 * PAIR,))]
         for array, shape in wanted:
             if array.shape != shape:
                 raise ValueError(f"weights of shape {array.shape} where {shape} is expected")
@@ -99,15 +103,17 @@ class Network:
     """The trained activation; allocates nothing after it was made."""
 
     def __init__(self, weights: Weights) -> None:
-        self.beat = 0.0
-        self.downbeat = 0.0
+        self.beat = np.zeros(PAIR)
+        self.downbeat = np.zeros(PAIR)
+        self._waiting = 0
         self._weights = weights
         channels = [weight.shape[1] for weight in weights.filters]
         places = [weights.places(ear) for ear in range(len(BANDS))]
         self._edges = [0, *np.cumsum([a * b for a, b in zip(places, channels, strict=True)]).tolist()]
         self._first = [0, *np.cumsum(BANDS).tolist()]
         self._filtered = np.zeros(self._edges[-1], np.float32)
-        self._dense = np.zeros(weights.dense.shape[1], np.float32)
+        self._pair = np.zeros(PAIR * weights.dense.shape[1], np.float32)
+        self._dense = np.split(self._pair, PAIR)
         units = [weight.shape[0] for weight in weights.recalled]
         self._asked = [np.zeros(3 * count, np.float32) for count in units]
         self._recalled = [np.zeros(3 * count, np.float32) for count in units]
@@ -115,15 +121,15 @@ class Network:
         self._all = np.zeros(sum(units), np.float32)
         edges = [0, *np.cumsum(units).tolist()]
         self._memory = [self._all[edges[index] : edges[index + 1]] for index in range(LAYERS)]
-        self._logits = np.zeros(3, np.float32)
+        self._logits = np.zeros(3 * PAIR, np.float32)
 
     def reset(self) -> None:
         """Forget all music so far."""
         self._all[:] = 0.0
-        self.beat = self.downbeat = 0.0
+        self._waiting = 0
 
-    def step(self, look: Floats) -> None:
-        """Take one frame's compressed bands and rises, shape (2 * BAND_COUNT,)."""
+    def step(self, look: Floats) -> int:
+        """Take one frame's compressed bands and rises, shape (2 * BAND_COUNT,); returns 0 and PAIR in turn."""
         if look.shape != (2 * BAND_COUNT,):
             raise ValueError(f"a frame of shape {look.shape}: {(2 * BAND_COUNT,)} expected")
         kept = self._weights
@@ -132,21 +138,28 @@ class Network:
                 look, self._first[ear], bands, kept.filters[ear], kept.filter_bias[ear], STRIDE,
                 self._filtered, self._edges[ear],
             )  # fmt: skip
-        layer(self._filtered, kept.dense, kept.dense_bias, self._dense)
-        rectify(self._dense)
-        below = self._dense
+        dense = self._dense[self._waiting]
+        layer(self._filtered, kept.dense, kept.dense_bias, dense)
+        rectify(dense)
+        self._waiting = (self._waiting + 1) % PAIR
+        if self._waiting:
+            return 0
+        self._recall()
+        return PAIR
+
+    def _recall(self) -> None:
+        kept = self._weights
+        below = self._pair
         for index, memory in enumerate(self._memory):
             layer(below, kept.asked[index], kept.asked_bias[index], self._asked[index])
             layer(memory, kept.recalled[index], self._none[index], self._recalled[index])
             remember(self._asked[index], self._recalled[index], kept.candidate_bias[index], memory)
             below = memory
         layer(self._all, kept.head, kept.head_bias, self._logits)
-        self._weigh()
-
-    def _weigh(self) -> None:
-        nothing, beat, downbeat = (float(value) for value in self._logits)
-        top = max(nothing, beat, downbeat)
-        shares = math.exp(nothing - top), math.exp(beat - top), math.exp(downbeat - top)
-        total = sum(shares)
-        self.downbeat = shares[2] / total
-        self.beat = (shares[1] + shares[2]) / total
+        for frame in range(PAIR):
+            nothing, beat, downbeat = (float(value) for value in self._logits[3 * frame : 3 * frame + 3])
+            top = max(nothing, beat, downbeat)
+            shares = math.exp(nothing - top), math.exp(beat - top), math.exp(downbeat - top)
+            total = sum(shares)
+            self.downbeat[frame] = shares[2] / total
+            self.beat[frame] = (shares[1] + shares[2]) / total

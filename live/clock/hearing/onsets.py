@@ -23,8 +23,8 @@ class Onsets:
     """Beat activation from spectral flux alone."""
 
     def __init__(self) -> None:
-        self.beat = 0.0
-        self.downbeat = 0.0
+        self.beat = np.zeros(1)
+        self.downbeat = np.zeros(1)
         self.reset()
 
     def reset(self) -> None:
@@ -33,14 +33,15 @@ class Onsets:
         self._usual = 0.02
         self._spread = 0.02
 
-    def step(self, look: npt.NDArray[np.float32]) -> None:
-        """Take one frame's compressed bands and rises, shape (2 * BAND_COUNT,)."""
+    def step(self, look: npt.NDArray[np.float32]) -> int:
+        """Take one frame's compressed bands and rises, shape (2 * BAND_COUNT,); returns 1."""
         rises = look[BAND_COUNT:]
         flux = float(rises.mean())
         low = float(rises[:LOW_BANDS].mean())
         self._usual += MEMORY * (flux - self._usual)
         self._spread += MEMORY * (abs(flux - self._usual) - self._spread)
         height = (flux - self._usual) / (self._spread + 1e-3)
-        self.beat, self.downbeat = self._held  # the rise is steepest a frame before its moment comes
+        self.beat[0], self.downbeat[0] = self._held  # the rise is steepest a frame before its moment comes
         beat = 1.0 / (1.0 + math.exp(3.0 - height))
         self._held = (beat, beat * min(max(low / (4.0 * flux + 1e-3), 0.0), 0.5))
+        return 1
