@@ -1,0 +1,96 @@
+"""Calibration through devices: a loop of a known length, and a real PulseAudio."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from live.base.errors import PersonError
+from live.clock.source import ManualClock, SystemClock
+from live.control import calibration_devices
+from live.control.calibration import RoundTrip, measure, sweep_train
+from live.control.calibration_devices import Microphone, play_and_record
+from live.control.channels import Channels
+from live.control.sound_devices import SoundDevice, find_device
+from tests.control.conftest import PulseSink
+
+BLOCK = 480
+RATE = 48_000.0
+DEVICE = SoundDevice(0, "loop", "ALSA", 2, RATE, True)
+
+
+class Loop:
+    """An output that is wired to an input through `delay` frames; `wait` lets time pass."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, delay: int) -> None:
+        self.clock = ManualClock(3.0)
+        self.callbacks: dict[str, Any] = {}
+        self._wire = np.zeros((delay, 2), np.float32)
+        self.latency = 0.02
+        monkeypatch.setattr(calibration_devices, "open_stream", self.open)
+        monkeypatch.setattr(calibration_devices, "close_stream", lambda stream: None)
+
+    def open(self, kind: str, **options: Any) -> "Loop":
+        self.callbacks[kind] = options["callback"]
+        return self
+
+    def wait(self, seconds: float) -> None:
+        for _ in range(round(seconds * RATE / BLOCK)):
+            self.clock.advance(BLOCK / RATE)
+            out = np.zeros((BLOCK, 2), np.float32)
+            if "output" in self.callbacks:
+                self.callbacks["output"](out, BLOCK, None, None)
+            self._wire = np.concatenate([self._wire, out])
+            self.callbacks["input"](self._wire[:BLOCK], BLOCK, None, None)
+            self._wire = self._wire[BLOCK:]
+
+
+@pytest.mark.parametrize("delay", [600, 4_801, 24_000])
+def test_a_loop_of_a_known_length_is_measured_to_the_sample(monkeypatch: pytest.MonkeyPatch, delay: int) -> None:
+    loop, train = Loop(monkeypatch, delay), sweep_train(RATE, 8)
+    microphone = Microphone(DEVICE, Channels(), 30.0, loop.clock)
+    loop.wait(0.5)
+    recording, reported = play_and_record(train, DEVICE, microphone, loop.clock, loop.wait)
+    # a block is handed over when it begins and is there at the input when it is complete
+    assert measure(train, recording).seconds == pytest.approx((delay - BLOCK) / RATE, abs=1.0 / RATE)
+    assert reported == 0.02
+
+
+def test_an_output_that_plays_nothing_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    loop = Loop(monkeypatch, 600)
+    microphone = Microphone(DEVICE, Channels(), 30.0, loop.clock)
+    with pytest.raises(PersonError, match="loop plays nothing"):
+        play_and_record(sweep_train(RATE, 3), DEVICE, microphone, loop.clock, loop.clock.advance)
+
+
+def test_a_device_that_refuses_is_a_person_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(kind: str, **options: Any) -> None:
+        raise RuntimeError("Device unavailable")
+
+    monkeypatch.setattr(calibration_devices, "open_stream", refuse)
+    with pytest.raises(PersonError, match="input 'loop' refuses: Device unavailable"):
+        Microphone(DEVICE, Channels(), 1.0, ManualClock())
+    with pytest.raises(PersonError, match="no channel 7 among 2"):
+        Microphone(DEVICE, Channels.of("7"), 1.0, ManualClock())
+
+
+def through_pulse(inserted: float) -> RoundTrip:
+    """The round trip over PulseAudio, with so much silence [s] inserted that the measurement knows nothing of."""
+    clock, pulse = SystemClock(), find_device("pulse")
+    train = sweep_train(pulse.sample_rate, 5)
+    later = np.concatenate([np.zeros(int(inserted * pulse.sample_rate), np.float32), train.sound])
+    microphone = Microphone(pulse, Channels(), 30.0, clock)
+    try:
+        played = replace(train, sound=later)
+        recording, _ = play_and_record(played, find_device("pulse", "output"), microphone, clock)
+    finally:
+        microphone.close()
+    return measure(train, recording)
+
+
+@pytest.mark.pulse
+def test_over_pulseaudio_it_is_the_same_each_time_and_an_inserted_delay_is_found(pulse_sink: PulseSink) -> None:
+    first, second = through_pulse(0.0), through_pulse(0.060)
+    assert 0.002 < first.seconds < 0.150
+    assert second.seconds - first.seconds == pytest.approx(0.060, abs=0.006)
