@@ -16,6 +16,7 @@ from live.base.inbox import Inbox
 from live.base.stage_view import StageView
 from live.cli.recording import film_sound, film_writer
 from live.cli.session import Sound, Wish, resident_megabytes, start_tempo
+from live.cli.session_sound import analysis_for
 from live.clock.source import ManualClock
 from live.control.events import ControlEvent
 from live.control.music_file import OfflineMusic
@@ -60,7 +61,9 @@ def film_show(
     status = Status(show, rejected=Counter, memory=resident_megabytes())
     engine = Engine(show, clock=clock, inbox=inbox, status=status, stall=math.inf)
     one_at = loaded.patch.music.one_at_s if sound.known else None
-    music = None if sound.music is None else OfflineMusic(sound.music, loop=True, one_at=one_at)
+    music = None
+    if sound.music is not None:
+        music = OfflineMusic(sound.music, loop=True, one_at=one_at, analysis=analysis_for(loaded, show))
     frames = max(1, math.ceil(seconds * wish.film_fps))
     figures = FrameReport(show) if report is not None else None
     heard = film_sound(sound.music)

@@ -94,7 +94,7 @@ class Session:
         self.clock = SystemClock()
         self.inbox: Inbox[ControlEvent] = Inbox()
         self.osc = OscInput(*wish.osc, self.inbox, self.clock)
-        self._audio, self._tell_audio = make_audio(sound, loaded, self.latencies, self.inbox, self.clock)
+        self._audio, self._tell_audio = make_audio(sound, loaded, show, self.latencies, self.inbox, self.clock)
         self.status = Status(
             show,
             rejected=self._rejected,

@@ -1,5 +1,6 @@
 """What a show listens to or plays: chosen from the command line, the venue and the patch, and made."""
 
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,9 +8,11 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from live.base.errors import PersonError, named
 from live.base.inbox import Inbox
+from live.clock.following.seed import Seed
 from live.clock.source import Clock
 from live.control.events import ControlEvent, SetLatency
 from live.control.music_file import Music, MusicFileError, read_music
+from live.show.core import Show
 from live.show.load import LoadedShow
 from live.show.patch_file import is_file
 from live.show.venue import Venue
@@ -17,6 +20,7 @@ from live.show.venue_latency import Latencies
 
 if TYPE_CHECKING:
     from live.cli.session import Wish
+    from live.control.audio_analysis import MakeAnalysis
     from live.control.channels import Channels
 
 
@@ -100,8 +104,17 @@ def _music(path: Path) -> Music:
         raise PersonError(str(error)) from None
 
 
+def analysis_for(loaded: LoadedShow, show: Show) -> "MakeAnalysis":
+    """Makes analyses with the patch's tracker, who are told what is set by hand in this show."""
+    from live.control.audio_analysis import AudioAnalysis
+
+    seeds: deque[Seed] = deque(maxlen=64)
+    show.seed_tracker(seeds.append)
+    return lambda rate: AudioAnalysis(rate, tracker=loaded.patch.clock.tracker, seeds=seeds)
+
+
 def make_audio(
-    sound: Sound, loaded: LoadedShow, latencies: Latencies, inbox: Inbox[ControlEvent], clock: Clock
+    sound: Sound, loaded: LoadedShow, show: Show, latencies: Latencies, inbox: Inbox[ControlEvent], clock: Clock
 ) -> tuple[AudioSource | None, Callable[[ControlEvent], None]]:
     """The source of a show, and what is to be told the events that concern it."""
     if sound.music is not None:
@@ -111,7 +124,14 @@ def make_audio(
         output: bool | str = sound.output or True
         try:
             player = MusicPlayer(
-                sound.music, inbox, clock, loop=True, output=output, latency=latencies.output, one_at=one_at
+                sound.music,
+                inbox,
+                clock,
+                loop=True,
+                output=output,
+                latency=latencies.output,
+                one_at=one_at,
+                analysis=analysis_for(loaded, show),
             )
         except ValueError as error:  # an output that is named and not there
             raise PersonError(f"the venue's audio.output: {error}") from None
@@ -125,7 +145,14 @@ def make_audio(
         return None, lambda event: None
     from live.control.audio_device import AudioInput
 
-    listener = AudioInput(sound.device, inbox, clock, channels=_channels(sound.channels), latency=latencies.input)
+    listener = AudioInput(
+        sound.device,
+        inbox,
+        clock,
+        channels=_channels(sound.channels),
+        latency=latencies.input,
+        analysis=analysis_for(loaded, show),
+    )
 
     def to_listener(event: ControlEvent) -> None:
         listener.latency = latencies.input

@@ -11,6 +11,9 @@ from live.clock.hearing.bands import HOP
 from live.clock.hearing.hearing import Activation, Hearing
 from live.clock.quiet import Quiet
 
+RECENT: Final = 6.0
+"""A press is a statement about the beats of now if it is not further away than this [s]."""
+
 FRESH_AFTER: Final = 1.0
 """After a silence longer than this [s] the music may go on with another grid ..."""
 
@@ -31,6 +34,7 @@ class Tracker:
         self._quiet = Quiet(HOP)
         self._announcer = Announcer()
         self._moment = 0.0
+        self._one_at = math.inf
         self.pointer = BarPointer(model)
         """The grid as it is believed now."""
 
@@ -83,12 +87,15 @@ class Tracker:
         `time` [s of sound], where it is given, is a beat.
         """
         self.pointer.tap(bpm)
-        if math.isfinite(time):
+        if abs(self._moment - time) <= RECENT:  # not NaN
             self.pointer.beat_pressed((self._moment - time) / HOP)
 
     def one(self, time: float) -> None:
-        """A measure begins at `time` [s of sound]."""
-        self.pointer.one((self._moment - time) / HOP)
+        """A measure begins at `time` [s of sound]: what lies ahead waits for it, what is long past is left out."""
+        if time > self._hearing.fed or not self._quiet.heard:
+            self._one_at = time
+        elif abs(self._moment - time) <= RECENT:
+            self.pointer.one((self._moment - time) / HOP)
 
     def scale(self, factor: float) -> None:
         """The beats are twice as fast (2) or half as fast (0.5) as believed; the level is kept from now on."""
@@ -111,5 +118,8 @@ class Tracker:
         if ended > FRESH_AFTER:
             pointer.doubt(0.5 * min((ended - FRESH_AFTER) / FRESH_TIME, 1.0))
         pointer.step(float(hearing.beat[frame]), float(hearing.downbeat[frame]), quiet.listening)
+        if hearing.fed >= self._one_at:
+            time, self._one_at = self._one_at, math.inf
+            self.one(time)
         confidence = 0.0 if quiet.silent else pointer.confidence
         return self._announcer.beat(pointer, self._moment, hearing.fed, HOP, confidence)

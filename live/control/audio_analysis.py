@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +16,7 @@ from live.control.trackers import TrackerName, make_tracker
 TimeOf = Callable[[float], float]
 """Time of the show [s] for a position in the sound [s since the first sample]."""
 
-LONGEST: int = 4096
+LONGEST: Final = 4096
 """Samples mixed at once."""
 
 
@@ -95,3 +96,7 @@ class AudioAnalysis:
                 tracker.let_go()
         except ValueError:
             return
+
+
+MakeAnalysis = Callable[[float], AudioAnalysis]
+"""Makes the analysis for a sample rate [Hz]."""

@@ -6,10 +6,10 @@ from typing import Any, Final
 from live.base.errors import PersonError
 from live.base.inbox import Inbox
 from live.clock.source import Clock
-from live.control.audio_analysis import AudioAnalysis
+from live.control.audio_analysis import AudioAnalysis, MakeAnalysis
 from live.control.channels import Channels
 from live.control.events import ChooseAudio, ControlEvent, RestartAudio, SourceChanged
-from live.control.listening import Listening, MakeAnalysis, open_device
+from live.control.listening import Listening, open_device
 from live.control.sound_devices import SoundDevice, find_device, refresh
 
 LOST_AFTER: Final = 0.5

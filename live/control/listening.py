@@ -9,7 +9,7 @@ import numpy.typing as npt
 from live.clock.rate_watch import RateWatch
 from live.clock.sample_clock import SampleClock
 from live.clock.source import Clock
-from live.control.audio_analysis import AudioAnalysis
+from live.control.audio_analysis import AudioAnalysis, MakeAnalysis
 from live.control.channels import Channels, Mixer
 from live.control.events import ControlEvent
 from live.control.ring import Ring
@@ -20,9 +20,6 @@ RING_SECONDS: Final = 2.0
 
 OTHER_RATES: Final = (48_000.0, 44_100.0, 96_000.0, 192_000.0, 32_000.0, 22_050.0)
 """Rates [Hz] that are tried when a device refuses its own."""
-
-MakeAnalysis = Callable[[float], AudioAnalysis]
-"""Makes the analysis for a sample rate [Hz]."""
 
 
 class Listening:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.clock.aubio_tracker import RATE_MAX_HZ, RATE_MIN_HZ
-from live.control.audio_analysis import AudioAnalysis
+from live.control.audio_analysis import AudioAnalysis, MakeAnalysis
 from live.control.events import BeatHeard, ControlEvent, One, SourceChanged
 
 LONGEST: Final = 3.0 * 3600.0
@@ -117,7 +117,15 @@ class OfflineMusic:
     The first sample is heard at `begin` [s]. The events depend only on the music, not on how it is asked for.
     """
 
-    def __init__(self, music: Music, *, loop: bool = True, begin: float = 0.0, one_at: float | None = None) -> None:
+    def __init__(
+        self,
+        music: Music,
+        *,
+        loop: bool = True,
+        begin: float = 0.0,
+        one_at: float | None = None,
+        analysis: MakeAnalysis = AudioAnalysis,
+    ) -> None:
         """`one_at` [s of the music] is a downbeat that is known: it is told as One with the first beat heard."""
         self._music = music
         self._loop = loop
@@ -125,7 +133,7 @@ class OfflineMusic:
         self._one = None if one_at is None else One(time=begin + one_at, source="audio")
         self._fed = 0
         self._ended = False
-        self._analysis = AudioAnalysis(music.sample_rate)
+        self._analysis = analysis(music.sample_rate)
 
     @property
     def ended(self) -> bool:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from live.base.inbox import Inbox
 from live.clock.sample_clock import SampleClock
 from live.clock.source import Clock
-from live.control.audio_analysis import AudioAnalysis
+from live.control.audio_analysis import AudioAnalysis, MakeAnalysis
 from live.control.events import BeatHeard, ControlEvent, One, SourceChanged
 from live.control.music_file import Music
 from live.control.sound_devices import SoundUnavailable, close_stream, find_device, open_stream
@@ -42,6 +42,7 @@ class MusicPlayer:
         output: bool | str | int = True,
         latency: float | None = None,
         one_at: float | None = None,
+        analysis: MakeAnalysis = AudioAnalysis,
     ) -> None:
         """`output`: True = the default device, False = none, else as for `find_device`.
 
@@ -71,7 +72,8 @@ class MusicPlayer:
         self._stamp_time = np.zeros(STAMPS)
         self._stamps = self._stamps_read = self._played = self._fed = 0
         self._begin = self._alive_at = self._reported = 0.0
-        self._analysis = AudioAnalysis(music.sample_rate)
+        self._make_analysis = analysis
+        self._analysis = analysis(music.sample_rate)
         self._skipped = 0
 
     @property
@@ -198,7 +200,7 @@ class MusicPlayer:
         wanted = int(self.position(now) * rate)
         if wanted - self._fed > CATCH_UP * rate:
             self._fed = self._skipped = wanted
-            self._analysis = AudioAnalysis(rate)
+            self._analysis = self._make_analysis(rate)
         if wanted <= self._fed:
             return
         block = self._music.block(self._fed, wanted - self._fed, self._loop)
