@@ -1,0 +1,29 @@
+"""The weights that come with the engine: there, small, whole, and of use on a plain groove."""
+
+from importlib.resources import files
+
+import numpy as np
+
+from live.clock.hearing.hearing import Hearing
+from live.clock.hearing.network import Network
+from live.control.beat_network import beat_weights
+from tests.clock.clicks import groove
+
+RATE = 44_100
+
+
+def test_the_weights_are_small() -> None:
+    assert len(files("live.clock.hearing").joinpath("weights.npz").read_bytes()) <= 1_000_000
+
+
+def test_the_network_hears_the_beats_of_a_groove() -> None:
+    bpm = 110.0
+    sound = groove(bpm, RATE, 14.0)
+    hearing = Hearing(RATE, Network(beat_weights()))
+    count = hearing.feed(sound)
+    late = hearing.position[:count] > 6.0
+    phase = hearing.position[:count][late] * bpm / 60.0
+    on = np.abs(phase - np.round(phase)) < 0.06
+    strength = hearing.beat[:count][late]
+    assert strength[on].mean() > 5.0 * strength[~on].mean()
+    assert (hearing.downbeat[:count] <= hearing.beat[:count]).all()
