@@ -1,22 +1,79 @@
-"""What all tests share: fixed seeds, strict floating point, the path of the test data, golden pictures."""
+"""What all tests share: fixed seeds, strict floating point, several processes, test data, golden pictures."""
 
+import os
 import random
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pytest
+from hypothesis import HealthCheck, settings
 from PIL import Image
 
-GOLDENS = Path(__file__).resolve().parent / "goldens"
+TESTS = Path(__file__).resolve().parent
+GOLDENS = TESTS / "goldens"
 SHARED = Path(__file__).resolve().parents[2] / "shared"
 
 Picture = npt.NDArray[np.uint8]
 
+# Laws: the same examples each time and no deadline, so that neither luck nor a busy machine decides.
+# `pytest --hypothesis-profile=search` looks further, with new examples each time.
+settings.register_profile("steady", derandomize=True, deadline=None, max_examples=50)
+settings.register_profile("search", deadline=None, max_examples=1000, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("steady")
+
+# Children start sooner if they need not compile the package anew.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
+ONE_AT_A_TIME = ("pulse", "x11")
+"""Markers of tests with real devices: those of one marker never run at the same time."""
+
+LONG_FIRST = {"test_kernels_in_python.py": 1, "end_to_end": 2, "cli": 3, "show": 4}
+
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--regenerate-goldens", action="store_true", help="write the golden pictures anew")
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
+    """A process per core for whole folders; for single files only this one, because to start more takes longer."""
+    if config.args and all(".py" in argument for argument in config.args):
+        return 0
+    return min(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1, 8)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """The tests of a file stay together, because they share what is costly to make, and so do those of a group."""
+    from xdist.scheduler import LoadGroupScheduling
+
+    class Files(LoadGroupScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            group = super()._split_scope(nodeid)
+            return nodeid.partition("::")[0] if group == nodeid else group
+
+    return Files(config, log)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """With several processes: what uses one real thing is a group, and what takes long comes first."""
+    if not hasattr(config, "workerinput"):
+        return
+    for item in items:
+        for name in ONE_AT_A_TIME:
+            if item.get_closest_marker(name):
+                item.add_marker(pytest.mark.xdist_group(name))
+                break
+
+    def rank(item: pytest.Item) -> int:
+        first = item.path.relative_to(TESTS).parts[0]
+        return 0 if item.get_closest_marker("xdist_group") else LONG_FIRST.get(first, len(LONG_FIRST) + 1)
+
+    items.sort(key=rank)
 
 
 @pytest.fixture(autouse=True)
