@@ -1,5 +1,6 @@
 """`live beats`: the beats of a sound, as a show hears them: while it comes in, without a look ahead."""
 
+import contextlib
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -8,7 +9,9 @@ import typer
 
 if TYPE_CHECKING:
     from live.cli.beats_heard import Ear, Seeds
+    from live.cli.beats_timeline import TimelineFile
 
+Form = Literal["table", "json", "csv"]
 STREAM_RATE = 44_100
 BLOCK = 512
 
@@ -55,16 +58,23 @@ def beats(
     if (tap_bpm is None) != (at is None):
         raise PersonError("--tap-bpm and --at belong together", "--tap-bpm 96 --at 5")
     seeds = Seeds(tap_bpm=tap_bpm, tap_at=at, one_at=one_at)
-    if stdin:
-        _stream(Ear(STREAM_RATE, tracker, seeds), timeline)
-        return
-    assert file is not None
-    _file(
-        file, tracker, seeds, form="json" if as_json else "csv" if as_csv else "table", click=click, timeline=timeline
-    )
+    with contextlib.ExitStack() as stack:
+        lines = None if timeline is None else stack.enter_context(_timeline_file(timeline))
+        if stdin:
+            _stream(Ear(STREAM_RATE, tracker, seeds, lines))
+            return
+        assert file is not None
+        form: Form = "json" if as_json else "csv" if as_csv else "table"
+        _file(file, tracker, seeds, form=form, click=click, timeline=lines)
 
 
-def _stream(ear: "Ear", timeline: Path | None) -> None:
+def _timeline_file(path: Path) -> "TimelineFile":
+    from live.cli.beats_timeline import TimelineFile
+
+    return TimelineFile(path)
+
+
+def _stream(ear: "Ear") -> None:
     """Blocks from standard input until it ends; each line is flushed."""
     import numpy as np
 
@@ -84,9 +94,9 @@ def _file(
     tracker: Literal["network", "aubio"],
     seeds: "Seeds",
     *,
-    form: Literal["table", "json", "csv"],
+    form: Form,
     click: Path | None,
-    timeline: Path | None,
+    timeline: "TimelineFile | None",
 ) -> None:
     from live.base.errors import PersonError
     from live.cli.beats_heard import Ear, hear_file
@@ -97,7 +107,7 @@ def _file(
         music = read_music(file)
     except MusicFileError as error:
         raise PersonError(str(error)) from None
-    ear = Ear(music.sample_rate, tracker, seeds)
+    ear = Ear(music.sample_rate, tracker, seeds, timeline)
     beats = hear_file(ear, music)
     if form == "json":
         print(as_json(file, tracker, music, beats))

@@ -1,6 +1,7 @@
 """What `live beats` hears: a tracker fed block by block, with what a musician would do at certain times."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -8,6 +9,9 @@ from live.clock.estimate import BeatEstimate, Samples
 from live.clock.tracker import Tracker
 from live.control.music_file import Music
 from live.control.trackers import TrackerName, make_tracker
+
+if TYPE_CHECKING:
+    from live.cli.beats_timeline import TimelineFile
 
 BLOCK = 512
 
@@ -24,10 +28,13 @@ class Seeds:
 class Ear:
     """Feeds a tracker and tells it the seeds when their time has come."""
 
-    def __init__(self, sample_rate: float, name: TrackerName, seeds: Seeds) -> None:
+    def __init__(
+        self, sample_rate: float, name: TrackerName, seeds: Seeds, timeline: "TimelineFile | None" = None
+    ) -> None:
         self.tracker, self.note = make_tracker(name, sample_rate)
         self._tap_at, self._one_at = seeds.tap_at, seeds.one_at
         self._tap_bpm = seeds.tap_bpm or 0.0
+        self._timeline = timeline
 
     def feed(self, samples: Samples) -> list[BeatEstimate]:
         """The beats named while these samples, shape (n,), are heard."""
@@ -40,7 +47,11 @@ class Ear:
         if self._one_at is not None and heard >= self._one_at:
             if isinstance(self.tracker, Tracker):
                 self.tracker.one(self._one_at)
+            if self._timeline is not None:
+                self._timeline.one(self._one_at)
             self._one_at = None
+        if self._timeline is not None:
+            self._timeline.heard(beats, self.tracker.silent, heard)
         return beats
 
 

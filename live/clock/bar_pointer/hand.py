@@ -130,11 +130,13 @@ class Hand:
             allowed[np.abs(np.log2(states.length / self._middle)) > BAND_OCTAVES] = 0.0
         reach = states.still.shape[1] // 2
         tempo = model.tempo_transitions().astype(np.float64)
+        tempo_weight = model.tempo_weight() if self._middle == 0.0 else np.ones(states.count)
         for step in range(-reach, reach + 1):
             there = np.clip(np.arange(states.count) + step, 0, states.count - 1)
             tempo[:, step + reach] *= allowed[there]
         total = tempo.sum(axis=1, keepdims=True)
-        self.tempo = np.ascontiguousarray(tempo / np.maximum(total, 1e-12), np.float32)
+        tempo *= tempo_weight[:, None] / np.maximum(total, 1e-12)
+        self.tempo = np.ascontiguousarray(tempo, np.float32)
         calm = CALM if self._line_is_set else 1.0
         born = model.tempo_share() * allowed
         self.born = (model.birth * calm * born / max(born.sum(), 1e-12)).astype(np.float32)

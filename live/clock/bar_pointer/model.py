@@ -104,6 +104,16 @@ class Model:
         total: Float32 = (share / share.sum()).astype(np.float32)
         return total
 
+    def tempo_weight(self) -> Float32:
+        """What one more beat of each interval is worth by the tempi that people tap, shape (K,), at most 1.
+
+        The same for equal times: two beats of half the length are worth as much as one.
+        """
+        octaves = np.log2(60.0 * self.frame_rate / self.intervals / self.tempo_bpm)
+        seconds = self.intervals / self.frame_rate
+        weight: Float32 = np.exp(-0.5 * self.tempo_pull * seconds * (octaves / self.tempo_octaves) ** 2)
+        return weight.astype(np.float32)
+
     def tempo_transitions(self) -> Float32:
         """From interval k to k - REACH … k + REACH, shape (K, 2 REACH + 1); rows sum to 1."""
         lengths = self.intervals.astype(np.float64)
