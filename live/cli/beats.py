@@ -82,7 +82,7 @@ def _stream(ear: "Ear") -> None:
 
     source, out = sys.stdin.buffer, sys.stdout
     while data := source.read(BLOCK * 4):
-        samples = np.frombuffer(data[: len(data) - len(data) % 4], "<f4")
+        samples = np.frombuffer(bytearray(data[: len(data) - len(data) % 4]), "<f4")  # kernels take what can be written
         text = "".join(lines_of(beat) for beat in ear.feed(samples))
         if text:
             out.write(text)
