@@ -5,6 +5,7 @@ that loudness, tilt and noise can still be changed for each example.
 """
 
 import json
+import multiprocessing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -101,8 +102,17 @@ def read_item(wav: Path, kept: Path) -> Item:
     return Item(wav.stem, str(facts.get("style", "?")), log_bands, beats, places, facts)
 
 
-def read_items(folder: Path) -> list[Item]:
+def read_items(folder: Path, jobs: int = 2) -> list[Item]:
     """All items of a folder in the order of their names; their bands are kept beside them, in `bands/`."""
     kept = folder / "bands"
     kept.mkdir(exist_ok=True)
-    return [read_item(wav, kept) for wav in sorted(folder.glob("*.wav")) if wav.with_suffix(".beats").exists()]
+    sounds = [wav for wav in sorted(folder.glob("*.wav")) if wav.with_suffix(".json").exists()]
+    new = [wav for wav in sounds if not (kept / f"{wav.stem}.npy").exists()]
+    if new:
+        with multiprocessing.get_context("fork").Pool(jobs) as pool:
+            pool.starmap(_keep, [(wav, kept) for wav in new], chunksize=4)
+    return [read_item(wav, kept) for wav in sounds]
+
+
+def _keep(wav: Path, kept: Path) -> None:
+    read_item(wav, kept)

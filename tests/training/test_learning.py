@@ -1,0 +1,136 @@
+"""What is learned from: features as the engine hears them, labels on the beats, JAX's network as the engine's."""
+
+import numpy as np
+import pytest
+
+from live.clock.hearing.bands import BAND_COUNT, HOP
+from live.clock.hearing.hearing import DELAY
+from live.clock.hearing.network import Network, Weights
+from live.clock.hearing.spectrum import Spectrum
+from tests.clock.clicks import groove
+from training.examples import Stream
+from training.features import LOG_FLOOR, Item, bands_of
+from training.labels import label, measures
+
+RATE = 44_100
+
+
+def made_item(seconds: float = 12.0, bpm: float = 120.0, **facts: object) -> Item:
+    sound = groove(bpm, RATE, seconds)
+    beats = np.arange(0.0, seconds - 0.6, 60.0 / bpm)
+    places = (np.arange(beats.size) + 2) % 4 + 1
+    return Item("a", "groove", np.log(bands_of(sound) + LOG_FLOOR).astype(np.float16), beats, places, dict(facts))
+
+
+def heard(sound: np.ndarray) -> np.ndarray:
+    spectrum, out, start = Spectrum(RATE), [], 0
+    while start < sound.size:
+        start += spectrum.take(sound, start)
+        if spectrum.wanted == 0:
+            spectrum.read()
+            out.append(spectrum.bands.copy())
+    return np.array(out)
+
+
+def test_features_are_what_the_engine_hears() -> None:
+    sound = groove(120, RATE, 2.0)
+    np.testing.assert_allclose(bands_of(sound), heard(sound), atol=1e-6)
+
+
+def test_a_label_lies_on_the_frame_that_speaks_of_its_beat() -> None:
+    item = made_item()
+    found = label(item, 0.0, 1.0, item.log_bands.shape[0])
+    moments = (np.arange(item.log_bands.shape[0]) + 1) * HOP - DELAY
+    for time, place in zip(item.beats[1:], item.places[1:], strict=True):
+        frame = np.argmin(np.abs(moments - time))
+        column = 2 if place == 1 else 1
+        assert found.classes[frame, column] > 0.7
+        assert found.classes[frame + 5, 0] == 1.0
+        assert np.argmax(found.classes[frame - 2 : frame + 3, column]) == 2
+    np.testing.assert_allclose(found.classes.sum(axis=1), 1.0, atol=1e-6)
+
+
+def test_a_stretch_turns_about_the_attack() -> None:
+    """Whatever the speed, the label lies as long after the frame in which the attack was taken up."""
+    item = made_item()
+    for step in (0.8, 1.0, 1.25):
+        found = label(item, 37.5, step, 500)
+        beat = item.beats[6]
+        attack = ((beat + 0.020) / HOP - 1.0 - 37.5) / step
+        centre = attack + (DELAY - 0.020) / HOP
+        near = np.arange(round(centre) - 4, round(centre) + 5)
+        shares = 1.0 - found.classes[near, 0]
+        assert np.average(near, weights=shares) == pytest.approx(centre, abs=0.1)
+
+
+def test_measures_are_counted_over_a_change_of_metre_and_before_the_first_one() -> None:
+    item = made_item()
+    places = np.array([3, 4, 1, 2, 3, 4, 1, 2, 3, 1, 2, 3, 1, 2], np.int32)
+    item = Item("a", "b", item.log_bands, np.arange(14) * 0.5, places, {})
+    expected = [-2 / 4, -1 / 4, 0, 1 / 4, 2 / 4, 3 / 4, 1, 4 / 3, 5 / 3, 2, 7 / 3, 8 / 3, 3, 10 / 3]
+    np.testing.assert_allclose(measures(item), expected)
+
+
+def test_stops_hardly_count_and_unknown_downbeats_do_not() -> None:
+    item = made_item(ignore=[[4.0, 6.0]], has_downbeat=False)
+    found = label(item, 0.0, 1.0, item.log_bands.shape[0])
+    at = int(5.0 / HOP)
+    assert found.known[at, 0] == pytest.approx(0.3)
+    assert found.known[at, 2:].max() == 0.0
+    assert found.known[:, 1].max() == 0.0
+    assert found.known[int(3.0 / HOP), 0] == 1.0
+
+
+def test_a_stream_without_changes_gives_what_the_engine_sees_in_pieces_of_any_length() -> None:
+    item = made_item()
+    whole, pieces = Stream([item], 1, altered=False), Stream([item], 1, altered=False)
+
+    def fill(stream: Stream, count: int) -> np.ndarray:
+        look = np.zeros((count, 2 * BAND_COUNT), np.float32)
+        stream.fill(look, *(np.zeros((count, size), np.float32) for size in (3, 4, 4)))
+        return look
+
+    expected = fill(whole, 900)
+    np.testing.assert_allclose(
+        np.concatenate([fill(pieces, 1), fill(pieces, 402), fill(pieces, 497)]), expected, atol=1e-5
+    )
+
+
+def test_examples_are_the_same_for_the_same_seed() -> None:
+    def look(seed: int) -> np.ndarray:
+        out = np.zeros((300, 2 * BAND_COUNT), np.float32)
+        Stream([made_item()], seed).fill(out, *(np.zeros((300, size), np.float32) for size in (3, 4, 4)))
+        return out
+
+    np.testing.assert_array_equal(look(3), look(3))
+    assert np.abs(look(3) - look(4)).max() > 0.1
+
+
+def test_jax_and_the_engine_say_the_same() -> None:
+    pytest.importorskip("jax", reason="the extra `train` is not installed")
+    from training import network
+
+    weights = network.initial(2)
+    looks = np.random.default_rng(5).gamma(1.0, 1.0, (40, 1, 2 * BAND_COUNT)).astype(np.float32)
+    logits = np.asarray(network.forward(weights, looks, network.state(1))[0], np.float64)[:, 0]
+    expected = np.exp(logits) / np.exp(logits).sum(axis=1, keepdims=True)
+    engine = Network(Weights.of({name: np.asarray(value) for name, value in weights.items()}))
+    got = []
+    for look in looks[:, 0]:
+        count = engine.step(look)
+        got += list(zip(engine.beat[:count].tolist(), engine.downbeat[:count].tolist(), strict=True))
+    np.testing.assert_allclose(np.array(got)[:, 0], 1.0 - expected[:, 0], atol=2e-5)
+    np.testing.assert_allclose(np.array(got)[:, 1], expected[:, 2], atol=2e-5)
+
+
+def test_the_hand_made_gradient_of_the_recurrent_layer_is_the_true_one() -> None:
+    jax = pytest.importorskip("jax", reason="the extra `train` is not installed")
+    from training import network
+
+    rng = np.random.default_rng(1)
+    given = [jax.numpy.asarray(rng.normal(0, 0.5, shape), "float32") for shape in ((4, 12), (4,), (6, 3, 12), (3, 4))]
+    share = jax.numpy.asarray(rng.normal(size=(6, 3, 4)), "float32")
+    made = jax.grad(lambda *a: (network.gru(*a) * share).sum(), argnums=(0, 1, 2, 3))(*given)
+    true = jax.grad(lambda *a: (network._gru_forward(*a)[0] * share).sum(), argnums=(0, 1, 2, 3))(*given)
+    for one, other in zip(made, true, strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-5)
