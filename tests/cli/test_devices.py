@@ -11,7 +11,7 @@ from live.cli import inventory
 from live.control import sound_devices
 from live.control.sound_devices import SoundDevice
 from tests import two_monitor_x
-from tests.cli.command import run_live_process
+from tests.cli.command import run_live, run_live_process
 
 SECTIONS = ["audio_inputs", "audio_outputs", "midi_inputs", "midi_outputs", "monitors"]
 
@@ -27,20 +27,20 @@ def test_json_has_five_sections_each_a_list_or_a_reason() -> None:
 
 
 def test_table_names_every_section() -> None:
-    done = run_live_process("devices")
+    done = run_live("devices")
     assert done.returncode == 0, done.stderr
     headings = [line for line in done.stdout.splitlines() if not line.startswith(" ")]
     assert headings == ["Audio in", "Audio out", "MIDI in", "MIDI out", "Monitors"]
 
 
 def test_without_a_screen_the_reason_names_the_variables() -> None:
-    section = json.loads(run_live_process("devices", "--json", DISPLAY="", WAYLAND_DISPLAY="").stdout)["monitors"]
+    section = json.loads(run_live("devices", "--json", DISPLAY="", WAYLAND_DISPLAY="").stdout)["monitors"]
     assert section["items"] == []
     assert "DISPLAY" in section["why"]
 
 
 def test_a_screen_that_does_not_answer_is_a_reason_too() -> None:
-    section = json.loads(run_live_process("devices", "--json", DISPLAY=":4711", WAYLAND_DISPLAY="").stdout)["monitors"]
+    section = json.loads(run_live("devices", "--json", DISPLAY=":4711", WAYLAND_DISPLAY="").stdout)["monitors"]
     assert section["items"] == []
     assert ":4711" in section["why"]
 
@@ -112,8 +112,8 @@ def test_two_real_monitors_are_numbered_from_one(tmp_path: Path) -> None:
         pytest.skip(str(reason))
     try:
         screen.plug_both()
-        report = json.loads(run_live_process("devices", "--json", DISPLAY=screen.display).stdout)["monitors"]
-        table = run_live_process("devices", DISPLAY=screen.display).stdout
+        report = json.loads(run_live("devices", "--json", DISPLAY=screen.display).stdout)["monitors"]
+        table = run_live("devices", DISPLAY=screen.display).stdout
     finally:
         two_monitor_x.stop(server)
     assert report["why"] is None

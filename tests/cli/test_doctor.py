@@ -9,14 +9,15 @@ from pathlib import Path
 
 import pytest
 
+from live.base import jit
 from live.cli import checks, opengl, packages
 from live.cli.checks import Check
 from live.cli.inventory import Section
-from tests.cli.command import run_live_process
+from tests.cli.command import run_live
 
 
 def test_json_on_this_machine() -> None:
-    done = run_live_process("doctor", "--json")
+    done = run_live("doctor", "--json")
     report = json.loads(done.stdout)
     assert done.returncode == (0 if report["can_run"] else 1)
     by_name = {check["name"]: check for check in report["checks"]}
@@ -26,13 +27,13 @@ def test_json_on_this_machine() -> None:
 
 
 def test_table_says_at_the_end_whether_a_show_can_run() -> None:
-    done = run_live_process("doctor")
+    done = run_live("doctor")
     verdict = done.stdout.splitlines()[-1]
     assert verdict.startswith("A show can run here" if done.returncode == 0 else "No show can run here")
 
 
 def test_exit_1_where_a_needed_part_is_missing() -> None:
-    done = run_live_process("doctor", "--json", __EGL_VENDOR_LIBRARY_FILENAMES="/nowhere.json", DISPLAY="")
+    done = run_live("doctor", "--json", __EGL_VENDOR_LIBRARY_FILENAMES="/nowhere.json", DISPLAY="")
     report = json.loads(done.stdout)
     found = next(check for check in report["checks"] if check["name"] == "OpenGL")
     assert (found["state"], found["needed"]) == ("missing", True)
@@ -43,14 +44,15 @@ def test_exit_1_where_a_needed_part_is_missing() -> None:
 def test_no_traceback_for_a_cache_that_cannot_be_written(tmp_path: Path) -> None:
     file = tmp_path / "file"
     file.write_text("not a folder")
-    report = json.loads(run_live_process("doctor", "--json", LIVE_CACHE_DIR=str(file)).stdout)
+    report = json.loads(run_live("doctor", "--json", LIVE_CACHE_DIR=str(file)).stdout)
     found = next(check for check in report["checks"] if check["name"] == "kernel cache")
     assert found["state"] == "limited"
     assert "LIVE_CACHE_DIR" in found["remedy"]
 
 
-def test_a_cold_cache_is_told_with_the_command_that_warms_it(tmp_path: Path) -> None:
-    report = json.loads(run_live_process("doctor", "--json", LIVE_CACHE_DIR=str(tmp_path)).stdout)
+def test_a_cold_cache_is_told_with_the_command_that_warms_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(jit, "KERNELS", tmp_path / "kernels")
+    report = json.loads(run_live("doctor", "--json", LIVE_CACHE_DIR=str(tmp_path)).stdout)
     found = next(check for check in report["checks"] if check["name"] == "kernel cache")
     assert (found["state"], found["remedy"]) == ("limited", "live warm")
 

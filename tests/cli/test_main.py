@@ -9,13 +9,13 @@ import pytest
 
 from live.base.errors import PersonError
 from live.cli import main as main_module
-from tests.cli.command import run_live_process
+from tests.cli.command import run_live
 
 COMMANDS = ("play", "render", "replay", "check", "devices", "doctor", "bench", "warm", "sync")
 
 
 def test_help_lists_every_command() -> None:
-    done = run_live_process("--help")
+    done = run_live("--help")
     assert done.returncode == 0, done.stderr
     for command in COMMANDS:
         assert f" {command} " in done.stdout
@@ -23,13 +23,13 @@ def test_help_lists_every_command() -> None:
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_has_help(command: str) -> None:
-    done = run_live_process(command, "--help")
+    done = run_live(command, "--help")
     assert done.returncode == 0, done.stderr
     assert f"live {command}" in done.stdout
 
 
 def test_version_is_the_installed_one() -> None:
-    assert run_live_process("--version").stdout == f"live {version('choreographics-live')}\n"
+    assert run_live("--version").stdout == f"live {version('choreographics-live')}\n"
 
 
 def test_help_needs_nothing_heavy() -> None:
@@ -40,7 +40,7 @@ def test_help_needs_nothing_heavy() -> None:
 
 
 def test_unknown_command_is_an_error_of_use() -> None:
-    done = run_live_process("dnace")
+    done = run_live("dnace")
     assert done.returncode == 2
     assert "No such command 'dnace'" in done.stderr
     assert "Traceback" not in done.stderr
