@@ -20,6 +20,7 @@ from live.cli import (
     bvh,
     calibrate,
     check,
+    clock_check,
     dance,
     devices,
     doctor,
@@ -51,6 +52,7 @@ app.command("play")(play.play)
 app.command("render")(render.render)
 app.command("replay")(replay.replay)
 app.command("check")(check.check)
+app.command("clock-check")(clock_check.clock_check)
 app.command("dance")(dance.dance)
 app.command("devices")(devices.devices)
 app.command("calibrate")(calibrate.calibrate)

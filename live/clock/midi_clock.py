@@ -85,6 +85,7 @@ class MidiClock:
         self._held = 0
         self._cued_for = 0
         self._told: int | None = None
+        self._started = False
         self._ticking = False
         self._heard_at = -math.inf
         self._sensing = False
@@ -127,23 +128,19 @@ class MidiClock:
         if not self._ticking:
             return []
         if now - self.train.arrived > max(LOST_AFTER, LOST_PULSES * self.train.curve.period):
+            if self._started and not self.running:  # a stopped song may rest: nothing is lost
+                self._ticking = False
+                return []
             return self._lose(now, "no clock")
         return []
 
     def _lose(self, now: float, detail: str) -> list[News]:
-        was, self._ticking = self._ticking, False
-        stopped = self._held_still and detail == "no clock"
-        return [ClockState(now, "lost", detail)] if was and not stopped else []
-
-    @property
-    def _held_still(self) -> bool:
-        return not self.running and self._was_started
-
-    _was_started = False
+        self._ticking = False
+        return [ClockState(now, "lost", detail)]
 
     def _start(self, position: int, time: float) -> list[News]:
         was = self.running
-        self.running = self._was_started = True
+        self.running = self._started = True
         self._cue = self._held = position
         return [] if was else [ClockState(time, "started")]
 

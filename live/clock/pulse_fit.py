@@ -24,7 +24,7 @@ RECENT: Final = np.array((4, 6, 8, 12, 16, 24, 32, 48, 64, 96))
 AHEAD: Final = 12.0
 """Curves are compared by how well they tell the time of the pulse half a beat ahead."""
 
-CONTRADICTED: Final = np.array((4.2, 3.8, 3.5, 3.2, 3.0, 2.8, 2.7, 2.7, 2.7, 2.7))
+CONTRADICTED: Final = np.array((4.5, 4.2, 4.0, 3.8, 3.6, 3.4, 3.3, 3.3, 3.3, 3.3))
 """Standard errors of each mean residual that contradict a curve; few pulses scatter with a long tail."""
 
 _HANKEL: Final = np.array(((0, 1, 2), (1, 2, 3), (2, 3, 4)))
@@ -32,8 +32,11 @@ _HANKEL: Final = np.array(((0, 1, 2), (1, 2, 3), (2, 3, 4)))
 NOISE_MIN: Final = 2e-4
 """What arrival times scatter at least [s]; below this no curve is refused."""
 
+KNOWN_FOR: Final = 144
+"""Pulses after which a stretch knows its own period better than what was known before it."""
+
 NOISE_WINDOW: Final = 96
-SPREAD_OF_SECOND_DIFFERENCES: Final = 2.05
+SPREAD_OF_SECOND_DIFFERENCES: Final = 1.9
 """Standard deviation of white noise's second differences, largest tenth left out, in units of the noise's own."""
 
 
@@ -83,14 +86,17 @@ def noise_of(numbers: npt.NDArray[np.int64], times: Times) -> float:
     return max(float(np.sqrt(squares.mean())) / SPREAD_OF_SECOND_DIFFERENCES, NOISE_MIN)
 
 
-def fit(numbers: npt.NDArray[np.int64], times: Times, weights: Times, noise: float) -> PulseFit:
+def fit(
+    numbers: npt.NDArray[np.int64], times: Times, weights: Times, noise: float, known: float | None = None
+) -> PulseFit:
     """The best curve through pulses, oldest first, of one stretch without a sudden change; at least 4 are needed.
 
-    `weights` are 1, or 0 for pulses that are left out. `noise` as `noise_of` tells.
+    `weights` are 1, or 0 for pulses that are left out. `noise` as `noise_of` tells. A period that was `known` before
+    the stretch is kept as long as nothing contradicts it and the stretch is short.
     """
     last = int(numbers[-1])
     x = (numbers - last).astype(np.float64)[::-1]
-    rough = (times[-1] - times[0]) / max(last - int(numbers[0]), 1)
+    rough = float(times[-1] - times[0]) / max(last - int(numbers[0]), 1)
     y = (times - times[-1])[::-1] - rough * x
     w = weights[::-1]
     moments = np.cumsum(np.stack((w, w * x, w * x**2, w * x**3, w * x**4, w * y, w * x * y, w * x**2 * y)), axis=1)
@@ -100,9 +106,16 @@ def fit(numbers: npt.NDArray[np.int64], times: Times, weights: Times, noise: flo
     lengths = np.concatenate((lines, parabolas))
     bent = np.arange(lengths.size) >= lines.size
     curves = _curves(moments[:, lengths - 1], bent)
-    order = np.argsort(np.where(bent, _variance_ahead(lengths * 1.0, 2), _variance_ahead(lengths * 1.0, 1)))
-    good = _uncontradicted(moments, lengths, bent, curves, noise)
-    chosen = next((int(i) for i in order if good[i]), 0)
+    keep = known is not None and have < KNOWN_FOR
+    if known is not None and keep:
+        lengths, bent = np.append(lengths, have), np.append(bent, False)
+        total, slope = moments[:, -1], known - rough
+        curves = np.column_stack((curves, ((total[5] - slope * total[1]) / max(total[0], 1e-9), slope, 0.0)))
+    variance = np.where(bent, _variance_ahead(lengths * 1.0, 2), _variance_ahead(lengths * 1.0, 1))
+    if keep:
+        variance[-1] = 0.0
+    doubt = _doubt(moments, lengths, bent, curves, noise)
+    chosen = next((int(i) for i in np.argsort(variance) if doubt[i] <= 1.0), int(np.argmin(doubt)))
     offset, slope, bend = (float(value) for value in curves[:, chosen])
     return PulseFit(last, float(times[-1]) + offset, rough + slope, bend, noise, int(lengths[chosen]))
 
@@ -121,11 +134,11 @@ def _curves(m: Times, bent: npt.NDArray[np.bool_]) -> Times:
     return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, :, 0].T)
 
 
-def _uncontradicted(
+def _doubt(
     moments: Times, lengths: npt.NDArray[np.int64], bent: npt.NDArray[np.bool_], curves: Times, noise: float
-) -> npt.NDArray[np.bool_]:
-    """Which curves the newest pulses agree with: all mean residuals over `RECENT` within chance, shape (C,)."""
-    recent = RECENT[moments.shape[1] >= RECENT]
+) -> Times:
+    """How much the newest pulses contradict each curve, shape (C,): its worst mean residual, where 1 is allowed."""
+    recent = RECENT[: int(np.searchsorted(RECENT, moments.shape[1], "right"))]
     part = moments[:, recent - 1]
     count = np.maximum(part[0], 1e-9)
     means = (part[5] - (curves.T @ part[:3])) / count
@@ -133,4 +146,5 @@ def _uncontradicted(
     share = np.minimum(recent[None, :] * np.where(bent, 9.0, 4.0)[:, None] / lengths[:, None], 1.0)
     allowed = CONTRADICTED[: recent.size] * noise * np.sqrt(np.maximum(1.0 - share, 0.35) / count)
     inside = recent[None, :] < lengths[:, None]
-    return np.asarray(((np.abs(means) <= allowed) | ~inside).all(axis=1) & np.isfinite(curves[0]))
+    worst = np.max(np.where(inside, np.abs(means) / allowed, 0.0), axis=1, initial=0.0)
+    return np.where(np.isfinite(curves[0]), worst, np.inf)

@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from live.clock.pulse_fit import NOISE_MIN, PulseFit, fit, noise_of
+from live.clock.pulse_fit import NOISE_MIN, PulseFit, Times, fit, noise_of
 
 CAPACITY: Final = 1024
 KEPT: Final = 512
@@ -33,6 +33,21 @@ HEAP: Final = 0.5
 """Pulses closer than this share of a period come in a heap."""
 
 STALL_MAX: Final = 32
+WHOLE: Final = 0.3
+"""How far from a whole number of periods, at most, a step may be that means lost pulses."""
+
+KNOWN_AFTER: Final = 24
+"""Pulses of one curve after which its period is worth keeping for the next train."""
+
+BUNDLE_WITHIN: Final = 400
+"""Two like steps within so many pulses are those of a clock that is sent in bundles; ..."""
+
+BUNDLE_NOISE: Final = 0.5
+"""... scatter in shares of such a step, ..."""
+
+BUNDLE_FADES: Final = 0.999
+"""... which is forgotten by this factor at every fit."""
+
 OFTEN: Final = 24
 SELDOM: Final = 3
 """The curve is fitted at every pulse up to `OFTEN` after a sudden change, then at every third."""
@@ -53,6 +68,9 @@ class PulseTrain:
         self._since = 0
         self._watched = 0
         self._noise = 10.0 * NOISE_MIN
+        self._known: float | None = None
+        self._bundle = 0.0
+        self._shifted = (-(10**9), 0.0)
         self._fit = PulseFit(0, 0.0, period, 0.0, self._noise, 0)
         self.lost = 0
         """Pulses that never came, counted by time (those that came too many count down)."""
@@ -86,6 +104,7 @@ class PulseTrain:
 
     def restart(self, number: int) -> None:
         """The next pulse is `number` and begins a new train; its period is assumed to be the present one."""
+        self._known = self._fit.period if self._fit.count >= KNOWN_AFTER else None
         self._fit = PulseFit(number, 0.0, self._fit.period, 0.0, self._noise, 0)
         self._count = self._since = self._watched = 0
 
@@ -114,7 +133,7 @@ class PulseTrain:
 
     def _gate(self) -> float:
         few = 1.0 + 12.0 / max(self._fit.count, 1) ** 1.5 * max(1, self.last - self._fit.number)
-        return (GATE * self._noise + GATE_MIN) * few
+        return float((GATE * self._noise + GATE_MIN) * few)
 
     def _watch(self, error: float) -> None:
         """Watch a pulse that lies off the curve, and judge when there are enough of them."""
@@ -144,15 +163,30 @@ class PulseTrain:
         self._weight[first : self._count] = 1.0
         self._watched = 0
         if as_step > as_tempo:
-            self._since = first
+            self._since, self._known = first, None
             return
-        moved = round(step / self._fit.period)
+        moved = _whole(step / self._fit.period)
         self._number[first : self._count] += moved
         self.renumbered = self._count - first if moved else 0
         self.lost += moved
         rest = step - moved * self._fit.period
         if abs(rest) > self._gate():
-            self._time[self._since : first] += rest
+            self._shift(first, rest)
+
+    def _shift(self, first: int, by: float) -> None:
+        """All pulses from index `first` on are `by` [s] later than those before, at the same tempo.
+
+        Once, the sender moved its phase: what came before is moved along. Twice by the same, it is a clock that is
+        sent in bundles, whose pulses drift against them: that is scatter of that size.
+        """
+        number, before = self._shifted
+        if self.last - number <= BUNDLE_WITHIN and abs(by - before) < 0.3 * abs(before):
+            self._bundle = BUNDLE_NOISE * abs(by)
+            self._time[self._since : max(self._count - (self.last - number), self._since)] -= before
+            self._shifted = (self.last, 0.0)
+            return
+        self._time[self._since : first] += by
+        self._shifted = (self.last, by)
 
     def _refit(self) -> None:
         if self.length < ENOUGH and self._fit.count == 0:
@@ -160,9 +194,10 @@ class PulseTrain:
         if self.length < 4 or (self.length > OFTEN and self.last - self._fit.number < SELDOM):
             return
         since = max(self._since, self._count - KEPT // 4 * 3)
-        self._noise = noise_of(self._number[: self._count], self._time[: self._count])
+        self._bundle *= BUNDLE_FADES
+        self._noise = max(noise_of(self._number[: self._count], self._time[: self._count]), self._bundle)
         numbers, times = self._number[since : self._count], self._time[since : self._count]
-        self._fit = fit(numbers, times, self._weight[since : self._count], self._noise)
+        self._fit = fit(numbers, times, self._weight[since : self._count], self._noise, self._known)
 
     def _forget(self) -> None:
         """Only the newest pulses are kept."""
@@ -172,9 +207,13 @@ class PulseTrain:
         self._since = max(self._since - (CAPACITY - KEPT), 0)
 
 
-def _misfit_of_ramp(
-    errors: np.ndarray[tuple[int], np.dtype[np.float64]], x: np.ndarray[tuple[int], np.dtype[np.float64]]
-) -> float:
+def _whole(periods: float) -> int:
+    """Pulses lost, for a step of so many periods; one that is hardly nearer to one than to none is none."""
+    whole = round(periods)
+    return 0 if abs(whole) <= 1 and abs(periods - whole) > WHOLE else whole
+
+
+def _misfit_of_ramp(errors: Times, x: Times) -> float:
     """Sum of squares that is left when errors grow evenly from x = 0 on."""
     ramp = np.maximum(x, 0.0)
     slope = float(ramp @ errors) / float(ramp @ ramp)
