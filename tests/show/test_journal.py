@@ -14,7 +14,7 @@ from live.show.status import Status
 from tests.show.made_show import made_show
 
 
-def recorded(path, seconds=20.0, fps=50):
+def recorded(path, seconds=17.0, fps=50):
     """A show with events of all kinds and a stall, journalled."""
     show, clock, inbox = made_show(), ManualClock(), Inbox()
     writer = JournalWriter(path, {"seed": 3})
@@ -51,14 +51,14 @@ def test_a_replay_is_bit_identical(tmp_path):
     assert journal.complete
     fresh = made_show()
     result = replay(fresh, journal)
-    assert result.measures >= 8
+    assert result.measures >= 7
     assert result.differences == ()
     assert fresh.state_hash() == show.state_hash()
 
 
 def test_a_changed_event_is_found(tmp_path):
     path = tmp_path / "a.jsonl"
-    recorded(path)
+    recorded(path, seconds=6.0)
     rows = path.read_text().splitlines()
     for number, row in enumerate(rows):
         if '"Attract"' in row:

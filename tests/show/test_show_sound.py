@@ -26,7 +26,7 @@ def tap_show(*, dancers=1, at=(0.0, 0.0), **motion):
     ).start()
 
 
-def run(show, seconds, *, fps=60, **sound):
+def run(show, seconds, *, fps=40, **sound):
     """All that was mixed in that time, and the footfalls."""
     mixed, falls, view, tick = ShowSound(show, sound.pop("music", None), **sound), [], show.view(), 0
     feet = Footfalls(show)
@@ -65,8 +65,8 @@ def test_the_click_is_on_the_beats_and_nowhere_else_and_the_first_is_another():
 
 def test_every_touch_of_a_foot_is_heard_on_its_count():
     """The time step touches the floor on every third of a beat; between them, and before them, it is quiet."""
-    samples, falls, _ = run(tap_show(), 8.0, click=False, taps=True)
-    thirds = np.arange(9, 39) * BEAT / 3  # from the second measure on
+    samples, falls, _ = run(tap_show(), 5.0, click=False, taps=True)
+    thirds = np.arange(9, 26) * BEAT / 3  # from the second measure on
     times = np.array([fall.time for fall in falls])
     for third in thirds:
         assert np.abs(times - third).min() < 0.010, third / BEAT
@@ -78,15 +78,15 @@ def test_every_touch_of_a_foot_is_heard_on_its_count():
 
 
 def test_footfalls_do_not_depend_on_the_frame_rate():
-    many, few = (run(tap_show(), 6.0, fps=fps, click=False, taps=True)[1] for fps in (120, 30))
-    landings = [{(round(f.time / BEAT * 3), f.foot) for f in falls if 0.5 < f.time < 5.8} for falls in (many, few)]
+    many, few = (run(tap_show(), 4.0, fps=fps, click=False, taps=True)[1] for fps in (120, 30))
+    landings = [{(round(f.time / BEAT * 3), f.foot) for f in falls if 0.5 < f.time < 3.8} for falls in (many, few)]
     assert landings[0] == landings[1]
-    assert len(landings[0]) > 25
+    assert len(landings[0]) > 15
 
 
 def test_a_dancer_is_heard_from_where_she_dances_and_softer_from_afar():
     def sides(at):
-        return (run(tap_show(at=at), 3.0, click=False, taps=True)[0].astype(np.float64) ** 2).mean(axis=0)
+        return (run(tap_show(at=at), 2.0, click=False, taps=True)[0].astype(np.float64) ** 2).mean(axis=0)
 
     left, right = sides((-5.0, 0.0)), sides((5.0, 0.0))
     assert left[0] > 4.0 * left[1]
@@ -96,16 +96,16 @@ def test_a_dancer_is_heard_from_where_she_dances_and_softer_from_afar():
 
 
 def test_many_dancers_are_louder_than_one_but_never_too_loud():
-    one, _, _ = run(tap_show(), 3.0, click=False, taps=True)
-    many, _, mixed = run(tap_show(dancers=60, warp_beats=0.03), 3.0, click=True, taps=True)
+    one, _, _ = run(tap_show(), 2.0, click=False, taps=True)
+    many, _, mixed = run(tap_show(dancers=60, warp_beats=0.03), 2.0, click=True, taps=True)
     assert np.abs(many).max() <= 1.0 + CLICK_LEVEL
-    assert energy(many, 1.0, 3.0) > energy(one, 1.0, 3.0)
+    assert energy(many, 1.0, 2.0) > energy(one, 1.0, 2.0)
     assert len(mixed._sounding) <= MAX_VOICES
     assert mixed.left_out > 0  # 60 pairs of feet are more than can sound at once
 
 
 def test_the_same_show_sounds_the_same_and_another_seed_has_other_shoes():
-    first, again = (run(tap_show(dancers=3, warp_beats=0.05), 3.0, click=True, taps=True)[0] for _ in range(2))
+    first, again = (run(tap_show(dancers=3, warp_beats=0.05), 2.0, click=True, taps=True)[0] for _ in range(2))
     assert np.array_equal(first, again)
     same, other = tap_voices(1, RATE), tap_voices(2, RATE)
     assert np.array_equal(same[0][0], tap_voices(1, RATE)[0][0])
