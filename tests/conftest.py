@@ -39,8 +39,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
-    """A process per core for the whole suite; else only this one, because to start more takes longer than it saves."""
-    if any((config.invocation_params.dir / argument).resolve() not in (TESTS, TESTS.parent) for argument in config.args):
+    """A process per core for the whole suite; else only this one: to start more takes longer than it saves."""
+    asked = {(config.invocation_params.dir / argument).resolve() for argument in config.args}
+    if not asked <= {TESTS, TESTS.parent}:
         return 0
     return min(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1, 8)
 
