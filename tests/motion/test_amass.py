@@ -174,9 +174,9 @@ def test_a_zip_bomb_of_zeros_takes_little_memory(frames: int, width: int) -> Non
     data = packed(compress=True, **standing(frames, width, np.float32))
     assert len(data) < 200_000
     tracemalloc.start()
-    start = time.perf_counter()
+    start = time.process_time()
     motion, problem = attempt(lambda: parse_amass(data, "bomb.npz"))
-    seconds, peak = time.perf_counter() - start, tracemalloc.get_traced_memory()[1]
+    seconds, peak = time.process_time() - start, tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert motion is not None or isinstance(problem, MotionFileError)
     assert peak < 64e6 + 20 * len(data)

@@ -248,7 +248,7 @@ def test_legs_without_length_are_refused() -> None:
 def test_strange_skeletons_give_finite_clips_or_errors() -> None:
     rng = np.random.default_rng(9)
     clips = 0
-    for _ in range(60):
+    for _ in range(30):
         motion = made(danced(4, seed=int(rng.integers(99))))
         names = rng.choice(motion.names, size=rng.integers(1, 12), replace=False)
         offsets = {str(name): tuple(rng.choice((0.0, 1e-9, 1.0, -40.0, 1e6), 3)) for name in names}
@@ -260,7 +260,7 @@ def test_strange_skeletons_give_finite_clips_or_errors() -> None:
         clips += 1
         assert np.isfinite(clip.root_position).all()
         np.testing.assert_allclose(np.linalg.norm(clip.rotation, axis=-1), 1.0, atol=1e-5)
-    assert clips > 20
+    assert clips > 10
 
 
 def test_neighbouring_samples_have_neighbouring_quaternions() -> None:

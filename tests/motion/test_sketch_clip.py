@@ -219,7 +219,7 @@ parts = st.fixed_dictionaries(
 )
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=20, suppress_health_check=[HealthCheck.too_slow])
 @given(parts, st.booleans())
 def test_any_sketch_gives_a_clip_that_repeats_stands_and_keeps_above_the_floor(
     written: dict[str, tuple[Key, ...]], cyclic: bool

@@ -55,7 +55,7 @@ def decode_sound(path: Path) -> tuple[Samples, int]:
 
 
 def wait_for(condition: Callable[[], bool]) -> None:
-    deadline = monotonic() + 5.0
+    deadline = monotonic() + 60.0
     event = threading.Event()
     while not condition():
         assert monotonic() < deadline
