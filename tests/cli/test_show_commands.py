@@ -1,11 +1,13 @@
-"""`live play`, `render`, `replay` and `check` as processes: films, journals, reports, refusals."""
+"""`live play`, `render`, `replay` and `check`: films, journals, reports, refusals."""
 
+import contextlib
 import json
 import os
 import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 
 import av
@@ -25,12 +27,32 @@ def gl_or_skip():
         pytest.skip(str(reason))
 
 
+@contextlib.contextmanager
+def told(number, when):
+    """Sends the command in this process a signal as soon as `when` holds."""
+    over = threading.Event()
+
+    def watch():
+        while not over.wait(0.02):
+            if when():
+                os.kill(os.getpid(), number)
+                return
+
+    watcher = threading.Thread(target=watch)
+    watcher.start()
+    try:
+        yield
+    finally:
+        over.set()
+        watcher.join()
+
+
 def test_render_makes_a_film_with_sound_the_same_each_time(tmp_path):
     gl_or_skip()
     films = []
     for name in ("a", "b"):
         result = run_live(
-            "render", "--seconds", "5", "--fps", "10", "--size", "320x180", "--out", str(tmp_path / f"{name}.mp4"),
+            "render", "--seconds", "5", "--fps", "10", "--size", "160x90", "--out", str(tmp_path / f"{name}.mp4"),
             "--journal", str(tmp_path / f"{name}.jsonl"), "--report", str(tmp_path / f"{name}.json"),
         )  # fmt: skip
         assert result.returncode == 0, result.stderr
@@ -166,19 +188,13 @@ def test_a_journal_replays_from_another_folder_and_a_refused_start_leaves_the_ol
 
 def test_a_film_that_is_broken_off_plays_as_far_as_it_goes(tmp_path):
     gl_or_skip()
-    film = tmp_path / "a.mp4"
-    process = subprocess.Popen(
-        [sys.executable, "-m", "live", "render", "--seconds", "600", "--size", "160x90", "--out", str(film),
-         "--journal", str(tmp_path / "j")],
-        stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
-    deadline = time.monotonic() + 60
-    while not (tmp_path / "j").exists() or (tmp_path / "j").read_bytes().count(b"\n") < 6:  # five measures
-        assert process.poll() is None, process.communicate()[1]
-        assert time.monotonic() < deadline
-    process.send_signal(signal.SIGINT)
-    _, told = process.communicate(timeout=30)
-    assert process.returncode == 130, told
+    film, journal = tmp_path / "a.mp4", tmp_path / "j"
+    with told(signal.SIGINT, lambda: journal.exists() and journal.read_bytes().count(b"\n") >= 6):  # five measures
+        result = run_live(
+            "render", "--seconds", "600", "--size", "160x90", "--fps", "10", "--out", str(film), "--journal",
+            str(journal),
+        )  # fmt: skip
+    assert result.returncode == 130, result.stderr
     with av.open(str(film)) as container:
         assert sum(1 for _ in container.decode(video=0)) > 30
 
@@ -195,22 +211,39 @@ def test_what_is_read_is_never_written_over(tmp_path):
     assert "ends in .mp4" in result.stderr
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
+def endless(journal, status):
+    """Options of a show that goes on until it is told to end."""
+    where = ("--osc", "127.0.0.1:0", "--journal", str(journal), "--status-json", str(status))
+    return "play", "--headless", "--bpm", "120", *where
+
+
+@pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGINT])
 def test_a_show_that_is_told_to_end_ends_its_journal(tmp_path, number):
     journal, status = tmp_path / "j", tmp_path / "s"
+    with told(number, lambda: status.exists() and status.read_text()):
+        result = run_live(*endless(journal, status))
+    assert result.returncode == 128 + number
+    assert "Traceback" not in result.stderr
+    assert journal.read_text().endswith('"end":true}\n')
+
+
+def test_a_process_that_is_told_to_end_ends_its_journal(tmp_path):
+    journal, status = tmp_path / "j", tmp_path / "s"
     process = subprocess.Popen(
-        [sys.executable, "-m", "live", "play", "--headless", "--bpm", "120", "--osc", "127.0.0.1:0", "--journal",
-         str(journal), "--status-json", str(status)],
-        stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
-    deadline = time.monotonic() + 60
-    while not status.exists() or not status.read_text():
-        assert process.poll() is None, process.communicate()[1]
-        assert time.monotonic() < deadline
-    process.send_signal(number)
-    _, told = process.communicate(timeout=30)
-    assert process.returncode == 128 + number
-    assert "Traceback" not in told
+        [sys.executable, "-m", "live", *endless(journal, status)], stderr=subprocess.PIPE, text=True
+    )
+    try:
+        deadline = time.monotonic() + 120
+        while not status.exists() or not status.read_text():
+            assert process.poll() is None, process.communicate()[1]
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        process.send_signal(signal.SIGTERM)
+        _, last_words = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode == 128 + signal.SIGTERM
+    assert "Traceback" not in last_words
     assert journal.read_text().endswith('"end":true}\n')
 
 

@@ -43,7 +43,7 @@ def test_the_show_follows_music_and_dances_recordings(tmp_path):
     library = _salsa(tmp_path / "library")
     film, journal, report = (tmp_path / name for name in ("a.mp4", "a.jsonl", "a.json"))
     made = run_live(
-        "render", "--steps", str(library), "--audio", str(music), "--seconds", "30", "--fps", "10", "--size", "160x90",
+        "render", "--steps", str(library), "--audio", str(music), "--seconds", "26", "--fps", "5", "--size", "160x90",
         "--out", str(film), "--journal", str(journal), "--report", str(report),
     )  # fmt: skip
     if made.returncode == 2 and "OpenGL" in made.stderr:
