@@ -1,5 +1,7 @@
 """Hearing: moments of frames, equal answers at any block size and rate, plain onsets on clicks."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -66,6 +68,21 @@ def test_reset_forgets_but_time_goes_on() -> None:
     count = hearing.feed(sound)
     np.testing.assert_allclose(hearing.beat[:count], before, atol=1e-6)
     assert hearing.position[0] == pytest.approx(101 * HOP - DELAY)
+
+
+def test_hearing_keeps_nothing_from_block_to_block() -> None:
+    hearing, sound = Hearing(RATE, Network(Weights.of(made_weights()))), groove(120, RATE, 3.0)
+    for start in range(0, RATE, 512):
+        hearing.feed(sound[start : start + 512])
+    tracemalloc.start()
+    peak = 0
+    for start in range(RATE, 3 * RATE, 512):
+        tracemalloc.reset_peak()
+        before = tracemalloc.get_traced_memory()[0]
+        hearing.feed(sound[start : start + 512])
+        peak = max(peak, tracemalloc.get_traced_memory()[1] - before)
+    tracemalloc.stop()
+    assert peak < 2048  # views and numbers of Python, no array
 
 
 def test_only_one_channel_is_heard() -> None:
