@@ -134,6 +134,11 @@ class MidiClock:
             return self._lose(now, "no clock")
         return []
 
+    def unplugged(self, now: float) -> list[News]:
+        """The cable was pulled, or the port went away."""
+        self._sensing = False
+        return self._lose(now, "port gone") if self._ticking else []
+
     def _lose(self, now: float, detail: str) -> list[News]:
         self._ticking = False
         return [ClockState(now, "lost", detail)]

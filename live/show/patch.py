@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from live.show.sections.element import ElementSection
 from live.show.sections.group import GroupSection
 from live.show.sections.link import LinkSection
+from live.show.sections.midi import MidiSection
 from live.show.sections.motion import LocomotionSection, MotionSection
 from live.show.sections.music import ClockSection, MusicSection, SoundSection
 from live.show.sections.section import Name, Section
@@ -43,6 +44,7 @@ class Patch(Section):
     sound: SoundSection = SoundSection()
     clock: ClockSection = ClockSection()
     link: LinkSection = LinkSection()
+    midi: MidiSection = MidiSection()
     stage: StageSection = StageSection()
     steering: SteeringSection = SteeringSection()
     gate: Annotated[tuple[GateSection, ...], Field(max_length=32)] = ()
