@@ -52,6 +52,22 @@ def play(
             rich_help_panel=PANEL_TIME,
         ),
     ] = None,
+    midi: Annotated[
+        str | None,
+        typer.Option(
+            help="A MIDI port to listen to (see `live devices`): clock, time code, pedals and keys; or off.",
+            metavar="NAME",
+            rich_help_panel=PANEL_TIME,
+        ),
+    ] = None,
+    midi_clock_out: Annotated[
+        str | None,
+        typer.Option(
+            help="A MIDI port that the show's beat is sent to as MIDI clock; or off.",
+            metavar="NAME",
+            rich_help_panel=PANEL_TIME,
+        ),
+    ] = None,
     seconds: Annotated[
         float | None, typer.Option(help="End after so many seconds.", rich_help_panel=PANEL_TIME)
     ] = None,
@@ -120,6 +136,8 @@ def play(
             venue=venue,
             bpm=bpm,
             link=parse_choice(link, "--link", "follow", "lead", "off"),
+            midi=midi,
+            midi_clock_out=midi_clock_out,
             steps=steps,
             seed=seed,
             osc=parse_endpoint(osc),

@@ -13,6 +13,7 @@ from rich.console import Console
 from live.base.errors import PersonError
 from live.base.inbox import Inbox
 from live.cli.link_part import make_link
+from live.cli.midi_part import make_midi
 from live.cli.news import News
 from live.cli.session_sound import Sound, choose_sound, make_audio
 from live.clock.source import SystemClock
@@ -42,6 +43,9 @@ class Wish:
     bpm: float | None = None
     link: str | None = None
     """follow, lead or off; None: what the patch says."""
+    midi: str | None = None
+    midi_clock_out: str | None = None
+    """Ports by name, or off; None: what the venue says, or the patch."""
     steps: Path | None = None
     seed: int | None = None
     osc: tuple[str, int] = ("127.0.0.1", 9010)
@@ -113,6 +117,9 @@ class Session:
         if self._audio is not None:
             self.status.more["audio"] = self._audio.facts
         self._link = self._make_link()
+        self._midi = make_midi(wish, show, venue, self.inbox, self.clock)
+        if self._midi is not None:
+            self.status.more["midi"] = self._midi.status
         self._watch = self._make_watch()
         self.news = self._make_news()
         self._status_file: StatusFile | None = None
@@ -122,6 +129,9 @@ class Session:
         watch, console = self._watch, Console(stderr=True, highlight=False)
         refusals: list[Callable[[], str]] = [self._osc_refusal, lambda: self.show.refusal]
         others: list[Callable[[], str]] = [self._audio_problem]
+        if self._midi is not None:
+            refusals.append(self._midi.refusal)
+            others.append(self._midi.problem)
         if watch is not None:
             refusals.append(lambda: watch.problem)
             others.append(lambda: watch.joined)
@@ -174,6 +184,8 @@ class Session:
             self._open_journal()
             if self._link is not None:
                 self._link.start()
+            if self._midi is not None:
+                self._midi.start()
             if self._watch is not None:
                 self._watch.start()
             self.news.start()
@@ -245,6 +257,8 @@ class Session:
             self._audio.stop()
         if self._link is not None:
             self._link.stop()
+        if self._midi is not None:
+            self._midi.stop()
         self.osc.stop()
         if self._watch is not None:
             self._watch.stop()
@@ -263,6 +277,8 @@ class Session:
         self.status.frame_times.add(started - previous)
         if self._link is not None:
             self._link.frame()
+        if self._midi is not None:
+            self._midi.frame()
         if self._status_file is not None:
             self._status_file.frame(started)
         gc.collect(0)

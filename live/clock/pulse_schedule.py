@@ -1,7 +1,7 @@
 """PulseSchedule: which MIDI clock messages a Timeline asks for, and when.
 
-The song begins at the first measure line. What the Timeline does slowly, pulses follow; where it jumps (a new song, "this is
-the one") the song is stopped, located and continued at the next sixteenth, as the song position allows.
+The song begins at the first measure line. What the Timeline does slowly, pulses follow; where it jumps (a new song,
+"this is the one") the song is stopped, located and continued at the next sixteenth, as the song position allows.
 """
 
 import math
@@ -38,7 +38,7 @@ class PulseSchedule:
         self.jumps = 0
 
     def due(self, timeline: Timeline, now: float) -> Due:
-        """The next pulse and what goes before it; asked again, the same until `sent`, but at the Timeline's new time."""
+        """The next pulse and what goes before it; until `sent` the same one, at the time that the Timeline says."""
         here = (timeline.beat_at(now) - timeline.measure_origin) * PULSES_PER_BEAT
         if self._next is None:
             self._next = math.ceil(here)

@@ -72,6 +72,17 @@ class MidiInput:
         self._thread: threading.Thread | None = None
         self._port: OpenPort | None = None
 
+    @property
+    def beats_per_measure(self) -> int:
+        """Beats of a measure; MIDI does not tell."""
+        return self.decoder.beats_per_measure
+
+    @beats_per_measure.setter
+    def beats_per_measure(self, beats: int) -> None:
+        self.decoder.beats_per_measure = beats
+        if self.time_code is not None:
+            self.time_code.beats_per_measure = beats
+
     def start(self) -> None:
         """Begin; a port that is not there is waited for."""
         self._stop.clear()

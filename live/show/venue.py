@@ -49,12 +49,22 @@ class VenueLatency(Section):
     """How far single claps differed, when the picture was measured."""
 
 
+class VenueMidi(Section):
+    """`[midi]`: which ports are used where the command line names none."""
+
+    input: Annotated[str, Field(min_length=1, max_length=200)] | None = None
+    """The port that is listened to, by its name or a part of it."""
+    clock_out: Annotated[str, Field(min_length=1, max_length=200)] | None = None
+    """The port that the show's beat is sent to as MIDI clock."""
+
+
 class Venue(Section):
     """A hall."""
 
     name: Name = "venue"
     """What it is called."""
     audio: VenueAudio = VenueAudio()
+    midi: VenueMidi = VenueMidi()
     latency: VenueLatency = VenueLatency()
 
     @field_validator("name")
