@@ -270,6 +270,12 @@ if [ -n "$dry_run" ] || [ ! -e "$stamp" ] || ! venv_works; then
   [ -z "$system_ready" ] || : >"$stamp"
 fi
 
+# Python's compiled files of the project itself, also where PYTHONDONTWRITEBYTECODE keeps Python from writing them: a
+# show must not wait for its compiler at each start.
+if [ ! -e .venv/.compiled ] || [ -n "$(find live -name '*.py' -newer .venv/.compiled)" ]; then
+  .venv/bin/python -m compileall -q live && : >.venv/.compiled
+fi
+
 # The compiled kernels lie in the user's cache, under names that follow their sources; the stamp names the file there
 # that says they are complete.
 kernels=".venv/.warm-$({
