@@ -23,9 +23,9 @@ from training.features import Item, read_items
 
 LANES: Final = 32
 FRAMES: Final = 1000
-RATE: Final = 3e-3
+RATE: Final = 1.4e-3
 WARM_UP: Final = 60
-CLIP: Final = 1.0
+CLIP: Final = 0.5
 AVERAGE: Final = 0.995
 """Share of the old in the running mean of the weights, which is what is kept."""
 WEIGHT_BEAT: Final = 2.0
@@ -78,7 +78,7 @@ def train(
     """Weights after `steps` steps of Adam under a cosine; `start` goes on from other weights."""
     weights = network.initial(seed) if start is None else start
     schedule = optax.warmup_cosine_decay_schedule(0.0, RATE, WARM_UP, steps, RATE * 0.01)
-    optimiser = optax.chain(optax.clip_by_global_norm(CLIP), optax.adamw(schedule, weight_decay=1e-4))
+    optimiser = optax.chain(optax.clip_by_global_norm(CLIP), optax.adamw(schedule, b2=0.99, weight_decay=1e-4))
     moments = optimiser.init(weights)
     mean = weights
 

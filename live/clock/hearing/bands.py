@@ -1,7 +1,7 @@
 """Bands: where the ear of the tracker listens, in Hz, and the windows and filters that follow for a sample rate.
 
-Windows are the same length in seconds at every sample rate, so a spectrum's bins lie at the same frequencies (within
-0.5 %) and one trained network serves all of them without a resampler (filters spaced by a logarithm: Böck and Schedl,
+Windows are the same length in seconds at every sample rate and filters are made in Hz, so one trained network serves
+all rates without a resampler (filters spaced by a logarithm: Böck and Schedl,
 Enhanced beat tracking with context-aware neural networks, DAFx 2011).
 """
 
@@ -60,17 +60,8 @@ LAGS: Final = np.repeat(np.array([ear.lag for ear in EARS], np.int32), BANDS)
 
 
 def window_length(ear: Ear, sample_rate: float) -> int:
-    """Samples of an ear's window at `sample_rate` [Hz]: the nearest length without prime factors above 11."""
-    wanted = ear.window * sample_rate / BASE_RATE
-    lengths = [length for length in range(int(0.9 * wanted), int(1.1 * wanted) + 1) if _is_smooth(length)]
-    return min(lengths, key=lambda length: abs(length - wanted))
-
-
-def _is_smooth(number: int) -> bool:
-    for prime in (2, 3, 5, 7, 11):
-        while number % prime == 0:
-            number //= prime
-    return number == 1
+    """Samples of an ear's window at `sample_rate` [Hz]: as many seconds as at 44.1 kHz."""
+    return round(ear.window * sample_rate / BASE_RATE)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,9 +74,14 @@ class Filters:
     """Where each band's weights lie in `weight`, shape (bands + 1,); equal neighbours mark an empty band."""
     weight: npt.NDArray[np.float32]
 
+    @property
+    def bins(self) -> int:
+        """How many bins, from 0 Hz on, are read."""
+        return int(np.max(self.start + np.diff(self.offset)))
+
 
 def filters(ear: Ear, sample_rate: float, length: int) -> Filters:
-    """An ear's filters for a window of `length` samples: means of magnitude, wide bands raised by √width.
+    """An ear's filters for a transform of `length` samples: means of magnitude, wide bands raised by √width.
 
     So noise of equal strength per Hz gives the same in each band as it would in an energy sum. The magnitude is
     scaled so that a full sine in the middle of a band of one bin gives about 1. Bands beyond half the sample rate
@@ -93,7 +89,9 @@ def filters(ear: Ear, sample_rate: float, length: int) -> Filters:
     """
     edges = centres(ear)
     bin_hz = sample_rate / length
-    bins = np.arange(length // 2 + 1) * bin_hz
+    resolution = BASE_RATE / ear.window
+    full = 4.0 / window_length(ear, sample_rate)
+    bins = np.arange(length // 2) * bin_hz
     start, offset, weight = [], [0], []
     for low, centre, high in zip(edges[:-2], edges[1:-1], edges[2:], strict=True):
         rise = (bins - low) / (centre - low)
@@ -103,7 +101,8 @@ def filters(ear: Ear, sample_rate: float, length: int) -> Filters:
         if high > 0.5 * sample_rate or inside.size == 0:
             inside = inside[:0]
         start.append(int(inside[0]) if inside.size else 0)
-        width = 0.5 * (high - low) / bin_hz
-        weight.append(triangle[inside] / width * np.sqrt(max(width, 1.0)) * 4.0 / length)
+        width = 0.5 * (high - low)
+        raised = np.sqrt(max(width / resolution, 1.0))
+        weight.append(triangle[inside] * bin_hz / width * raised * full)
         offset.append(offset[-1] + inside.size)
     return Filters(np.array(start, np.int32), np.array(offset, np.int32), np.concatenate(weight).astype(np.float32))

@@ -54,25 +54,14 @@ def level_of(history: Floats, count: int) -> float:
     return math.sqrt(total / count)
 
 
-@kernel("void(f4[::1],f4[::1],i8,f4[::1])")
-def cut(history: Floats, window: Floats, newest: int, out: Floats) -> None:
-    """The stretch of `history` that ends `newest` samples before its end, times `window`, into `out`."""
-    start = history.shape[0] - newest - window.shape[0]
-    for index in range(window.shape[0]):
-        out[index] = history[start + index] * window[index]
-
-
-@kernel("void(c8[::1],i4[::1],i4[::1],f4[::1],f4[::1])")
-def band_magnitudes(
-    spectrum: npt.NDArray[np.complex64], start: Ints, offset: Ints, weight: Floats, out: Floats
-) -> None:
-    """Weighted sums of the spectrum's magnitudes, one per band, shape (bands,)."""
+@kernel("void(f4[::1],i4[::1],i4[::1],f4[::1],f4[::1])")
+def band_magnitudes(magnitude: Floats, start: Ints, offset: Ints, weight: Floats, out: Floats) -> None:
+    """Weighted sums of a spectrum's magnitudes, one per band, shape (bands,)."""
     for band in range(start.shape[0]):
         total = np.float32(0.0)
         first = start[band] - offset[band]
         for index in range(offset[band], offset[band + 1]):
-            value = spectrum[first + index]
-            total += weight[index] * math.sqrt(value.real * value.real + value.imag * value.imag)
+            total += weight[index] * magnitude[first + index]
         out[band] = total
 
 

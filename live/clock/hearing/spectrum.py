@@ -7,7 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.clock.hearing.bands import BAND_COUNT, BANDS, BASE_HOP, BASE_RATE, EARS, filters, window_length
-from live.clock.hearing.kernels import append, band_magnitudes, cut, level_of
+from live.clock.hearing.fourier.transform import Transform, fast_length
+from live.clock.hearing.kernels import append, band_magnitudes, level_of
 
 Samples = npt.NDArray[np.float32]
 
@@ -37,10 +38,13 @@ class Spectrum:
         """Samples taken since the start."""
         lengths = [window_length(ear, sample_rate) for ear in EARS]
         self._history = np.zeros(max(lengths), np.float32)
-        self._windows = [np.hanning(length + 1)[:-1].astype(np.float32) for length in lengths]
-        self._cut = [np.zeros(length, np.float32) for length in lengths]
-        self._spectrum = [np.zeros(length // 2 + 1, np.complex64) for length in lengths]
-        self._filters = [filters(ear, sample_rate, length) for ear, length in zip(EARS, lengths, strict=True)]
+        self._filters = [
+            filters(ear, sample_rate, fast_length(length)) for ear, length in zip(EARS, lengths, strict=True)
+        ]
+        self._transforms = [
+            Transform(np.hanning(length + 1)[:-1].astype(np.float32), kept.bins)
+            for length, kept in zip(lengths, self._filters, strict=True)
+        ]
         edges = np.cumsum((0, *BANDS))
         self._out = [self.bands[low:high] for low, high in pairwise(edges)]
 
@@ -64,9 +68,7 @@ class Spectrum:
     def read(self) -> None:
         """Read the frame that has just become full (`wanted` is 0) into `bands`."""
         self.level = level_of(self._history, int(self.hop))
-        for index, window in enumerate(self._windows):
-            cut(self._history, window, 0, self._cut[index])
-            np.fft.rfft(self._cut[index], out=self._spectrum[index])  # type: ignore[arg-type] # its stub knows no complex64
-            kept = self._filters[index]
-            band_magnitudes(self._spectrum[index], kept.start, kept.offset, kept.weight, self._out[index])
+        for transform, kept, out in zip(self._transforms, self._filters, self._out, strict=True):
+            transform.read(self._history)
+            band_magnitudes(transform.magnitude, kept.start, kept.offset, kept.weight, out)
         self.frames += 1

@@ -1,0 +1,1 @@
+"""Magnitudes of a real signal's spectrum, for any length without large prime factors, without allocating anything."""

@@ -1,0 +1,30 @@
+"""Transform against numpy's."""
+
+import numpy as np
+import pytest
+
+from live.clock.hearing.fourier.transform import Transform, factors, fast_length
+
+
+@pytest.mark.parametrize("length", [8, 64, 1485, 1486, 2048, 2229, 4096, 4458])
+def test_it_is_the_fourier_transform(length: int) -> None:
+    rng = np.random.default_rng(length)
+    history, window = rng.normal(size=length + 3).astype(np.float32), rng.random(length).astype(np.float32)
+    transform = Transform(window, fast_length(length) // 2)
+    transform.read(history)
+    expected = np.abs(np.fft.rfft(history[3:].astype(np.float64) * window, transform.length))[:-1]
+    np.testing.assert_allclose(transform.magnitude, expected, atol=2e-6 * np.sqrt(length) * expected.max())
+
+
+def test_lengths_are_products_of_small_primes() -> None:
+    for least in (2, 1485, 1486, 2048, 8916, 17833):
+        length = fast_length(least)
+        assert least <= length <= 1.02 * least + 2
+        assert np.prod(factors(length // 2)) == length // 2
+    assert factors(13) == []
+    assert factors(4 * 3 * 11) == [4, 3, 11]
+
+
+def test_more_bins_than_there_are_is_refused() -> None:
+    with pytest.raises(ValueError, match="bins"):
+        Transform(np.ones(64, np.float32), 33)
