@@ -15,7 +15,9 @@ import training.music.styles  # noqa: F401 (registers the styles)
 from training.music.piece import Piece, Sounding
 from training.music.registry import STYLES, Style, compose
 from training.rendering.damage import Take, spoil
+from training.rendering.drum_machine import play
 from training.rendering.synth import FONTS, RATE, Mono, available, fonts, synthesise
+from training.rendering.tone import tone
 
 SPLITS = ("train", "validation", "held-out")
 
@@ -42,7 +44,7 @@ def take_of(rng: Random, piece: Piece, seconds: float, font: str) -> Take:
     hang = max([0.0, *(-note.time for note in early)])
     hang = min(hang, 4.0)  # what sounded before the cut is heard dying away
     notes = [note._replace(time=note.time + hang) for note in notes if note.time >= -hang]
-    sound = synthesise(notes, piece.programs(), fonts()[font], seconds + hang)[int(hang * RATE) :]
+    sound = _sound(rng, piece, notes, font, seconds + hang)[int(hang * RATE) :]
     kept = [(time - start, place) for time, place in beats if -1e-9 <= time - start < seconds]
     ignore = [(a - start, b - start) for a, b in piece.clock.silences() if a - start < seconds and b - start > 0]
     for a, b in piece.mutes:
@@ -54,6 +56,20 @@ def take_of(rng: Random, piece: Piece, seconds: float, font: str) -> Take:
     if lead > 0.8:
         take.done.append("starts after silence")
     return take
+
+
+def _sound(rng: Random, piece: Piece, notes: list[Sounding], font: str, seconds: float) -> Mono:
+    """The notes through a font with a drawn mix; the drums sometimes through a drum machine of our own."""
+    programs = piece.programs()
+    controls = tone(rng, [channel for channel, _ in programs])
+    drums = {channel for channel, program in programs if channel == 9 or 115 <= program <= 118}
+    if not drums or rng.random() > 0.22:
+        return synthesise(notes, programs, fonts()[font], seconds, controls)
+    ours = play(rng, [note for note in notes if note.channel in drums], seconds)
+    rest = [note for note in notes if note.channel not in drums]
+    if not rest:
+        return ours
+    return ours + synthesise(rest, programs, fonts()[font], seconds, controls)
 
 
 def _silences(notes: list[Sounding], hang: float, seconds: float) -> list[tuple[float, float]]:

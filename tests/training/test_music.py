@@ -38,7 +38,7 @@ def _check(piece: Piece) -> None:
 
 
 def test_one_seed_is_one_piece() -> None:
-    for name in sorted(STYLES)[::4]:
+    for name in sorted(STYLES)[::9]:
         first, second = (compose(Random(3), name, 2.0).perform(Random(4)) for _ in range(2))
         assert first == second
         assert first != compose(Random(5), name, 2.0).perform(Random(4))
@@ -47,7 +47,7 @@ def test_one_seed_is_one_piece() -> None:
 def test_attacks_gather_on_the_beats() -> None:
     """Over many styles far more notes begin on annotated beats than an eighth of a beat beside them."""
     on = beside = 0
-    for name in sorted(STYLES)[::3]:
+    for name in sorted(STYLES)[::5]:
         piece = compose(Random(7), name, 4.0)
         times = np.array([time for time, _ in piece.beats()])
         starts = np.array([note.time for note in piece.perform(Random(8))])

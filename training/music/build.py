@@ -24,6 +24,23 @@ def either(rng: Random, *players: Player) -> Player:
 
 
 @dataclass(slots=True)
+class Varied:
+    """One who plays otherwise in other sections: one of these players for each label."""
+
+    rng: Random
+    players: Sequence[Player]
+    name: str = "varied"
+    _chosen: dict[str, Player] = field(default_factory=dict)
+
+    def play(self, bar: Bar) -> list[Note]:
+        label = bar.section.label
+        if label not in self._chosen:
+            unused = [player for player in self.players if player not in self._chosen.values()]
+            self._chosen[label] = self.rng.choice(unused or list(self.players))
+        return self._chosen[label].play(bar)
+
+
+@dataclass(slots=True)
 class Seat:
     """A player with a role in the form, an instrument and a feel."""
 
@@ -68,6 +85,8 @@ def build(rng: Random, style: str, plan: Plan, seconds: float) -> Piece:
     parts = [_part(rng, seat, bars, plan, index) for index, seat in enumerate(plan.seats)]
     clock = _clock(rng, plan, len(bars))
     piece = Piece(style, metre, plan.bpm, len(bars), [part for part in parts if part.notes], clock, plan.has_downbeat)
+    if {"drums", "comp", "bass"} <= roles and rng.random() < 0.15:
+        _push(rng, piece)
     if not plan.steady_form:
         _surprise(rng, piece, bars)
     for extra in plan.extras:
@@ -113,23 +132,39 @@ def _clock(rng: Random, plan: Plan, bars: int) -> Clock:
     return human(rng, beats, plan.bpm, plan.drift * rng.uniform(0.3, 1.6))
 
 
+def _push(rng: Random, piece: Piece) -> None:
+    """The band anticipates: at some bars of each phrase what belongs on one comes half a beat (or a quarter) before."""
+    cycle = rng.choice([2, 2, 4, 4, 8])
+    places = rng.sample(range(cycle), rng.choice([1, 1, cycle // 2]))
+    early = 0.5 if piece.bpm > 84 or rng.random() < 0.5 else 0.25
+    beats = piece.metre.beats
+    for part in piece.parts:
+        if part.drums and rng.random() < 0.3:
+            continue
+        for index, note in enumerate(part.notes):
+            bar, rest = divmod(note.start, beats)
+            pushed = not part.drums or note.pitch in (35, 36, 49, 57)
+            if bar and rest < 0.01 and bar % cycle in places and pushed:
+                part.notes[index] = note._replace(start=note.start - early, length=note.length + early)
+
+
 def _surprise(rng: Random, piece: Piece, bars: list[Bar]) -> None:
     """Seldom: a jump or a ramp of the tempo, a stop, a silence on the grid; at the beginning of a section mostly."""
     starts = [bar.index for bar in bars if bar.place == 0 and bar.index] or [len(bars) // 2]
     beats = piece.metre.beats
     draw = rng.random()
     at = rng.choice(starts) * beats if rng.random() < 0.75 else rng.randrange(4, max(5, len(bars) * beats - 8))
-    if draw < 0.04:
+    if draw < 0.06:
         change(rng, piece.clock, at, rng.choice([0.7, 0.8, 0.9, 1.1, 1.2, 1.35, rng.uniform(0.65, 1.5)]))
-    elif draw < 0.09:
+    elif draw < 0.13:
         change(rng, piece.clock, at, rng.uniform(0.75, 1.35), rng.choice([4, 8, 16, 32]))
-    elif draw < 0.12:
+    elif draw < 0.25:
         at -= at % beats
-        piece.clock.gaps.append((float(at), rng.uniform(0.6, 5.0)))
+        piece.clock.gaps.append((float(at), rng.choice([rng.uniform(0.3, 2.0), rng.uniform(1.0, 8.0)])))
         if rng.random() < 0.4:
             piece.mutes.append((float(at - rng.choice([0.5, 1, 2, beats - 1])), float(at)))
-    elif draw < 0.16:
+    elif draw < 0.22:
         piece.mutes.append((float(at), float(at + rng.choice([1, 2, 4, beats, 2 * beats, 2 * beats, 4 * beats]))))
-    elif draw < 0.18:  # the tempo wanders off and comes back
+    elif draw < 0.25:  # the tempo wanders off and comes back
         change(rng, piece.clock, at, rng.uniform(0.85, 1.18), 8)
         change(rng, piece.clock, at + 16, rng.uniform(0.85, 1.18), 8)

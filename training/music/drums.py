@@ -92,6 +92,7 @@ class Drummer:
     drop: float = 0.05
     ghosts: float = 0.0
     ride: float = 0.5
+    free: float = 0.0  # chance that a bar is played otherwise than written
     name: str = "drums"
     remap: dict[str, str] = field(default_factory=dict)
     _told: dict[str, dict[str, str]] = field(default_factory=dict)
@@ -110,6 +111,8 @@ class Drummer:
                 keep = drum in ("kick", "snare") and level > 0.5
                 if at < filled - 1e-6 and rng.random() > (self.drop if not keep else self.drop * 0.2):
                     notes.append(_hit(names.get(drum, drum), at, level))
+        if rng.random() < self.free:
+            notes = self._loosen(bar, notes, filled)
         if self.ghosts and filled == beats:
             for step in range(beats * 4):
                 if step % 4 and rng.random() < self.ghosts:
@@ -117,6 +120,20 @@ class Drummer:
         if (bar.place == 0 and rng.random() < self.crash * (0.3 + bar.energy)) or rng.random() < 0.02:
             notes.append(_hit(rng.choice(["crash", "crash", "crash2", "splash", "china"]), 0.0, 1.0))
         return notes
+
+    def _loosen(self, bar: Bar, notes: list[Note], until: float) -> list[Note]:
+        """Some hits less, others more: kicks and ghosts between, open hats before beats, a snare moved."""
+        rng, grid = self.rng, bar.metre.div * 2
+        kept = [note for note in notes if note.start == 0 or rng.random() > 0.12 or note.velocity > 0.9]
+        for _ in range(rng.randint(1, 4)):
+            at = rng.randrange(max(1, round(until * grid))) / grid
+            drum = rng.choice(["kick", "kick", "snare", "snare", "open", "tom5", "tom2"])
+            strong = bar.metre.strength(at) >= 2
+            if drum == "snare" and strong:
+                continue
+            loud = rng.uniform(0.55, 0.9) if drum != "snare" or rng.random() < 0.3 else rng.uniform(0.2, 0.4)
+            kept.append(_hit(drum, at, loud))
+        return kept
 
     def _names(self, bar: Bar, loud: bool, groove: Groove) -> dict[str, str]:
         label = bar.section.label + str(loud)

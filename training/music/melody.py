@@ -60,6 +60,7 @@ class Melody:
     silence: float = 0.1  # chance that a phrase of four bars stays empty
     name: str = "lead"
     given: Pattern | None = None  # a rhythm to play in every bar
+    ornaments: float = 0.0  # chance of a grace note, turn or trill on a note
     _plans: dict[str, list[list[Note]]] = field(default_factory=dict)
 
     def play(self, bar: Bar) -> list[Note]:
@@ -133,9 +134,33 @@ class Melody:
                 options = [nearest(name, pitch) for name in chord.classes]
                 pitch = min(options, key=lambda option: abs(option - pitch))
             last = pitch
-            notes.append(Note(at, max(0.1, length * self.legato), pitch, self.level * (0.82 + 0.05 * strength)))
+            note = Note(at, max(0.1, length * self.legato), pitch, self.level * (0.82 + 0.05 * strength))
+            notes += self._adorn(note, ladder) if rng.random() < self.ornaments else [note]
         self._last = last
         return notes
+
+    def _adorn(self, note: Note, ladder: list[int]) -> list[Note]:
+        """The note with a grace note before it, or (where it is long) as a turn or a trill with its upper neighbour."""
+        above = next((pitch for pitch in ladder if pitch > note.pitch), note.pitch + 2)
+        if note.length < 0.7 or self.rng.random() < 0.4:
+            early = self.rng.choice([0.06, 0.1])
+            return [Note(note.start - early if note.start else 0.0, 0.08, above, note.velocity * 0.8), note]
+        step = self.rng.choice([0.125, 1 / 6])
+        count = int(min(note.length, self.rng.choice([0.5, 1.0, note.length])) / step)
+        shaken = [
+            note._replace(
+                start=note.start + turn * step,
+                length=step,
+                pitch=above if turn % 2 else note.pitch,
+                velocity=note.velocity * (1.0 if turn == 0 else 0.75),
+            )
+            for turn in range(count)
+        ]
+        rest = note.length - count * step
+        return [
+            *shaken,
+            note._replace(start=note.start + count * step, length=max(0.1, rest), velocity=note.velocity * 0.8),
+        ]
 
     def _before(self, bar: Bar, notes: list[Note]) -> list[Note]:
         """A pickup: one to three notes that lead into the first."""

@@ -36,6 +36,9 @@ def spoil(rng: Random, take: Take, share: float = 0.4) -> Take:
     if rng.random() < 0.15:
         take.sound = level.limit(draw, take.sound)
         take.done.append("limited")
+    if rng.random() < 0.05:
+        take.sound = level.sampler(draw, take.sound)
+        take.done.append("sampler")
     loud = -rng.uniform(0, 12) if rng.random() < 0.7 else -rng.uniform(0, 35)
     take.sound = level.high_pass(take.sound)
     if rng.random() < 0.04:

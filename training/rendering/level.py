@@ -34,6 +34,14 @@ def clip(rng: np.random.Generator, sound: Mono) -> Mono:
     return np.asarray(np.clip(normal(sound, 10 ** (rng.uniform(3, 18) / 20)), -1, 1), np.float32)
 
 
+def sampler(rng: np.random.Generator, sound: Mono) -> Mono:
+    """An old sampler: few bits, a low rate, driven a little."""
+    hold = int(rng.integers(2, 5))
+    bits = 2.0 ** rng.integers(6, 12)
+    held = np.repeat(normal(sound, 1.0)[::hold], hold)[: len(sound)]
+    return np.asarray(np.round(np.tanh(held * rng.uniform(1, 2.5)) * bits) / bits, np.float32)
+
+
 def normal(sound: Mono, peak: float) -> Mono:
     """With this peak."""
     return np.asarray(sound * (peak / (np.abs(sound).max() + 1e-6)), np.float32)

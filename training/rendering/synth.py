@@ -6,6 +6,7 @@ are ours), the output is float, so that no dither is added. Notes start on block
 
 import ctypes
 import ctypes.util
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from training.music.piece import Sounding
+from training.rendering.tone import Control
 
 RATE = 44100
 FOLDERS = (Path("/usr/share/sounds/sf2"), Path("/usr/share/sounds/sf3"))
@@ -56,8 +58,9 @@ def _library() -> ctypes.CDLL:
     library.fluid_settings_setnum.argtypes = [handle, text, ctypes.c_double]
     library.fluid_settings_setint.argtypes = [handle, text, number]
     library.fluid_synth_sfload.argtypes = [handle, text, number]
-    for call in ("noteon",):
-        getattr(library, f"fluid_synth_{call}").argtypes = [handle, number, number, number]
+    library.fluid_synth_noteon.argtypes = [handle, number, number, number]
+    library.fluid_synth_cc.argtypes = [handle, number, number, number]
+    library.fluid_synth_set_gen.argtypes = [handle, number, number, ctypes.c_float]
     library.fluid_synth_set_interp_method.argtypes = [handle, number, number]
     library.fluid_synth_noteoff.argtypes = [handle, number, number]
     library.fluid_synth_program_change.argtypes = [handle, number, number]
@@ -91,7 +94,9 @@ def _open(font: Path) -> int:
     return synth
 
 
-def synthesise(notes: list[Sounding], programs: list[tuple[int, int]], font: Path, seconds: float) -> Mono:
+def synthesise(
+    notes: list[Sounding], programs: list[tuple[int, int]], font: Path, seconds: float, controls: Sequence[Control] = ()
+) -> Mono:
     """The notes as sound, mono float32 at 44.1 kHz from second 0 on; note times are those of the attacks."""
     library = _library()
     _keep(font)
@@ -102,6 +107,11 @@ def synthesise(notes: list[Sounding], programs: list[tuple[int, int]], font: Pat
     try:
         for channel, program in programs:
             library.fluid_synth_program_change(synth, channel, program)
+        for control in controls:
+            if control.kind == "cc":
+                library.fluid_synth_cc(synth, control.channel, control.number, int(control.value))
+            else:
+                library.fluid_synth_set_gen(synth, control.channel, control.number, control.value)
         at = 0
         for sample, on, channel, pitch, velocity in _events(notes, LATENCY.get(font.name, 0.0025)):
             sample = min(sample, count)

@@ -3,8 +3,8 @@
 from random import Random
 
 from training.music.bass import Bass
-from training.music.build import Plan, Seat, either
-from training.music.comping import Arpeggio, Comp
+from training.music.build import Plan, Player, Seat, Varied
+from training.music.comping import Arpeggio, Comp, Oompah
 from training.music.figure import Shadow
 from training.music.melody import Melody
 from training.music.pattern import Pattern
@@ -32,8 +32,7 @@ def sonata(rng: Random) -> Plan:
     metre = rng.choice([COMMON, COMMON, TWO, THREE, JIG])
     piano = program(rng, "piano", "piano", "piano", "harpsichord", wild=0.02)
     rate = 3 if metre.div == 3 else rng.choice([2, 2, 4])
-    left = either(
-        rng,
+    textures: list[Player] = [
         Arpeggio(rng, rate, (0, 2, 1, 2) if rate != 3 else rng.choice([(0, 1, 2), (0, 2, 1)]), 50, 3, 0.9, 0.5),
         Comp(
             rng,
@@ -43,11 +42,20 @@ def sonata(rng: Random) -> Plan:
             0.6,
         ),
         Bass(rng, ["X" + "." * (2 * metre.beats - 1), "X." * metre.beats], "arpeggio", 40),
-    )
-    right = Melody(rng, 62, 88, rng.uniform(0.3, 0.95), 0.04, 0.1, 0.4, rng.choice([0.15, 0.3]), silence=0.03)
+        Oompah(rng, 54, 40, metre.beats == 2),
+        Melody(rng, 43, 62, rng.uniform(0.2, 0.8), 0.02, 0.1, leap=0.35),
+    ]
+    left = Varied(rng, textures) if rng.random() < 0.7 else rng.choice(textures)
+    paces = [rng.uniform(0.3, 0.95) for _ in range(3)]
+    fancy = rng.choice([0.0, 0.05, 0.15])
+    lines_above = [
+        Melody(rng, 62, 88, pace, 0.04, 0.1, 0.4, rng.choice([0.15, 0.3]), silence=0.03, ornaments=fancy)
+        for pace in paces
+    ]
+    right: Player = Varied(rng, lines_above) if rng.random() < 0.6 else lines_above[0]
     seats = [Seat("bass", left, piano, feel=hands(rng)), Seat("lead", right, piano, feel=hands(rng))]
-    if rng.random() < 0.25:
-        seats.append(Seat("second", Shadow(right), piano, 0.8))
+    if right is lines_above[0] and rng.random() < 0.4:
+        seats.append(Seat("second", Shadow(lines_above[0], rng.choice([-2, -2, -7])), piano, 0.8))
     slow = rng.random() < 0.35
     bpm = rng.uniform(44, 84) if slow else rng.triangular(84, 168, 122)
     return Plan(

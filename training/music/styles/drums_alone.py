@@ -37,6 +37,7 @@ def alone(
         rng.choice([2, 4, 4, 8]),
         rng.uniform(0.4, 0.95),
         ghosts=rng.choice([0, 0.05, 0.15, 0.25]) if metre.div == 2 else 0,
+        free=rng.choice([0.0, 0.2, 0.4, 0.7]),
         drop=rng.uniform(0.02, 0.1),
     )
     feel = Feel(swing, fine, rng.gauss(0, 0.003), rng.uniform(0.003, 0.011), rng.uniform(0.06, 0.2))

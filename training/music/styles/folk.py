@@ -43,6 +43,7 @@ def tune(rng: Random, pace: float, low: int = 62) -> Melody:
         0.3,
         silence=0.0,
         repeat=rng.uniform(0.5, 0.85),
+        ornaments=rng.choice([0.0, 0.05, 0.12]),
     )
 
 

@@ -3,13 +3,15 @@
 from random import Random
 
 from training.music.bass import Bass
-from training.music.build import Plan, Seat
+from training.music.build import Plan, Player, Seat, Varied
 from training.music.comping import Arpeggio, Comp, Pad
 from training.music.drums import Drummer, Groove
-from training.music.figure import Shadow
+from training.music.figure import Figure, Shadow
 from training.music.form import Compose, song
 from training.music.harmony import MINOR, POP, ROCK, Key, key, progression
 from training.music.melody import Melody
+from training.music.pattern import weave
+from training.music.piece import COMMON
 from training.music.programs import kit, program
 from training.music.registry import style
 
@@ -105,6 +107,15 @@ def half_time(rng: Random) -> Groove:
 
 def band(rng: Random, lead: str = "lead") -> list[Seat]:
     """Bass and harmony instruments of a rock band, and a voice or solo instrument."""
+    comp: Player = Comp(rng, GUITAR, 55, 3, rng.uniform(0.5, 0.95), rng.choice([0, 0.02]))
+    if rng.random() < 0.45:
+        others: list[Player] = [
+            Comp(rng, GUITAR, 57, 3, rng.uniform(0.5, 0.95)),
+            Arpeggio(rng, 2, voices=4),
+            Pad(rng, 55, 3),
+            Figure(rng, weave(rng, COMMON, 0.6, 1, 0.4), low=40, power=rng.random() < 0.5),
+        ]
+        comp = Varied(rng, [comp, *rng.sample(others, 2)])
     seats = [
         Seat(
             "bass",
@@ -114,7 +125,7 @@ def band(rng: Random, lead: str = "lead") -> list[Seat]:
         ),
         Seat(
             "comp",
-            Comp(rng, GUITAR, 55, 3, rng.uniform(0.5, 0.95), rng.choice([0, 0.02])),
+            comp,
             program(rng, "electric", "distorted", "steel"),
             0.8,
         ),
@@ -139,7 +150,14 @@ def band(rng: Random, lead: str = "lead") -> list[Seat]:
 @style("rock", "band", 3.0)
 def rock(rng: Random) -> Plan:
     found, chords = rock_harmony(rng)
-    drummer = Drummer(rng, backbeat(rng), backbeat(rng), rng.choice([4, 4, 8, 2]), ghosts=rng.choice([0, 0, 0.08]))
+    drummer = Drummer(
+        rng,
+        backbeat(rng),
+        backbeat(rng),
+        rng.choice([4, 4, 8, 2]),
+        ghosts=rng.choice([0, 0, 0.08]),
+        free=rng.choice([0.0, 0.1, 0.25]),
+    )
     seats = [Seat("drums", drummer, kit(rng)), *band(rng)]
     return Plan(rng.triangular(84, 160, 118), seats, chords, found, sections=song(rng, {seat.role for seat in seats}))
 
