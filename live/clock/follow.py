@@ -190,7 +190,7 @@ class TimelineFollower(HandControls):
             self.rejected += 1
         elif self._plausible(time):
             getattr(heard, what)(time)
-            self._ruling.update(max(time, self._now), crossed=False)
+            self._ruling.update(self._now if math.isfinite(self._now) else time, crossed=False)
 
     # -- time --------------------------------------------------------------------------------------------------
 
@@ -210,7 +210,7 @@ class TimelineFollower(HandControls):
         self._judge(now, now - last if math.isfinite(last) else 0.0)
         if self._counting.watch(run.beat(now), now):
             run.announce_one(now)
-        run.to(now, slew=SLEW_LOCKED if self.state == "locked" else SLEW_UNLOCKED)
+        run.to(now, slew=SLEW_LOCKED if self.state == "locked" else SLEW_UNLOCKED, exact=self._ruling.exact)
         return run.timeline
 
     def _judge(self, now: float, elapsed: float) -> None:

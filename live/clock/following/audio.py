@@ -16,7 +16,7 @@ SAME_TEMPO: Final = 0.12
 """Tempi within this (natural logarithm) are at the same level."""
 
 OFF_BEAT: Final = 0.17
-"""Beats within this of half a beat away are the off-beat."""
+"""Beats within this of half a beat of the tracker's away are the off-beat."""
 
 
 class AudioSource(HeardSource):
@@ -116,6 +116,8 @@ class AudioSource(HeardSource):
         grid = self.grid()
         if grid is None:
             return
-        off = (grid.beat_at(now) - hand.beat_at(now)) % 1.0
-        if abs(off - 0.5) < OFF_BEAT:
-            self.level.shift(0.5)
+        off = grid.beat_at(now) - hand.beat_at(now)
+        unit = 0.5 * min(self.level.factor, 1.0)  # half a beat of the tracker's
+        side = math.floor(off / unit + 0.5) * unit
+        if side % 1.0 and abs(off - side) < OFF_BEAT:
+            self.level.shift(side % 1.0)

@@ -10,7 +10,7 @@ from live.clock.following.direct import DirectSource
 from live.clock.following.hand import RULE, HandSource
 from live.clock.following.measures import METRE_MAX, METRE_MIN, Measures
 from live.clock.following.ruling import Ruling
-from live.clock.following.run import Run
+from live.clock.following.run import LEAP_BEATS, Run
 from live.clock.following.seed import Seed
 from live.clock.following.source import HeardSource, Source
 from live.clock.grid import Grid
@@ -91,8 +91,10 @@ class HandControls:
         """
         if not self._plausible(time):
             return
-        number = math.floor(self._run.timeline.beat_at(time) + 0.5)
+        beat = self._run.timeline.beat_at(time)
+        number = math.floor(beat + 0.5)
         if self._unsure():
+            number = math.floor(beat + 1.0 - LEAP_BEATS)  # a leap goes forward
             self._place(Grid(time, self._run.goal.period, number), time)
             self._run.leap_soon("one")
         self._set_line(number)
@@ -140,7 +142,7 @@ class HandControls:
             return
         self._ruling.held = on
         if on:
-            self._run.freeze(max(time, self._now))
+            self._run.freeze(self._now if math.isfinite(self._now) else time)
 
     def set_metre(self, beats: float, time: float) -> None:
         """Measures of so many beats from the next line on."""

@@ -9,7 +9,8 @@ from live.clock.grid import Grid
 from live.clock.timeline import TEMPO_MAX_BPM, TEMPO_MIN_BPM, Timeline
 
 CORRECTION_TIME: Final = 0.8
-"""Time constant with which a phase error is run in [s]."""
+CORRECTION_TIME_EXACT: Final = 0.4
+"""Time constant with which a phase error is run in [s]; after a clock that names exact times."""
 
 SLEW_LOCKED: Final = 0.12
 SLEW_UNLOCKED: Final = 0.20
@@ -40,22 +41,24 @@ class Run:
         return self.goal.beat_at(now) - self.timeline.beat_at(now)
 
     def freeze(self, now: float) -> None:
-        """Go on as now, with nothing left to correct."""
+        """Go on as at `now` [s], the last tick, with nothing left to correct."""
         beat, period = self.beat(now), self.goal.period
         number = math.floor(beat)
         self.goal = Grid(now - (beat - number) * period, period, number)
+        self.timeline = self.timeline.with_tempo(min(max(self.goal.tempo, TEMPO_MIN_BPM), TEMPO_MAX_BPM), now)
 
     def leap_soon(self, cause: Cause) -> None:
         """At the next tick the goal is taken at once."""
         self._leap = cause
 
-    def to(self, now: float, *, slew: float) -> None:
+    def to(self, now: float, *, slew: float, exact: bool = False) -> None:
         """The Timeline from `now` [s] on: toward the goal, by at most the share `slew` faster or slower."""
         if self._leap is not None:
             self._leap_now(now, self._leap)
             self._leap = None
         error = self.error(now)
-        correction = min(max(error / (CORRECTION_TIME * self.goal.tempo / 60.0), -slew), slew)
+        seconds = CORRECTION_TIME_EXACT if exact else CORRECTION_TIME
+        correction = min(max(error / (seconds * self.goal.tempo / 60.0), -slew), slew)
         tempo = min(max(self.goal.tempo * (1.0 + correction), TEMPO_MIN_BPM), TEMPO_MAX_BPM)
         self.timeline = self.timeline.with_tempo(tempo, now)
 

@@ -1,0 +1,162 @@
+"""Laws of the follower, whoever says what, in whatever order: sources, losses, returns, hands, nonsense."""
+
+import math
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from live.clock.follow import SLEW_UNLOCKED, TimelineFollower
+from live.clock.following.ruling import PRIORITY
+from live.clock.ticks import TICK
+from live.clock.timeline import TEMPO_MAX_BPM, TEMPO_MIN_BPM
+
+Action = tuple[str, str, float, float, int]
+
+HEARD = ("link", "midi", "mtc", "audio")
+wild = st.floats(allow_nan=True, allow_infinity=True)
+whole = st.integers(-2, 13)
+names = st.sampled_from(HEARD)
+nobody = st.just("audio")
+kinds = st.one_of(
+    st.tuples(st.just("play"), names, st.floats(30.0, 300.0), st.floats(0.5, 6.0), whole),
+    st.tuples(st.just("start"), names, st.floats(30.0, 300.0), st.floats(0.5, 4.0), st.integers(0, 8)),
+    st.tuples(st.just("count"), st.just("midi"), st.floats(30.0, 300.0), st.floats(0.5, 4.0), st.just(-1)),
+    st.tuples(st.just("wait"), nobody, st.just(0.0), st.floats(0.0, 4.0), whole),
+    st.tuples(st.sampled_from(["silent", "lost", "found"]), names, st.floats(-1.0, 0.3), st.just(0.0), whole),
+    st.tuples(st.just("taps"), nobody, st.floats(0.2, 1.5), st.floats(0.5, 4.0), whole),
+    st.tuples(st.just("said"), names, st.floats(-0.5, 0.5), st.floats(0.15, 2.0), whole),
+    st.tuples(st.just("nonsense"), st.sampled_from([*HEARD, "", "tap"]), wild, wild, st.integers(-(2**40), 2**40)),
+    st.tuples(st.sampled_from(["one", "hold", "free", "half", "double"]), nobody, st.floats(-0.4, 0.4), wild, whole),
+    st.tuples(st.sampled_from(["tempo", "nudge", "shift", "metre", "count_in", "scale"]), nobody,
+              st.one_of(wild, st.floats(-8.0, 300.0)), st.floats(-0.4, 0.4), whole),
+    st.tuples(st.just("choose"), st.sampled_from(["auto", *PRIORITY, "nobody"]), st.just(0.0), st.just(0.0), whole),
+)  # fmt: skip
+stories = st.lists(kinds, min_size=1, max_size=12)
+
+
+class Story:
+    """Acts a story out and checks the laws at every tick and after every input."""
+
+    def __init__(self, metre: int = 4, *, follow_metre: bool = False) -> None:
+        self.follower = TimelineFollower(beats_per_measure=metre, follow_metre=follow_metre)
+        self.ticks = 0
+        self.beat = self.follower.advance(0.0).beat_at(0.0)
+        self.wholes = 0
+
+    @property
+    def now(self) -> float:
+        return self.ticks * TICK
+
+    def tick(self) -> None:
+        follower, before, last = self.follower, self.follower.timeline, self.beat
+        number, jumps = before.measure_at(self.now), follower.jumps
+        self.ticks += 1
+        timeline = follower.advance(self.now)
+        self.beat = timeline.beat_at(self.now)
+        leap = self.beat - before.beat_at(self.now)
+        if abs(leap) > 1e-9:
+            assert follower.jumps > jumps, "a jump is announced"
+            assert follower.last_jump is not None
+            assert 0.0 < leap < 1.0, "and goes forward, by less than a beat"
+        speed = (self.beat - leap - last) / TICK * 60.0
+        assert TEMPO_MIN_BPM * 0.999 <= speed <= TEMPO_MAX_BPM * 1.001
+        assert TEMPO_MIN_BPM <= timeline.tempo <= TEMPO_MAX_BPM
+        slew = abs(timeline.tempo / follower.tempo - 1.0)
+        assert slew <= SLEW_UNLOCKED * 1.001 or timeline.tempo in (TEMPO_MIN_BPM, TEMPO_MAX_BPM)
+        assert math.isclose(timeline.time_at(timeline.beat_at(self.now)), self.now, abs_tol=1e-6)
+        counted_back = follower.last_jump is not None and follower.last_jump.cause == "first downbeat"
+        if not (follower.jumps > jumps and counted_back):
+            assert 0 <= timeline.measure_at(self.now) - number <= 1, "measures go on, one by one"
+        assert 1 <= timeline.beats_per_measure <= 12
+        assert 0.0 <= follower.confidence <= 1.0
+        assert follower.state in ("internal", "following", "locked", "freewheel", "held")
+
+    def _beat(self, kind: str, name: str, bpm: float, into: int, *, jump: bool) -> None:
+        counted = kind != "count"
+        self.follower.heard(
+            self.now, 60.0 / bpm, 0.8, self.now, source=name, beat=into % 4 if counted and into >= 0 else -1,
+            beats_per_measure=4 * (counted and into >= 0), measure=into // 4 if name != "audio" else -1,
+            jump=jump, anchored=counted,
+        )  # fmt: skip
+
+    def _last(self, kind: str, name: str, value: float, seconds: float, into: int) -> None:
+        """Act for some seconds."""
+        end, due, first = self.now + seconds, self.now, kind == "start"
+        while self.now < end:
+            self.tick()
+            if self.now < due or kind == "wait":
+                continue
+            if kind == "taps":
+                self.follower.tap(self.now)
+                due += value
+            else:
+                self._beat(kind, name, value, into, jump=first)
+                due, into, first = due + 60.0 / value, into + (into >= 0), False
+
+    def act(self, action: Action) -> None:
+        kind, name, a, b, into = action
+        follower, time = self.follower, self.now
+        if kind in ("play", "start", "count", "wait", "taps"):
+            self._last(kind, name, a, b, into)
+        elif kind in ("silent", "lost", "found"):
+            getattr(follower, kind)(time + a, name)
+        elif kind == "said":
+            follower.heard(time + a, b, 0.9, time, source=name, beat=into, beats_per_measure=into)
+        elif kind == "nonsense":
+            follower.heard(a, b, a, time, source=name, beat=into, beats_per_measure=into, measure=into)
+            follower.one(a)
+        elif kind == "choose":
+            follower.choose(name)
+        else:
+            self._hand(kind, a, b, time)
+        assert abs(follower.timeline.beat_at(self.now) - self.beat) < 1e-9, "no input moves the beat"
+
+    def _hand(self, kind: str, a: float, b: float, time: float) -> None:
+        follower = self.follower
+        {
+            "one": lambda: follower.one(time + a), "hold": lambda: follower.hold(True, time),
+            "free": lambda: follower.hold(False, time), "half": lambda: follower.scale_tempo(0.5, time),
+            "double": lambda: follower.scale_tempo(2.0, time), "tempo": lambda: follower.set_tempo(a, time + b),
+            "nudge": lambda: follower.nudge(a, time), "shift": lambda: follower.shift_beats(a, time),
+            "metre": lambda: follower.set_metre(a, time), "count_in": lambda: follower.count_in(a, time),
+            "scale": lambda: follower.scale_tempo(a, time),
+        }[kind]()  # fmt: skip
+
+
+@given(stories, st.integers(2, 7), st.booleans())
+@settings(max_examples=60, deadline=None)
+def test_beats_and_measures_go_on_whatever_comes(actions: list[Action], metre: int, follow_metre: bool) -> None:
+    story = Story(metre, follow_metre=follow_metre)
+    for action in actions:
+        story.act(action)
+        story.tick()
+
+
+@given(stories)
+@settings(max_examples=6, deadline=None)
+def test_the_same_story_gives_the_same_timeline(actions: list[Action]) -> None:
+    ends = []
+    for _ in range(2):
+        story = Story()
+        for action in actions:
+            story.act(action)
+        follower = story.follower
+        ends.append((follower.timeline, follower.state, follower.states, follower.confidence, follower.last_jump))
+    assert ends[0] == ends[1]
+
+
+@given(stories, st.sampled_from(["midi", "link", "audio"]), st.floats(60.0, 180.0), st.floats(1.0, 8.0))
+@settings(max_examples=12, deadline=None)
+def test_freewheel_is_a_straight_line(actions: list[Action], name: str, bpm: float, seconds: float) -> None:
+    story = Story()
+    for action in (*actions, ("free", "", 0.0, 0.0, 0), ("choose", name, 0.0, 0.0, 0), ("found", name, 0.0, 0.0, 0),
+                   ("wait", "", 0.0, 9.0, 0), ("play", name, bpm, 25.0, 0)):  # fmt: skip
+        story.act(action)
+    assert story.follower.source == name
+    story.follower.lost(story.now, name)
+    story.tick()
+    line, jumps = story.follower.timeline, story.follower.jumps
+    story.act(("wait", "", 0.0, seconds, 0))
+    assert story.follower.state == "freewheel"
+    assert abs(story.beat - line.beat_at(story.now)) < 1e-6
+    assert story.follower.jumps == jumps
