@@ -27,8 +27,8 @@ settings.load_profile("steady")
 # Children start sooner if they need not compile the package anew.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
-ONE_AT_A_TIME = ("pulse", "x11")
-"""Markers of tests with real devices: those of one marker never run at the same time."""
+ONE_AT_A_TIME = ("pulse", "x11", "network")
+"""Markers or fixtures of tests with real devices: those of one name never run at the same time."""
 
 LONG_FIRST = {"test_kernels_in_python.py": 1, "end_to_end": 2, "cli": 3, "show": 4}
 
@@ -66,7 +66,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         return
     for item in items:
         for name in ONE_AT_A_TIME:
-            if item.get_closest_marker(name):
+            if item.get_closest_marker(name) or name in getattr(item, "fixturenames", ()):
                 item.add_marker(pytest.mark.xdist_group(name))
                 break
 

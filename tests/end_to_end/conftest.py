@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 from tests.control.conftest import pulse_sink
+from tests.control.waiting import BUSY
 from tests.render.conftest import two_monitor_x
 
 __all__ = ["pulse_sink", "two_monitor_x"]
@@ -50,8 +51,9 @@ class Running:
         return [json.loads(line) for line in text.splitlines(keepends=True) if line.endswith("\n")]
 
     def wait_for(self, condition: Callable[[dict[str, Any]], bool], seconds: float) -> dict[str, Any]:
-        """The first status line that fulfils the condition; fails after `seconds` or when the process ends."""
-        deadline = time.monotonic() + seconds
+        """The first status line that fulfils the condition; fails when the process ends, or after `seconds` of an idle
+        machine."""
+        deadline = time.monotonic() + BUSY * seconds
         while time.monotonic() < deadline:
             for line in self.lines():
                 if condition(line):
