@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable
 
-
 BUSY = 4.0
 """On a machine with other work to do things may take so many times as long."""
 
