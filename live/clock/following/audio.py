@@ -15,6 +15,15 @@ NOTHING_HEARD: Final = 3.0
 SAME_TEMPO: Final = 0.12
 """Tempi within this (natural logarithm) are at the same level."""
 
+PATIENCE: Final = 8.0
+PATIENCE_EARLY: Final = 2.0
+EARLY: Final = 10.0
+"""A tracker that changes its mind only about the level (half or double) is followed in that after so many seconds;
+sooner in the first seconds of a song."""
+
+ON_BEAT: Final = 0.2
+"""Beats of two levels coincide within this [beats]."""
+
 OFF_BEAT: Final = 0.17
 """Beats within this of half a beat of the tracker's away are the off-beat."""
 
@@ -29,6 +38,8 @@ class AudioSource(HeardSource):
         self.pointer = PointerEar()
         self._pointing = False
         self._restarts = 0
+        self._song_since = -math.inf
+        self._kept_since = math.inf
         self.rest_until = -math.inf
         """Until then the hand rules, and nothing is decided [s]."""
 
@@ -50,21 +61,52 @@ class AudioSource(HeardSource):
         if said.beat >= 0 or said.beats_per_measure > 0:
             self._pointing = True
         if self._pointing:
-            self._point(said)
+            self._point(said, now)
         else:
             self.consensus.heard(said, now, decide=now >= self.rest_until)
             self._judge(self.consensus.believed, self.consensus.sure, self.consensus.share)
 
-    def _point(self, said: Said) -> None:
-        before = self.grid()
+    def _point(self, said: Said, now: float) -> None:
+        raw_before = self.raw()
+        before = None if raw_before is None else self.level.grid(raw_before)
+        if raw_before is None:
+            self._song_since = now
         self.pointer.heard(said)
         raw = self.raw()
-        if self.pointer.restarts != self._restarts and before is not None and raw is not None:
+        if self.pointer.restarts != self._restarts and before is not None and raw_before is not None:
             self._restarts = self.pointer.restarts
-            obeyed = abs(math.log(raw.tempo / before.tempo)) < SAME_TEMPO
-            if self.level.factor == 1.0 or obeyed:
-                self.level.reset(raw.beat_at(said.time), before.beat_at(said.time))
+            assert raw is not None
+            self._changed_over(raw_before, before, raw, said.time, now)
+        patience = PATIENCE if now - self._song_since > EARLY else PATIENCE_EARLY
+        if raw is not None and now - self._kept_since > patience:
+            self._kept_since = math.inf
+            self.level.scale(1.0 / self.level.factor, math.floor(self.level.danced(raw.beat_at(said.time)) + 0.5))
         self._judge(self.pointer.believed, self.pointer.sure, self.pointer.share)
+
+    def _changed_over(self, raw_before: Grid, before: Grid, raw: Grid, time: float, now: float) -> None:
+        """The tracker has another tempo: it is danced, unless it is only another level of the same music."""
+        if abs(math.log(raw.tempo / before.tempo)) < SAME_TEMPO:  # the level that is danced is its own now
+            self.level.reset(raw.beat_at(time), before.beat_at(time))
+            self._kept_since = math.inf
+            return
+        kept = math.isfinite(self._kept_since)
+        if self.level.factor != 1.0 and not kept:  # a hand has set the level
+            return
+        ratio = math.log2(raw.tempo / before.tempo)
+        octave = round(ratio)
+        at = raw if octave < 0 else before  # beats of the slower level are beats of the faster one
+        beat = at.number + math.floor((time - at.time) / at.period + 0.5)
+        place = at.time + (beat - at.number) * at.period
+        other = before if octave < 0 else raw
+        near = abs(other.residual(place)) < ON_BEAT
+        if abs(octave) == 1 and abs(ratio - octave) * math.log(2.0) < SAME_TEMPO and near:
+            count = math.floor(other.beat_at(place) + 0.5)
+            mine, theirs = (count, beat) if octave < 0 else (beat, count)
+            self.level.pin(theirs, mine, 0.5**octave)
+            self._kept_since = self._kept_since if kept else now
+            return
+        self.level.reset(raw.beat_at(time), before.beat_at(time))
+        self._kept_since = math.inf
 
     def _judge(self, believed: bool, sure: bool, share: float) -> None:
         """The state from what the ear says; a lock once made holds until most of what is said contradicts."""

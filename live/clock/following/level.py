@@ -54,6 +54,10 @@ class Level:
         self._pivot_in = math.floor(beat)
         self._pivot_out = math.floor(danced - (beat - self._pivot_in) + 0.5)
 
+    def pin(self, beat: float, danced: float, factor: float) -> None:
+        """`factor` danced beats for one of the source, whose `beat` is the danced beat `danced`."""
+        self.factor, self._pivot_in, self._pivot_out = factor, beat, danced
+
     def fold(self, tempo: float, lowest: float, highest: float) -> None:
         """Halve or double what is danced of a source of `tempo` [bpm] into the range, where that can be."""
         while tempo * self.factor > highest and self.factor > FACTORS[0] and tempo * self.factor / 2.0 >= lowest:

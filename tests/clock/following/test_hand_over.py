@@ -177,3 +177,21 @@ def test_music_outside_the_range_is_danced_at_another_level() -> None:
     hall = Hall(TimelineFollower(tempo_range=(60.0, 140.0)), Player(music)).until(15.0)
     assert hall.follower.tempo == pytest.approx(110.0, rel=0.005)
     assert hall.follower.state == "locked"
+
+
+@pytest.mark.parametrize("level", [0.5, 2.0])
+def test_a_tracker_that_only_changes_the_level_is_not_followed_at_once(level: float) -> None:
+    """For four seconds it names half or twice as many beats, then as before; the dance does not notice."""
+    music, other = Music([(110.0, 90)], start=0.3), Music([(110.0 * level, 180)], start=0.3)
+    steady, wrong = Player(music, jitter=0.005), Player(other, jitter=0.005, on=False)
+    hall = Hall(TimelineFollower(), steady, wrong).until(16.0)
+    steady.on, wrong.on = False, True
+    hall.until(20.0)
+    steady.on, wrong.on = True, False
+    hall.until(30.0)
+    assert all(abs(row[2] / 110.0 - 1.0) < 0.03 for row in hall.rows if row[0] > 6.0)
+    assert p95(hall.off(music, 10.0, 30.0, whole=4.0)) < 0.02
+    steady.on, wrong.on = False, True
+    hall.until(46.0)
+    assert hall.follower.tempo == pytest.approx(110.0 * level, rel=0.01), "but if it insists, it is right"
+    assert hall.follower.state == "locked"

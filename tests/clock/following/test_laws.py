@@ -124,7 +124,6 @@ class Story:
 
 
 @given(stories, st.integers(2, 7), st.booleans())
-@settings(max_examples=60, deadline=None)
 def test_beats_and_measures_go_on_whatever_comes(actions: list[Action], metre: int, follow_metre: bool) -> None:
     story = Story(metre, follow_metre=follow_metre)
     for action in actions:
@@ -133,7 +132,7 @@ def test_beats_and_measures_go_on_whatever_comes(actions: list[Action], metre: i
 
 
 @given(stories)
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=6)
 def test_the_same_story_gives_the_same_timeline(actions: list[Action]) -> None:
     ends = []
     for _ in range(2):
@@ -146,7 +145,7 @@ def test_the_same_story_gives_the_same_timeline(actions: list[Action]) -> None:
 
 
 @given(stories, st.sampled_from(["midi", "link", "audio"]), st.floats(60.0, 180.0), st.floats(1.0, 8.0))
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 def test_freewheel_is_a_straight_line(actions: list[Action], name: str, bpm: float, seconds: float) -> None:
     story = Story()
     for action in (*actions, ("free", "", 0.0, 0.0, 0), ("choose", name, 0.0, 0.0, 0), ("found", name, 0.0, 0.0, 0),
