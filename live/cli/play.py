@@ -68,6 +68,18 @@ def play(
             rich_help_panel=PANEL_TIME,
         ),
     ] = None,
+    click: Annotated[
+        str | None,
+        typer.Option(
+            help="An output on which the players hear a click (see `live devices`).",
+            metavar="DEVICE",
+            rich_help_panel=PANEL_TIME,
+        ),
+    ] = None,
+    click_channels: Annotated[
+        str | None,
+        typer.Option(help="Which channels of it, from 1: 3, or 5,6.", metavar="N", rich_help_panel=PANEL_TIME),
+    ] = None,
     seconds: Annotated[
         float | None, typer.Option(help="End after so many seconds.", rich_help_panel=PANEL_TIME)
     ] = None,
@@ -135,6 +147,8 @@ def play(
             audio_channel=audio_channel,
             venue=venue,
             bpm=bpm,
+            click=click,
+            click_channels=click_channels,
             link=parse_choice(link, "--link", "follow", "lead", "off"),
             midi=midi,
             midi_clock_out=midi_clock_out,

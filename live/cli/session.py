@@ -12,10 +12,11 @@ from rich.console import Console
 
 from live.base.errors import PersonError
 from live.base.inbox import Inbox
+from live.cli.click_part import make_click
 from live.cli.link_part import make_link
 from live.cli.midi_part import make_midi
 from live.cli.news import News
-from live.cli.session_sound import Sound, choose_sound, make_audio
+from live.cli.session_sound import AudioSource, Sound, choose_sound, make_audio
 from live.clock.source import SystemClock
 from live.clock.ticks import STALL
 from live.control.events import ControlEvent, SetLatency
@@ -43,6 +44,8 @@ class Wish:
     bpm: float | None = None
     link: str | None = None
     """follow, lead or off; None: what the patch says."""
+    click: str | None = None
+    click_channels: str | None = None
     midi: str | None = None
     midi_clock_out: str | None = None
     """Ports by name, or off; None: what the venue says, or the patch."""
@@ -83,6 +86,15 @@ def resident_megabytes() -> Callable[[], float]:
     return lambda: float(process.memory_info().rss / 1e6)
 
 
+def _started(device: AudioSource, option: str, name: str | None) -> None:
+    try:
+        device.start()
+    except Exception as error:  # PortAudioError, whose class is known only where PortAudio is
+        raise PersonError(
+            f"the sound device {name!r} refuses: {error}", f"see `live devices`, or give another {option}"
+        ) from None
+
+
 class Session:
     """A running show: engine, inputs, journal, status."""
 
@@ -117,6 +129,10 @@ class Session:
         if self._audio is not None:
             self.status.more["audio"] = self._audio.facts
         self._link = self._make_link()
+        self._click = make_click(wish.click, wish.click_channels, venue, show, self.clock)
+        if self._click is not None:
+            self.engine.outward.append(self._click.heard)
+            self.status.more["click"] = self._click.output.facts
         self._midi = make_midi(wish, show, venue, self.inbox, self.clock)
         if self._midi is not None:
             self.status.more["midi"] = self._midi.status
@@ -181,6 +197,8 @@ class Session:
                 raise PersonError(str(error)) from None
             self._open_status()
             self._start_audio()
+            if self._click is not None:
+                _started(self._click.output, "--click", self._click.output.device.name)
             self._open_journal()
             if self._link is not None:
                 self._link.start()
@@ -231,15 +249,8 @@ class Session:
         )  # fmt: skip
 
     def _start_audio(self) -> None:
-        if self._audio is None:
-            return
-        try:
-            self._audio.start()
-        except Exception as error:  # PortAudioError, whose class is known only where PortAudio is
-            raise PersonError(
-                f"the sound device {self.sound.device!r} refuses: {error}",
-                "see `live devices`, or give another --audio",
-            ) from None
+        if self._audio is not None:
+            _started(self._audio, "--audio", self.sound.device)
 
     def warnings(self) -> list[str]:
         """What went wrong and did not stop the show, in words."""
@@ -255,6 +266,8 @@ class Session:
     def _stop(self) -> None:
         if self._audio is not None:
             self._audio.stop()
+        if self._click is not None:
+            self._click.output.stop()
         if self._link is not None:
             self._link.stop()
         if self._midi is not None:
@@ -277,6 +290,8 @@ class Session:
         self.status.frame_times.add(started - previous)
         if self._link is not None:
             self._link.frame()
+        if self._click is not None:
+            self._click.frame()
         if self._midi is not None:
             self._midi.frame()
         if self._status_file is not None:

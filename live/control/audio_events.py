@@ -43,6 +43,13 @@ class ChooseAudio(ControlEvent):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SetClick(ControlEvent):
+    """The players' click goes on; or off, and is heard only while somebody counts in."""
+
+    on: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SetLatency(ControlEvent):
     """A delay of the venue is set by hand."""
 

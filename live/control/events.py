@@ -7,7 +7,7 @@ import math
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
-from live.control.audio_events import ChooseAudio, MusicHeard, RestartAudio, SetLatency
+from live.control.audio_events import ChooseAudio, MusicHeard, RestartAudio, SetClick, SetLatency
 from live.control.clock_events import (
     ChooseSource,
     CountIn,
@@ -67,6 +67,7 @@ __all__ = [
     "Repel",
     "RestartAudio",
     "ScaleTempo",
+    "SetClick",
     "SetLatency",
     "SetMetre",
     "SetMotion",
@@ -181,6 +182,7 @@ EVENT_TYPES: dict[str, type[ControlEvent]] = {
         Leave, PlaceObstacle, PlaceWall, RemoveObstacle, Performer, Clear, CallStep, SetSequence, SetMotion, Tap, One,
         SetTempo, Nudge, ShiftBeats, ScaleTempo, HoldTempo, SetMetre, CountIn, ChooseSource, Blackout, BeatHeard,
         SourceChanged, StepsAdded, TicksSkipped, MusicHeard, RestartAudio, ChooseAudio, SetLatency,
+        SetClick,
     )
 }  # fmt: skip
 """Every kind of event by its name in the journal."""

@@ -16,6 +16,7 @@ from live.show.toml_file import parse_model, read_text
 
 Sooner = Annotated[float, Field(ge=-500, le=500, allow_inf_nan=False)]
 Later = Annotated[float, Field(ge=0, le=500, allow_inf_nan=False)]
+Numbers = Annotated[list[Annotated[int, Field(ge=1, le=128)]], Field(min_length=1, max_length=128)]
 Spread = Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)]
 
 
@@ -24,10 +25,14 @@ class VenueAudio(Section):
 
     device: Annotated[str, Field(min_length=1, max_length=200)] | None = None
     """The input that is listened to, by its name or a part of it."""
-    channels: Annotated[list[Annotated[int, Field(ge=1, le=128)]], Field(min_length=1, max_length=128)] | None = None
+    channels: Numbers | None = None
     """Which of its channels, from 1; the first two if left out."""
     output: Annotated[str, Field(min_length=1, max_length=200)] | None = None
     """The output that music is played to."""
+    click: Annotated[str, Field(min_length=1, max_length=200)] | None = None
+    """The output on which the players hear a click."""
+    click_channels: Numbers | None = None
+    """Which of its channels, from 1; the first two if left out."""
 
 
 class VenueLatency(Section):
@@ -41,6 +46,8 @@ class VenueLatency(Section):
     """From a picture drawn here to the display; a frame of 60 Hz if left out."""
     projector_ms: Later = 0.0
     """What the projector, and all that lies between, takes longer."""
+    click_ms: Sooner = 0.0
+    """How much later the click is heard than its device says."""
     round_trip_ms: Sooner | None = None
     """What was measured last from output to input; for the record."""
     round_trip_spread_ms: Spread | None = None

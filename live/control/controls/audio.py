@@ -40,6 +40,11 @@ AUDIO_CONTROLS: Final = (
         (Argument("channels", "name", "which channels of the device: 3, or 5,6, or all"),),
         "Listens to other channels of the device.", "operator",
     ),
+    Control(
+        "/dance/click", events.SetClick,
+        (Argument("on", "bool", "1: every beat, 0: only while somebody counts in", default=True),),
+        "The players' click (`live play --click`).", "musician",
+    ),
     *(
         Control(
             f"/dance/latency/{what}", _latency(what),

@@ -1,0 +1,179 @@
+"""The click on a real output: PulseAudio's null sink, whose monitor is recorded."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pytest
+
+from live.base.errors import PersonError
+from live.clock.source import ManualClock, SystemClock
+from live.clock.timeline import Timeline
+from live.control import click_output
+from live.control.calibration_devices import Microphone
+from live.control.channels import Channels
+from live.control.click_output import ClickOutput
+from live.control.sound_devices import SoundDevice, UnknownDevice, find_device
+from live.show.tap_voices import ACCENT_HZ, BEAT_HZ, click_voices
+from tests.control.conftest import PulseSink
+from tests.control.waiting import wait_for
+
+TEMPO = 200.0
+
+
+def clicks_in(sound: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
+    """Seconds into a recording at which clicks begin, and their frequencies [Hz]."""
+    loud = np.flatnonzero(np.abs(sound) > 0.05)
+    begins = loud[np.flatnonzero(np.diff(loud, prepend=-rate) > 0.1 * rate)]
+    begins = begins[begins < len(sound) - 0.03 * rate]
+    hertz = []
+    for begin in begins:
+        spectrum = np.abs(np.fft.rfft(sound[begin : begin + int(0.025 * rate)], 1 << 14))
+        hertz.append(np.argmax(spectrum) * rate / (1 << 14))
+    return begins / rate, np.array(hertz)
+
+
+@dataclass
+class Card:
+    """A sound card that is not there: it takes some samples at once, pauses, and then plays, at its own rate."""
+
+    clock: ManualClock
+    rate: float
+    pause: float = 1.7
+    buffered: int = 2048
+    latency: float = 0.0
+    options: dict[str, Any] = field(default_factory=dict)
+
+    def open(self, _kind: str, **options: Any) -> "Card":
+        self.options = options
+        return self
+
+    def played_at(self, frame: float) -> float:
+        """When a frame is played [s]."""
+        return self.pause + frame / self.rate
+
+    def run(self, seconds: float, click: ClickOutput, chance: np.random.Generator) -> np.ndarray:
+        """All the samples asked for; callbacks come when there is room, or late, and in bunches when late."""
+        blocks, frame, due = [], 0, 0.0
+        while due < seconds:
+            due = max(due, self.played_at(frame - self.buffered) if frame >= self.buffered else 0.0)
+            late = chance.exponential(0.002) + (0.08 if chance.random() < 0.005 else 0.0)
+            self.clock.set(max(self.clock.now(), due + late))
+            block = np.zeros((512, self.options["channels"]), np.float32)
+            self.options["callback"](block, 512, None, None)
+            blocks.append(block)
+            frame += 512
+            click.turn()
+        return np.concatenate(blocks)
+
+
+def test_a_pause_lateness_and_another_rate_do_not_move_the_clicks(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    clock = ManualClock()
+    card = Card(clock, 48_000.0 * 1.00008)
+    monkeypatch.setattr(click_output, "find_device", lambda *_: SoundDevice(0, "drummer", "ALSA", 4, 48_000.0, True))
+    monkeypatch.setattr(click_output, "open_stream", card.open)
+    monkeypatch.setattr(click_output, "close_stream", lambda stream: None)
+    click = ClickOutput("drummer", clock, click_voices, channels=Channels.of("3"), later=2048 / 48_000.0)
+    timeline = Timeline(tempo=171.3, beat_origin=0.4)
+    click.show(timeline)
+    click.open()
+    sound = card.run(40.0, click, np.random.default_rng(2))
+    assert not sound[:, :2].any()
+    begins, _ = clicks_in(sound[:, 2], 48_000.0)
+    times = np.array([card.played_at(begin * 48_000.0) for begin in begins])
+    assert times[0] < 5.0
+    beats = np.array([timeline.beat_at(at) for at in times])
+    assert np.array_equal(np.diff(np.round(beats)), np.ones(len(beats) - 1))
+    off = off_beat(times, timeline)
+    assert np.abs(off).max() < 0.005
+    assert np.abs(off[len(off) // 3 :]).max() < 0.003
+    assert click.track.missed == 0
+
+
+@pytest.mark.pulse
+def test_clicks_are_heard_on_the_beats_and_accented_on_the_lines(pulse_sink: PulseSink) -> None:
+    for _ in range(2):  # a machine that stands still for a tenth of a second loses sound: then once more
+        clock, timeline = SystemClock(), Timeline(tempo=TEMPO)
+        click = ClickOutput("pulse", clock, click_voices)
+        click.show(timeline)
+        times, hertz = heard(recorded(click, clock))
+        off = off_beat(times, timeline)
+        first, rest = off[:6], off[6:]
+        if np.quantile(np.abs(rest - np.median(first)), 0.8) <= 0.005:
+            break
+    assert len(rest) >= 12
+    assert np.quantile(np.abs(rest - np.median(first)), 0.8) <= 0.005
+    assert abs(np.median(off)) < 0.05  # what the device said of its latency is nearly all of it
+    assert click.track.missed == 0
+    for at, frequency in zip(times, hertz, strict=True):
+        wanted = ACCENT_HZ if round(timeline.beat_at(at)) % 4 == 0 else BEAT_HZ
+        assert frequency == pytest.approx(wanted, abs=40.0)
+
+
+def recorded(click: ClickOutput, clock: SystemClock) -> Microphone:
+    """Some 20 clicks; nothing else is done meanwhile, for callbacks wait for the interpreter."""
+    microphone = Microphone(find_device("pulse"), Channels(), 30.0, clock)
+    click.start()
+    try:
+        assert wait_for(lambda: click.track.clicks >= 22, 28.0), click.facts()
+    finally:
+        click.stop()
+        microphone.close()
+    return microphone
+
+
+def heard(microphone: Microphone) -> tuple[np.ndarray, np.ndarray]:
+    """When clicks were there [s of the show], and their frequencies [Hz]."""
+    begins, hertz = clicks_in(microphone.sound(), microphone.sample_rate)
+    return microphone.time_of(begins), hertz
+
+
+def off_beat(times: np.ndarray, timeline: Timeline) -> np.ndarray:
+    """How much later [s] than its beat each was."""
+    beats = np.array([timeline.beat_at(at) for at in times])
+    return (beats - np.round(beats)) * 60.0 / timeline.tempo
+
+
+def test_an_output_that_is_not_there_or_lacks_channels_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    def unknown(*_: object) -> None:
+        raise UnknownDevice("no sound output 'drummer'; there are: …")
+
+    monkeypatch.setattr(click_output, "find_device", unknown)
+    with pytest.raises(UnknownDevice, match="drummer"):
+        ClickOutput("drummer", SystemClock(), click_voices)
+    monkeypatch.setattr(click_output, "find_device", lambda *_: SoundDevice(0, "drummer", "ALSA", 2, 48_000.0, True))
+    with pytest.raises(PersonError, match="no channel 3"):
+        ClickOutput("drummer", SystemClock(), click_voices, channels=Channels.of("3"))
+
+
+def test_an_output_that_goes_away_is_opened_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    opened: list[dict[str, object]] = []
+
+    class Stream:
+        latency = 0.02
+
+    def open_stream(_kind: str, **options: object) -> Stream:
+        if len(opened) == 1:
+            opened.append({})
+            raise RuntimeError("Invalid device")
+        opened.append(options)
+        return Stream()
+
+    monkeypatch.setattr(click_output, "find_device", lambda *_: SoundDevice(0, "drummer", "ALSA", 2, 48_000.0, True))
+    monkeypatch.setattr(click_output, "open_stream", open_stream)
+    monkeypatch.setattr(click_output, "close_stream", lambda stream: None)
+    monkeypatch.setattr(click_output, "refresh", lambda: True)
+    for name, value in (("FIRST_SOUND", 0.05), ("LOST_AFTER", 0.05), ("RETRY", 0.05)):
+        monkeypatch.setattr(click_output, name, value)
+    click = ClickOutput("drummer", SystemClock(), click_voices)
+    click.start()
+    try:
+        assert wait_for(lambda: click.problem == "Invalid device", 5.0)
+        assert wait_for(lambda: click.reopened >= 1, 5.0)
+        assert (click.delay, click.facts()["device"]) == (0.02, "drummer")
+        click.later = 0.005
+        assert click.delay == pytest.approx(0.025)
+    finally:
+        click.stop()
