@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal
 
+Kind = Literal["tempo", "one", "scale", "metre", "forget"]
+
 
 @dataclass(frozen=True, slots=True)
 class Seed:
@@ -12,7 +14,7 @@ class Seed:
     beats; metre: measures have `value` beats; forget: the hand's hints are void (the operator chose to start anew).
     """
 
-    kind: Literal["tempo", "one", "scale", "metre", "forget"]
+    kind: Kind
     time: float
     """Seconds of the show."""
     value: float = 0.0

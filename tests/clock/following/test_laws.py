@@ -159,3 +159,17 @@ def test_freewheel_is_a_straight_line(actions: list[Action], name: str, bpm: flo
     assert story.follower.state == "freewheel"
     assert abs(story.beat - line.beat_at(story.now)) < 1e-6
     assert story.follower.jumps == jumps
+
+
+@given(stories, st.floats(60.0, 180.0), st.sampled_from([-1, 0]))
+@settings(max_examples=12)
+def test_whatever_was_before_steady_music_is_reached(actions: list[Action], bpm: float, into: int) -> None:
+    """Heard with its measures (0) or without (-1): locked, at its tempo or another level of it."""
+    story = Story()
+    then = [("free", "", 0.0, 0.0, 0), ("choose", "audio", 0.0, 0.0, 0), ("found", "audio", 0.0, 0.0, 0),
+            ("wait", "", 0.0, 9.0, 0), ("play", "audio", bpm, 40.0, into)]  # fmt: skip
+    for action in (*actions, *then):
+        story.act(action)
+    assert story.follower.state == "locked"
+    level = story.follower.tempo / bpm
+    assert min(abs(level - known) / known for known in (0.25, 1.0 / 3.0, 0.5, 1.0, 2.0, 3.0, 4.0)) < 0.02
