@@ -309,6 +309,31 @@ def test_start_and_stop_leave_no_thread_and_no_open_file():
 OSCSEND = shutil.which("oscsend")
 
 
+def clock_and_sound_controls():
+    """What the musician's hand and the sound's operator may say."""
+    return {
+        "/dance/clock/half": ([], events.ScaleTempo(factor=0.5, **STAMP)),
+        "/dance/clock/double": ([], events.ScaleTempo(factor=2.0, **STAMP)),
+        "/dance/clock/nudge": (["d", "-0.015"], events.Nudge(seconds=-0.015, **STAMP)),
+        "/dance/clock/shift": (["f", "0.5"], events.ShiftBeats(beats=0.5, **STAMP)),
+        "/dance/clock/hold": (["F"], events.HoldTempo(on=False, **STAMP)),
+        "/dance/clock/metre": (["i", "3"], events.SetMetre(beats=3.0, **STAMP)),
+        "/dance/clock/count_in": (["i", "2"], events.CountIn(measures=2.0, **STAMP)),
+        "/dance/clock/source": (["s", "midi"], events.ChooseSource(name="midi", **STAMP)),
+        "/dance/audio/restart": ([], events.RestartAudio(**STAMP)),
+        "/dance/audio/device": (
+            ["ss", "stage box", "5,6"],
+            events.ChooseAudio(device="stage box", channels="5,6", **STAMP),
+        ),
+        "/dance/audio/channels": (["s", "3"], events.ChooseAudio(channels="3", **STAMP)),
+        "/dance/click": (["i", "0"], events.SetClick(on=False, **STAMP)),
+        **{
+            f"/dance/latency/{what}": (["f", "12.5"], events.SetLatency(what=what, seconds=0.0125, **STAMP))
+            for what in ("input", "output", "display", "projector")
+        },
+    }
+
+
 def group_controls():
     """What is sent to each control of elements and group motion, and the event that comes of it."""
 
@@ -374,6 +399,7 @@ def test_liblos_oscsend_sends_every_control(stage):
         "/dance/clock/tap": ([], events.Tap(**STAMP)),
         "/dance/clock/one": (["I"], events.One(**STAMP)),
         "/dance/clock/tempo": (["d", "132.5"], events.SetTempo(tempo=132.5, **STAMP)),
+        **clock_and_sound_controls(),
         "/dance/sequence": (
             ["ss", "sway, glide x2, *", "front"],
             events.SetSequence(steps="sway, glide x2, *", group="front", **STAMP),
