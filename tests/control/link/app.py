@@ -12,9 +12,9 @@ from typing import Any
 from live.base.inbox import Inbox
 from live.clock.follow import TimelineFollower
 from live.clock.source import SystemClock
-from live.control.events import BeatHeard, ControlEvent, SourceChanged
+from live.control.events import BeatHeard, ControlEvent, SetTempo, SourceChanged
 from live.control.link_session import LinkSession
-from tests.control.link.following import follow, set_tempo
+from live.show.clock_events import tell
 
 TICK = 1.0 / 64.0
 
@@ -45,7 +45,7 @@ class App:
                 self.jumps += event.jump
             elif isinstance(event, SourceChanged):
                 self.states.append(event.state)
-            follow(self.follower, event)
+            tell(self.follower, event)
         timeline = self.follower.advance(now)
         if self.session is not None:
             if self.follower.hand_tempo[0] != self.hand:
@@ -72,7 +72,7 @@ class App:
             case "share":
                 self.start_stop = command["on"]
             case "tempo":
-                set_tempo(self.follower, command["bpm"], self.clock.now())
+                tell(self.follower, SetTempo(time=self.clock.now(), source="test", tempo=command["bpm"]))
             case "load":  # another patch: another show on the same participant
                 self.follower = TimelineFollower(tempo=command["bpm"])
                 self.hand = self.follower.hand_tempo[0]
