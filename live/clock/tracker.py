@@ -116,7 +116,7 @@ class Tracker:
             return None
         self._moment = float(hearing.position[frame])
         if ended > FRESH_AFTER:
-            pointer.doubt(0.5 * min((ended - FRESH_AFTER) / FRESH_TIME, 1.0))
+            pointer.resume(0.5 * min((ended - FRESH_AFTER) / FRESH_TIME, 1.0))
         pointer.step(float(hearing.beat[frame]), float(hearing.downbeat[frame]), quiet.listening)
         if hearing.fed >= self._one_at:
             time, self._one_at = self._one_at, math.inf

@@ -6,7 +6,8 @@ import numpy as np
 
 from live.clock.bar_pointer.hand import Hand, interval_of
 from live.clock.bar_pointer.kernels import advance, leap, observe, refine, rescale, search, tally
-from live.clock.bar_pointer.model import FIRST_SLOT, METRES, SLOTS, Model, slot_metre
+from live.clock.bar_pointer.model import FIRST_SLOT, METRES, SLOTS, Float32, Model, slot_metre
+from live.clock.bar_pointer.passed_beats import PassedBeats
 from live.clock.bar_pointer.states import States
 
 _PLACE: Final = tuple(slot_metre(slot) for slot in range(SLOTS - 1))
@@ -40,6 +41,7 @@ class BarPointer:
         self._states.fill()
         self._until_survey = 0
         self._challenged = 0
+        self._passed = PassedBeats()
         self._place = 0.0  # how far the window of the present beat is past, 0 to 1 beat
         self._slot = FIRST_SLOT[METRES.index(4)]
         self.interval = 0.0
@@ -52,6 +54,11 @@ class BarPointer:
         """The share of the grid's states that agree on metre and beat."""
         self.jumps = 0
         """How often the grid was left for another one."""
+
+    @property
+    def period(self) -> float:
+        """Frames from beat to beat by the line through the last ones, finer than `interval`."""
+        return self._passed.interval if self._passed.interval > 0.0 else self.interval
 
     @property
     def tempo(self) -> float:
@@ -83,7 +90,7 @@ class BarPointer:
     def step(self, beat: float, downbeat: float, listening: bool = True) -> None:
         """One frame: the chance of a beat, and of a downbeat (never more), 0 to 1.
 
-        While not `listening` (silence) the states run on, and nothing else changes.
+        While not `listening` (silence) the grid and all states run on, each at its tempo, and nothing else changes.
         """
         states, hand = self._states, self._hand
         ring = (states.share, states.head, states.offset, states.length)
@@ -99,8 +106,12 @@ class BarPointer:
                 *ring, states.still, states.same_metre, self._no_births, states.slot_share, states.leaving,
                 states.entering, np.float32(0.0),
             )  # fmt: skip
+        if not listening:
+            self.interval = self._passed.interval
         if self.interval > 0.0:
             self._move(1.0 / self.interval)
+        if not listening:
+            return
         self._until_survey -= 1
         switch = self._until_survey < 0 and self._survey()
         self._follow(switch)
@@ -130,9 +141,16 @@ class BarPointer:
         if self.interval > 0.0 and self._hand.scale(factor, self.interval, self._place * self.interval, self._slot):
             self._set_anew()
 
-    def doubt(self, share: float) -> None:
-        """So large a share of what is believed is given up for the belief before anything was heard."""
-        self._states.blend(share)
+    def resume(self, doubt: float) -> None:
+        """After a long silence: the grid as it ran on is believed, but for a share `doubt` of all that is possible.
+
+        (The states themselves have drifted apart: a frame more or less for each beat.)
+        """
+        if self.interval > 0.0:
+            self._states.gather(self.interval, self._place, _kept(self._slots, self._slot), doubt)
+        else:
+            self._states.fill()
+        self._until_survey = 0
 
     @property
     def confidence(self) -> float:
@@ -203,6 +221,7 @@ class BarPointer:
         self.slot_share = float(self._slots[self._slot])
         self.interval = float(found[0])
         self._move(float(found[1]))
+        self._passed.step(self._place * self.interval - model.centre, self.interval, anew=switched)
 
     def _move(self, beats: float) -> None:
         self._place += beats
@@ -212,3 +231,13 @@ class BarPointer:
         elif self._place < 0.0:
             self._place += 1.0
             self._slot = _PREVIOUS[self._slot]
+
+
+def _kept(slots: "np.typing.NDArray[np.float64]", slot: int) -> Float32:
+    """What the grid's states say about metre and beat, as if of the beat `slot`, shape (SLOTS,), sum 1."""
+    share = np.asarray(slots, np.float32)
+    total = float(share.sum())
+    if total <= 0.0:
+        share = np.zeros(SLOTS, np.float32)
+        share[slot] = total = 1.0
+    return share / np.float32(total)

@@ -14,17 +14,17 @@ TAP_WIDTH: Final = 0.03
 PRESS_WIDTH: Final = 0.045
 """How exactly "this is the one" is pressed [s]."""
 
-DOUBT: Final = 1e-6
-"""What the ear must find this much more likely before it overrules the hand at once."""
+DOUBT: Final = 1e-9
+"""The ear must find something else this much more likely before it overrules the hand."""
 
 BAND_OCTAVES: Final = 0.5
 """A tempo set by hand keeps the level: its grid stays within so many octaves of it."""
 
-CALM: Final = 0.1
+CALM: Final = 0.02
 """Once the line is set by hand, chances of another line and metre are multiplied by this, ..."""
 
-CALM_SHARPNESS: Final = 0.5
-"""... and the likelihoods of downbeats get this exponent more."""
+CALM_SHARPNESS: Final = 0.3
+"""... and so is the exponent of what is heard of downbeats."""
 
 
 class Hand:

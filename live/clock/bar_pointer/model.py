@@ -61,17 +61,17 @@ class Model:
     """Chance at each beat that it is any other beat of its metre."""
     metre_share: tuple[float, float, float, float] = (0.1, 0.2, 0.65, 0.05)
     """How common the metres are."""
-    beat_share: float = 0.035
+    beat_share: float = 0.04
     """Share of frames that hold a beat, as far as the activations are concerned."""
     downbeat_share: float = 0.010
-    sharpness: float = 0.6
+    sharpness: float = 0.5
     """Exponent of the likelihoods: neighbouring frames say much the same thing."""
     downbeat_sharpness: float = 0.8
     """Exponent of what is said about downbeats alone."""
     ratio_max: float = 60.0
     ratio_min: float = 0.02
     """Bounds of what one frame can say for or against a beat."""
-    half_beat: float = 0.0
+    half_beat: float = 0.3
     """Exponent of the beats' likelihood in the middle between beats: above 0, off-beats are expected to sound."""
     window: tuple[float, float, float, float, float, float, float] = (0.0, 0.2, 0.8, 1.0, 0.8, 0.2, 0.0)
     """How much each frame of a beat's window is expected to hold the activation."""
@@ -93,7 +93,7 @@ class Model:
         """Frames from beat to beat of each tempo, ascending, shape (K,): each whole number, from `COARSE` on even."""
         shortest = round(60.0 * self.frame_rate / self.fastest_bpm)
         longest = round(60.0 * self.frame_rate / self.slowest_bpm)
-        fine, coarse = np.arange(shortest, COARSE), np.arange(COARSE, longest + 1, 2)
+        fine, coarse = np.arange(shortest, min(COARSE, longest + 1)), np.arange(COARSE, longest + 1, 2)
         return np.concatenate([fine, coarse]).astype(np.int32)
 
     def tempo_share(self) -> Float32:

@@ -9,6 +9,10 @@ from live.clock.bar_pointer.model import FIRST_SLOT, METRES, REACH, SLOTS, Float
 BINS: Final = 24
 """Phase bins of a beat, as in kernels.py."""
 
+TEMPO_WIDTH: Final = 0.01
+PLACE_WIDTH: Final = 2.0
+"""How far states lie from a grid that was kept (standard deviations: natural logarithm, frames)."""
+
 
 class States:
     """The arrays that the kernels work on.
@@ -47,12 +51,19 @@ class States:
         tempo = self.model.tempo_share() / self.length
         self.share[:] = np.repeat(tempo, self.length)[:, None] * self.slot_share[None, :]
 
-    def blend(self, share: float) -> None:
-        """Give up `share` of what is believed for what was believed before anything was heard."""
+    def gather(self, interval: float, place: float, slots: Float32, doubt: float) -> None:
+        """All states near one grid, but for a share `doubt`, which is as before anything was heard.
+
+        interval [frames], place [beats since the beat's window began], slots (SLOTS,): shares of each slot.
+        """
+        off_tempo = np.log(self.interval_of / interval) / TEMPO_WIDTH
+        off = self.positions() / self.interval_of - place
+        off = (off - np.round(off)) * interval / PLACE_WIDTH
+        near = np.exp(-0.5 * (off_tempo**2 + off**2))
         tempo = self.model.tempo_share() / self.length
-        self.settle()
-        self.share *= np.float32(1.0 - share)
-        self.share += np.float32(share) * np.repeat(tempo, self.length)[:, None] * self.slot_share[None, :]
+        total = float(near.sum())
+        self.share[:] = ((1.0 - doubt) / max(total, 1e-30) * near)[:, None] * slots[None, :]
+        self.share += np.float32(doubt) * np.repeat(tempo, self.length)[:, None] * self.slot_share[None, :]
 
     def positions(self) -> Float32:
         """Position of each row at this moment [frames], shape (N,)."""

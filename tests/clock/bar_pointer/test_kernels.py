@@ -1,0 +1,93 @@
+"""The kernels against a filter written with one dictionary of states, on a few tempi."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from live.clock.bar_pointer.bar_pointer import BarPointer
+from live.clock.bar_pointer.model import METRES, REACH, SLOTS, WINDOW, Model, slot_metre
+
+State = tuple[int, int, int, int]  # interval, position, metre, beat
+
+FEW = Model(fastest_bpm=260.0, slowest_bpm=235.0, octave_change=0.0)
+
+
+class SlowFilter:
+    """The forward algorithm, state by state (Rabiner, A tutorial on hidden Markov models, 1989)."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self.lengths = [int(length) for length in model.intervals]
+        self.tempo = (model.tempo_transitions() * model.tempo_weight()[:, None]).tolist()
+        self.metres, self.share = model.metre_transitions().tolist(), model.tempo_share().tolist()
+        self.slots = {slot_metre(slot): float(part) for slot, part in enumerate(model.slot_share()[: SLOTS - 1])}
+        self.belief: dict[State, float] = {
+            (n, p, *place): self.share[k] / n * part
+            for k, n in enumerate(self.lengths)
+            for p in range(n)
+            for place, part in self.slots.items()
+        }
+
+    def step(self, other: float, first: float, between: float) -> None:
+        """One frame with these likelihoods."""
+        after = dict.fromkeys(self.belief, 0.0)
+        for (n, p, metre, number), mass in self.belief.items():
+            if p + 1 < n:
+                after[n, p + 1, metre, number] += mass
+            else:
+                self._begin_beat(after, n, metre, number, mass)
+        for (k, m), (place, part) in product(enumerate(self.lengths), self.slots.items()):
+            after[m, 0, *place] += self.model.birth * self.share[k] * part
+        for n, p, metre, number in after:
+            if p < WINDOW:
+                ratio = first if number == 0 else other
+                after[n, p, metre, number] *= 1.0 + self.model.window[p] * (ratio - 1.0)
+            away = (p - n // 2) % n
+            if away < WINDOW:
+                after[n, p, metre, number] *= 1.0 + self.model.window[away] * (between - 1.0)
+        total = sum(after.values())
+        self.belief = {state: mass / total for state, mass in after.items()}
+
+    def _begin_beat(self, after: dict[State, float], n: int, metre: int, number: int, mass: float) -> None:
+        k = self.lengths.index(n)
+        change = self.model.line_change
+        for j, m in enumerate(self.lengths):
+            moved = mass * self.tempo[k][j - k + REACH]
+            for place, part in self.slots.items():
+                after[m, 0, *place] += change * moved * part
+            if number + 1 < metre:
+                after[m, 0, metre, number + 1] += (1.0 - change) * moved
+                continue
+            for to, other in enumerate(METRES):
+                after[m, 0, other, 0] += (1.0 - change) * moved * self.metres[METRES.index(metre)][to]
+
+
+def test_the_kernels_are_the_forward_algorithm() -> None:
+    rng = np.random.default_rng(3)
+    frames = [(0.8, 0.5) if t % 21 == 4 else (float(rng.random()) * 0.1, 0.01) for t in range(26)]
+    pointer, slow = BarPointer(FEW), SlowFilter(FEW)
+    for beat, downbeat in frames:
+        pointer.step(beat, downbeat)
+        slow.step(*(float(value) for value in pointer._likelihoods(beat, downbeat)))
+    states = pointer._states
+    positions = states.positions().astype(int)
+    found = {
+        (int(n), int(p), *slot_metre(slot)): float(states.share[row, slot])
+        for row, (n, p) in enumerate(zip(states.interval_of, positions, strict=True))
+        for slot in range(SLOTS - 1)
+    }
+    total = sum(found.values())
+    assert found.keys() == slow.belief.keys()
+    for state, mass in slow.belief.items():
+        assert found[state] / total == pytest.approx(mass, rel=2e-3, abs=1e-7)
+
+
+def test_shares_sum_to_one_after_each_survey_and_are_never_negative() -> None:
+    pointer = BarPointer(FEW)
+    for frame in range(9):
+        pointer.step(0.9 if frame == 4 else 0.02, 0.01)
+        if frame % 3 == 0:
+            assert float(pointer._states.share.sum()) == pytest.approx(1.0, abs=0.5)
+    assert np.all(pointer._states.share >= 0.0)
+    assert 0.0 <= pointer.share <= 1.0 + 1e-6

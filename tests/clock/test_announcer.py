@@ -1,0 +1,62 @@
+"""Announcer: each beat once, ahead of its time; corrected while it is ahead; jumps of the grid."""
+
+import math
+from itertools import pairwise
+from types import SimpleNamespace
+from typing import Any
+
+from live.clock.announcer import BIAS, LEAD, Announcer
+from live.clock.estimate import BeatEstimate
+
+HOP = 0.0116
+DELAY = 3 * HOP
+
+
+def run(beats_at: Any, seconds: float = 10.0, period: float = 0.5, metre: int = 4) -> list[BeatEstimate]:
+    """What is named while a pointer believes at each time t [s] in beats at beats_at(t) + k · period."""
+    announcer, found = Announcer(), []
+    for frame in range(int(seconds / HOP)):
+        moment = frame * HOP
+        past = (moment - beats_at(moment)) % period
+        number = math.floor((moment - beats_at(moment)) / period)
+        pointer: Any = SimpleNamespace(
+            interval=period / HOP, period=period / HOP, to_next=(period - past) / HOP, beat=number % metre, metre=metre
+        )
+        beat = announcer.beat(pointer, moment, moment + DELAY, HOP, 0.9)
+        if beat is not None:
+            found.append(beat)
+    return found
+
+
+def test_each_beat_is_named_once_and_ahead_with_its_number() -> None:
+    found = run(lambda t: 0.2)
+    assert len(found) == 20
+    for number, beat in enumerate(found[1:]):
+        assert abs(beat.position - (0.7 + 0.5 * number + BIAS)) < 1e-6
+        assert LEAD - 2 * HOP < beat.position - beat.heard <= LEAD
+        assert beat.beat == (number + 1) % 4
+        assert (beat.beats_per_measure, beat.replaces) == (4, beat.replaces)
+        assert math.isnan(beat.replaces)
+
+
+def test_a_beat_that_moves_while_it_is_ahead_is_corrected() -> None:
+    found = run(lambda t: 0.2 if t < 5.0 - 0.3 + 0.14 else 0.215)
+    corrected = [beat for beat in found if not math.isnan(beat.replaces)]
+    assert len(corrected) <= 1
+    for beat in corrected:
+        assert beat.heard < beat.replaces
+        assert abs(beat.position - beat.replaces - 0.015) < 1e-6
+
+
+def test_beats_never_come_too_near_whatever_the_grid_does() -> None:
+    found = run(lambda t: 0.2 + 0.17 * math.floor(t / 1.3), 20.0)
+    first = [beat.position for beat in found if math.isnan(beat.replaces)]
+    assert all(b - a > 0.24 for a, b in pairwise(first))
+    assert len(first) > 30
+
+
+def test_a_beat_that_was_overlooked_is_still_named_if_it_has_just_passed() -> None:
+    found = run(lambda t: 0.2 if t < 3.0 else -0.04)  # beats at 3.2 become beats at 2.96, 3.46
+    late = [beat for beat in found if beat.heard > beat.position]
+    assert len(late) <= 1
+    assert all(beat.heard - beat.position < 0.05 for beat in late)

@@ -1,0 +1,44 @@
+"""Quiet: silence, rests that belong to the music, and the pauses that do not."""
+
+from live.clock.quiet import PAUSE, SILENT_AFTER, Quiet
+
+HOP = 0.01
+
+
+def test_silence_begins_after_a_while_and_ends_at_once() -> None:
+    quiet = Quiet(HOP)
+    assert not quiet.heard
+    quiet.step(0.1)
+    steps = 0
+    while not quiet.silent:
+        assert quiet.step(1e-4) == 0.0
+        steps += 1
+    assert abs(steps * HOP - SILENT_AFTER) < 0.02
+    assert quiet.heard
+    assert abs(quiet.step(0.1) - SILENT_AFTER) < 0.02
+    assert not quiet.silent
+
+
+def test_music_without_rests_is_paused_soon() -> None:
+    quiet = Quiet(HOP)
+    for _ in range(500):
+        quiet.step(0.1)
+    for _ in range(int(PAUSE / HOP) - 1):
+        quiet.step(0.0)
+    assert quiet.listening
+    quiet.step(0.0)
+    quiet.step(0.0)
+    quiet.step(0.0)
+    assert not quiet.listening
+
+
+def test_clicks_with_rests_between_them_are_listened_to_all_the_time() -> None:
+    """At 50 bpm: from the second click on the rest is known; the rest of a stop is longer."""
+    quiet = Quiet(HOP)
+    for click in range(6):
+        for frame in range(120):
+            quiet.step(0.5 if frame < 3 else 0.0)
+            assert click == 0 or quiet.listening
+    for _ in range(120):
+        quiet.step(0.0)
+    assert not quiet.listening
