@@ -23,7 +23,7 @@ STRIDE: Final = 5
 CHANNELS: Final = (16, 12)
 """Filters of each ear."""
 DENSE: Final = 64
-UNITS: Final = 96
+UNITS: Final = 80
 LAYERS: Final = 2
 CLASSES: Final = 3
 PHASES: Final = 4

@@ -23,7 +23,7 @@ from training.features import Item, read_items
 
 LANES: Final = 32
 FRAMES: Final = 1000
-RATE: Final = 1.4e-3
+RATE: Final = 1.5e-3
 WARM_UP: Final = 60
 CLIP: Final = 0.5
 AVERAGE: Final = 0.995
