@@ -1,0 +1,89 @@
+"""`live beats`: files and streams, seeds, the timeline, and what is said of mistakes."""
+
+import csv
+import json
+import subprocess
+import sys
+import wave
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.cli.command import run_live
+from tests.clock.clicks import clicks
+
+RATE = 44_100
+
+
+@pytest.fixture(scope="module")
+def music(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Ten seconds of clicks at 120 bpm."""
+    sound, _ = clicks(120, RATE, 10.0)
+    path = tmp_path_factory.mktemp("music") / "clicks.wav"
+    with wave.open(str(path), "wb") as out:
+        out.setnchannels(1)
+        out.setsampwidth(2)
+        out.setframerate(RATE)
+        out.writeframes((sound * 32767).astype("<i2").tobytes())
+    return path
+
+
+def test_json_of_a_file(music: Path) -> None:
+    told = json.loads(run_live("beats", str(music), "--json", "--tracker", "aubio").stdout)
+    assert told["file"] == "clicks.wav"
+    assert told["bpm"] == pytest.approx(120.0, rel=0.02)
+    assert len(told["beats"]) > 8
+    assert {"time_s", "named_s", "beat", "beats_per_measure", "bpm", "confidence"} == set(told["beats"][0])
+
+
+def test_table_csv_click_and_timeline_of_a_file(music: Path, tmp_path: Path) -> None:
+    clicked, timeline = tmp_path / "out.wav", tmp_path / "out.csv"
+    result = run_live("beats", str(music), "--csv", "--click", str(clicked), "--timeline", str(timeline))
+    assert result.returncode == 0, result.stderr
+    rows = list(csv.DictReader(result.stdout.splitlines()))
+    late = [float(row["time_s"]) for row in rows if float(row["time_s"]) > 5.0]
+    assert max(abs((time - 0.3 + 0.25) % 0.5 - 0.25) for time in late) < 0.04
+    with wave.open(str(clicked)) as sound:
+        assert sound.getnframes() == 10 * RATE
+    ticks = list(csv.DictReader(timeline.read_text().splitlines()))
+    assert list(ticks[0]) == ["time_s", "beat", "measure", "phase", "bpm", "confidence", "state"]
+    assert float(ticks[64]["time_s"]) == 1.0
+    assert np.all(np.diff([float(tick["beat"]) for tick in ticks]) > 0.0)
+    assert "120" in run_live("beats", str(music)).stdout
+
+
+def test_a_stream_gives_lines_while_it_comes_in() -> None:
+    """In a process of its own, as the benchmark starts it; each beat is told before it comes."""
+    sound, times = clicks(120, RATE, 8.0)
+    command = [sys.executable, "-m", "live", "beats", "--stdin", "--one-at", "4.3", "--tap-bpm", "120", "--at", "4.0"]
+    result = subprocess.run(command, input=sound.astype("<f4").tobytes(), capture_output=True, timeout=120, check=False)
+    assert result.returncode == 0, result.stderr
+    lines = [line.split() for line in result.stdout.decode().splitlines()]
+    beats = [[float(value) for value in line[1:]] for line in lines if line[0] == "B"]
+    assert {line[0] for line in lines} <= {"B", "R"}
+    late = [beat for beat in beats if beat[0] > 4.5]
+    assert len(late) >= 6
+    assert all(abs(times[np.argmin(np.abs(times - time))] - time) < 0.04 for time, _, _ in late)
+    assert all(emitted < time + 0.05 for time, emitted, _ in late)
+    assert late[0][2] == 2.0, "the beat after the one"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ((), "FILE or --stdin"),
+        (("a.wav", "--stdin"), "FILE or --stdin"),
+        (("no-such.wav",), "no such file"),
+        (("--stdin", "--json"), "for files"),
+        (("a.wav", "--tap-bpm", "90"), "belong together"),
+        (("a.wav", "--tap-bpm", "900", "--at", "3"), "--tap-bpm 900"),
+        (("a.wav", "--one-at", "nan"), "--one-at nan"),
+        (("a.wav", "--timeline", "/no/such/folder/t.csv"), "cannot be written"),
+    ],
+)
+def test_mistakes_are_told_in_a_line(arguments: tuple[str, ...], words: str) -> None:
+    result = run_live("beats", *arguments)
+    assert result.returncode == 2
+    assert words in result.stderr
+    assert "Traceback" not in result.stderr
