@@ -39,3 +39,27 @@ def test_measures_after_a_hair_of_a_shift_are_not_skipped_or_doubled():
     span = MeasureSpan(0, 0.0, 4.0)
     nearly = Timeline(beats_per_measure=4, measure_origin=1e-5)
     assert span.next(nearly).end == pytest.approx(8.0, abs=1e-3)
+
+
+@given(st.floats(0.0, 7.95), st.floats(0.001, 0.999), st.integers(0, 3), st.integers(2, 7))
+def test_a_leap_of_the_beat_leaves_what_is_danced_where_it_is(beat, leap, shift, size):
+    timeline = Timeline(tempo=120, beats_per_measure=size)
+    span = MeasureSpan.at(timeline, beat)
+    before, number, after = span.fraction(beat), span.number, beat + leap
+    moved = Timeline(tempo=120, beats_per_measure=size, measure_origin=float(shift))
+    span.leap(moved, beat, after, shortest=0.5)
+    span.follow(moved, after, shortest=0.5)
+    assert span.number == number
+    assert span.fraction(after) == pytest.approx(before, abs=1e-9)
+    assert span.end > after
+    assert (span.end - moved.measure_origin) % size == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_leap_over_the_line_ends_the_measure_there():
+    timeline = Timeline(tempo=120)
+    span = MeasureSpan.at(timeline, 3.9)
+    span.leap(timeline, 4.05, 4.6, shortest=0.5)
+    assert span.fraction(4.6) == 1.0
+    following = span.next(timeline)
+    assert following.fraction(4.6) == 0.0
+    assert following.end == 8.0

@@ -1,0 +1,146 @@
+"""The clock of a show: what its events do to dance, status and journal."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from live.clock.ticks import TICK
+from live.control import events
+from live.control.audio_events import MusicHeard
+from live.show.clock_events import CLOCK_EVENTS
+from live.show.journal import JournalWriter, read_journal
+from live.show.patch_file import PatchError, parse_patch
+from live.show.replay import replay
+from live.show.status import Status
+from tests.show.made_show import PATCH, made_show
+
+
+def heard(show, beat_time, *, source="midi", period=0.5, **more):
+    show.apply(events.BeatHeard(
+        time=show.time, source=source, beat_time=beat_time, period=period, confidence=0.9, **more
+    ))  # fmt: skip
+
+
+def run(show, ticks, *, script=None):
+    """Tick on; `script`: events by tick. The fastest that any joint went in a tick [m]."""
+    view, before, fastest = show.view(), None, 0.0
+    for tick in range(round(show.time / TICK) + 1, round(show.time / TICK) + ticks + 1):
+        for event in (script or {}).get(tick, ()):
+            show.apply(event)
+        show.tick(tick * TICK)
+        show.fill(view, tick * TICK)
+        if before is not None:
+            fastest = max(fastest, float(np.linalg.norm(view.joint_position - before, axis=2).max()))
+        before = view.joint_position.copy()
+    return fastest
+
+
+@pytest.mark.parametrize("start", [2.03, 2.4, 2.71, 3.97])
+def test_a_start_by_midi_moves_the_beat_and_no_joint(start):
+    show = made_show()
+    fastest = run(show, round(start / TICK))
+    for k in range(24):
+        heard(show, start + 0.5 * k, beat=k % 4, beats_per_measure=4, measure=k // 4, jump=k == 0)
+        fastest = max(fastest, run(show, 32))
+    assert show.follower.source == "midi"
+    assert (show.follower.jumps > 0) == (start in (2.4, 2.71))  # the others lie on a measure line of the show's
+    assert fastest < 0.16
+    at = start + 20 * 0.5
+    phase = show.timeline.phase_at(at)
+    assert min(phase, 4.0 - phase) < 0.01
+    assert (show.span.end - show.timeline.measure_origin) % 4.0 == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_metre_that_the_steps_do_not_have_stretches_them_and_moves_no_joint_fast():
+    show = made_show('[[segment]]\nmeasure = 2\nmeasures = 6\nformation = "circle"\ngroup = "front"\n')
+    script = {
+        tick: [events.SetMetre(time=tick * TICK, source="test", beats=beats)]
+        for tick, beats in ((300, 3.0), (700, 5.0), (1000, 4.0))
+    }
+    assert run(show, 64 * 20, script=script) < 0.16
+    assert show.timeline.beats_per_measure == 4
+    assert show.span.number > 8
+
+
+def test_hands_are_journalled_and_replayed_bit_by_bit(tmp_path):
+    def hand(kind, tick, **values):
+        return tick, kind(time=tick * TICK, source="key", **values)
+
+    script = [
+        hand(events.Nudge, 100, seconds=0.02), hand(events.ShiftBeats, 200, beats=1.0),
+        hand(events.ScaleTempo, 300, factor=0.5), hand(events.HoldTempo, 400, on=True),
+        hand(events.SetMetre, 450, beats=3.0), hand(events.HoldTempo, 500, on=False),
+        hand(events.CountIn, 520, measures=1.0), *[hand(events.Tap, 530 + 30 * k) for k in range(6)],
+        hand(events.ChooseSource, 800, name="internal"),
+    ]  # fmt: skip
+    show, path = made_show(), tmp_path / "night.jsonl"
+    writer = JournalWriter(path, {})
+    for tick in range(1, 64 * 18):
+        for when, event in script:
+            if when == tick:
+                writer.event(tick - 1, event)
+                assert show.apply(event)
+        if show.tick(tick * TICK):
+            writer.measure(tick, show.span.number + 1, show.state_hash())
+    writer.close(tick)
+    assert show.follower.jumps >= 3
+    again = replay(made_show(), read_journal(path))
+    assert again.differences == ()
+    assert again.measures >= 5
+
+
+def test_what_the_clock_refuses_is_told():
+    show = made_show()
+    assert not show.apply(events.ChooseSource(time=0.0, source="osc", name="the drummer"))
+    assert "the drummer" in show.refusal
+    assert not show.apply(events.SetMetre(time=0.0, source="osc", beats=1.0))
+    for k in range(12):
+        run(show, 32)
+        heard(show, 0.5 * (k + 1), beat=k % 4, beats_per_measure=4, measure=k // 4)
+    assert not show.apply(events.SetTempo(time=show.time, source="key", tempo=90.0))
+    assert "midi" in show.refusal
+
+
+def test_the_status_says_who_is_followed_and_what_waits():
+    show = made_show()
+    status = Status(show, rejected=Counter, memory=lambda: 1.0)
+    for k in range(16):
+        run(show, 32)
+        heard(show, 0.5 * (k + 1), beat=k % 4, beats_per_measure=4, measure=k // 4 + 40)
+        heard(show, 0.5 * (k + 1) + 0.1, source="audio", beat=k % 4, beats_per_measure=4)
+    show.apply(events.ChooseSource(time=show.time, source="osc", name="link"))
+    show.apply(events.CountIn(time=show.time, source="osc", measures=2.0))
+    run(show, 33)
+    s = status.snapshot(show.time)
+    assert (s["source"], s["clock_state"], s["clock_choice"]) == ("midi", "locked", "link")
+    assert s["clock_sources"]["audio"] == "locked"
+    assert s["clock_sources"]["link"] == "absent"
+    assert s["source_measure"] == 44
+    assert s["count_in"] in (7, 8)
+    assert s["clock_last_jump"]["cause"] in ("one", "lines")
+    line = next(line for line in status.overlay(show.time) if line.startswith("clock"))
+    assert "waits for link" in line
+    assert "also audio" in line
+    assert "counting in" in line
+
+
+def test_a_tracker_is_told_the_metre_and_what_the_hand_says():
+    show, told = made_show(), []
+    show.seed_tracker(told.append)
+    show.apply(events.SetTempo(time=0.0, source="key", tempo=96.0))
+    show.apply(events.One(time=0.0, source="key"))
+    assert [(seed.kind, seed.value) for seed in told] == [("metre", 4.0), ("tempo", 96.0), ("one", 0.0)]
+
+
+def test_the_patch_says_who_is_followed():
+    patch = PATCH.replace("bpm = 120", 'bpm = 120\npriority = ["audio", "midi"]\ntempo_range = [50, 110]')
+    assert parse_patch(patch, "x").clock.priority == ("audio", "midi")
+    for wrong in ('priority = ["audio", "audio"]', 'priority = ["drummer"]', "tempo_range = [80, 120]"):
+        with pytest.raises(PatchError):
+            parse_patch(PATCH.replace("bpm = 120", "bpm = 120\n" + wrong), "x")
+
+
+def test_events_of_the_clock_are_the_clocks():
+    assert MusicHeard not in CLOCK_EVENTS
+    assert all(cls.__name__ in events.EVENT_TYPES for cls in CLOCK_EVENTS)
