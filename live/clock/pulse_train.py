@@ -22,8 +22,11 @@ GATE: Final = 4.0
 GATE_MIN: Final = 6e-4
 """A pulse this many noises, and seconds, off the curve is watched."""
 
+HALF: Final = 0.45
+"""Also one this share of a period off: where the scatter is large, lost pulses show by that it goes on."""
+
 WATCHED: Final = 4
-WATCHED_NOISY: Final = 8
+WATCHED_NOISY: Final = 6
 """So many watched pulses in a row are judged; more where the scatter is above a tenth of the period."""
 
 BEFORE: Final = 8
@@ -68,6 +71,7 @@ class PulseTrain:
         self._since = 0
         self._watched = 0
         self._noise = 10.0 * NOISE_MIN
+        self._error = 0.0
         self._known: float | None = None
         self._bundle = 0.0
         self._shifted = (-(10**9), 0.0)
@@ -95,7 +99,7 @@ class PulseTrain:
     @property
     def unsure(self) -> bool:
         """Whether the newest pulses are still being judged: the curve before them goes on meanwhile."""
-        return self._watched > 0
+        return self._watched > 1
 
     @property
     def length(self) -> int:
@@ -123,7 +127,7 @@ class PulseTrain:
             self._assume(number, time)
         else:
             self._watch(time - self._fit.time_of(number))
-        if not self._watched:
+        if not self.unsure:
             self._refit()
 
     def _assume(self, number: int, time: float) -> None:
@@ -137,11 +141,14 @@ class PulseTrain:
 
     def _watch(self, error: float) -> None:
         """Watch a pulse that lies off the curve, and judge when there are enough of them."""
-        if abs(error) <= self._gate():
+        gate, half = self._gate(), HALF * self._fit.period
+        if abs(error) <= min(gate, half):
             self._watched = 0
             return
-        self._weight[self._count - 1] = 0.0
-        self._watched += 1
+        if abs(error) > gate:
+            self._weight[self._count - 1] = 0.0
+        self._watched = self._watched + 1 if error * self._error > 0.0 else 1
+        self._error = error
         noisy = self._noise > 0.1 * self._fit.period
         if self._watched < (WATCHED_NOISY if noisy else WATCHED):
             return

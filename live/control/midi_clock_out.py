@@ -4,6 +4,7 @@ A thread of its own sleeps until shortly before each pulse and then watches the 
 one assignment, so the show never waits; pulses are placed by absolute times, so nothing adds up.
 """
 
+import os
 import sys
 import threading
 import time
@@ -24,11 +25,26 @@ NAP: Final = 0.010
 """Longest sleep [s]: a Timeline handed over meanwhile counts."""
 
 RETRY: Final = 2.0
+GOODBYE: Final = 0.05
+"""Seconds that the last message gets to leave before the port is closed."""
+
 TAKES: Final = 0.005
 """Looking whether the port is still there is done only where so many seconds are free."""
 
+PRIORITY: Final = 10
+"""Real-time priority, below that of sound."""
+
 SWITCH_INTERVAL: Final = 0.0005
 """Seconds after which Python lets this thread in while another one works; 5 ms, its own, would be heard."""
+
+
+def hurry() -> bool:
+    """Give this thread real-time priority, where the system lets us (Linux: limits.conf, rtprio); whether it did."""
+    try:
+        os.sched_setscheduler(threading.get_native_id(), os.SCHED_FIFO, os.sched_param(PRIORITY))
+    except (AttributeError, OSError):
+        return False
+    return True
 
 
 def _open_output(name: str) -> OpenPort:
@@ -88,12 +104,14 @@ class MidiClockOut:
         }
 
     def _run(self) -> None:
+        hurry()
         try:
             while not self._stop.is_set():
                 self._step()
         finally:
             if self._port is not None:
                 self._send((bytes((STOP,)),))
+                time.sleep(GOODBYE)
             self._close()
 
     def _step(self) -> None:

@@ -1,0 +1,128 @@
+"""MIDI time code: against a generator that counts frames one by one."""
+
+import math
+from collections.abc import Iterator
+
+import pytest
+
+from live.clock.midi_clock import ClockBeat, ClockState, News
+from live.clock.time_code import FRAMES, SPEEDS, TimeCodeClock, frame_number
+
+Time = tuple[int, int, int, int]
+
+
+def counted(rate: int, start: Time) -> Iterator[Time]:
+    """The times of all frames from `start` on, counted like a clock; drop frame leaves its numbers out."""
+    hours, minutes, seconds, frames = start
+    while True:
+        yield hours, minutes, seconds, frames
+        frames += 1
+        if frames == FRAMES[rate]:
+            frames, seconds = 0, seconds + 1
+        if seconds == 60:
+            seconds, minutes = 0, minutes + 1
+        if minutes == 60:
+            minutes, hours = 0, hours + 1
+        if rate == 2 and seconds == 0 and frames == 0 and minutes % 10:
+            frames = 2
+
+
+def quarter_frames(rate: int, start: Time, count: int, at: float = 0.0) -> list[tuple[float, tuple[int, int]]]:
+    """(seconds, message) of `count` quarter frames that begin with the frame `start`."""
+    frames = counted(rate, start)
+    now: Time = start
+    messages = []
+    for i in range(count):
+        if i % 4 == 0:
+            frame = next(frames)
+        if i % 8 == 0:
+            now = frame
+        hours, minutes, seconds, number = now
+        fields = (number & 15, number >> 4, seconds & 15, seconds >> 4, minutes & 15, minutes >> 4, hours & 15,
+                  hours >> 4 | rate << 1)  # fmt: skip
+        messages.append((at + i / (4.0 * SPEEDS[rate]), (0xF1, (i % 8) << 4 | fields[i % 8])))
+    return messages
+
+
+def feed(clock: TimeCodeClock, messages: list[tuple[float, tuple[int, int]]]) -> list[News]:
+    return [news for time, message in messages for news in clock.receive(message, time)]
+
+
+@pytest.mark.parametrize("rate", [0, 1, 2, 3])
+def test_frames_are_numbered_as_they_are_counted(rate: int) -> None:
+    frames = counted(rate, (0, 8, 58, 0))
+    begin = frame_number(0, 8, 58, 0, rate)
+    assert begin is not None
+    for i in range(4 * 60 * 30):
+        assert frame_number(*next(frames), rate) == begin + i
+
+
+def test_times_that_do_not_exist_are_refused() -> None:
+    assert frame_number(0, 1, 0, 1, 2) is None  # dropped
+    assert frame_number(0, 10, 0, 1, 2) is not None
+    assert frame_number(24, 0, 0, 0, 1) is None
+    assert frame_number(0, 0, 0, 25, 1) is None
+
+
+@pytest.mark.parametrize("rate", [0, 1, 2, 3])
+def test_time_code_gives_beats_at_the_tempo_that_is_set(rate: int) -> None:
+    clock = TimeCodeClock(tempo=120.0, offset=3600.0, beats_per_measure=4)
+    news = feed(clock, quarter_frames(rate, (1, 0, 10, 0), 480, at=7.0))
+    beats = [item for item in news if isinstance(item, ClockBeat)]
+    assert news[0].time < 7.2
+    assert isinstance(news[0], ClockState)
+    assert beats[0].jump
+    assert not any(beat.jump for beat in beats[1:])
+    began = frame_number(1, 0, 10, 0, rate)
+    assert began is not None
+    for beat in beats[8:]:
+        song = began / SPEEDS[rate] + (beat.beat_time - 7.0) - 3600.0  # seconds since the first measure
+        assert song * 2.0 == pytest.approx(beat.measure * 4 + beat.beat, abs=0.002)
+        assert beat.period == pytest.approx(0.5, rel=1e-4)
+
+
+def test_a_slow_tape_is_followed() -> None:
+    clock = TimeCodeClock(tempo=120.0)
+    messages = [(time * 1.05, message) for time, message in quarter_frames(1, (0, 0, 0, 0), 800)]
+    beats = [item for item in feed(clock, messages) if isinstance(item, ClockBeat)]
+    assert beats[-1].period == pytest.approx(0.525, rel=1e-3)
+
+
+def test_locating_jumps_and_standing_still_is_a_loss() -> None:
+    clock = TimeCodeClock(tempo=120.0)
+    feed(clock, quarter_frames(1, (0, 0, 0, 0), 160))
+    moved = feed(clock, quarter_frames(1, (0, 5, 0, 0), 160, at=1.6))
+    jumps = [item for item in moved if isinstance(item, ClockBeat) and item.jump]
+    assert len(jumps) == 1
+    assert jumps[0].measure == 150
+    assert clock.seconds == pytest.approx(301.59, abs=0.01)
+    (lost,) = clock.advance(3.6)
+    assert isinstance(lost, ClockState)
+    assert lost.state == "lost"
+    again = feed(clock, quarter_frames(1, (0, 5, 1, 0), 40, at=10.0))
+    assert [item.state for item in again if isinstance(item, ClockState)] == ["found"]
+
+
+def test_a_full_frame_waits_for_what_runs_on_from_it_and_rubbish_is_harmless() -> None:
+    clock = TimeCodeClock(tempo=120.0)
+    assert clock.receive((0xF0, 0x7F, 0x7F, 1, 1, 0x21, 2, 3, 4, 0xF7), 0.0) == []
+    assert math.isnan(clock.seconds)
+    for message in (
+        (),
+        (0xF1,),
+        (0xF1, 200),
+        (0xF0, 0x7F),
+        (0xF0, 0x7F, 0, 1, 1, 0x3F, 99, 99, 99, 0xF7),
+        (0x90, 1, 1),
+    ):
+        assert clock.receive(message, 1.0) == []
+    assert clock.code.rejected == 1
+
+
+def test_backwards_tells_nothing() -> None:
+    clock = TimeCodeClock(tempo=120.0)
+    there = quarter_frames(1, (0, 0, 10, 0), 160)
+    back = [(2.0 + i * 0.01, message) for i, (_, message) in enumerate(reversed(there))]
+    feed(clock, there)
+    beats = [item for item in feed(clock, back)[20:] if isinstance(item, ClockBeat)]
+    assert beats == []

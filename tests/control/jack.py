@@ -1,0 +1,65 @@
+"""A private JACK server without a sound card, so that MIDI ports exist where the kernel has none."""
+
+import os
+import shutil
+import subprocess
+from collections.abc import Iterator
+
+import pytest
+
+from live.control.midi_ports import MidiUnavailable, rtmidi
+from tests.control.waiting import wait_for
+
+PERIOD = 64
+
+
+class JackServer:
+    """The running server; the environment of this process names it."""
+
+    def __init__(self, name: str) -> None:
+        self.command = [
+            *("jackd", "-n", name, "--no-mlock", "--no-realtime", "-d", "dummy", "-r", "48000", "-p", str(PERIOD)),
+        ]
+        self.process: subprocess.Popen[bytes] | None = None
+
+    def start(self) -> None:
+        """Start it and wait until it answers."""
+        self.process = subprocess.Popen(self.command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        if not wait_for(self._answers, 10.0):
+            self.stop()
+            pytest.skip("jackd does not start here")
+
+    def _answers(self) -> bool:
+        listing = subprocess.run(["jack_lsp"], capture_output=True, timeout=10.0)
+        return listing.returncode == 0
+
+    def stop(self) -> None:
+        """End it as a crash does."""
+        if self.process is not None:
+            self.process.kill()
+            self.process.wait()
+            self.process = None
+
+
+@pytest.fixture(scope="module")
+def jack_server() -> Iterator[JackServer]:
+    """A JACK server of our own; skipped where jackd or python-rtmidi is missing."""
+    if shutil.which("jackd") is None or shutil.which("jack_lsp") is None:
+        pytest.skip("jackd is not installed (apt install jackd2)")
+    try:
+        module = rtmidi()
+    except MidiUnavailable as error:
+        pytest.skip(str(error))
+    if module.API_UNIX_JACK not in module.get_compiled_api():
+        pytest.skip("this python-rtmidi knows no JACK")
+    name = f"live-test-{os.getpid()}"
+    before = {key: os.environ.get(key) for key in ("JACK_DEFAULT_SERVER", "JACK_NO_START_SERVER")}
+    os.environ.update(JACK_DEFAULT_SERVER=name, JACK_NO_START_SERVER="1")
+    server = JackServer(name)
+    server.start()
+    try:
+        yield server
+    finally:
+        server.stop()
+        for key, value in before.items():
+            os.environ.pop(key, None) if value is None else os.environ.update({key: value})

@@ -1,0 +1,101 @@
+"""A MIDI port by name: what is heard becomes events, and a port that goes is found again."""
+
+from collections.abc import Callable, Sequence
+from typing import cast
+
+import pytest
+
+from live.base.inbox import Inbox
+from live.clock.source import ManualClock
+from live.clock.time_code import TimeCodeClock
+from live.control import midi_input
+from live.control.events import BeatHeard, ControlEvent, SourceChanged, Tap
+from live.control.midi_input import MidiInput
+from live.control.midi_map import MidiMap
+from live.control.midi_ports import OpenPort, UnknownPort, match_port
+from tests.control.waiting import wait_for
+
+
+class FakePort:
+    """A port that is there, or not."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.there = True
+        self.closed = False
+        self.receive: Callable[[Sequence[int]], None] = lambda message: None
+
+    def listen(self, receive: Callable[[Sequence[int]], None]) -> None:
+        self.receive = receive
+
+    def close(self) -> None:
+        self.closed = True
+
+
+def test_messages_become_events() -> None:
+    inbox: Inbox[ControlEvent] = Inbox()
+    listens = MidiInput("box", inbox, ManualClock(), time_code=TimeCodeClock(tempo=120.0), midi_map=MidiMap())
+    listens.decode((0xFA,), 1.0)
+    for i in range(30):
+        listens.decode((0xF8,), 1.01 + i * 0.02)
+    listens.decode((0xB0, 64, 127), 2.0)
+    listens.look(3.0)
+    events = inbox.drain()
+    assert [type(event) for event in events[:3]] == [SourceChanged, SourceChanged, BeatHeard]
+    first = cast(BeatHeard, events[2])
+    assert (first.source, first.beat, first.measure, first.beats_per_measure, first.jump) == ("midi", 0, 0, 4, True)
+    assert sum(isinstance(event, Tap) for event in events) == 1
+    assert cast(SourceChanged, events[-1]).state == "lost"
+    assert listens.facts()["messages"] == 32
+
+
+def test_a_port_that_goes_is_lost_and_found_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(midi_input, "RETRY", 0.0)
+    inbox: Inbox[ControlEvent] = Inbox()
+    ports: list[FakePort] = []
+    plugged = True
+
+    def open_by_name(name: str) -> OpenPort:
+        if not plugged:
+            raise OSError("no such port")
+        ports.append(FakePort(f"{name}:1 20:{len(ports)}"))
+        return cast(OpenPort, ports[-1])
+
+    listens = MidiInput("box", inbox, ManualClock(5.0), open_by_name=open_by_name)
+    listens.start()
+    try:
+        assert wait_for(lambda: len(ports) == 1, 5.0)
+        ports[0].receive([0xF8])
+        assert wait_for(lambda: listens.messages == 1, 5.0)
+        plugged = False
+        ports[0].there = False
+        assert wait_for(lambda: listens.problem == "no such port", 5.0)
+        assert ports[0].closed
+        plugged = True
+        assert wait_for(lambda: len(ports) == 2, 5.0)
+        assert wait_for(lambda: listens.problem == "", 5.0)
+        ports[1].receive([0xF8])
+        assert wait_for(lambda: listens.messages == 2, 5.0)
+    finally:
+        listens.stop()
+    states = [event.state for event in inbox.drain() if isinstance(event, SourceChanged)]
+    assert states == ["found", "lost", "found"]
+    assert listens.reopened == 2
+
+
+def test_a_flood_is_bounded() -> None:
+    listens = MidiInput("box", Inbox(), ManualClock())
+    for _ in range(midi_input.WAITING_MAX + 10):
+        listens.receive([0xFE])
+    assert listens.dropped == 10
+
+
+def test_ports_are_matched_by_lasting_names() -> None:
+    names = ["Through:Port 14:0", "Launchkey MIDI 1 24:0", "Launchkey MIDI 2 24:1"]
+    assert match_port("launchkey midi 1", names) == "Launchkey MIDI 1 24:0"
+    assert match_port("Launchkey MIDI 2 31:1", names) == "Launchkey MIDI 2 24:1"  # it was plugged in again
+    assert match_port("through", names) == names[0]
+    with pytest.raises(UnknownPort, match="several"):
+        match_port("launchkey", names)
+    with pytest.raises(UnknownPort, match="Through"):
+        match_port("nothing", names)
