@@ -167,4 +167,5 @@ def batches(items: list[Item], lanes: int, frames: int, seed: int) -> Iterator[B
             if fresh[lane]:
                 stream.restart()
             stream.fill(look[lane], *(part[lane] for part in parts))
-        yield Batch(look.swapaxes(0, 1).copy(), *(part.swapaxes(0, 1).copy() for part in parts), fresh)
+        classes, phases, known = (part.swapaxes(0, 1).copy() for part in parts)
+        yield Batch(look.swapaxes(0, 1).copy(), classes, phases, known, fresh)

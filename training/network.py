@@ -89,7 +89,7 @@ def front(weights: Weights, look: jax.Array) -> jax.Array:
     return jax.nn.relu(jnp.concatenate(found, -1) @ weights["dense_w"] + weights["dense_b"])
 
 
-@jax.custom_vjp
+@jax.custom_vjp  # type: ignore[untyped-decorator, unused-ignore] # typed where JAX is installed
 def gru(wh: jax.Array, c: jax.Array, xi: jax.Array, h0: jax.Array) -> jax.Array:
     """Gated recurrent layer over time: xi (T, B, 3 U) is the input's share, h0 (B, U); returns (T, B, U)."""
     return _gru_forward(wh, c, xi, h0)[0]

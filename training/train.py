@@ -82,7 +82,7 @@ def train(
     moments = optimiser.init(weights)
     mean = weights
 
-    @jax.jit
+    @jax.jit  # type: ignore[untyped-decorator, unused-ignore] # typed where JAX is installed
     def update(weights: Any, moments: Any, mean: Any, memory: Any, batch: Any, fresh: Any, number: Any) -> Any:
         memory = jnp.where(fresh[None, :, None], 0.0, memory)
         (_, (memory, parts)), gradient = jax.value_and_grad(loss, has_aux=True)(weights, batch, memory)
@@ -113,7 +113,7 @@ def train(
 
 def save(weights: network.Weights, path: Path, facts: dict[str, Any]) -> None:
     """Write the engine's part of the weights as float16, with what made them."""
-    kept = {name: np.asarray(value, np.float16) for name, value in weights.items()}
+    kept: dict[str, Any] = {name: np.asarray(value, np.float16) for name, value in weights.items()}
     recipe = {
         "recipe": "training.train",
         "lanes": LANES,

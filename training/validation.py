@@ -73,7 +73,8 @@ def peaks(activation: Floats, threshold: float = THRESHOLD) -> npt.NDArray[np.fl
     before = activation[np.maximum(found - 1, 0)]
     after = activation[np.minimum(found + 1, activation.size - 1)]
     shift = 0.5 * (after - before) / np.maximum(2.0 * activation[found] - before - after, 1e-6)
-    return (found + np.clip(shift, -0.5, 0.5) + 1.0) * HOP - DELAY
+    times: npt.NDArray[np.float64] = (found + np.clip(shift, -0.5, 0.5) + 1.0) * HOP - DELAY
+    return times
 
 
 def f_measure(item: Item, beats: npt.NDArray[np.float64], found: npt.NDArray[np.float64]) -> float:
