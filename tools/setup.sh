@@ -35,7 +35,7 @@ die() {
 apt_play="libegl1 libgl1 libasound2t64|libasound2 libportaudio2 libatomic1
   libx11-6 libxcursor1 libxi6 libxinerama1 libxrandr2"
 apt_test="xserver-xorg-core xserver-xorg-video-dummy x11-xserver-utils xdotool imagemagick
-  pulseaudio pulseaudio-utils libasound2-plugins liblo-tools iproute2
+  pulseaudio pulseaudio-utils libasound2-plugins jackd2 liblo-tools iproute2
   libfluidsynth3 timgm6mb-soundfont"
 dnf_play="libglvnd-egl libglvnd-glx mesa-libEGL mesa-libGL mesa-dri-drivers alsa-lib portaudio libatomic
   libX11 libXcursor libXi libXinerama libXrandr"

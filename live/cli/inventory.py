@@ -5,7 +5,7 @@ Never raises: a missing library, a missing server or a missing screen becomes th
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Literal
 
 from live.cli.quiet import quiet_stderr
 
@@ -43,26 +43,20 @@ def audio() -> tuple[Section, Section]:
 
 
 def midi() -> tuple[Section, Section]:
-    """MIDI inputs and outputs by name, as mido and rtmidi see them."""
-    titles = ("midi_inputs", "midi_outputs")
-    try:
-        with quiet_stderr():
-            import mido
+    """MIDI inputs and outputs by name, of all MIDI systems that run (ALSA, JACK, Core MIDI)."""
+    from live.control.midi_ports import MidiUnavailable, port_names
 
-            names = (mido.get_input_names(), mido.get_output_names())
-    except ModuleNotFoundError as error:
-        why = f"{one_line(error)}: python-rtmidi is ready-made for Python 3.11 and 3.12 only"
-    except Exception as error:  # rtmidi raises SystemError where the kernel has no ALSA sequencer
-        why = f"rtmidi: {one_line(error)}"
-    else:
+    def section(title: str, direction: Literal["input", "output"]) -> Section:
+        try:
+            with quiet_stderr():
+                systems = port_names(direction)
+        except MidiUnavailable as error:
+            return Section(title, (), one_line(error))
+        names = [name for found in systems.values() for name in found]
         nothing = "the system's MIDI is there, but nothing is plugged in"
-        first, second = (
-            Section(title, tuple({"name": name} for name in found), None if found else nothing)
-            for title, found in zip(titles, names, strict=True)
-        )
-        return first, second
-    first, second = (Section(title, (), why) for title in titles)
-    return first, second
+        return Section(title, tuple({"name": name} for name in names), None if names else nothing)
+
+    return section("midi_inputs", "input"), section("midi_outputs", "output")
 
 
 def monitors() -> Section:

@@ -63,6 +63,7 @@ class MidiInput:
         """What the map last refused."""
         self.decoder = decoder if decoder is not None else MidiClock()
         self.time_code = time_code
+        self._counted = 0
         self._map = midi_map
         self._inbox = inbox
         self._clock = clock
@@ -159,7 +160,8 @@ class MidiInput:
     def _care(self, now: float) -> None:
         """See that the port is open; whatever goes wrong, there is another time."""
         try:
-            if self._port is not None and not self._port.there:
+            quiet, self._counted = self._counted == self.messages, self.messages
+            if self._port is not None and not (self._port.there and (not quiet or self._port.system_runs)):
                 self._lose(now)
             if self._port is None:
                 self._port = self._open_by_name(self.name)

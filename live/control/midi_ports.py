@@ -4,6 +4,7 @@ ALSA, JACK, Core MIDI and Windows are asked in the order in which rtmidi names t
 no ports. Names stay, numbers change: a port is always looked up by its name.
 """
 
+import ctypes
 import re
 from collections.abc import Callable
 from types import ModuleType
@@ -27,13 +28,10 @@ def rtmidi() -> ModuleType:
     """The rtmidi module; MidiUnavailable if it cannot be loaded."""
     try:
         import rtmidi as module
-    except ModuleNotFoundError:
-        raise MidiUnavailable(
-            "no MIDI: python-rtmidi is not installed; it is ready-made for Python 3.11 and 3.12 only "
-            "(make clean play PYTHON=python3.12)"
-        ) from None
+    except ModuleNotFoundError as error:
+        raise MidiUnavailable(f"{error}: python-rtmidi is ready-made for Python 3.11 and 3.12 only") from None
     except ImportError as error:
-        raise MidiUnavailable(f"no MIDI: {error}; install ALSA's library (apt install libasound2)") from None
+        raise MidiUnavailable(f"rtmidi: {error}") from None
     return module  # type: ignore[no-any-return]
 
 
@@ -44,6 +42,7 @@ class OpenPort:
         """Connect to the port that `wanted` names; UnknownPort, OSError (of rtmidi) if that fails."""
         self.direction = direction
         self._client = _client(direction, api)
+        self._jack = api == rtmidi().API_UNIX_JACK
         try:
             names: list[str] = self._client.get_ports()
             self.name = match_port(wanted, names)
@@ -66,9 +65,26 @@ class OpenPort:
         """Whether the other side still exists."""
         return lasting_name(self.name) in map(lasting_name, self._client.get_ports())
 
+    @property
+    def system_runs(self) -> bool:
+        """Whether the MIDI system itself still answers; JACK's lists what was there, also when its server has died.
+
+        Asking costs some milliseconds: for when nothing comes any more.
+        """
+        if not self._jack:
+            return True
+        try:
+            _client(self.direction, rtmidi().API_UNIX_JACK).delete()
+        except Exception:
+            return False
+        return True
+
     def close(self) -> None:
         """Free it; whatever the system says to that."""
         client, self._client = self._client, _Closed()
+        if self._jack and not client.get_ports():
+            abandon(client)
+            return
         try:
             if self.direction == "input":
                 client.cancel_callback()
@@ -76,6 +92,14 @@ class OpenPort:
             client.delete()
         except Exception:  # a system that has gone cannot say goodbye
             return
+
+
+def abandon(client: Any) -> None:
+    """Leave a client as it is for ever: closing one of a JACK server that has died would end this process.
+
+    That is what no port at all looks like; where the server lives after all, an unconnected client of ours stays.
+    """
+    ctypes.pythonapi.Py_IncRef(ctypes.py_object(client))
 
 
 class _Closed:
@@ -116,7 +140,7 @@ def port_names(direction: Direction) -> dict[int, list[str]]:
             client.delete()
         found[api] = [name for name in names if not name.startswith(OURS)]
     if not found:
-        raise MidiUnavailable(f"no MIDI system runs here: {why}")
+        raise MidiUnavailable(f"no MIDI system runs here: rtmidi: {why}")
     return found
 
 

@@ -45,28 +45,45 @@ def test_a_screen_that_does_not_answer_is_a_reason_too() -> None:
     assert ":4711" in section["why"]
 
 
-class _BrokenPort:
-    def get_input_names(self) -> list[str]:
-        raise SystemError("MidiInAlsa::initialize: error creating\nALSA sequencer client object.")
+class _Midi:
+    """In place of rtmidi: one system with these ports, or none that runs."""
+
+    def __init__(self, inputs: list[str] | None, outputs: list[str] | None = None) -> None:
+        self._inputs = inputs
+        self._outputs = outputs
+
+    def get_compiled_api(self) -> list[int]:
+        return [2]
+
+    def MidiIn(self, _api: int, *, name: str) -> "_Client":  # noqa: N802 - as rtmidi calls it
+        return _Client(self._inputs)
+
+    def MidiOut(self, _api: int, *, name: str) -> "_Client":  # noqa: N802
+        return _Client(self._outputs)
+
+
+class _Client:
+    def __init__(self, names: list[str] | None) -> None:
+        if names is None:
+            raise OSError("MidiInAlsa::initialize: error creating\nALSA sequencer client object.")
+        self._names = names
+
+    def get_ports(self) -> list[str]:
+        return self._names
+
+    def delete(self) -> None: ...
 
 
 def test_midi_without_a_sequencer_is_a_reason(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "mido", _BrokenPort())
+    monkeypatch.setitem(sys.modules, "rtmidi", _Midi(None))
     first, second = inventory.midi()
     assert first.items == second.items == ()
-    assert first.why == "rtmidi: MidiInAlsa::initialize: error creating ALSA sequencer client object."
-
-
-class _Ports:
-    def get_input_names(self) -> list[str]:
-        return ["keys:0", "pads:1"]
-
-    def get_output_names(self) -> list[str]:
-        return []
+    assert first.why is not None
+    assert first.why.endswith("rtmidi: MidiInAlsa::initialize: error creating ALSA sequencer client object.")
 
 
 def test_midi_ports_are_listed_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "mido", _Ports())
+    monkeypatch.setitem(sys.modules, "rtmidi", _Midi(["keys:0", "pads:1"], []))
     inputs, outputs = inventory.midi()
     assert [item["name"] for item in inputs.items] == ["keys:0", "pads:1"]
     assert inputs.why is None

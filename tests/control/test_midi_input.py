@@ -21,7 +21,7 @@ class FakePort:
 
     def __init__(self, name: str) -> None:
         self.name = name
-        self.there = True
+        self.there = self.system_runs = True
         self.closed = False
         self.receive: Callable[[Sequence[int]], None] = lambda message: None
 
