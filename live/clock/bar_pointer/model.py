@@ -46,8 +46,8 @@ class Model:
     fastest_bpm: float = 260.0
     tempo_bpm: float = 115.0
     """The middle of the tempi that people tap (log-normal)."""
-    tempo_octaves: float = 0.8
-    tempo_pull: float = 0.0
+    tempo_octaves: float = 0.5
+    tempo_pull: float = 3.0
     """How much of that preference counts anew each second."""
     tempo_change: float = 90.0
     """The larger, the more constant the tempo: a change from i to j frames weighs exp(-x |j / i - 1|)."""
@@ -64,14 +64,14 @@ class Model:
     beat_share: float = 0.04
     """Share of frames that hold a beat, as far as the activations are concerned."""
     downbeat_share: float = 0.010
-    sharpness: float = 0.5
+    sharpness: float = 0.45
     """Exponent of the likelihoods: neighbouring frames say much the same thing."""
     downbeat_sharpness: float = 0.8
     """Exponent of what is said about downbeats alone."""
     ratio_max: float = 60.0
     ratio_min: float = 0.02
     """Bounds of what one frame can say for or against a beat."""
-    half_beat: float = 0.3
+    half_beat: float = 0.1
     """Exponent of the beats' likelihood in the middle between beats: above 0, off-beats are expected to sound."""
     window: tuple[float, float, float, float, float, float, float] = (0.0, 0.2, 0.8, 1.0, 0.8, 0.2, 0.0)
     """How much each frame of a beat's window is expected to hold the activation."""
