@@ -49,13 +49,12 @@ class DirectSource(HeardSource):
         before = self._grid
         grid = self._numbered(said, before)
         agrees = before is not None and not said.jump and self._agrees(before, grid)
-        if said.jump:
-            self.jumped = True
+        self.jumped = self.jumped or said.jump
+        if said.anchored and not self.anchored:
+            self.level.straighten()
         elif self.anchored and not said.anchored and before is not None:
             # the beats go on where they were, whatever the count says
             self.level.shift((grid.beat_at(now) - before.beat_at(now)) * self.level.factor)
-        elif said.anchored and not self.anchored:
-            self.level.straighten()
         self.anchored = said.anchored
         self._grid, self._measure = grid, said.measure
         self.confidence = min(max(said.confidence, 0.0), 1.0)

@@ -8,7 +8,7 @@ from live.clock.following.audio import AudioSource
 from live.clock.following.direct import DirectSource
 from live.clock.following.hand import HandSource
 from live.clock.following.measures import Measures
-from live.clock.following.run import Run
+from live.clock.following.run import Run, wholes_off
 from live.clock.following.source import Source
 from live.clock.grid import Grid
 
@@ -138,16 +138,16 @@ class Ruling:
         grid = source.grid()
         if grid is None:
             return
-        jumped, source.jumped = source.jumped, False
-        goal = Grid(grid.time, grid.period, grid.number + self.shift)
-        off = goal.beat_at(now) - run.beat(now)
-        if abs(off) > ANOTHER_BEAT:
-            self.shift -= math.floor(off + 0.5)
-            goal = Grid(grid.time, grid.period, grid.number + self.shift)
-        run.goal = goal
-        if jumped:
+        if source.jumped:
+            source.jumped = False
             run.leap_soon("start")
             self._measures.unpin()
+        off = grid.beat_at(now) + self.shift - run.beat(now)
+        if run.leaping:
+            self.shift -= wholes_off(off)
+        elif abs(off) > ANOTHER_BEAT:
+            self.shift -= math.floor(off + 0.5)
+        run.goal = Grid(grid.time, grid.period, grid.number + self.shift)
         lines = source.lines()
         if lines is not None:
             self._measures.follow(run, lines, self.shift, now)

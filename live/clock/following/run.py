@@ -47,6 +47,11 @@ class Run:
         self.goal = Grid(now - (beat - number) * period, period, number)
         self.timeline = self.timeline.with_tempo(min(max(self.goal.tempo, TEMPO_MIN_BPM), TEMPO_MAX_BPM), now)
 
+    @property
+    def leaping(self) -> bool:
+        """Whether the next tick brings a leap."""
+        return self._leap is not None
+
     def leap_soon(self, cause: Cause) -> None:
         """At the next tick the goal is taken at once."""
         self._leap = cause
@@ -89,11 +94,10 @@ class Run:
     def _leap_now(self, now: float, cause: Cause) -> None:
         """Forward to the goal's place in the beat, by less than one beat; or, if that is very near, run there."""
         error = self.error(now)
-        off = error - math.floor(error + 0.5)
-        whole = error - off
-        forward = 0.0 if abs(off) <= LEAP_BEATS else off % 1.0
-        self.goal = replace(self.goal, number=self.goal.number - round(whole - (forward - off if forward else 0.0)))
-        if forward:
+        whole = wholes_off(error)
+        self.goal = replace(self.goal, number=self.goal.number - whole)
+        forward = error - whole
+        if forward > LEAP_BEATS:
             before = self.beat(now)
             self.timeline = replace(self.timeline, beat_origin=before + forward, time_origin=now)
             self._announce(Jump(now, before, before + forward, cause))
@@ -101,3 +105,8 @@ class Run:
     def _announce(self, jump: Jump) -> None:
         self.jumps += 1
         self.last_jump = jump
+
+
+def wholes_off(error: float) -> int:
+    """How many whole beats the goal is to be counted down, so that a leap to it goes forward by less than a beat."""
+    return math.floor(error + LEAP_BEATS)

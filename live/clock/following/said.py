@@ -39,4 +39,4 @@ class Said:
         if not (PERIOD_MIN <= self.period <= PERIOD_MAX and -BEHIND <= self.time - now <= AHEAD):
             return False
         known = self.beats_per_measure
-        return 0 <= known <= 64 and -1 <= self.beat < max(known, 64) and -1 <= self.measure < 1 << 40
+        return 0 <= known <= 64 and -1 <= self.beat < (known or 64) and -1 <= self.measure < 1 << 40
