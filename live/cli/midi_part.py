@@ -8,7 +8,7 @@ from live.clock.midi_clock import MidiClock
 from live.clock.source import Clock
 from live.clock.time_code import TimeCodeClock
 from live.control.events import ControlEvent
-from live.control.midi_clock_out import MidiClockOut
+from live.control.midi_clock_process import MidiClockProcess
 from live.control.midi_input import MidiInput
 from live.control.midi_map import MidiMap
 from live.control.midi_ports import Direction, MidiUnavailable, UnknownPort, find_port
@@ -24,7 +24,7 @@ OFF: Final = "off"
 class OnMidi:
     """Between the show and its MIDI ports. Thread: the one that runs the show."""
 
-    def __init__(self, show: Show, listens: MidiInput | None, sends: MidiClockOut | None) -> None:
+    def __init__(self, show: Show, listens: MidiInput | None, sends: MidiClockProcess | None) -> None:
         self._show = show
         self._listens = listens
         self._sends = sends
@@ -92,7 +92,7 @@ def make_midi(wish: "Wish", show: Show, venue: Venue | None, inbox: Inbox[Contro
             ),
             midi_map=MidiMap(section.bindings),
         )
-    return OnMidi(show, listens, None if target is None else MidiClockOut(target, clock))
+    return OnMidi(show, listens, None if target is None else MidiClockProcess(target, clock))
 
 
 def _named(

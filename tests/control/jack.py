@@ -34,11 +34,21 @@ class JackServer:
         listing = subprocess.run(["jack_lsp"], capture_output=True, timeout=10.0)
         return listing.returncode == 0
 
-    def stop(self) -> None:
-        """End it as a crash does."""
+    def crash(self) -> None:
+        """End it without a goodbye; a server of the same name must be started and stopped after it, to tidy up."""
         if self.process is not None:
             self.process.kill()
             self.process.wait()
+            self.process = None
+
+    def stop(self) -> None:
+        """End it; it clears its place among the eight servers that a machine can have."""
+        if self.process is not None:
+            self.process.terminate()
+            try:
+                self.process.wait(timeout=10.0)
+            except subprocess.TimeoutExpired:
+                self.crash()
             self.process = None
 
 

@@ -115,7 +115,7 @@ def test_a_sound_system_that_dies_ends_nothing(
     listens.start()
     try:
         assert wait_for(lambda: listens.connected == "sequencer:out", 10.0)
-        jack_server.stop()
+        jack_server.crash()
         assert wait_for(lambda: listens.connected == "", 15.0)
         abandon(box)
         jack_server.start()

@@ -1,0 +1,33 @@
+"""The process that sends MIDI clock: it starts, tells, ends with the show and is started again."""
+
+import pytest
+
+from live.clock.source import SystemClock
+from live.clock.timeline import Timeline
+from live.control import midi_clock_process
+from live.control.midi_clock_process import MidiClockProcess
+from tests.control.waiting import wait_for
+
+
+def test_a_sender_without_its_port_says_so_and_comes_back_when_it_is_killed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(midi_clock_process, "RESTART_AFTER", 0.0)
+    sends = MidiClockProcess("no such port", SystemClock())
+    sends.start()
+    first = sends._process
+    assert first is not None
+    try:
+        sends.follow(Timeline(tempo=140.0))
+        assert wait_for(lambda: sends.problem != "", 20.0)
+        first.kill()
+        first.wait()
+
+        def again() -> bool:
+            sends.follow(Timeline(tempo=120.0))
+            return sends._process is not first
+
+        assert wait_for(again, 10.0)
+    finally:
+        second = sends._process
+        sends.stop()
+    assert second is not None
+    assert second.poll() is not None
