@@ -16,7 +16,8 @@ def check(
     from rich.console import Console
 
     from live.base.errors import PersonError
-    from live.cli.session import Wish, choose_sound
+    from live.cli.session_sound import choose_sound
+    from live.cli.wish import Wish
     from live.show.rehearsing import rehearsal_notes
 
     wish = Wish(patch=patch, steps=steps)

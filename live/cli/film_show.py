@@ -15,8 +15,9 @@ from live.base.errors import PersonError
 from live.base.inbox import Inbox
 from live.base.stage_view import StageView
 from live.cli.recording import film_sound, film_writer
-from live.cli.session import Sound, Wish, resident_megabytes, start_tempo
-from live.cli.session_sound import analysis_for
+from live.cli.session import resident_megabytes, start_tempo
+from live.cli.session_sound import Sound, analysis_for
+from live.cli.wish import Wish
 from live.clock.source import ManualClock
 from live.control.events import ControlEvent
 from live.control.music_file import OfflineMusic

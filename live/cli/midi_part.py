@@ -16,7 +16,7 @@ from live.show.core import Show
 from live.show.venue import Venue, VenueMidi
 
 if TYPE_CHECKING:
-    from live.cli.session import Wish
+    from live.cli.wish import Wish
 
 OFF: Final = "off"
 

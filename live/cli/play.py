@@ -131,8 +131,8 @@ def play(
     again at its end. Without a screen, 20 s of the show become a film, first-show.mp4.
     """
     from live.cli.options import film_file, parse_choice, parse_endpoint, parse_number, parse_size, writable_file
-    from live.cli.session import Wish
     from live.cli.stage import play_show
+    from live.cli.wish import Wish
 
     parse_number(bpm, "--bpm", 20, 400)
     parse_number(seconds, "--seconds", 0.1, 7 * 86400)

@@ -6,7 +6,7 @@ import moderngl
 from rich.console import Console
 
 from live.base.errors import PersonError
-from live.cli.session import Wish
+from live.cli.wish import Wish
 from live.control.music_file import Music
 from live.render.film import FilmError, FilmWriter
 from live.render.film_sound import FilmSound

@@ -32,8 +32,9 @@ def render(
     from live.base.errors import PersonError
     from live.cli.film_show import film_show
     from live.cli.options import film_file, parse_number, parse_size, writable_file
-    from live.cli.session import Wish, choose_sound
+    from live.cli.session_sound import choose_sound
     from live.cli.warm import warm_kernels
+    from live.cli.wish import Wish
 
     parse_number(bpm, "--bpm", 20, 400)
     parse_number(seconds, "--seconds", 0.02, 7 * 86400)

@@ -4,8 +4,6 @@ import contextlib
 import gc
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from pathlib import Path
 
 import psutil
 from rich.console import Console
@@ -17,6 +15,7 @@ from live.cli.link_part import make_link
 from live.cli.midi_part import make_midi
 from live.cli.news import News
 from live.cli.session_sound import AudioSource, Sound, choose_sound, make_audio
+from live.cli.wish import Wish
 from live.clock.source import SystemClock
 from live.clock.ticks import STALL
 from live.control.events import ControlEvent, SetLatency
@@ -25,52 +24,11 @@ from live.show.core import Show
 from live.show.engine import Engine
 from live.show.journal import JournalError, JournalWriter
 from live.show.library_watch import LibraryWatch
-from live.show.load import LoadedShow, load_show
+from live.show.load import LoadedShow
 from live.show.on_link import OnLink
-from live.show.patch_file import find_patch
 from live.show.status import Status, StatusFile
-from live.show.venue import Venue, read_venue
+from live.show.venue import Venue
 from live.show.venue_latency import Latencies
-
-
-@dataclass(frozen=True, slots=True)
-class Wish:
-    """What was asked for on the command line."""
-
-    patch: str | None = None
-    audio: str | None = None
-    audio_channel: str | None = None
-    venue: str | None = None
-    bpm: float | None = None
-    link: str | None = None
-    """follow, lead or off; None: what the patch says."""
-    click: str | None = None
-    click_channels: str | None = None
-    midi: str | None = None
-    midi_clock_out: str | None = None
-    """Ports by name, or off; None: what the venue says, or the patch."""
-    steps: Path | None = None
-    seed: int | None = None
-    osc: tuple[str, int] = ("127.0.0.1", 9010)
-    journal: Path | None = None
-    status_json: Path | None = None
-    seconds: float | None = None
-    record: Path | None = None
-    size: tuple[int, int] = (1280, 720)
-    fps: float | None = None
-
-    @property
-    def film_fps(self) -> float:
-        """Frames per second of a film, and of a show without a monitor."""
-        return self.fps or 60.0
-
-    def read_venue(self) -> Venue | None:
-        """The venue that was named, if one was."""
-        return None if self.venue is None else read_venue(self.venue)
-
-    def load(self) -> LoadedShow:
-        """The patch and its steps."""
-        return load_show(find_patch(self.patch), recordings=self.steps)
 
 
 def start_tempo(wish: Wish, loaded: LoadedShow, sound: Sound) -> float | None:

@@ -19,7 +19,7 @@ from live.show.venue import Venue
 from live.show.venue_latency import Latencies
 
 if TYPE_CHECKING:
-    from live.cli.session import Wish
+    from live.cli.wish import Wish
     from live.control.audio_analysis import MakeAnalysis
     from live.control.channels import Channels
 

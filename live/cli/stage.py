@@ -3,8 +3,10 @@
 from rich.console import Console
 
 from live.base.errors import PersonError
-from live.cli.session import Session, Sound, Wish, choose_sound
+from live.cli.session import Session
+from live.cli.session_sound import Sound, choose_sound
 from live.cli.warm import warm_kernels
+from live.cli.wish import Wish
 from live.control.keys import help_lines
 from live.render.monitors import Monitor, UnknownMonitor, find_monitor, list_monitors, screen_problem
 from live.show.load import LoadedShow, scene_of

@@ -8,8 +8,9 @@ import numpy as np
 from rich.console import Console
 
 from live.base.errors import PersonError
-from live.cli.session import Sound, Wish
+from live.cli.session_sound import Sound
 from live.cli.steps_library import find_step, named_steps
+from live.cli.wish import Wish
 from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
 from live.motion.clip import Clip

@@ -1,0 +1,48 @@
+"""Wish: what was asked for on the command line of a show."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from live.show.load import LoadedShow, load_show
+from live.show.patch_file import find_patch
+from live.show.venue import Venue, read_venue
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """What was asked for on the command line."""
+
+    patch: str | None = None
+    audio: str | None = None
+    audio_channel: str | None = None
+    venue: str | None = None
+    bpm: float | None = None
+    link: str | None = None
+    """follow, lead or off; None: what the patch says."""
+    click: str | None = None
+    click_channels: str | None = None
+    midi: str | None = None
+    midi_clock_out: str | None = None
+    """Ports by name, or off; None: what the venue says, or the patch."""
+    steps: Path | None = None
+    seed: int | None = None
+    osc: tuple[str, int] = ("127.0.0.1", 9010)
+    journal: Path | None = None
+    status_json: Path | None = None
+    seconds: float | None = None
+    record: Path | None = None
+    size: tuple[int, int] = (1280, 720)
+    fps: float | None = None
+
+    @property
+    def film_fps(self) -> float:
+        """Frames per second of a film, and of a show without a monitor."""
+        return self.fps or 60.0
+
+    def read_venue(self) -> Venue | None:
+        """The venue that was named, if one was."""
+        return None if self.venue is None else read_venue(self.venue)
+
+    def load(self) -> LoadedShow:
+        """The patch and its steps."""
+        return load_show(find_patch(self.patch), recordings=self.steps)
