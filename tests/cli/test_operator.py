@@ -38,7 +38,7 @@ def desk():
     session = SimpleNamespace(
         inbox=inbox,
         engine=SimpleNamespace(overlay=False),
-        show=SimpleNamespace(blackout=False),
+        show=SimpleNamespace(blackout=False, follower=SimpleNamespace(held=False)),
         status=SimpleNamespace(tool=""),
         loaded=SimpleNamespace(patch=SimpleNamespace(formation=({"name": "wedge"}, {"name": "star"}))),
     )
@@ -64,6 +64,21 @@ def test_b_brings_the_light_back(desk):
     desk.session.show.blackout = True
     desk.operator.act(KeyPressed("b"), 2.0)
     assert desk.inbox.drain() == [events.Blackout(time=2.0, source="key", on=False)]
+
+
+def test_z_holds_the_tempo_and_lets_it_go(desk):
+    desk.operator.act(KeyPressed("z"), 2.0)
+    desk.session.show.follower.held = True
+    desk.operator.act(KeyPressed("z"), 2.0)
+    assert [event.on for event in desk.inbox.drain()] == [True, False]
+
+
+def test_arrows_and_marks_nudge_and_shift(desk):
+    for name in ("left", "right", ",", ".", "j"):
+        desk.operator.act(KeyPressed(name), 2.0)
+    pressed = desk.inbox.drain()
+    assert [event.seconds for event in pressed[:2]] == [-0.01, 0.01]
+    assert [event.beats for event in pressed[2:]] == [-1.0, 1.0, 0.5]
 
 
 def test_f_and_o_change_the_window_only(desk):
