@@ -99,9 +99,10 @@ class MidiClockProcess:
 
     def _read(self, process: "subprocess.Popen[bytes]") -> None:
         assert process.stdout is not None
-        for line in process.stdout:
-            with contextlib.suppress(ValueError):
-                self._facts = json.loads(line)
+        with process.stdout as lines:
+            for line in lines:
+                with contextlib.suppress(ValueError):
+                    self._facts = json.loads(line)
 
 
 def main(name: str, origin: float) -> None:
@@ -113,7 +114,8 @@ def main(name: str, origin: float) -> None:
 
     def tell() -> None:
         while not ended.wait(FIGURES_EVERY):
-            print(json.dumps(sends.facts()), flush=True)
+            with contextlib.suppress(OSError):  # the show has gone
+                print(json.dumps(sends.facts()), flush=True)
 
     threading.Thread(target=tell, daemon=True).start()
     try:

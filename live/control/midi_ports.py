@@ -5,7 +5,10 @@ no ports. Names stay, numbers change: a port is always looked up by its name.
 """
 
 import ctypes
+import glob
+import os
 import re
+import sys
 from collections.abc import Callable
 from types import ModuleType
 from typing import Any, Final, Literal
@@ -127,12 +130,15 @@ def _client(direction: Direction, api: int) -> Any:
 def port_names(direction: Direction) -> dict[int, list[str]]:
     """The ports of each MIDI system that runs, by rtmidi's number of it; MidiUnavailable if none does."""
     found: dict[int, list[str]] = {}
-    why = "rtmidi knows no MIDI system"
+    reasons: list[str] = []
     for api in rtmidi().get_compiled_api():
+        if absent := _absent(api):
+            reasons.append(absent)
+            continue
         try:
             client = _client(direction, api)
         except Exception as error:  # rtmidi.SystemError, which is no built-in SystemError
-            why = " ".join(str(error).split())
+            reasons.append(f"rtmidi: {' '.join(str(error).split())}")
             continue
         try:
             names = client.get_ports()
@@ -140,8 +146,22 @@ def port_names(direction: Direction) -> dict[int, list[str]]:
             client.delete()
         found[api] = [name for name in names if not name.startswith(OURS)]
     if not found:
-        raise MidiUnavailable(f"no MIDI system runs here: rtmidi: {why}")
+        raise MidiUnavailable(f"no MIDI system runs here: {', '.join(reasons) or 'rtmidi knows none'}")
     return found
+
+
+def _absent(api: int) -> str:
+    """Why a system cannot run on this Linux; empty where it may. Asking in vain would write on the terminal."""
+    if sys.platform != "linux":
+        return ""
+    module = rtmidi()
+    if api == getattr(module, "API_LINUX_ALSA", None) and not os.path.exists("/dev/snd/seq"):
+        return "the kernel has no ALSA sequencer"
+    if api == getattr(module, "API_UNIX_JACK", None):
+        server = glob.escape(os.environ.get("JACK_DEFAULT_SERVER", "default"))
+        if not any(glob.glob(f"{folder}/jack_{server}_*_0") for folder in ("/dev/shm", "/tmp")):
+            return "no JACK server runs"
+    return ""
 
 
 def lasting_name(name: str) -> str:
