@@ -29,6 +29,9 @@ CONTRADICTED: Final = np.array((4.5, 4.2, 4.0, 3.8, 3.6, 3.4, 3.3, 3.3, 3.3, 3.3
 
 _HANKEL: Final = np.array(((0, 1, 2), (1, 2, 3), (2, 3, 4)))
 
+PERIOD_MIN: Final = 1e-3
+"""Pulses that come faster [s] are a flood."""
+
 NOISE_MIN: Final = 2e-4
 """What arrival times scatter at least [s]; below this no curve is refused."""
 
@@ -58,9 +61,9 @@ class PulseFit:
     def time_of(self, number: float) -> float:
         """When pulse `number` falls [s]; a bend is not believed for longer than a beat."""
         x = number - self.number
-        if x <= 24.0:
-            return self.time + self.period * x + self.bend * x * x
-        return self.time_of(self.number + 24.0) + self.period_at(number) * (x - 24.0)
+        near = min(x, 24.0)
+        time = self.time + self.period * near + self.bend * near * near
+        return time + self.period_at(number) * (x - near)
 
     def period_at(self, number: float) -> float:
         """Seconds from pulse to pulse at `number`, never less than half of today's."""
@@ -117,7 +120,7 @@ def fit(
     doubt = _doubt(moments, lengths, bent, curves, noise)
     chosen = next((int(i) for i in np.argsort(variance) if doubt[i] <= 1.0), int(np.argmin(doubt)))
     offset, slope, bend = (float(value) for value in curves[:, chosen])
-    return PulseFit(last, float(times[-1]) + offset, rough + slope, bend, noise, int(lengths[chosen]))
+    return PulseFit(last, float(times[-1]) + offset, max(rough + slope, PERIOD_MIN), bend, noise, int(lengths[chosen]))
 
 
 def _curves(m: Times, bent: npt.NDArray[np.bool_]) -> Times:

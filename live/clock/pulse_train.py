@@ -42,6 +42,9 @@ WHOLE: Final = 0.3
 KNOWN_AFTER: Final = 24
 """Pulses of one curve after which its period is worth keeping for the next train."""
 
+FAR: Final = 4000
+"""Pulses across which no curve is fitted: after a longer loss only the period is kept."""
+
 BUNDLE_WITHIN: Final = 400
 """Two like steps within so many pulses are those of a clock that is sent in bundles; ..."""
 
@@ -176,6 +179,9 @@ class PulseTrain:
         self._number[first : self._count] += moved
         self.renumbered = self._count - first if moved else 0
         self.lost += moved
+        if abs(moved) > FAR:
+            self._since, self._known = first, self._fit.period
+            return
         rest = step - moved * self._fit.period
         if abs(rest) > self._gate():
             self._shift(first, rest)

@@ -59,6 +59,8 @@ class MidiInput:
         self.messages = 0
         self.dropped = 0
         """Messages that waited too long."""
+        self.failed = 0
+        """Messages that a decoder failed at."""
         self.last_rejection: Rejection | None = None
         """What the map last refused."""
         self.decoder = decoder if decoder is not None else MidiClock()
@@ -104,7 +106,7 @@ class MidiInput:
             "port": self.connected or self.name,
             "problem": self.problem,
             "messages": self.messages,
-            "bad": self.decoder.rejected + self.dropped,
+            "bad": self.decoder.rejected + self.dropped + self.failed,
             "lost_clocks": train.lost,
             "clock_noise_ms": round(1e3 * train.curve.noise, 2) if train.curve.count else None,
         }
@@ -131,6 +133,13 @@ class MidiInput:
             else:
                 self._inbox.put(made)
 
+    def _decode_safely(self, message: Sequence[int], time: float) -> None:
+        """Decode; a message that no decoder foresaw is counted, and the show goes on."""
+        try:
+            self.decode(message, time)
+        except Exception:
+            self.failed += 1
+
     def look(self, now: float) -> None:
         """What is known at `now` because nothing came."""
         self._put("midi", self.decoder.advance(now))
@@ -147,7 +156,7 @@ class MidiInput:
             while not self._stop.is_set():
                 with contextlib.suppress(queue.Empty):
                     time, message = self._arrived.get(timeout=WAITS)
-                    self.decode(message, time)
+                    self._decode_safely(message, time)
                 now = self._clock.now()
                 self.look(now)
                 if now >= due:

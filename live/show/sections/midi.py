@@ -60,6 +60,7 @@ class MidiSection(Section):
     time_code_offset_s: Annotated[float, Field(ge=-360000, le=360000, allow_inf_nan=False)] = 0.0
     """The time code at which the first measure begins [s]."""
     map: Annotated[tuple[MidiMapSection, ...], Field(max_length=1000)] = ()
+    """What notes, controllers and program changes do, in place of the defaults."""
 
     @property
     def bindings(self) -> tuple[Binding, ...]:
