@@ -51,6 +51,7 @@ def test_no_traceback_for_a_cache_that_cannot_be_written(tmp_path: Path) -> None
 
 
 def test_a_cold_cache_is_told_with_the_command_that_warms_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "kernels").mkdir()
     monkeypatch.setattr(jit, "KERNELS", tmp_path / "kernels")
     report = json.loads(run_live("doctor", "--json", LIVE_CACHE_DIR=str(tmp_path)).stdout)
     found = next(check for check in report["checks"] if check["name"] == "kernel cache")

@@ -3,13 +3,14 @@
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from importlib.metadata import version
 
 import pytest
 
 from live.base.errors import PersonError
 from live.cli import main as main_module
-from tests.cli.command import run_live
+from tests.cli.command import SIGNALS, run_live
 
 COMMANDS = ("play", "render", "replay", "check", "devices", "doctor", "bench", "warm", "sync")
 
@@ -44,6 +45,15 @@ def test_unknown_command_is_an_error_of_use() -> None:
     assert done.returncode == 2
     assert "No such command 'dnace'" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+@pytest.fixture(autouse=True)
+def _signals() -> Iterator[None]:
+    """`main` takes signals over for good."""
+    before = {number: signal.getsignal(number) for number in SIGNALS}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
 
 
 def _main_with(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> int:

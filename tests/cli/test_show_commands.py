@@ -196,7 +196,7 @@ def test_a_film_that_is_broken_off_plays_as_far_as_it_goes(tmp_path):
         )  # fmt: skip
     assert result.returncode == 130, result.stderr
     with av.open(str(film)) as container:
-        assert sum(1 for _ in container.decode(video=0)) > 30
+        assert sum(1 for _ in container.decode(video=0)) >= 10
 
 
 def test_what_is_read_is_never_written_over(tmp_path):

@@ -1,5 +1,6 @@
 """The bench of graph quality: paths are followed without any recordings, and what has no data says so."""
 
+import numpy as np
 import pytest
 
 from live.cli.bench import load_bench
@@ -7,10 +8,12 @@ from live.cli.bench import load_bench
 
 @pytest.fixture(scope="module")
 def rows(tmp_path_factory):
-    """Of paths of 10 measures: 32 are followed in test_path_search."""
+    """With paths half as large in half the measures: the whole ones are followed in test_path_search."""
     run = load_bench("graph-quality")
     with pytest.MonkeyPatch.context() as shorter:
-        shorter.setitem(run.__globals__, "MEASURES", 10)
+        shorter.setitem(run.__globals__, "MEASURES", 16)
+        for line in ("SQUARE", "CIRCLE"):
+            shorter.setitem(run.__globals__, line, 0.5 * np.array(run.__globals__[line]))
         return run(False, tmp_path_factory.mktemp("nothing"))
 
 
