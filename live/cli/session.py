@@ -84,6 +84,7 @@ class Session:
         )
         self.engine.outward.append(self._tell_devices)
         self.status.more["latency"] = self.latencies.facts
+        self.status.more["music"] = show.reactions.facts
         if self._audio is not None:
             self.status.more["audio"] = self._audio.facts
         self._link = self._make_link()

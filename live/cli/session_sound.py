@@ -110,7 +110,7 @@ def analysis_for(loaded: LoadedShow, show: Show) -> "MakeAnalysis":
 
     seeds: deque[Seed] = deque(maxlen=64)
     show.seed_tracker(seeds.append)
-    return lambda rate: AudioAnalysis(rate, tracker=loaded.patch.clock.tracker, seeds=seeds)
+    return lambda rate: AudioAnalysis(rate, tracker=loaded.patch.clock.tracker, seeds=seeds, energy=True)
 
 
 def make_audio(

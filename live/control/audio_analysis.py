@@ -7,10 +7,11 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.clock.energy.music_energy import BeatEnergy, MusicEnergy
 from live.clock.estimate import BeatEstimate
 from live.clock.following.seed import Seed
 from live.clock.tracker import Tracker
-from live.control.events import BeatHeard, ControlEvent, SourceChanged
+from live.control.events import BeatHeard, ControlEvent, MusicHeard, SourceChanged
 from live.control.trackers import TrackerName, make_tracker
 
 TimeOf = Callable[[float], float]
@@ -32,14 +33,19 @@ class AudioAnalysis:
         source: str = "audio",
         tracker: TrackerName = "network",
         seeds: deque[Seed] | None = None,
+        energy: bool = False,
     ) -> None:
-        """`source` is the name that the events carry; ValueError for a sample rate that no sound has."""
+        """`source` is the name that the events carry; `energy`: whether MusicHeard tells what each beat was like.
+
+        ValueError for a sample rate that no sound has.
+        """
         self.tracker, self.note = make_tracker(tracker, sample_rate)
         self.seeds: deque[Seed] = deque(maxlen=64) if seeds is None else seeds
         """What people said by hand and the tracker is to know; taken up, and removed, with the next samples."""
         self._source = source
         self._silent = False
         self._mono = np.zeros(LONGEST, np.float32)
+        self._energy = MusicEnergy(sample_rate) if energy else None
 
     def feed(self, samples: npt.NDArray[np.float32], time_of: TimeOf, now: float | None = None) -> list[ControlEvent]:
         """Analyse the next samples, shape (n, channels), and return the events found in them, oldest first.
@@ -57,6 +63,8 @@ class AudioAnalysis:
                 np.mean(samples[start : start + taken], axis=1, out=mono)
             start += taken
             for estimate in self.tracker.feed(mono):
+                if self._energy is not None:
+                    self._energy.beat(estimate.position, estimate.period)
                 if not self.tracker.silent:  # the beats that a tracker counts on in silence are nothing heard
                     events.append(self._event(estimate, time_of, now))
             if self.tracker.silent != self._silent:
@@ -64,7 +72,23 @@ class AudioAnalysis:
                 time = time_of(self.tracker.position) if now is None else now
                 state = "silent" if self._silent else "found"
                 events.append(SourceChanged(time=time, source=self._source, state=state))
+            if self._energy is not None:
+                events += [self._music(beat, time_of, now) for beat in self._energy.feed(mono)]
         return events
+
+    def _music(self, beat: BeatEnergy, time_of: TimeOf, now: float | None) -> MusicHeard:
+        return MusicHeard(
+            time=time_of(self.tracker.position) if now is None else now,
+            source=self._source,
+            beat_time=time_of(beat.begin),
+            loudness=beat.loudness,
+            density=beat.density,
+            brightness=beat.brightness,
+            low=beat.low,
+            build=beat.build,
+            drop=beat.drop,
+            loudness_db=beat.loudness_db,
+        )
 
     def _event(self, estimate: BeatEstimate, time_of: TimeOf, now: float | None) -> BeatHeard:
         return BeatHeard(

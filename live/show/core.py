@@ -33,6 +33,7 @@ from live.show.measure import MeasureSpan
 from live.show.patch import Patch
 from live.show.programme import UnknownStep, find_step
 from live.show.programmes import programmes_of
+from live.show.reactions import Reactions
 from live.show.scheduler import Scheduler
 from live.show.variation import Variation, Variety, varieties_of
 
@@ -88,6 +89,7 @@ class Show:
         self._controls = GroupControls(patch, self.motion, self.dancers, self.variation)
         self.span = MeasureSpan.at(self.timeline, self.timeline.beat_at(0.0))
         self._start_dancers()
+        self.reactions = Reactions(patch)
         self.blackout = False
         self.brightness = 1.0
         self.time = 0.0
@@ -122,8 +124,17 @@ class Show:
     def apply(self, event: ControlEvent) -> bool:
         """Let an event act, from the next tick on; False if it asked for what is not there (which is counted)."""
         before = self.refused + self.follower.rejected
-        self._act_on(event)
+        if isinstance(event, events.MusicHeard):
+            self._hear(event)
+        else:
+            self._act_on(event)
         return self.refused + self.follower.rejected == before
+
+    def _hear(self, event: events.MusicHeard) -> None:
+        """What the music is like changes what the patch says it changes."""
+        for change in self.reactions.hear(event):
+            self._act_on(change)
+        self.motion.elements.gain = self.reactions.strength
 
     def _act_on(self, event: ControlEvent) -> None:
         if isinstance(event, GROUP_EVENTS):
@@ -274,6 +285,8 @@ class Show:
         self._take_graph()
         self.span = self.span.next(self.timeline)
         self._begin_measure(line)
+        for change in self.reactions.cross_measure_line(time):
+            self._act_on(change)
 
     def _begin_measure(self, beat: float) -> None:
         self._controls.cross_measure_line(self.span.number)

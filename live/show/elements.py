@@ -1,5 +1,7 @@
 """Elements: the procedural elements of a show, put there by the score or live, each for its own group (T105-T110)."""
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
 
@@ -39,6 +41,8 @@ class Elements:
         self._ahead: Float32 = np.zeros(count, np.float32)
         self._last_of: dict[str, Element] = {}
         self._placed = -1
+        self.gain = 1.0
+        """How much stronger elements are that begin from now on."""
         for section in patch.element:  # whatever is wrong is told at the start, not in measure 200
             with named(f"element in measure {section.measure:g}"):
                 self._made(placing_of_section(section), "", 0.0, 4, np.zeros((count, 2), np.float32))
@@ -98,9 +102,10 @@ class Elements:
         target = -1
         if placing.whom and placing.dancer < 0:
             target = self._addressees.bit(placing.whom, position, used | (groups if groups != EVERYBODY else 0))
-        return placing.element(
+        element = placing.element(
             groups=groups, target_group=target, source=source, start=start, beats_per_measure=beats_per_measure
         )
+        return element if self.gain == 1.0 else replace(element, strength=element.strength * self.gain)
 
     def _place(self, placing: Placing, source: str, start: float, beats_per_measure: int, position: Float32) -> Element:
         element = self._made(placing, source, start, beats_per_measure, position)

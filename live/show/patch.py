@@ -13,6 +13,7 @@ from live.show.sections.link import LinkSection
 from live.show.sections.midi import MidiSection
 from live.show.sections.motion import LocomotionSection, MotionSection
 from live.show.sections.music import ClockSection, MusicSection, SoundSection
+from live.show.sections.react import ReactSection
 from live.show.sections.section import Name, Section
 from live.show.sections.segment import FormationTable, RegroupSection, SegmentSection
 from live.show.sections.stage import (
@@ -53,6 +54,7 @@ class Patch(Section):
     look: LookSection = LookSection()
     locomotion: LocomotionSection = LocomotionSection()
     motion: MotionSection = MotionSection()
+    react: Annotated[tuple[ReactSection, ...], Field(max_length=64)] = ()
     group: Annotated[tuple[GroupSection, ...], Field(min_length=1, max_length=16)]
     formation: Annotated[tuple[FormationTable, ...], Field(max_length=1000)] = ()
     """Formations by name: see formations.md."""

@@ -35,6 +35,8 @@ class Variety:
     """Largest time warp [beats] (A_max of T055)."""
     warp_sequence: float = 0.0
     """1: the warp runs over the whole sequence (T056), 0: it ends with each measure (T055)."""
+    larger: float = 0.0
+    """By how much everybody's upper body moves more than recorded, all alike."""
     amplitude: float = 0.0
     """R_max: how much larger or smaller the upper body moves (T058)."""
     amplitude_sequence: float = 0.0
@@ -66,6 +68,7 @@ def variety_of(section: MotionSection) -> Variety:
     return Variety(
         warp_beats=section.warp_beats,
         warp_sequence=float(section.warp_over == "sequence"),
+        larger=section.larger,
         amplitude=section.amplitude,
         amplitude_sequence=float(section.amplitude_over == "sequence"),
         mix=section.mix,
@@ -135,6 +138,7 @@ class Variation:
     # the fields of Variety for each dancer, shape (A,)
     warp_beats: Float64
     warp_sequence: Float64
+    larger: Float64
     amplitude: Float64
     amplitude_sequence: Float64
     mix: Float64
@@ -176,6 +180,7 @@ class Variation:
         slow = self.amplitude_sequence != 0.0
         danced.amplitude[0, slow] = self._slow_amplitude(measure)[slow]
         danced.amplitude[1, slow] = self._slow_amplitude(measure + 1)[slow]
+        danced.amplitude *= 1.0 + self.larger
 
     def _chance(self, purpose: int, measure: int) -> np.random.Generator:
         """The generator of one purpose and measure; measures before the first downbeat have numbers below 0."""

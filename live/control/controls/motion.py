@@ -30,6 +30,10 @@ _MOTION: Final = (
         "Whether they drift over several measures, or are back on the beat at every measure line.",
     ),
     (
+        "/dance/motion/larger", "larger", Argument("value", "float", "0 is as recorded", "", -0.7, 0.5),
+        "The upper body moves more or less than recorded, everybody's alike.",
+    ),
+    (
         "/dance/motion/amplitude", "amplitude", Argument("value", "float", "larger or smaller at most", "", 0, 0.5),
         "The upper body moves more or less than recorded, each dancer in her own way.",
     ),

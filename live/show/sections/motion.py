@@ -31,6 +31,8 @@ class MotionSection(Section):
     """Dancers are ahead of the beat or behind it by this many beats at most, each in her own way (T055)."""
     warp_over: Literal["measure", "sequence"] = "measure"
     """Back on the beat at every measure line, or drifting slowly over several measures (T056)."""
+    larger: Annotated[float, Field(ge=-0.7, le=0.5)] = 0.0
+    """The upper body moves more than recorded by this share (below 0: less), everybody's alike."""
     amplitude: Annotated[float, Field(ge=0, le=0.5)] = 0.15
     """The upper body moves more or less than recorded by this share (T058)."""
     amplitude_over: Literal["measure", "sequence"] = "measure"

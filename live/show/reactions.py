@@ -1,0 +1,78 @@
+"""Reactions: what the music that is heard changes in a show, as the patch's `[[react]]` tables say."""
+
+import math
+from typing import Any, Final
+
+from live.control.events import ControlEvent, MusicHeard, SetMotion
+from live.show.patch import Patch
+from live.show.sections.react import ReactSection
+
+DENSE: Final = 6.0
+"""Onsets per beat that count as 1."""
+
+BUILDING: Final = 0.5
+"""From here on a build-up counts as begun ..."""
+
+NOT_BUILDING: Final = 0.2
+"""... until it has come down to this."""
+
+STRENGTH: Final = "strength"
+
+
+class Reactions:
+    """Takes MusicHeard in order; the same events give the same changes. Thread: the show's."""
+
+    def __init__(self, patch: Patch) -> None:
+        self._follows = [section for section in patch.react if section.to is not None]
+        self._calls = [section for section in patch.react if section.on is not None]
+        self._values: list[float | None] = [None] * len(self._follows)
+        self._waiting: list[ReactSection] = []
+        self._building = False
+        self._last: MusicHeard | None = None
+        self.strength = 1.0
+        """How much stronger elements are that begin now."""
+        self.drops = 0
+        """Drops heard so far."""
+
+    def hear(self, event: MusicHeard) -> list[ControlEvent]:
+        """What one beat of the music changes at once."""
+        self._last = event
+        self.drops += event.drop
+        begins = event.build >= BUILDING and not self._building
+        self._building = event.build >= (NOT_BUILDING if self._building else BUILDING)
+        for section in self._calls:
+            happens = event.drop if section.on == "drop" else begins
+            if happens and section not in self._waiting:
+                self._waiting.append(section)
+        changes: list[ControlEvent] = []
+        for index, section in enumerate(self._follows):
+            value = self._smoothed(index, section, event)
+            if section.sets == STRENGTH:
+                self.strength = max(value, 0.0)
+            elif section.sets is not None:
+                group = "" if section.group == "*" else section.group
+                changes.append(
+                    SetMotion(time=event.time, source="music", parameter=section.sets, value=value, group=group)
+                )
+        return changes
+
+    def cross_measure_line(self, time: float) -> list[ControlEvent]:
+        """What was waiting for the measure line."""
+        waiting, self._waiting = self._waiting, []
+        return [event for section in waiting if isinstance(event := section.event(time), ControlEvent)]
+
+    def facts(self) -> dict[str, Any]:
+        """What the music is like, for the status."""
+        last = self._last
+        if last is None:
+            return {"drops": self.drops}
+        names = ("loudness", "density", "brightness", "low", "build", "loudness_db")
+        return {**{name: round(getattr(last, name), 3) for name in names}, "drops": self.drops}
+
+    def _smoothed(self, index: int, section: ReactSection, event: MusicHeard) -> float:
+        heard = min(event.density / DENSE, 1.0) if section.to == "density" else float(getattr(event, section.to or ""))
+        before = self._values[index]
+        share = 1.0 if before is None or section.beats == 0.0 else 1.0 - math.exp(-1.0 / section.beats)
+        value = heard if before is None else before + share * (heard - before)
+        self._values[index] = value
+        return section.low + (section.high - section.low) * value

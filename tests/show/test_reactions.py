@@ -1,0 +1,85 @@
+"""What the music that is heard changes: followed values, calls at the measure line, and what a patch may say."""
+
+from itertools import pairwise
+
+import pytest
+
+from live.base.errors import PersonError
+from live.control.events import CallStep, MusicHeard, SetMotion
+from live.show.patch_file import parse_patch
+from live.show.reactions import Reactions
+
+GROUP = '\n[[group]]\nname = "ember"\ndancers = 4\nsteps = ["sway"]\n'
+
+
+def beat(time: float, *, loudness: float = 0.5, build: float = 0.0, drop: bool = False) -> MusicHeard:
+    return MusicHeard(
+        time=time, source="audio", beat_time=time, loudness=loudness, density=3.0, brightness=0.5, low=0.5, build=build,
+        drop=drop,
+    )  # fmt: skip
+
+
+def reactions(text: str) -> Reactions:
+    return Reactions(parse_patch('name = "a show"\n' + text + GROUP, "show.toml"))
+
+
+def test_a_parameter_follows_the_loudness_smoothly() -> None:
+    heard = reactions(
+        '[[react]]\nto = "loudness"\nsets = "larger"\nlow = -0.3\nhigh = 0.3\ngroup = "ember"\nbeats = 4\n'
+    )
+    values = []
+    for n in range(24):
+        (change,) = heard.hear(beat(n * 0.5, loudness=0.0 if n < 4 else 1.0))
+        assert isinstance(change, SetMotion)
+        assert (change.parameter, change.group) == ("larger", "ember")
+        values.append(change.value)
+    assert values[:4] == [-0.3] * 4
+    assert all(one < other for one, other in pairwise(values[3:]))
+    assert values[7] == pytest.approx(-0.3 + 0.6 * (1.0 - 2.718281828**-1.0))  # four beats: all but 1/e of the way
+    assert values[-1] == pytest.approx(0.3, abs=0.01)
+
+
+def test_elements_that_begin_take_a_strength() -> None:
+    heard = reactions('[[react]]\nto = "density"\nsets = "strength"\nlow = 0.0\nhigh = 2.0\nbeats = 0\n')
+    assert heard.hear(beat(0.0)) == []
+    assert heard.strength == pytest.approx(1.0)
+
+
+def test_a_drop_calls_a_step_at_the_next_measure_line_and_once() -> None:
+    heard = reactions('[[react]]\non = "drop"\ncall = "/dance/step"\nvalues = ["sway", 2]\n')
+    assert heard.cross_measure_line(0.0) == []
+    assert heard.hear(beat(1.0, drop=True)) == []
+    heard.hear(beat(1.5))
+    (called,) = heard.cross_measure_line(2.0)
+    assert isinstance(called, CallStep)
+    assert (called.name, called.measures, called.time, called.source) == ("sway", 2.0, 2.0, "music")
+    assert heard.cross_measure_line(4.0) == []
+    assert heard.facts()["drops"] == 1
+
+
+def test_a_build_up_is_told_once_when_it_begins() -> None:
+    heard = reactions('[[react]]\non = "build"\ncall = "/dance/spread"\n')
+    called = 0
+    for n, build in enumerate([0.0, 0.6, 0.9, 0.45, 0.7, 0.1, 0.0, 0.8]):
+        heard.hear(beat(n * 0.5, build=build))
+        called += len(heard.cross_measure_line(n * 0.5))
+    assert called == 2
+
+
+@pytest.mark.parametrize(
+    ("table", "why"),
+    [
+        ('to = "loudness"\n', "`to` goes with `sets`"),
+        ('to = "loudness"\nsets = "larger"\non = "drop"\ncall = "/dance/spread"\n', "either"),
+        ("", "either"),
+        ('on = "drop"\ncall = "/dance/step"\n', "/dance/step"),
+        ('on = "drop"\ncall = "/dance/nothing"\n', "/dance/nothing"),
+        ('on = "drop"\ncall = "/dance/spread"\nvalues = [1e9]\n', "/dance/spread"),
+        ('to = "volume"\nsets = "larger"\n', "react.1.to"),
+    ],
+)
+def test_what_a_patch_may_not_say(table: str, why: str) -> None:
+    with pytest.raises(PersonError) as caught:
+        reactions("[[react]]\n" + table)
+    assert "show.toml, line " in str(caught.value)
+    assert why in str(caught.value)
