@@ -190,6 +190,9 @@ def keys_of(amounts: st.SearchStrategy[dict[str, float]]) -> st.SearchStrategy[t
     return pairs.map(lambda found: tuple(Key(beat, found[beat]) for beat in sorted(found)))
 
 
+bend = st.integers(-8, 8).map(lambda tenth: tenth / 10)
+# Hips flung about by 90 degrees in a quarter of a beat, at the edge of the legs' reach, drag a foot along: not these.
+hips = keys_of(st.fixed_dictionaries({"up": small, "left": small, "turn": bend, "lean": bend, "tilt": bend}))
 trunk = keys_of(st.fixed_dictionaries({"up": small, "left": small, "turn": angle, "lean": angle, "tilt": angle}))
 where = {
     "out": st.integers(-10, 30).map(lambda n: n / 100),
@@ -205,7 +208,7 @@ reach = st.fixed_dictionaries({"out": small, "up": small, "forward": small, "elb
 parts = st.fixed_dictionaries(
     {},
     optional={
-        "pelvis": trunk,
+        "pelvis": hips,
         "chest": trunk,
         "head": trunk,
         "left_foot": keys_of(place),
