@@ -29,6 +29,9 @@ HUNG_AFTER: Final = 10.0
 
 POLL: Final = 0.010
 
+METER_FALL: Final = 0.95
+"""Share of the level that is left with the next block: it falls by 20 dB in half a second."""
+
 
 class AudioInput:
     """Listens to a device and puts what the analysis finds, and SourceChanged, into an inbox.
@@ -84,7 +87,7 @@ class AudioInput:
 
     @property
     def level(self) -> float:
-        """RMS of what was heard last, full scale = 1 (for a meter). Thread: any."""
+        """RMS of the loudest heard just now, full scale = 1 (for a meter). Thread: any."""
         return self._level
 
     @property
@@ -180,7 +183,7 @@ class AudioInput:
                 self._put("found", now, self.device.name)
             for event in listening.events(self.latency, now):
                 self._inbox.put(event)
-            self._level = listening.analysis.tracker.level
+            self._level = max(listening.analysis.tracker.level, self._level * METER_FALL)
         if now - self._alive_at > self._patience:
             self._lose(now, self.device.name)
 
