@@ -125,3 +125,18 @@ def test_what_the_show_refuses_is_not_counted_as_accepted():
     engine.frame(nothing)
     assert status.events_accepted == 1
     assert status.snapshot(0.02)["events_rejected"] == {"unknown step": 1}
+
+
+@pytest.mark.parametrize("lead", [0.0, 0.02, 0.113])
+def test_a_picture_shows_the_moment_at_which_it_will_be_seen(lead):
+    """Display and projector take `lead`: what is drawn now is the beat that is heard when it is seen."""
+    engine, clock, _, _ = made_engine(lead=lead)
+    for _ in range(60):
+        clock.advance(0.021)
+        engine.frame(nothing)
+        assert engine.view.time == pytest.approx(clock.now() + lead)
+        assert engine.view.beat == pytest.approx(engine.show.timeline.beat_at(clock.now() + lead))
+    engine.lead = lead + 0.05  # the projector turns out to be slower
+    clock.advance(0.021)
+    engine.frame(nothing)
+    assert engine.view.time == pytest.approx(clock.now() + lead + 0.05)
