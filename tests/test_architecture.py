@@ -4,6 +4,7 @@ import ast
 import shutil
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -16,15 +17,21 @@ def _identify(path: Path) -> str:
     return path.relative_to(ROOT).as_posix()
 
 
-def _imports(path: Path) -> set[str]:
+@cache
+def _tree(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+@cache
+def _imports(path: Path) -> frozenset[str]:
     """Top names of all that a file imports, at its top and inside its functions."""
     found: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(_tree(path)):
         if isinstance(node, ast.Import):
             found.update(alias.name.partition(".")[0] for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module is not None and node.level == 0:
             found.add(node.module.partition(".")[0])
-    return found
+    return frozenset(found)
 
 
 def test_layers_are_kept() -> None:
@@ -45,7 +52,7 @@ def test_every_package_has_its_place() -> None:
 
 @pytest.mark.parametrize("path", MODULES, ids=_identify)
 def test_module_says_what_it_is(path: Path) -> None:
-    docstring = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
+    docstring = ast.get_docstring(_tree(path))
     assert docstring, f"{_identify(path)} has no docstring"
 
 
@@ -87,7 +94,7 @@ def test_the_core_reads_neither_disk_nor_wall_clock() -> None:
 def test_nothing_uses_the_generator_without_a_seed() -> None:
     seedless = {"seed", "rand", "randn", "random", "normal", "uniform", "choice", "shuffle"}
     for path in MODULES:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in ast.walk(_tree(path)):
             if isinstance(node, ast.Attribute) and node.attr in seedless:
                 assert ast.unparse(node.value) not in ("np.random", "numpy.random"), f"{_identify(path)}:{node.lineno}"
             if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("random.default_rng"):
