@@ -414,6 +414,7 @@ def test_liblos_oscsend_sends_every_control(stage):
                 ("warp_sequence", "i", "1", "warp_sequence", 1.0),
                 ("amplitude", "f", "0.5", "amplitude", 0.5),
                 ("amplitude_sequence", "F", None, "amplitude_sequence", 0.0),
+                ("larger", "f", "0.25", "larger", 0.25),
                 ("mix", "f", "0.5", "mix", 0.5),
                 ("arms", "f", "1", "arms", 1.0),
                 ("foot_lock", "i", "0", "lock", 0.0),
