@@ -5,10 +5,11 @@ from typing import Final
 import numpy as np
 
 from live.clock.bar_pointer.hand import Hand, interval_of
-from live.clock.bar_pointer.kernels import advance, leap, observe, refine, rescale, search, tally
+from live.clock.bar_pointer.kernels import advance, fence, leap, observe, refine, rescale, search, tally
 from live.clock.bar_pointer.model import FIRST_SLOT, METRES, SLOTS, Float32, Model, slot_metre
 from live.clock.bar_pointer.passed_beats import PassedBeats
 from live.clock.bar_pointer.states import States
+from live.clock.bar_pointer.whereabouts import Whereabouts
 
 _PLACE: Final = tuple(slot_metre(slot) for slot in range(SLOTS - 1))
 _NEXT: Final = tuple(first + (b + 1) % n for n, first in zip(METRES, FIRST_SLOT, strict=True) for b in range(n))
@@ -41,7 +42,9 @@ class BarPointer:
         self._states.fill()
         self._until_survey = 0
         self._challenged = 0
+        self._anew = True
         self._passed = PassedBeats()
+        self._whereabouts = Whereabouts()
         self._place = 0.0  # how far the window of the present beat is past, 0 to 1 beat
         self._slot = FIRST_SLOT[METRES.index(4)]
         self.interval = 0.0
@@ -95,8 +98,9 @@ class BarPointer:
         states, hand = self._states, self._hand
         ring = (states.share, states.head, states.offset, states.length)
         if listening:
+            births = hand.births(self._whereabouts.left)
             advance(
-                *ring, hand.tempo, hand.metre, hand.born, states.slot_share, states.leaving, states.entering,
+                *ring, hand.tempo, hand.metre, births, states.slot_share, states.leaving, states.entering,
                 np.float32(hand.line_change),
             )  # fmt: skip
             leap(*ring, states.partner, states.slot_share, hand.leap)
@@ -112,6 +116,7 @@ class BarPointer:
             self._move(1.0 / self.interval)
         if not listening:
             return
+        self._whereabouts.step(self.since_beat / self.interval if self.interval > 0.0 else 0.0, beat)
         self._until_survey -= 1
         switch = self._until_survey < 0 and self._survey()
         self._follow(switch)
@@ -168,7 +173,8 @@ class BarPointer:
 
     def _set_anew(self) -> None:
         self._until_survey = 0
-        self._challenged = self.model.switch_surveys
+        self._anew = True
+        self._whereabouts = Whereabouts()
 
     def _likelihoods(self, beat: float, downbeat: float) -> tuple[np.float32, np.float32, np.float32]:
         """How much likelier the frame is with a beat that is no downbeat, with a downbeat, and between beats."""
@@ -178,18 +184,24 @@ class BarPointer:
         low, high = model.ratio_min, model.ratio_max
         odds = beat / (1.0 - beat) * (1.0 - model.beat_share) / model.beat_share
         any_beat = min(max(odds**model.sharpness, low), high)
-        usual = model.downbeat_share / model.beat_share
+        usual = model.downbeat_share
         sharp = self._hand.downbeat_sharpness
         other = any_beat * ((1.0 - first) / (1.0 - usual)) ** sharp
         one = any_beat * (first / usual) ** sharp
-        between = any_beat**model.half_beat if model.half_beat > 0.0 else 1.0
+        between = any_beat**model.half_beat
         return np.float32(other), np.float32(one), np.float32(between)
 
     def _survey(self) -> bool:
         """Bring all states to the sum 1, and look where most of them are. True if the grid is left for that place."""
         states, model, found = self._states, self.model, self._found
         self._until_survey = SURVEY - 1
+        anew, self._anew = self._anew or self.interval == 0.0, False
+        if self._hand.keeps_phase and not anew and not self._whereabouts.left:
+            fence(states.share, states.head, states.offset, states.length, self.interval, self._place)
         total = tally(states.share, states.head, states.offset, states.length, states.histogram)
+        if total <= 0.0:  # all that was believed is given up
+            states.fill()
+            total = tally(states.share, states.head, states.offset, states.length, states.histogram)
         rescale(states.flat, np.float32(1.0 / total))
         search(
             states.histogram, states.length, states.near, states.boxes, self.interval, self._place, model.near_tempo,
@@ -197,7 +209,8 @@ class BarPointer:
         )  # fmt: skip
         self.rival, near = float(found[2]) / total, float(found[3]) / total
         self._challenged = self._challenged + 1 if self.rival > model.switch_ratio * near else 0
-        if self.interval > 0.0 and self._challenged <= model.switch_surveys:
+        if not anew and self._challenged <= model.switch_surveys:
+            self._hand.drift(self.interval)
             return False
         self.jumps += self.interval > 0.0
         self.interval, self._place = float(found[0]), float(found[1])

@@ -1,24 +1,23 @@
-"""Hand: what people say about tempo, level, measure line and metre, written into states and transitions."""
+"""Hand: the transitions in force: those of the model, narrowed by what people have said about tempo, line and metre."""
 
 import math
 from typing import Final
 
 import numpy as np
 
-from live.clock.bar_pointer.model import FIRST_SLOT, METRES, SLOTS, Float32, Model, slot_metre
-from live.clock.bar_pointer.states import States, beats_since_line
-
-TAP_WIDTH: Final = 0.03
-"""How exactly a tempo is tapped (standard deviation, natural logarithm)."""
-
-PRESS_WIDTH: Final = 0.045
-"""How exactly "this is the one" is pressed [s]."""
-
-DOUBT: Final = 1e-9
-"""The ear must find something else this much more likely before it overrules the hand."""
+from live.clock.bar_pointer.model import FIRST_SLOT, METRES, Float32, Model
+from live.clock.bar_pointer.presses import take_beat, take_level, take_metre, take_one, take_tempo
+from live.clock.bar_pointer.states import States
 
 BAND_OCTAVES: Final = 0.5
 """A tempo set by hand keeps the level: its grid stays within so many octaves of it."""
+
+HELD_OCTAVES: Final = 0.25
+HELD_PULL: Final = 1.0
+"""How near a tempo stays to the one that is held: deviation, and how much of it counts anew each second."""
+
+DRIFT: Final = 0.04
+"""When the music has moved this far [octaves], the tempo that is held moves with it."""
 
 CALM: Final = 0.02
 """Once the line is set by hand, chances of another line and metre are multiplied by this, ..."""
@@ -28,130 +27,102 @@ CALM_SHARPNESS: Final = 0.3
 
 
 class Hand:
-    """Holds the transitions in force: those of the model, narrowed by what was set by hand."""
+    """Takes what is said by hand, into the states and for all time to come.
+
+    `tempo`, `metre`, `born`, `leap`, `line_change`, `downbeat_sharpness` are what the kernels are given each frame.
+    """
 
     def __init__(self, states: States) -> None:
         self._states = states
         self._model: Model = states.model
-        self._middle = 0.0
-        self._metre = 0
-        self._line_is_set = False
-        self._odds = np.full((states.count, 2), self._model.octave_change, np.float32)
-        self.tempo: Float32
-        self._renew()
+        self.let_go()
 
     def let_go(self) -> None:
         """Nothing is set by hand any more."""
-        self._middle, self._metre, self._line_is_set = 0.0, 0, False
+        self._middle = 0.0  # interval about which the level is held; 0: it is free
+        self._metre = 0
+        self._line_is_set = False
+        self.keeps_phase = False
+        """Whether a beat was pressed: another phase is believed only when the music has left the present one."""
         self._renew()
-
-    @property
-    def middle(self) -> float:
-        """The interval [frames] about which the level is held; 0 where it is free."""
-        return self._middle
 
     def tap(self, interval: float) -> None:
         """The tempo is this [frames]: states far from it are given up, and the level is held from now on."""
-        states = self._states
-        off = np.log(states.interval_of / interval) / TAP_WIDTH
-        states.share *= np.maximum(np.exp(-0.5 * off**2), DOUBT)[:, None].astype(np.float32)
-        states.settle()
-        self.hold(interval)
-
-    def hold(self, interval: float) -> None:
-        """The level is held about this interval [frames]."""
-        self._middle = interval
-        self._renew()
-
-    def one(self, age: float) -> None:
-        """A measure began `age` frames before this one (negative: after it)."""
-        states, rate = self._states, self._model.frame_rate
-        width = PRESS_WIDTH * rate
-        since = states.positions() - states.model.centre - age
-        for slot, beats in enumerate(beats_since_line()[: SLOTS - 1]):
-            length = states.interval_of * slot_metre(slot)[0]
-            off = since + beats * states.interval_of
-            off -= np.round(off / length) * length
-            states.share[:, slot] *= np.maximum(np.exp(-0.5 * (off / width) ** 2), DOUBT).astype(np.float32)
-        states.settle()
-        self._line_is_set = True
-        self._renew()
+        take_tempo(self._states, interval)
+        self._hold(interval)
 
     def beat(self, age: float) -> None:
-        """A beat lay `age` frames before this one."""
-        states = self._states
-        off = states.positions() - states.model.centre - age
-        off -= np.round(off / states.interval_of) * states.interval_of
-        states.share *= np.maximum(np.exp(-0.5 * (off / (PRESS_WIDTH * self._model.frame_rate)) ** 2), DOUBT)[:, None]
-        states.settle()
+        """A beat lay `age` frames before this one: this phase is kept from now on."""
+        take_beat(self._states, age)
+        self.keeps_phase = True
+
+    def one(self, age: float) -> None:
+        """A measure began `age` frames before this one (negative: it will): this line is kept from now on."""
+        take_one(self._states, age)
+        self._line_is_set = self.keeps_phase = True
+        self._renew()
 
     def scale(self, factor: float, interval: float, since: float, slot: int) -> bool:
-        """The grid `interval` [frames], whose beat `slot` began `since` frames ago, gets `factor` times the tempo.
-
-        Where every second beat falls away it is the even ones of the measure (its second, fourth ...). Returns False,
-        and changes nothing, where no such tempo is looked for.
-        """
-        states = self._states
-        wanted = interval / factor
-        if not states.length[0] <= wanted <= states.length[-1]:
-            return False
-        falls_away = wanted > interval and slot_metre(slot)[1] % 2 == 1
-        place = (since + interval if falls_away else since) % wanted
-        off_tempo = np.log(states.interval_of / wanted) / TAP_WIDTH
-        off = states.positions() / states.interval_of - place / wanted
-        off = (off - np.round(off)) * wanted / (PRESS_WIDTH * self._model.frame_rate)
-        near = np.exp(-0.5 * (off_tempo**2 + off**2)) + DOUBT
-        states.share[:] = (near / near.sum())[:, None] * states.slot_share[None, :]
-        self.hold(wanted)
-        states.settle()
-        return True
+        """The grid gets `factor` times the tempo, see `take_level`; False where no such tempo is looked for."""
+        wanted = take_level(self._states, factor, interval, since, slot)
+        if wanted > 0.0:
+            self._hold(wanted)
+        return wanted > 0.0
 
     def set_metre(self, beats: int) -> None:
         """The measure has so many beats (0: as heard). Raises ValueError for a metre that is not looked for."""
         if beats not in (0, *METRES):
             raise ValueError(f"a measure of {beats} beats: one of {METRES} expected, or 0")
         self._metre = beats
-        states = self._states
         if beats:
-            first = FIRST_SLOT[METRES.index(beats)]
-            total = states.share.sum(axis=1)
-            kept = np.zeros(SLOTS, bool)
-            kept[first : first + beats] = True
-            states.share[:, ~kept] = 0.0
-            rest = total - states.share.sum(axis=1)
-            states.share[:, first : first + beats] += (rest / beats)[:, None]
-            states.settle()
+            take_metre(self._states, beats)
+        self._renew()
+
+    def births(self, left: bool) -> Float32:
+        """New grids that begin in each frame; once a beat was pressed only where the music has `left` the grid."""
+        return self.born if left or not self.keeps_phase else self._none_born
+
+    def drift(self, interval: float) -> None:
+        """The music is at this interval [frames] now: what is held goes along with a slow change."""
+        if self._middle > 0.0 and abs(math.log2(interval / self._middle)) > DRIFT:
+            self._hold(math.sqrt(self._middle * interval))
+
+    def _hold(self, interval: float) -> None:
+        self._middle = interval
         self._renew()
 
     def _renew(self) -> None:
         model, states = self._model, self._states
-        allowed = np.ones(states.count)
-        if self._middle > 0.0:
-            allowed[np.abs(np.log2(states.length / self._middle)) > BAND_OCTAVES] = 0.0
+        weight, share, allowed = self._preference()
         reach = states.still.shape[1] // 2
         tempo = model.tempo_transitions().astype(np.float64)
-        tempo_weight = model.tempo_weight() if self._middle == 0.0 else np.ones(states.count)
         for step in range(-reach, reach + 1):
             there = np.clip(np.arange(states.count) + step, 0, states.count - 1)
             tempo[:, step + reach] *= allowed[there]
-        total = tempo.sum(axis=1, keepdims=True)
-        tempo *= tempo_weight[:, None] / np.maximum(total, 1e-12)
+        tempo *= (weight / np.maximum(tempo.sum(axis=1), 1e-12))[:, None]
         self.tempo = np.ascontiguousarray(tempo, np.float32)
-        calm = CALM if self._line_is_set else 1.0
-        born = model.tempo_share() * allowed
-        self.born = (model.birth * calm * born / max(born.sum(), 1e-12)).astype(np.float32)
+        self.born = (model.birth * share).astype(np.float32)
+        self._none_born = np.zeros_like(self.born)
         partner = states.partner.reshape(-1, 2)
-        self.leap = self._odds * np.where(partner >= 0, allowed[partner], 0.0).astype(np.float32)
+        self.leap = (model.octave_change * np.where(partner >= 0, allowed[partner], 0.0)).astype(np.float32)
+        calm = CALM if self._line_is_set else 1.0
         self.line_change = model.line_change * calm
         self.downbeat_sharpness = model.downbeat_sharpness * (CALM_SHARPNESS if self._line_is_set else 1.0)
-        self.metre = states.same_metre.copy()
-        if not self._metre:
-            self.metre = model.metre_transitions() if calm == 1.0 else _between(model.metre_transitions(), calm)
+        change = 0.0 if self._metre else calm
+        self.metre = (change * model.metre_transitions() + (1.0 - change) * states.same_metre).astype(np.float32)
         states.slot_share = _slot_share(model, self._metre)
 
-
-def _between(full: Float32, share: float) -> Float32:
-    return (share * full + (1.0 - share) * np.eye(full.shape[0])).astype(np.float32)
+    def _preference(self) -> tuple[Float32, Float32, Float32]:
+        """Per interval: what one more beat is worth, how likely a new grid has it (sum 1), whether it may be at all."""
+        model, length = self._model, self._states.length
+        if self._middle == 0.0:
+            return model.tempo_weight(), model.tempo_share(), np.ones(length.size, np.float32)
+        octaves = np.log2(length / self._middle)
+        allowed = (np.abs(octaves) <= BAND_OCTAVES).astype(np.float32)
+        likely = np.exp(-0.5 * (octaves / HELD_OCTAVES) ** 2)
+        share = likely * allowed * np.gradient(length.astype(np.float64)) / length
+        weight = likely ** (HELD_PULL * length / model.frame_rate)
+        return weight.astype(np.float32), (share / share.sum()).astype(np.float32), allowed
 
 
 def _slot_share(model: Model, metre: int) -> Float32:

@@ -12,8 +12,10 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 _SLOTS, _USED = 16, 15
-_LEAST = np.float32(1e-18)
-"""No state falls below this: denormal numbers are slow, and nothing is ever impossible."""
+_LEAST = np.float32(1e-30)
+"""What falls below this is nothing: denormal numbers are slow."""
+_FENCE, _FENCE_TEMPO = 0.25, 1.15
+"""States beyond so many beats, or this ratio of tempi, belong to another grid."""
 _BINS = 24
 """Phase bins of a beat in `histogram`."""
 _NEXT = np.array([1, 0, 3, 4, 2, 6, 7, 8, 5, 10, 11, 12, 13, 14, 9, 15])
@@ -141,9 +143,28 @@ def observe(
 
 @kernel("void(f4[::1], f4)")
 def rescale(flat: Float32, scale: np.float32) -> None:
-    """Multiply all states, shape (16 N,), by `scale`; none falls below what stays a normal number."""
+    """Multiply all states, shape (16 N,), by `scale`; what becomes too small is nothing."""
+    zero = np.float32(0.0)
     for i in range(flat.shape[0]):
-        flat[i] = max(flat[i] * scale, _LEAST)
+        value = flat[i] * scale
+        flat[i] = value if value >= _LEAST else zero
+
+
+@kernel("void(f4[:,::1], i4[::1], i4[::1], i4[::1], f8, f8)")
+def fence(state: Float32, head: Int32, offset: Int32, length: Int32, interval: float, phase: float) -> None:
+    """Give up all states further than `_FENCE` beats from a phase, or at other tempi than near `interval`."""
+    zero = np.float32(0.0)
+    for k in range(length.shape[0]):
+        n = length[k]
+        apart = n > interval * _FENCE_TEMPO or n * _FENCE_TEMPO < interval
+        for p in range(n):
+            off = p / n - phase
+            off -= math.floor(off + 0.5)
+            if apart or abs(off) > _FENCE:
+                at = head[k] + p
+                row = offset[k] + (at - n if at >= n else at)
+                for s in range(_SLOTS):
+                    state[row, s] = zero
 
 
 @kernel("f8(f4[:,::1], i4[::1], i4[::1], i4[::1], f4[:,::1])", fastmath={"reassoc"})

@@ -47,9 +47,9 @@ class Model:
     tempo_bpm: float = 115.0
     """The middle of the tempi that people tap (log-normal)."""
     tempo_octaves: float = 0.5
-    tempo_pull: float = 3.0
+    tempo_pull: float = 1.5
     """How much of that preference counts anew each second."""
-    tempo_change: float = 90.0
+    tempo_change: float = 60.0
     """The larger, the more constant the tempo: a change from i to j frames weighs exp(-x |j / i - 1|)."""
     octave_change: float = 1e-4
     """Chance at each beat that the beats turn out to be twice as far apart, or half as far."""
@@ -61,10 +61,11 @@ class Model:
     """Chance at each beat that it is any other beat of its metre."""
     metre_share: tuple[float, float, float, float] = (0.1, 0.2, 0.65, 0.05)
     """How common the metres are."""
-    beat_share: float = 0.04
+    beat_share: float = 0.12
     """Share of frames that hold a beat, as far as the activations are concerned."""
-    downbeat_share: float = 0.010
-    sharpness: float = 0.45
+    downbeat_share: float = 0.25
+    """Share of the beats that are downbeats, as far as the activations are concerned."""
+    sharpness: float = 0.6
     """Exponent of the likelihoods: neighbouring frames say much the same thing."""
     downbeat_sharpness: float = 0.8
     """Exponent of what is said about downbeats alone."""

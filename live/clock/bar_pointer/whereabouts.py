@@ -1,0 +1,38 @@
+"""Whereabouts: where in the beat the activations lie, to tell a tracker's doubts from music that has gone elsewhere."""
+
+from typing import Final
+
+QUARTERS: Final = 4
+MEMORY: Final = 0.25
+"""Share of the newest beat."""
+
+ELSEWHERE: Final = 0.6
+"""The grid is left when between on and off the beat there is this share of what is there."""
+
+
+class Whereabouts:
+    """The strongest activations of the last beats, on the beat, off it, and in between.
+
+    A network may find the off-beats stronger for a whole song; then nothing lies in between. A new tempo lies anywhere.
+    """
+
+    def __init__(self) -> None:
+        self.strength = [0.5, 0.0, 0.0, 0.0]
+        """On the beat, a quarter after it, half, three quarters: smoothed maxima of each beat."""
+        self._quarter = 0
+        self._strongest = 0.0
+
+    def step(self, phase: float, activation: float) -> None:
+        """One frame, `phase` beats after the last beat."""
+        quarter = int(phase * QUARTERS + 0.5) % QUARTERS
+        if quarter != self._quarter:
+            here = self._quarter
+            self.strength[here] += MEMORY * (self._strongest - self.strength[here])
+            self._quarter, self._strongest = quarter, 0.0
+        self._strongest = max(self._strongest, activation)
+
+    @property
+    def left(self) -> bool:
+        """Whether the music has left the grid."""
+        on, first, off, last = self.strength
+        return max(first, last) > ELSEWHERE * max(on, off)
