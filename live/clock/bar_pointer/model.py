@@ -32,6 +32,9 @@ REACH: Final = 8
 COARSE: Final = 90
 """From this interval on [frames] only every second one is kept: 57 bpm and slower."""
 
+FARTHEST: Final = 0.9
+"""Tempi further than this from the usual one [octaves] are not believed any less."""
+
 UNLIKELY: Final = 1e-5
 """Changes of tempo below this chance are left out."""
 
@@ -111,6 +114,7 @@ class Model:
         The same for equal times: two beats of half the length are worth as much as one.
         """
         octaves = np.log2(60.0 * self.frame_rate / self.intervals / self.tempo_bpm)
+        octaves = np.minimum(np.abs(octaves), FARTHEST)
         seconds = self.intervals / self.frame_rate
         weight: Float32 = np.exp(-0.5 * self.tempo_pull * seconds * (octaves / self.tempo_octaves) ** 2)
         return weight.astype(np.float32)

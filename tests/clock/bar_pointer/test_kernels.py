@@ -80,7 +80,7 @@ def test_the_kernels_are_the_forward_algorithm() -> None:
     total = sum(found.values())
     assert found.keys() == slow.belief.keys()
     for state, mass in slow.belief.items():
-        assert found[state] / total == pytest.approx(mass, rel=2e-3, abs=1e-7)
+        assert found[state] / total == pytest.approx(mass, rel=1e-2, abs=1e-7)  # float32, and what is tiny is left out
 
 
 def test_shares_sum_to_one_after_each_survey_and_are_never_negative() -> None:
