@@ -21,7 +21,8 @@ APART: Final = 0.5
 BIAS: Final = -0.005
 """What is added to every beat's time [s]: instruments are heard this much after the note that is the beat.
 
-Set after the open excerpts had read 9 ms late, so their bias is no independent figure; made music reads 3 to 4 ms early.
+Set after the open excerpts had read 9 ms late, so their bias is no independent figure; made music then reads 3 to 4 ms
+early.
 """
 
 
