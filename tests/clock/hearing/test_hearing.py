@@ -75,14 +75,15 @@ def test_hearing_keeps_nothing_from_block_to_block() -> None:
     for start in range(0, RATE, 512):
         hearing.feed(sound[start : start + 512])
     tracemalloc.start()
-    peak = 0
+    peaks = []
     for start in range(RATE, 3 * RATE, 512):
         tracemalloc.reset_peak()
         before = tracemalloc.get_traced_memory()[0]
         hearing.feed(sound[start : start + 512])
-        peak = max(peak, tracemalloc.get_traced_memory()[1] - before)
+        peaks.append(tracemalloc.get_traced_memory()[1] - before)
     tracemalloc.stop()
-    assert peak < 4096  # views and numbers of Python; the smallest array of a frame has as much
+    assert np.median(peaks) < 2048  # views and numbers of Python, no array
+    assert max(peaks) < 4096  # once in a while Python makes room for more
 
 
 def test_only_one_channel_is_heard() -> None:
