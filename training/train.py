@@ -9,6 +9,7 @@ import queue
 import threading
 import time
 from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -23,14 +24,36 @@ from training.features import Item, read_items
 
 LANES: Final = 32
 FRAMES: Final = 1000
-RATE: Final = 1.5e-3
 WARM_UP: Final = 60
-CLIP: Final = 0.5
 AVERAGE: Final = 0.995
 """Share of the old in the running mean of the weights, which is what is kept."""
 WEIGHT_BEAT: Final = 2.0
 """How much more a frame on a beat counts; a downbeat twice as much more."""
 WEIGHT_PHASE: Final = 0.15
+
+PLAIN: Final = (
+    *("blues shuffle", "half time rock", "house", "pop loop", "punk", "random compound", "random groove"),
+    *("random in three", "random in two", "rock", "rock ballad", "rock in three", "slow twelve-eight"),
+    *("swing", "techno"),
+)
+"""Styles in which the beat is plain to hear: what the first stage learns from."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """A stretch of the training under one cosine of the rate."""
+
+    steps: int
+    rate: float
+    clip: float
+    decay: float
+    """Adam's second decay."""
+    plain: bool
+    """Whether only the plain styles are heard."""
+
+
+STAGES: Final = (Stage(700, 2.5e-3, 1.0, 0.999, True), Stage(1600, 1.5e-3, 0.5, 0.99, False))
+"""Few styles first: a hundred varied ones from the start are learned slower."""
 
 
 def loss(weights: network.Weights, batch: Any, memory: jax.Array) -> tuple[jax.Array, Any]:
@@ -69,16 +92,19 @@ def train(
     items: list[Item],
     held_out: list[Item],
     seed: int,
-    steps: int,
-    start: network.Weights | None = None,
-    report_every: int = 200,
-    deadline: float = float("inf"),
+    stage: Stage,
+    weights: network.Weights,
+    report_every: int = 250,
     out: Path | None = None,
 ) -> network.Weights:
-    """Weights after `steps` steps of Adam under a cosine; `start` goes on from other weights."""
-    weights = network.initial(seed) if start is None else start
-    schedule = optax.warmup_cosine_decay_schedule(0.0, RATE, WARM_UP, steps, RATE * 0.01)
-    optimiser = optax.chain(optax.clip_by_global_norm(CLIP), optax.adamw(schedule, b2=0.99, weight_decay=1e-4))
+    """The weights after a stage that starts from `weights`; the same items and seed give the same."""
+    if stage.plain:
+        items = [item for item in items if item.style in PLAIN]
+    steps = stage.steps
+    schedule = optax.warmup_cosine_decay_schedule(0.0, stage.rate, WARM_UP, steps, stage.rate * 0.01)
+    optimiser = optax.chain(
+        optax.clip_by_global_norm(stage.clip), optax.adamw(schedule, b2=stage.decay, weight_decay=1e-4)
+    )
     moments = optimiser.init(weights)
     mean = weights
 
@@ -105,7 +131,7 @@ def train(
         if (number + 1) % report_every == 0 or last:
             print(validation.report(mean, held_out, brief=not last), flush=True)
             if out is not None:
-                save(mean, out, {"seed": seed, "steps": number + 1})
+                save(mean, out, {"seed": seed, "stage": asdict(stage), "step": number + 1, "items": len(items)})
         if last:
             break
     return mean
@@ -118,7 +144,6 @@ def save(weights: network.Weights, path: Path, facts: dict[str, Any]) -> None:
         "recipe": "training.train",
         "lanes": LANES,
         "frames": FRAMES,
-        "rate": RATE,
         "average": AVERAGE,
         "span": network.SPAN,
         "stride": network.STRIDE,
@@ -143,15 +168,21 @@ def main() -> None:
     parser.add_argument("data", type=Path, nargs="+")
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--steps", type=int, default=2000)
-    parser.add_argument("--start", type=Path)
+    parser.add_argument("--steps", type=int, help="steps of the second stage")
+    parser.add_argument("--start", type=Path, help="go on from these weights, with the second stage only")
     parser.add_argument("--report-every", type=int, default=250)
     options = parser.parse_args()
     items = [item for folder in options.data for item in read_items(folder)]
     learned, held_out = validation.split(items)
     print(len(learned), "items to learn from,", len(held_out), "held out", flush=True)
-    start = load(options.start) if options.start else None
-    train(learned, held_out, options.seed, options.steps, start, options.report_every, out=options.out)
+    plain, varied = STAGES
+    if options.start is None:
+        weights = train(learned, held_out, options.seed, plain, network.initial(options.seed), options.report_every)
+    else:
+        weights = load(options.start)
+    if options.steps:
+        varied = replace(varied, steps=options.steps)
+    train(learned, held_out, options.seed + 1000, varied, weights, options.report_every, options.out)
 
 
 if __name__ == "__main__":
