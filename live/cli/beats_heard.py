@@ -51,7 +51,7 @@ class Ear:
                 self._timeline.one(self._one_at)
             self._one_at = None
         if self._timeline is not None:
-            self._timeline.heard(beats, self.tracker.silent, heard)
+            self._timeline.heard(beats, self.tracker.level, heard)
         return beats
 
 

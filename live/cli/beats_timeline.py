@@ -7,6 +7,7 @@ from typing import Final, TextIO
 from live.base.errors import PersonError
 from live.clock.estimate import BeatEstimate
 from live.clock.follow import TimelineFollower
+from live.clock.pauses import Hearing, Pauses
 
 RATE: Final = 64
 """Lines a second: the show's ticks."""
@@ -26,7 +27,8 @@ class TimelineFile:
         self._out.write(HEADING)
         self._follower = TimelineFollower(follow_metre=True)
         self._ticks = 0
-        self._silent = False
+        self._pauses = Pauses()
+        self._hearing: Hearing = "sound"
 
     def __enter__(self) -> "TimelineFile":
         return self
@@ -38,14 +40,15 @@ class TimelineFile:
         """Somebody pressed "this is the one" at `time` [s]."""
         self._follower.one(time)
 
-    def heard(self, beats: list[BeatEstimate], silent: bool, position: float) -> None:
-        """What was named in the sound up to `position` [s], and whether it is silent there."""
+    def heard(self, beats: list[BeatEstimate], level: float, position: float) -> None:
+        """What was named in the sound up to `position` [s], and how loud it is there (RMS)."""
         self._run(position)
         follower = self._follower
-        if silent != self._silent:
-            self._silent = silent
-            (follower.silent if silent else follower.found)(position, "audio")
-        if silent:
+        before, self._hearing = self._hearing, self._pauses.step(level, position)
+        if self._hearing != before:
+            told = {"sound": follower.found, "pause": follower.paused, "silence": follower.silent}
+            told[self._hearing](position, "audio")
+        if self._hearing != "sound":
             return
         for beat in beats:
             follower.heard(

@@ -106,6 +106,10 @@ class TimelineFollower(HandControls):
         """Nothing is played any more: the tempo is kept, the beats run on."""
         self._changed(time, source, "silent")
 
+    def paused(self, time: float, source: str = "audio") -> None:
+        """Nothing is to be heard for longer than usual: the beats run on alone, what was heard stays believed."""
+        self._changed(time, source, "paused")
+
     def lost(self, time: float, source: str = "audio") -> None:
         """The source went away: as in silence."""
         self._changed(time, source, "lost")

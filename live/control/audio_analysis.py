@@ -10,12 +10,16 @@ import numpy.typing as npt
 from live.clock.energy.music_energy import BeatEnergy, MusicEnergy
 from live.clock.estimate import BeatEstimate
 from live.clock.following.seed import Seed
+from live.clock.pauses import Hearing, Pauses
 from live.clock.tracker import Tracker
 from live.control.events import BeatHeard, ControlEvent, MusicHeard, SourceChanged
 from live.control.trackers import TrackerName, make_tracker
 
 TimeOf = Callable[[float], float]
 """Time of the show [s] for a position in the sound [s since the first sample]."""
+
+STATES: Final[dict[Hearing, str]] = {"sound": "found", "pause": "paused", "silence": "silent"}
+"""What a SourceChanged says of it."""
 
 LONGEST: Final = 4096
 """Samples mixed at once."""
@@ -43,7 +47,8 @@ class AudioAnalysis:
         self.seeds: deque[Seed] = deque(maxlen=64) if seeds is None else seeds
         """What people said by hand and the tracker is to know; taken up, and removed, with the next samples."""
         self._source = source
-        self._silent = False
+        self._pauses = Pauses()
+        self._hearing: Hearing = "sound"
         self._mono = np.zeros(LONGEST, np.float32)
         self._energy = MusicEnergy(sample_rate) if energy else None
 
@@ -65,13 +70,13 @@ class AudioAnalysis:
             for estimate in self.tracker.feed(mono):
                 if self._energy is not None:
                     self._energy.beat(estimate.position, estimate.period)
-                if not self.tracker.silent:  # the beats that a tracker counts on in silence are nothing heard
+                if self._hearing == "sound":  # the beats that a tracker counts on in silence are nothing heard
                     events.append(self._event(estimate, time_of, now))
-            if self.tracker.silent != self._silent:
-                self._silent = self.tracker.silent
+            hearing = self._pauses.step(self.tracker.level, self.tracker.position)
+            if hearing != self._hearing:
+                self._hearing = hearing
                 time = time_of(self.tracker.position) if now is None else now
-                state = "silent" if self._silent else "found"
-                events.append(SourceChanged(time=time, source=self._source, state=state))
+                events.append(SourceChanged(time=time, source=self._source, state=STATES[hearing]))
             if self._energy is not None:
                 events += [self._music(beat, time_of, now) for beat in self._energy.feed(mono)]
         return events

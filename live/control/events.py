@@ -162,7 +162,10 @@ class BeatHeard(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SourceChanged(ControlEvent):
-    """A clock source came ("found"), fell silent ("silent") or went away ("lost")."""
+    """A clock source came ("found"), rests longer than usual ("paused"), fell silent ("silent"), went away ("lost").
+
+    MIDI and Link also say "started" and "stopped".
+    """
 
     state: str
     detail: str = ""

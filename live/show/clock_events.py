@@ -95,5 +95,7 @@ def _tell_heard(follower: TimelineFollower, event: events.BeatHeard | events.Sou
             follower.lost(event.time, event.source)
         case events.SourceChanged(state="silent" | "stopped"):
             follower.silent(event.time, event.source)
+        case events.SourceChanged(state="paused"):
+            follower.paused(event.time, event.source)
         case events.SourceChanged(state="found" | "started"):
             follower.found(event.time, event.source)

@@ -43,8 +43,17 @@ def test_silence_and_return_are_told_once() -> None:
     for part in (still, sound, still, still, sound):
         events += analysis.feed(part[:, None], lambda position: position)
     told = [(event.state, event.time) for event in events if isinstance(event, SourceChanged)]
-    assert [state for state, _ in told] == ["silent", "found", "silent", "found"]
-    assert [time for _, time in told] == pytest.approx([1.2, 3.3, 8.05, 13.3], abs=0.15)
+    assert [state for state, _ in told] == ["paused", "silent", "found", "paused", "silent", "found"]
+    assert [time for _, time in told] == pytest.approx([0.8, 1.2, 3.3, 7.65, 8.05, 13.3], abs=0.15)
+
+
+def test_slow_single_clicks_are_no_silence() -> None:
+    sound, times = clicks(40, RATE, 20.0)
+    events = AudioAnalysis(RATE).feed(sound[:, None], lambda position: position)
+    late = [event for event in events if event.time > 8.0]
+    assert not [event for event in late if isinstance(event, SourceChanged)]
+    beats = [event.beat_time for event in late if isinstance(event, BeatHeard)]
+    assert all(min(abs(time - beat) for beat in beats) < 0.05 for time in times[(times > 8.5) & (times < 18.0)])
 
 
 def test_nan_in_one_channel_is_no_end() -> None:

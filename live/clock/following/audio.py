@@ -6,7 +6,7 @@ from typing import Final
 from live.clock.following.consensus_ear import ConsensusEar
 from live.clock.following.pointer_ear import PointerEar
 from live.clock.following.said import Said
-from live.clock.following.source import HeardSource, Lines
+from live.clock.following.source import HeardSource, Lines, State
 from live.clock.grid import Grid
 
 NOTHING_HEARD: Final = 3.0
@@ -20,6 +20,9 @@ PATIENCE_EARLY: Final = 2.0
 EARLY: Final = 10.0
 """A tracker that changes its mind only about the level (half or double) is followed in that after so many seconds;
 sooner in the first seconds of a song."""
+
+AHEAD: Final = 0.25
+"""Trackers name a beat at most so long [s] before it comes."""
 
 ON_BEAT: Final = 0.2
 """Beats of two levels coincide within this [beats]."""
@@ -40,6 +43,8 @@ class AudioSource(HeardSource):
         self._restarts = 0
         self._song_since = -math.inf
         self._kept_since = math.inf
+        self._before_pause: State | None = None
+        self._paused_at = -math.inf
         self.rest_until = -math.inf
         """Until then the hand rules, and nothing is decided [s]."""
 
@@ -53,6 +58,10 @@ class AudioSource(HeardSource):
 
     def heard(self, said: Said, now: float) -> None:
         """One estimate of the tracker."""
+        if self._before_pause is not None:
+            if said.time <= self._paused_at + AHEAD:  # said before the pause was noticed
+                return
+            self.found(now)
         if self.silent_since is not None:
             if self.too_late(said):
                 return
@@ -118,13 +127,23 @@ class AudioSource(HeardSource):
         else:
             self.state = "following"
 
+    def paused(self, now: float) -> None:
+        """It rests for longer than usual: nothing is believed until it is heard again, nothing is forgotten."""
+        if self.silent_since is None and self._before_pause is None and self.state != "absent":
+            self._before_pause, self._paused_at, self.state = self.state, now, "listening"
+
     def silent(self, now: float) -> None:
         """Nothing is played any more."""
+        self._before_pause = None
         super().silent(now)
         self._forget()
 
     def found(self, now: float) -> None:
         """There is something to hear again."""
+        if self._before_pause is not None:
+            self.state, self._before_pause = self._before_pause, None
+            self.heard_at = max(self.heard_at, now)
+            return
         super().found(now)
         self._forget()
 

@@ -113,6 +113,10 @@ class HeardSource:
         self.silent_since = now if self.silent_since is None else self.silent_since
         self.state = "listening"
 
+    def paused(self, now: float) -> None:
+        """It rests for longer than usual; a source that is not told apart in that falls silent."""
+        self.silent(now)
+
     def lost(self, now: float) -> None:
         """It went away."""
         self.silent(now)

@@ -105,6 +105,30 @@ def test_lost_for_ten_seconds_and_back_with_another_clock(name: str) -> None:
     assert np.diff(hall.beats()).tolist() == [1] * (len(hall.beats()) - 1)
 
 
+def test_a_pause_of_what_is_heard_runs_alone_and_forgets_nothing() -> None:
+    music = Music([(126.0, 130)], start=0.2)
+    player = Player(music, jitter=0.002)
+    hall = Hall(TimelineFollower(), player).until(20.0)
+    player.on = False
+    before = hall.follower.jumps
+    hall.until(21.5, (20.3, lambda follower: follower.paused(20.3)))
+    assert hall.states(20.4, 21.5) == {"freewheel"}
+    player.on = True
+    hall.until(26.0, (21.5, lambda follower: follower.found(21.5)))
+    assert hall.states(21.6, 26.0) == {"locked"}, "at once, without a statement"
+    assert p95(hall.off(music, 20.3, 26.0, whole=4.0)) < 0.012
+    assert hall.follower.jumps == before
+    assert np.diff(hall.beats()).tolist() == [1] * (len(hall.beats()) - 1)
+
+
+def test_a_pause_that_nobody_ends_is_ended_by_beats() -> None:
+    """The analysis was begun anew meanwhile: it says beats, and never that there is something to hear again."""
+    player = Player(Music([(126.0, 130)], start=0.2), jitter=0.002)
+    hall = Hall(TimelineFollower(), player).until(20.0)
+    hall.until(26.0, (20.0, lambda follower: follower.paused(20.0)))
+    assert hall.states(21.0, 26.0) == {"locked"}
+
+
 def test_a_start_by_midi_is_taken_at_once_and_announced() -> None:
     music = Music([(120.0, 60)], start=7.37)
     hall = Hall(TimelineFollower(tempo=100.0), Player(music, name="midi", lead=0.0, per_beat=4, jump_at=0))

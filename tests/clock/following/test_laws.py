@@ -22,7 +22,7 @@ kinds = st.one_of(
     st.tuples(st.just("start"), names, st.floats(30.0, 300.0), st.floats(0.5, 4.0), st.integers(0, 8)),
     st.tuples(st.just("count"), st.just("midi"), st.floats(30.0, 300.0), st.floats(0.5, 4.0), st.just(-1)),
     st.tuples(st.just("wait"), nobody, st.just(0.0), st.floats(0.0, 4.0), whole),
-    st.tuples(st.sampled_from(["silent", "lost", "found"]), names, st.floats(-1.0, 0.3), st.just(0.0), whole),
+    st.tuples(st.sampled_from(["silent", "lost", "found", "paused"]), names, st.floats(-1.0, 0.3), st.just(0.0), whole),
     st.tuples(st.just("taps"), nobody, st.floats(0.2, 1.5), st.floats(0.5, 4.0), whole),
     st.tuples(st.just("said"), names, st.floats(-0.5, 0.5), st.floats(0.15, 2.0), whole),
     st.tuples(st.just("nonsense"), st.sampled_from([*HEARD, "", "tap"]), wild, wild, st.integers(-(2**40), 2**40)),
@@ -98,7 +98,7 @@ class Story:
         follower, time = self.follower, self.now
         if kind in ("play", "start", "count", "wait", "taps"):
             self._last(kind, name, a, b, into)
-        elif kind in ("silent", "lost", "found"):
+        elif kind in ("silent", "lost", "found", "paused"):
             getattr(follower, kind)(time + a, name)
         elif kind == "said":
             follower.heard(time + a, b, 0.9, time, source=name, beat=into, beats_per_measure=into)
