@@ -169,7 +169,10 @@ def _placements(
             axes = next_axes(graph, node[n - 1 : n], end[n - 1 : n, :2], end[n - 1 : n, 2])
             edge = edge_between(graph, int(node[n - 1]), int(node[n]))
             placement[row] = joined(axes, graph.edge_transform[edge : edge + 1])
-        place_dancers(placed, placement[row], correction[row], one, node[row], graph.node_turns, one)
+        place_dancers(
+            placed, placement[row], correction[row], np.zeros((1, 3)), one, node[row], graph.node_turns, graph.node_rise,
+            one,
+        )  # fmt: skip
         end[n, :2] = placed[0, :2] + turn_vectors(ends[n], placed[0, 2])
         end[n, 2] = placed[0, 3] + facings[n]
     return placement, end
@@ -217,8 +220,8 @@ class _Dance:
         node, take = self.node[measure], self.take[measure]
         placed = np.empty((len(node), 4))
         place_dancers(
-            placed, self.placement[measure], self.correction[measure] * corrected[:, None], np.maximum(phase, 0.0),
-            node, self.graph.node_turns, np.ones(len(node)),
+            placed, self.placement[measure], self.correction[measure] * corrected[:, None], np.zeros((len(node), 3)),
+            np.maximum(phase, 0.0), node, self.graph.node_turns, self.graph.node_rise, np.ones(len(node)),
         )  # fmt: skip
         other = np.where(take == NO_TAKE, node, take).astype(np.int32)
         for row, of in ((which, node), (which + 1, other)):

@@ -39,6 +39,8 @@ def insert_clips(graph: MotionGraph, clips: Sequence[StepClip]) -> MotionGraph:
         facing_mean=graph.node_facing_mean,
         turns=graph.node_turns,
         quickest=graph.node_quickest,
+        rise=graph.node_rise,
+        give=graph.node_give,
     )
     boundaries = graph.boundaries.joined(Boundaries.of(part, graph.rule))
     joins = joins_with(library, boundaries, graph.joins, graph.library.node_count, graph.rule)

@@ -52,6 +52,10 @@ class MotionGraph:
     x, z [m] of the foot at both ends, softness (T048-T050)."""
     node_quickest: Float64
     """How fast a turn is at its fastest, in whole angles per measure, shape (N,)."""
+    node_rise: Float64
+    """When in each measure a correction comes in: share and rate at the knots of `motion/shifting`, shape (N, 65, 2)."""
+    node_give: Float64
+    """How far a dancer can be carried beyond each measure's own way [m] with her feet planted, shape (N,)."""
     takes: Takes
     """The other takes of each node's measure (T044-T047)."""
     alive: Bool
@@ -133,6 +137,8 @@ def graph_of(
         node_start=facts.start,
         node_turns=facts.turns,
         node_quickest=facts.quickest,
+        node_rise=facts.rise,
+        node_give=facts.give,
         takes=find_takes(library),
         alive=alive,
         window=rule.window,

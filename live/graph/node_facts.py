@@ -11,6 +11,8 @@ from live.graph.transition import clouds, transition_windows
 from live.motion.editing.feet import ANKLES, BALLS, Feet
 from live.motion.editing.rotation_insertion import support_turns
 from live.motion.posing.pipeline import PosePipeline, PoseSkeleton
+from live.motion.shifting.kernels import KNOTS
+from live.motion.shifting.rise import rise_of
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
 
@@ -35,6 +37,8 @@ class NodeFacts:
     facing_mean: Float64
     turns: Float64
     quickest: Float64
+    rise: Float64
+    give: Float64
 
     def joined(self, other: "NodeFacts") -> "NodeFacts":
         """The facts of this one's nodes, then the other's."""
@@ -45,6 +49,7 @@ def node_facts(library: StepLibrary, window: float) -> NodeFacts:
     """Measure all nodes; `window` is the length of a transition as a share of the measure (T036)."""
     facing_start, facing_end, facing_mean = _facing(library, window)
     turns, quickest = _turns(library, window)
+    rise, give = _rises(library, window)
     return NodeFacts(
         start=_root_at(library, library.node_first),
         end=_root_at(library, library.node_last),
@@ -53,6 +58,8 @@ def node_facts(library: StepLibrary, window: float) -> NodeFacts:
         facing_mean=facing_mean,
         turns=turns,
         quickest=quickest,
+        rise=rise,
+        give=give,
     )
 
 
@@ -65,6 +72,17 @@ def _turns(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
         turns.append(support_turns(step, measure, window=min(window, 0.9), softness=TURN_SOFTNESS, feet=feet[clip]))
     rows = np.ascontiguousarray(np.stack([turn.rows() for turn in turns]))
     return rows, np.array([float(turn.quickest) for turn in turns])
+
+
+def _rises(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
+    """When each node's correction comes in, (N, KNOTS, 2), and how far it may go [m], (N,)."""
+    rises, give = [], []
+    for first, last in zip(library.node_first, library.node_last, strict=True):
+        at = np.linspace(first, last, 1 + 4 * KNOTS).round().astype(np.int64)
+        rise, follows = rise_of(library.clip_contact[at], last=1.0 - min(window, 0.9))
+        rises.append(rise)
+        give.append(0.35 if follows else 0.05)
+    return np.ascontiguousarray(np.stack(rises)), np.array(give)
 
 
 def _measure(library: StepLibrary, node: int) -> tuple[StepClip, int]:

@@ -334,7 +334,7 @@ class Show:
         danced = dancers.present
         for array in (
             self.state.flat, self.motion.entrances.state, self.group, danced.node, danced.placement, danced.correction,
-            danced.take, danced.warp, dancers.lock.state, self.variation.phase, position, rotation,
+            danced.aimed, danced.take, danced.warp, dancers.lock.state, self.variation.phase, position, rotation,
             np.array([beat, self.timeline.tempo, self.brightness]),
         ):  # fmt: skip
             digest.update(np.ascontiguousarray(array).tobytes())

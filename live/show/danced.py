@@ -6,6 +6,7 @@ import numpy.typing as npt
 from live.graph.motion_graph import MotionGraph
 from live.graph.placing import next_axes, own_end, take_placement, turn_vectors
 from live.graph.takes import NO_TAKE
+from live.motion.shifting.kernels import re_aim_dancers
 from live.motion.turning.kernels import place_dancers
 
 Float32 = npt.NDArray[np.float32]
@@ -15,12 +16,14 @@ Int32 = npt.NDArray[np.int32]
 __all__ = ["UNDECIDED", "Danced", "turn_vectors"]
 
 UNDECIDED = -1
+LEAST_LEFT = 0.15
+"""Share of the rise that must be left for a correction to be aimed anew: with less it would be a jerk."""
 
 
 class Danced:
     """Plain arrays over A dancers; `copy_from` replaces them as a whole at a measure line."""
 
-    ARRAYS = ("node", "placement", "correction", "on_support", "take", "take_share", "amplitude", "warp")
+    ARRAYS = ("node", "placement", "correction", "aimed", "on_support", "take", "take_share", "amplitude", "warp")
 
     def __init__(self, graph: MotionGraph, count: int) -> None:
         self.graph = graph
@@ -30,6 +33,8 @@ class Danced:
         """x, z [m], yaw [rad] of the axes of its clip on the stage, shape (A, 3)."""
         self.correction: Float64 = np.zeros((count, 3))
         """What is added over the measure so that it ends where it should: x, z [m], yaw [rad], shape (A, 3)."""
+        self.aimed: Float64 = np.zeros((count, 3))
+        """The way x, z [m] of it that was in when it was aimed anew, and the share of the rise at that time, (A, 3)."""
         self.on_support: Float64 = np.zeros(count)
         """1 where the turn happens on the carrying foot (T048-T050), 0 where it is spread over the measure, (A,)."""
         self.take: Int32 = np.full(count, NO_TAKE, np.int32)
@@ -57,11 +62,21 @@ class Danced:
             out,
             self.placement,
             self.correction,
+            self.aimed,
             fraction,
             np.maximum(self.node, 0),
             self.graph.node_turns,
+            self.graph.node_rise,
             self.on_support,
         )
+
+    def re_aim(self, correction: Float64, phase: Float64) -> None:
+        """From `phase` (A,) of their measures on let the dancers' ways lead to `correction` (A, 2) [m] instead.
+
+        Nobody jumps, and who moves goes on without a kink where `correction` changes smoothly from call to call. Who
+        is in the last LEAST_LEFT of her rise keeps what she has.
+        """
+        re_aim_dancers(self.correction, self.aimed, correction, phase, self.node, self.graph.node_rise, LEAST_LEFT)
 
     def take_placement(self, placement: Float64) -> Float64:
         """Where the other takes' clips lie, (A, 4), when the dancers' own lie at `placement` (A, 4)."""

@@ -59,7 +59,7 @@ class Dancers:
         danced = self.present
         danced.node[:] = node
         danced.placement[:] = begun(self.graph, node, position, heading)
-        danced.correction[:] = 0.0
+        danced.correction[:] = danced.aimed[:] = 0.0
         self.past.node[:] = UNDECIDED
         self.coming.node[:] = UNDECIDED
         self.shown[:] = position
@@ -68,7 +68,7 @@ class Dancers:
         """Put dancers `rows` (n,), whom nobody sees, at `position` (n, 2) [m]: there they begin the present measure."""
         danced = self.present
         danced.placement[rows] = begun(self.graph, danced.node[rows], position, heading)
-        danced.correction[rows] = 0.0
+        danced.correction[rows] = danced.aimed[rows] = 0.0
         self.past.node[rows] = UNDECIDED
         self.lock.state[rows] = 0.0
         self.shown[rows] = position

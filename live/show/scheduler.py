@@ -6,18 +6,17 @@ searched. The way a dancer is still off after her step is spread over that measu
 """
 
 import math
-from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
 from live.agents.look_ahead import LookAhead
-from live.agents.wings.entrances import ON
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
 from live.graph.candidates import QUICKEST_TURN
 from live.graph.kernels import choose_edges
 from live.graph.motion_graph import MotionGraph
+from live.show.carrying import Carrying
 from live.show.danced import Danced
 from live.show.dancers import Dancers
 from live.show.echo import Echo, Programme
@@ -34,9 +33,6 @@ LOOK_BEATS = 1.5
 """Beats before the measure line at which the look-ahead begins."""
 DECIDE_BEATS = 1.0
 """Beats before it at which the next steps are chosen: never later than the blend begins."""
-
-FAR: Final = np.float32(1e4)
-"""Where those who are not on the stage are for the parting of the others [m]."""
 
 # a metre off the place, a radian off the heading, a metre between poses, a measure away from the wanted step, a mirror
 # image where the group wants none (dearer than any place on the stage, cheaper than another step)
@@ -58,6 +54,7 @@ class Scheduler:
         self._patch = patch
         self._dancers = dancers
         self._motion = motion
+        self.carrying = Carrying(patch, dancers, motion)
         self.programmes = programmes
         self.order = sorted(range(len(programmes)), key=lambda index: isinstance(programmes[index], Echo))
         """The groups in the order in which they are asked: whoever echoes another one after her."""
@@ -217,21 +214,10 @@ class Scheduler:
         most = np.minimum(
             math.radians(limits.turn_deg), QUICKEST_TURN * self._seconds / graph.node_quickest[coming.node]
         )
-        coming.correction[:] = 0.0
+        coming.correction[:] = coming.aimed[:] = 0.0
         off = heading - self._own_heading(coming)
         coming.correction[:, 2] = np.clip(np.arctan2(np.sin(off), np.cos(off)), -most, most)
-        end = coming.end_position()  # turned on the feet that carry, the hips end elsewhere
-        error = target - end
-        size = np.maximum(np.hypot(*error.T), 1e-9)
-        error *= np.minimum(1.0, limits.correction_m / size)[:, None]
-        anchor = np.ascontiguousarray(end, np.float32)
-        place = np.ascontiguousarray(end + error, np.float32)
-        on = self._motion.entrances.state == ON
-        apart, held = np.where(on[:, None], place, FAR), np.where(on[:, None], anchor, FAR)
-        self._motion.part(apart, held, limits.correction_m)
-        edge = np.array([self._patch.stage.width / 2, self._patch.stage.depth / 2], np.float32)
-        place[on] = np.clip(apart[on], -edge, edge)
-        coming.correction[:, :2] = place.astype(np.float64) - anchor
+        self.carrying.settle(target)
 
     def _own_heading(self, coming: Danced) -> Float64:
         """Heading that each dancer would end with, or have on the average (T122), if nothing were added, (A,) [rad]."""

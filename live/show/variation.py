@@ -54,6 +54,8 @@ class Variety:
     face_average: float = 0.0
     """1: a measure's average heading is brought to where the dancer should face (T122), 0: that at its end."""
 
+    obedience: float = 0.5
+    """0: steps are danced faithfully, 1: dancers are carried to where the group wants them as far as legs reach."""
     mirror: float = 0.0
     """-1: steps as they were made, 1: their mirror images where there are any, 0: both (T042)."""
 
@@ -84,6 +86,9 @@ def variety_of(section: MotionSection) -> Variety:
 def varieties_of(patch: Patch) -> list[Variety]:
     """What a patch says of each group; a group that mirrors another one dances mirror images, and that one none."""
     varieties = [variety_of(patch.motion_of(section)) for section in patch.group]
+    for index, section in enumerate(patch.group):
+        obedience = patch.locomotion.obedience if section.obedience is None else section.obedience
+        varieties[index] = replace(varieties[index], obedience=obedience)
     names = [section.name for section in patch.group]
     for index, section in enumerate(patch.group):
         if section.like is None or not section.mirrored:
@@ -147,6 +152,7 @@ class Variation:
     lock: Float64
     on_support: Float64
     face_average: Float64
+    obedience: Float64
     mirror: Float64
 
     @property

@@ -417,6 +417,7 @@ def test_liblos_oscsend_sends_every_control(stage):
                 ("larger", "f", "0.25", "larger", 0.25),
                 ("mix", "f", "0.5", "mix", 0.5),
                 ("arms", "f", "1", "arms", 1.0),
+                ("obedience", "f", "0.75", "obedience", 0.75),
                 ("foot_lock", "i", "0", "lock", 0.0),
                 ("turn_on_support", "T", None, "on_support", 1.0),
                 ("face_average", "i", "1", "face_average", 1.0),

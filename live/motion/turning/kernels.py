@@ -11,6 +11,7 @@ import numpy.typing as npt
 from live.base.jit import kernel
 from live.base.kernels import ease
 from live.motion.kernels import yaw_rotate
+from live.motion.shifting.kernels import risen, shifted
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
@@ -27,29 +28,34 @@ def soft_share(passed: float, softness: float) -> float:
     return (inner - softness + (ramp if passed < 0.5 else softness - ramp)) / (1.0 - softness)
 
 
-@kernel("void(f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8[::1])")
+@kernel("void(f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8[:,:,::1], f8[::1])")
 def place_dancers(
     out: Float64,
     placement: Float64,
     correction: Float64,
+    aimed: Float64,
     fraction: Float64,
     node: Int32,
     turns: Float64,
+    rise: Float64,
     on_support: Float64,
 ) -> None:
     """Placement (A, 4), x, z [m], yaw of path and body [rad], when `fraction` (A,) of the measure has passed.
 
     `placement` and `correction` (A, 3): where the clip lies at the measure's start, and what is added until its end.
-    The way is spread by an ease. The turn, where `on_support` (A,) is not 0, happens while one foot carries and about
-    that foot: `turns` (N, 8, 8) holds per node and segment start, stop, weight, x, z [m] at both ends and softness,
-    `node` (A,) the row of each dancer. Elsewhere body and path are turned apart: the body by an ease about the hips.
+    The way is added while a foot is in the air, as `rise` (N, KNOTS, 2) says for each node (`shifting/`); `aimed`
+    (A, 3) x, z [m] was in already when the share in its last column was, and the rest leads from there. The turn,
+    where `on_support` (A,) is not 0, happens while one foot carries and about that foot: `turns` (N, 8, 8) holds per
+    node and segment start, stop, weight, x, z [m] at both ends and softness, `node` (A,) the row of each dancer.
+    Elsewhere body and path are turned apart: the body by an ease about the hips.
     """
     for n in range(out.shape[0]):
-        share = ease(fraction[n])
-        x, z = placement[n, 0] + share * correction[n, 0], placement[n, 1] + share * correction[n, 1]
+        share = risen(rise[node[n]], fraction[n])
+        x = placement[n, 0] + shifted(share, aimed[n, 2], aimed[n, 0], correction[n, 0])
+        z = placement[n, 1] + shifted(share, aimed[n, 2], aimed[n, 1], correction[n, 1])
         yaw, angle = placement[n, 2], correction[n, 2]
         if on_support[n] == 0.0:
-            out[n, 0], out[n, 1], out[n, 2], out[n, 3] = x, z, yaw, yaw + share * angle
+            out[n, 0], out[n, 1], out[n, 2], out[n, 3] = x, z, yaw, yaw + ease(fraction[n]) * angle
             continue
         before, shift_x, shift_z = 0.0, 0.0, 0.0
         for k in range(turns.shape[1]):

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator, model_validator
 
 from live.show.sections.motion import MotionSection
-from live.show.sections.section import Colour, Name, Place, Section, Size
+from live.show.sections.section import Colour, Name, Place, Section, Share, Size
 
 _REPEATED = re.compile(r"^(?P<step>.*?)(?:\s+x\s*(?P<times>[0-9]{1,3}))?$")
 
@@ -49,6 +49,8 @@ class GroupSection(Section):
     """The step danced instead when the way is farther than the step in turn can go."""
     facing: Literal["public", "path", "centre"] = "public"
     """Where dancers face when a measure ends: the public, along their way, or the group's centre."""
+    obedience: Share | None = None
+    """How far its dancers are carried beyond their steps, 0 to 1; if left out as in `[locomotion]`."""
     formation: Annotated[str, Field(min_length=1, max_length=250)] = "grid"
     """Where the group begins: a `[[formation]]`, or words for one: grid, line, circle, `star:6`, `circle poisson`."""
     centre: Place = (0.0, 0.0)

@@ -18,6 +18,9 @@ class LocomotionSection(Section):
     """How far a dancer may be carried beyond the step's own way within one measure."""
     turn_deg: Annotated[float, Field(ge=0, le=180)] = 50.0
     """How far she may be turned beyond it within one measure."""
+    obedience: Share = 0.5
+    """0: steps are danced faithfully and dancers are carried beyond them little; 1: they are carried to where the group
+    wants them as far as legs reach, within the measure, too."""
     weights: dict[str, Annotated[float, Field(ge=0, le=100)]] = Field(default={})
     """How much joints count when poses are compared, by name; most count 1, hips and feet 2, hands 0.4 (T032)."""
     emphasis: Annotated[float, Field(ge=0, le=1)] = 0.5

@@ -7,11 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.base.kernels import ease
 from live.motion.editing.support_turns import SupportTurns, soft_progress
+from live.motion.shifting.kernels import KNOTS
 from live.motion.turning.kernels import place_dancers, soft_share
 
 NODES, DANCERS = 12, 40
+CHANCE = np.random.default_rng(9)
 
 
 def made_turns(chance):
@@ -23,6 +24,16 @@ def made_turns(chance):
     return SupportTurns(start, stop, weight, point, point_stop, softness)
 
 
+def made_rise(chance):
+    """A rise for each node, straight between two of its knots."""
+    begin, end = chance.integers(0, 20, NODES), chance.integers(30, 60, NODES)
+    rate = np.zeros((NODES, KNOTS))
+    for n in range(NODES):
+        rate[n, begin[n] : end[n]] = 1.0
+    share = np.pad(np.cumsum(0.5 * (rate[:, 1:] + rate[:, :-1]), axis=1) / (KNOTS - 1), ((0, 0), (1, 0)))
+    return np.ascontiguousarray(np.stack((share, rate), axis=2) / share[:, -1:, None])
+
+
 def as_rows(turns):
     flat = [turns.start[..., None], turns.stop[..., None], turns.weight[..., None], turns.point, turns.point_stop]
     return np.ascontiguousarray(np.concatenate([*flat, turns.softness[..., None]], axis=-1))
@@ -32,13 +43,18 @@ def test_the_same_as_the_closed_form():
     chance = np.random.default_rng(4)
     turns = made_turns(chance)
     node, fraction = chance.integers(0, NODES, DANCERS).astype(np.int32), chance.uniform(0, 1, DANCERS)
-    placement, correction = chance.normal(0, 1, (2, DANCERS, 3))
+    fraction = np.round(fraction * (KNOTS - 1)) / (KNOTS - 1)
+    placement, correction, aimed = chance.normal(0, 1, (3, DANCERS, 3))
+    rise = made_rise(chance)
+    aimed[:, 2] = chance.uniform(0, 0.8, DANCERS)
     out = np.empty((DANCERS, 4))
-    place_dancers(out, placement, correction, fraction, node, as_rows(turns), np.ones(DANCERS))
+    place_dancers(out, placement, correction, aimed, fraction, node, as_rows(turns), rise, np.ones(DANCERS))
     own = turns.take(node)
     x, z = own.displacement(fraction, correction[:, 2]).T
     c, s = np.cos(placement[:, 2]), np.sin(placement[:, 2])
-    share = np.array([ease(t) for t in fraction])[:, None] * correction[:, :2]
+    risen = np.array([np.interp(f, np.linspace(0, 1, KNOTS), rise[n, :, 0]) for n, f in zip(node, fraction)])
+    passed = ((risen - aimed[:, 2]) / (1 - aimed[:, 2]))[:, None]
+    share = aimed[:, :2] * (1 - passed) + passed * correction[:, :2]
     assert out[:, :2] == pytest.approx(placement[:, :2] + share + np.stack([x * c + z * s, z * c - x * s], axis=1))
     assert out[:, 2] == pytest.approx(placement[:, 2] + correction[:, 2] * own.share(fraction))
     assert np.array_equal(out[:, 2], out[:, 3])  # path and body turn as one
@@ -47,7 +63,10 @@ def test_the_same_as_the_closed_form():
 def test_spread_over_the_measure_the_body_alone_turns():
     placement, correction = np.array([[1.0, 2.0, 0.3]]), np.array([[0.4, -0.2, 1.0]])
     out, turns = np.empty((1, 4)), as_rows(made_turns(np.random.default_rng(1)))
-    place_dancers(out, placement, correction, np.array([0.5]), np.zeros(1, np.int32), turns, np.zeros(1))
+    half = np.linspace(0, 1, KNOTS)
+    rise = np.ascontiguousarray(np.stack((half, np.ones(KNOTS)), axis=1)[None])
+    node = np.zeros(1, np.int32)
+    place_dancers(out, placement, correction, np.zeros((1, 3)), np.array([0.5]), node, turns, rise, np.zeros(1))
     assert out[0] == pytest.approx([1.2, 1.9, 0.3, 0.8])
 
 
@@ -63,8 +82,8 @@ def test_the_foot_that_carries_stays(angle, passed):
     row[0, :, :2] = 1.0
     row[0, 0] = 0.2, 0.7, 1.0, 0.3, -0.4, 0.3, -0.4, 0.3
     placement, fraction = np.array([[0.5, 1.0, 0.8]]), np.array([0.2 + 0.5 * passed])
-    out = np.empty((1, 4))
-    place_dancers(out, placement, np.array([[0, 0, angle]]), fraction, np.zeros(1, np.int32), row, np.ones(1))
+    out, node, aimed, rise = np.empty((1, 4)), np.zeros(1, np.int32), np.zeros((1, 3)), made_rise(CHANCE)
+    place_dancers(out, placement, np.array([[0, 0, angle]]), aimed, fraction, node, row, rise, np.ones(1))
 
     def foot(x, z, yaw):
         c, s = math.cos(yaw), math.sin(yaw)
