@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from live.base.jit import kernel, part
 from live.base.kernels import angle_wrap
+from live.motion.inertia.kernels import LONGEST, settle_rows
 from live.motion.legs.kernels import TOES, stand_legs
 from live.motion.rows.kernels import (
     BLOCK,
@@ -31,6 +32,7 @@ LOWER, UPPER, INTO_NEXT, NEXT_LOWER, NEXT_UPPER = range(5)
 """Rows of `share`: how much of the other take there is in the lower and the upper body, how far the next clip is in."""
 UPPER_FIRST, UPPER_LAST, CHEST, HEAD = range(4)
 """Entries of `body`: joints UPPER_FIRST..UPPER_LAST-1 are the upper body; -1 where there is no such joint."""
+_SETTLED: Any = np.float32(LONGEST)
 _ZERO: Any = np.float32(0.0)
 _ONE: Any = np.float32(1.0)
 _TWO: Any = np.float32(2.0)
@@ -83,6 +85,15 @@ def _any_but(values: Float32, value: float, start: int, stop: int) -> bool:
 
 
 @part
+def _any_below(values: Float32, value: float, start: int, stop: int) -> bool:
+    """Whether one of the block's values is below `value`."""
+    found = False
+    for n in range(start, stop):
+        found |= values[n] < value
+    return found
+
+
+@part
 def _row(row: Float32, values: Float32, start: int, stop: int) -> None:
     for i in range(BLOCK):
         row[i] = values[min(start + i, stop - 1)]
@@ -129,12 +140,14 @@ def _amplify(
 
 @kernel(
     "void(f4[:,:,::1], f4[:,:,::1], f4[:,::1], f4[:,:,::1], f4[:,:,::1], f8[:,::1], f8[:,:,::1], f4[:,::1], i4[:,::1],"
-    " f4[::1], f4[::1], f4[:,:,::1], f4[:,::1], i4[::1], i4[::1], i4[::1], f4[::1], i8, i8)"
+    " f4[::1], f4[::1], f4[:,:,::1], f4[:,:,::1], f4[::1], i4[::1], f4[:,::1], i4[::1], i4[::1], i4[::1], f4[::1],"
+    " i8, i8)"
 )
 def pose_dancers(
     position: Float32, rotation: Float32,
     clip_root: Float32, clip_rotation: Float32, mean_rotation: Float32,
     sample: Float64, placement: Float64, share: Float32, mean: Int32, amplitude: Float32, head: Float32, feet: Float32,
+    settling: Float32, age: Float32, watched: Int32,
     offsets: Float32, parents: Int32, body: Int32, legs: Int32, soles: Float32,
     begin: int, end: int,
 ) -> None:  # fmt: skip
@@ -144,8 +157,9 @@ def pose_dancers(
     `clip_rotation` (S, J, 4); `mean_rotation` (N, J, 4) each node's mean pose; `sample` (4, A) fractional samples and
     `placement` (4, A, 4) x, z [m], yaw of path and body [rad] of the clips PRESENT .. NEXT_TAKE; `share` (5, A) LOWER
     .. NEXT_UPPER; `mean` (2, A) nodes of the mean poses; `amplitude` (A,) about 1; `head` (A,) how far the head turns
-    to the public; `feet` (A, 2, 6) as in legs/kernels.py (TOES below 0: leave the legs as they are). `soles`: heights
-    [m] of ankle and toe joint of a standing foot.
+    to the public; `feet` (A, 2, 6) as in legs/kernels.py (TOES below 0: leave the legs as they are); `settling`, `age`
+    (A,) [s] and `watched` (J,) as in inertia/kernels.py. `soles`: heights [m] of ankle and toe joint of a standing
+    foot.
     """
     joints = parents.shape[0]
     # made here, with rows of a constant length, so that the compiler knows that no two rows overlap
@@ -179,6 +193,8 @@ def pose_dancers(
                     root[c, i] += row[i] * (roots[NEXT, c, i] - root[c, i])
         if _any_but(amplitude, _ONE, start, stop):
             _amplify(present, take, mean_rotation, mean, share[INTO_NEXT], amplitude, row, body, start, stop)
+        if _any_below(age, _SETTLED, start, stop):
+            settle_rows(present, root, settling, age, watched, start, stop)
         forward_rows(world, present, root, offsets, parents)
         if body[HEAD] >= 0 and _any_but(head, _ZERO, start, stop):
             face_public(world, head, body[CHEST], body[HEAD], start, stop)

@@ -11,6 +11,8 @@ import numpy.typing as npt
 
 from live.motion import quaternion
 from live.motion.contact import TOES_OVER_SOLE
+from live.motion.inertia.inertia import at_rest
+from live.motion.inertia.kernels import LONGEST
 from live.motion.legs.kernels import FEET_COLUMNS, TOES
 from live.motion.posing.kernels import pose_dancers
 from live.motion.rows.kernels import BLOCK
@@ -130,6 +132,13 @@ class PosePipeline:
         self.feet: Float32 = np.zeros((count, 2, FEET_COLUMNS), np.float32)
         """Foot lock, columns as in legs/kernels.py; the legs are left as they are unless `lock` is set."""
         self.lock = False
+        self.settling: Float32 = at_rest(1, joints)
+        """What dancers keep of motions they were cut out of, (A, rows, 7) as in inertia/kernels.py; read where `age` is
+        below LONGEST only."""
+        self.age: Float32 = np.full(count, LONGEST, np.float32)
+        """How long ago they were cut out of them [s], shape (A,)."""
+        self.watched: Int32 = np.arange(joints, dtype=np.int32)
+        """Which row of `settling` belongs to each joint, shape (J,)."""
         self.position: Float32 = np.zeros((count, joints, 3), np.float32)
         """World positions of the joints [m], shape (A, J, 3)."""
         self.rotation: Float32 = np.zeros((count, joints, 4), np.float32)
@@ -152,6 +161,7 @@ class PosePipeline:
             pose_dancers(
                 position, rotation, clips.root, clips.rotation, clips.mean,
                 self.sample, self.placement, self.share, self.mean, self.amplitude, self.head, self.feet,
+                self.settling, self.age, self.watched,
                 skeleton.offsets, skeleton.parents, skeleton.body, skeleton.legs, self._soles, begin, end,
             )  # fmt: skip
 

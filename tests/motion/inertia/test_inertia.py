@@ -1,0 +1,204 @@
+"""Inertialization against Bollo's conditions: value and speed kept at the cut, nothing left later; no overshoot."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from live.motion import quaternion
+from live.motion.inertia.inertia import Inertia
+from live.motion.inertia.kernels import LONGEST, SHORTEST
+from live.motion.posing.kernels import PRESENT
+from live.motion.posing.pipeline import ClipStore, PosePipeline, PoseSkeleton
+from live.motion.skeleton import JOINT_COUNT
+
+RATE = 64.0
+DT = 1.0 / RATE
+SAMPLES = 64
+COUNT = 40  # more than a block
+
+
+def smooth_clips(seed, spread=0.7):
+    """Two motions of a body within `spread` [rad] of one pose, one after the other in one store."""
+    chance = np.random.default_rng(seed)
+    around = quaternion.unit(chance.normal(0, 1, (JOINT_COUNT, 4)))
+    time = np.linspace(0, 2 * math.pi, SAMPLES)[:, None, None]
+    rotations, roots = [], []
+    for _ in range(2):
+        turns = spread / math.sqrt(3) * np.sin(time + chance.uniform(0, 2 * math.pi, (1, JOINT_COUNT, 3)))
+        size = np.linalg.norm(turns, axis=-1)
+        rotations.append(quaternion.mul(around, quaternion.from_axis_angle(turns / size[..., None], size)))
+        roots.append(0.3 * np.sin(time[:, 0] + chance.uniform(0, 6, (1, 3))))
+    rotation = quaternion.continuous(np.concatenate(rotations)).astype(np.float32)
+    return ClipStore.of(np.concatenate(roots).astype(np.float32), rotation)
+
+
+class Cut:
+    """COUNT dancers who leave the first clip at samples of their own for any sample of the second."""
+
+    def __init__(self, seed, spread=0.7):
+        chance = np.random.default_rng(seed)
+        self.store = smooth_clips(seed, spread)
+        self.old = chance.integers(4, SAMPLES - 34, COUNT) + 0.5
+        self.new = SAMPLES + chance.integers(4, SAMPLES - 34, COUNT) + 0.5
+        self.inertia = Inertia(COUNT, JOINT_COUNT)
+        self.pipeline = PosePipeline(COUNT)
+        self.pipeline.settling, self.pipeline.age = self.inertia.settling, self.inertia.age
+        before = self._two(self.old)
+        after = self._two(self.new)
+        rows = np.arange(COUNT, dtype=np.int32)
+        self.inertia.begin(rows, before, after, self.pipeline.skeleton.parents, time=10.0, dt=DT)
+
+    def _two(self, sample):
+        found = [self.clip(sample - back) for back in (0.0, 1.0)]
+        return tuple(np.stack([pose[k] for pose in found]) for k in range(2))
+
+    def clip(self, sample):
+        """Positions and rotations of the clips alone."""
+        self.inertia.age[:] = LONGEST
+        self.pipeline.sample[PRESENT] = sample
+        return tuple(array.copy() for array in self.pipeline.run(self.store))
+
+    def shown(self, seconds):
+        """The same `seconds` after the cut, with what is left of the old motion."""
+        self.inertia.place(10.0 + seconds)
+        self.pipeline.sample[PRESENT] = self.new + seconds * RATE
+        return tuple(array.copy() for array in self.pipeline.run(self.store))
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.1, 1.3))
+def test_the_pose_is_the_old_one_at_the_cut(seed, spread):
+    cut = Cut(seed, spread)
+    position, rotation = cut.shown(0.0)
+    old_position, old_rotation = cut.clip(cut.old)
+    assert position == pytest.approx(old_position, abs=2e-5)
+    assert np.abs((rotation * old_rotation).sum(-1)) == pytest.approx(1.0, abs=1e-5)
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.1, 1.0))
+def test_the_speed_is_the_old_one_at_the_cut(seed, spread):
+    """Between two pictures a hundredth of a tick apart, against the old clip's own between its samples."""
+    cut = Cut(seed, spread)
+    small = 0.01 * DT
+    now, then = cut.shown(0.0)[0].astype(np.float64), cut.shown(small)[0]
+    old = (cut.clip(cut.old)[0].astype(np.float64) - cut.clip(cut.old - 1.0)[0]) * RATE
+    speed = (then - now) / small
+    jump = np.linalg.norm(speed - old, axis=-1)
+    # the clips' own accelerations within a tick, and float32 over so short a time
+    turning = np.linalg.norm(cut.clip(cut.new + 1)[0] - 2 * cut.clip(cut.new)[0] + cut.clip(cut.new - 1)[0], axis=-1)
+    assert jump.max() < RATE * turning.max() + 0.15
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_nothing_is_left_after_the_longest_time(seed):
+    cut = Cut(seed)
+    for seconds in (LONGEST, LONGEST + 0.05):
+        shown, clip = cut.shown(seconds), cut.clip(cut.new + seconds * RATE)
+        assert (shown[0] == clip[0]).all()
+        assert (shown[1] == clip[1]).all()
+
+
+def test_nothing_is_changed_in_whom_nobody_cuts():
+    """One dancer of a block is cut: the others' bits stay, and so do those of whoever has settled."""
+    cut = Cut(5)
+    plain = cut.clip(cut.new)
+    cut.inertia.forget(np.flatnonzero(np.arange(COUNT) != 3))
+    cut.inertia.place(10.0)
+    cut.pipeline.sample[PRESENT] = cut.new
+    shown = cut.pipeline.run(cut.store)
+    others = np.arange(COUNT) != 3
+    assert (shown[0][others] == plain[0][others]).all()
+    assert (shown[1][others] == plain[1][others]).all()
+    assert np.abs(shown[0][3] - plain[0][3]).max() > 0.01
+
+
+def difference(offset, speed, seconds):
+    """The difference left after each of `seconds`, of one joint, as the kernels let it fade, (T, 3)."""
+    inertia = Inertia(1, JOINT_COUNT)
+    parents = PosePipeline(1).skeleton.parents
+    rest = np.zeros((2, 1, JOINT_COUNT, 3), np.float32), np.tile(np.float32([1, 0, 0, 0]), (2, 1, JOINT_COUNT, 1))
+    old = rest[0].copy()
+    old[0, 0, 0], old[1, 0, 0] = offset, offset - DT * speed
+    inertia.begin(np.zeros(1, np.int32), (old, rest[1]), rest, parents, time=0.0, dt=DT)
+    pipeline = PosePipeline(1)
+    pipeline.settling, pipeline.age = inertia.settling, inertia.age
+    still = ClipStore.of(np.zeros((2, 3), np.float32), rest[1][:, 0])
+    found = []
+    for at in seconds:
+        inertia.place(at)
+        found.append(pipeline.run(still)[0][0, 0].copy())
+    return np.array(found, np.float64), float(inertia.settling[0, JOINT_COUNT, 6])
+
+
+def quintic(offset, speed, duration, seconds):
+    """The polynomial of Bollo's six conditions, by solving for its coefficients."""
+    t = duration
+    powers = np.arange(6)
+    rows = [
+        np.eye(6)[0], np.eye(6)[1], 2 * np.eye(6)[2], t**powers, powers * t ** np.maximum(powers - 1, 0),
+        powers * (powers - 1) * t ** np.maximum(powers - 2, 0),
+    ]  # fmt: skip
+    wanted = np.zeros((6, 3))
+    wanted[0], wanted[1] = offset, speed
+    coefficients = np.linalg.solve(np.array(rows), wanted)
+    left = np.minimum(np.array(seconds), duration)
+    return (left[:, None] ** powers) @ coefficients
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_a_difference_fades_by_the_quintic_and_within_its_bound(seed):
+    chance = np.random.default_rng(seed)
+    offset, speed = chance.normal(0, 0.3, 3), chance.normal(0, 2.0, 3)
+    seconds = np.linspace(0.0, LONGEST, 41)
+    found, duration = difference(offset, speed, seconds)
+    assert SHORTEST <= duration <= LONGEST + 1e-6
+    assert found == pytest.approx(quintic(offset, speed, duration, seconds), abs=2e-4)
+    bound = np.linalg.norm(offset) + 0.2 * duration * np.linalg.norm(speed)
+    assert np.linalg.norm(found, axis=-1).max() <= bound + 1e-4
+
+
+@given(st.floats(0.02, 1.0), st.floats(0.0, 1.0), st.integers(0, 2**32 - 1))
+def test_a_difference_that_closes_straight_never_passes_zero(size, share, seed):
+    """Bollo's bound: as long as the shortest fade lets it, the difference shrinks all the time and never turns over."""
+    way = np.random.default_rng(seed).normal(0, 1, 3)
+    way /= np.linalg.norm(way)
+    fastest = 2.5 * size / SHORTEST
+    found, _ = difference(size * way, -share * fastest * way, np.linspace(0.0, LONGEST, 81))
+    along = found @ way
+    assert along.min() > -2e-4 * (1.0 + size)
+    assert np.diff(along).max() < 2e-4 * (1.0 + size)
+
+
+def test_the_differences_of_rotations_take_the_short_way_and_keep_it():
+    """Shoulders 170 degrees apart about changing axes: the difference is never larger than that, and never flips."""
+    store_rotation = np.tile(np.float32([1, 0, 0, 0]), (4, JOINT_COUNT, 1))
+    store_rotation[1, 5] = np.roll(Rotation.from_euler("z", 170, degrees=True).as_quat(), 1)
+    store_rotation[0, 5] = np.roll(Rotation.from_euler("z", 189, degrees=True).as_quat(), 1)
+    store = ClipStore.of(np.zeros((4, 3), np.float32), store_rotation)
+    pipeline = PosePipeline(1)
+    poses = {}
+    for sample in range(4):
+        pipeline.sample[PRESENT] = sample
+        poses[sample] = tuple(array.copy() for array in pipeline.run(store))
+    inertia = Inertia(1, JOINT_COUNT)
+    old = tuple(np.stack([poses[1][k], poses[0][k]]) for k in range(2))
+    new = tuple(np.stack([poses[2][k], poses[3][k]]) for k in range(2))
+    inertia.begin(np.zeros(1, np.int32), old, new, pipeline.skeleton.parents, time=0.0, dt=DT)
+    offset, speed = inertia.settling[0, 5, :3], inertia.settling[0, 5, 3:6]
+    assert math.degrees(np.linalg.norm(offset)) == pytest.approx(170.0, abs=0.1)
+    assert math.degrees(speed[2] * DT) == pytest.approx(-19.0, abs=0.1)  # 189 to 170, not -171 to 170
+
+
+def test_the_legs_alone_keep_the_same_differences():
+    """The foot lock watches nine joints: it must see them where the whole body has them."""
+    cut = Cut(11)
+    whole = cut.shown(0.1)[0]
+    skeleton, joints = PoseSkeleton.legs_only()
+    legs = PosePipeline(COUNT, skeleton)
+    legs.sample, legs.settling, legs.age = cut.pipeline.sample, cut.inertia.settling, cut.inertia.age
+    legs.watched = joints
+    store = ClipStore.of(cut.store.root, cut.store.rotation[:, joints])
+    assert legs.run(store)[0] == pytest.approx(whole[:, joints], abs=1e-6)
