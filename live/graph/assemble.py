@@ -170,8 +170,8 @@ def _placements(
             edge = edge_between(graph, int(node[n - 1]), int(node[n]))
             placement[row] = joined(axes, graph.edge_transform[edge : edge + 1])
         place_dancers(
-            placed, placement[row], correction[row], np.zeros((1, 3)), one, node[row], graph.node_turns, graph.node_rise,
-            one,
+            placed, placement[row], correction[row], np.zeros((1, 3)), one, node[row],
+            graph.node_turns, graph.node_rise, one,
         )  # fmt: skip
         end[n, :2] = placed[0, :2] + turn_vectors(ends[n], placed[0, 2])
         end[n, 2] = placed[0, 3] + facings[n]

@@ -53,7 +53,7 @@ class MotionGraph:
     node_quickest: Float64
     """How fast a turn is at its fastest, in whole angles per measure, shape (N,)."""
     node_rise: Float64
-    """When in each measure a correction comes in: share and rate at the knots of `motion/shifting`, shape (N, 65, 2)."""
+    """When in each measure a correction comes in: share and rate at its knots (motion/shifting), shape (N, 65, 2)."""
     node_give: Float64
     """How far a dancer can be carried beyond each measure's own way [m] with her feet planted, shape (N,)."""
     takes: Takes

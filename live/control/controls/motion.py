@@ -46,7 +46,7 @@ _MOTION: Final = (
     ("/dance/motion/arms", "arms", _SHARE, "Share of the dancers whose upper body dances another take of the step."),
     ("/dance/motion/head", "head", _SHARE, "How far heads turn to the public, as far as necks allow."),
     (
-        "/dance/motion/obedience", "obedience", Argument("value", "float", "faithful steps to obedient paths", "", 0, 1),
+        "/dance/motion/obedience", "obedience", Argument("value", "float", "faithful steps to obedient path", "", 0, 1),
         "How far dancers are carried beyond their steps to where the group wants them; status says what that costs.",
     ),
     (
