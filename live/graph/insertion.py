@@ -40,7 +40,8 @@ def insert_clips(graph: MotionGraph, clips: Sequence[StepClip]) -> MotionGraph:
         turns=graph.node_turns,
         quickest=graph.node_quickest,
         rise=graph.node_rise,
-        give=graph.node_give,
+        gives=graph.node_gives,
+        moments=graph.moments,
     )
     boundaries = graph.boundaries.joined(Boundaries.of(part, graph.rule))
     joins = joins_with(library, boundaries, graph.joins, graph.library.node_count, graph.rule)

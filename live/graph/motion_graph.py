@@ -10,6 +10,7 @@ from live.graph.joins import Boundaries, JoinRule, Joins, find_joins
 from live.graph.kernels import count_hops, reverse_edges
 from live.graph.library import StepLibrary
 from live.graph.metric.weights import Metric
+from live.graph.moments.moments import Moments
 from live.graph.node_facts import NodeFacts, node_facts
 from live.graph.structure import may_follow, unmatched_poses
 from live.graph.takes import Takes, find_takes
@@ -54,8 +55,11 @@ class MotionGraph:
     """How fast a turn is at its fastest, in whole angles per measure, shape (N,)."""
     node_rise: Float64
     """When in each measure a correction comes in: share and rate at its knots (motion/shifting), shape (N, 65, 2)."""
-    node_give: Float64
-    """How far a dancer can be carried beyond each measure's own way [m] with her feet planted, shape (N,)."""
+    node_gives: Float64
+    """How far a dancer can be carried beyond each measure's own way [m] with her feet planted, in 16 ways about her
+    clip's axes, shape (N, 16)."""
+    moments: Moments
+    """Poses and speeds of every measure at each quarter of a beat."""
     takes: Takes
     """The other takes of each node's measure (T044-T047)."""
     alive: Bool
@@ -75,6 +79,11 @@ class MotionGraph:
     def edge_count(self) -> int:
         """Number of edges E."""
         return len(self.edge_target)
+
+    @property
+    def node_give(self) -> Float64:
+        """The same on the average of all ways [m], shape (N,)."""
+        return np.asarray(self.node_gives.mean(axis=1))
 
     def entries(self, step: int) -> Int32:
         """Nodes that begin the step and are alive."""
@@ -138,7 +147,8 @@ def graph_of(
         node_turns=facts.turns,
         node_quickest=facts.quickest,
         node_rise=facts.rise,
-        node_give=facts.give,
+        node_gives=facts.gives,
+        moments=facts.moments,
         takes=find_takes(library),
         alive=alive,
         window=rule.window,

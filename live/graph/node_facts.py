@@ -7,10 +7,12 @@ import numpy.typing as npt
 
 from live.graph.library import StepLibrary, window_samples
 from live.graph.metric.weights import WINDOW_SAMPLES
+from live.graph.moments.moments import Moments, moments_of
 from live.graph.transition import clouds, transition_windows
 from live.motion.editing.feet import ANKLES, BALLS, Feet
 from live.motion.editing.rotation_insertion import support_turns
 from live.motion.posing.pipeline import PosePipeline, PoseSkeleton
+from live.motion.shifting.give import give_of
 from live.motion.shifting.kernels import KNOTS
 from live.motion.shifting.rise import rise_of
 from live.motion.skeleton import SKELETON
@@ -38,18 +40,23 @@ class NodeFacts:
     turns: Float64
     quickest: Float64
     rise: Float64
-    give: Float64
+    gives: Float64
+    moments: Moments
 
     def joined(self, other: "NodeFacts") -> "NodeFacts":
         """The facts of this one's nodes, then the other's."""
-        return NodeFacts(*(np.concatenate([getattr(self, n), getattr(other, n)]) for n in NodeFacts.__slots__))
+        arrays = [name for name in NodeFacts.__slots__ if name != "moments"]
+        return NodeFacts(
+            **{name: np.concatenate([getattr(self, name), getattr(other, name)]) for name in arrays},
+            moments=self.moments.joined(other.moments),
+        )
 
 
 def node_facts(library: StepLibrary, window: float) -> NodeFacts:
     """Measure all nodes; `window` is the length of a transition as a share of the measure (T036)."""
     facing_start, facing_end, facing_mean = _facing(library, window)
     turns, quickest = _turns(library, window)
-    rise, give = _rises(library, window)
+    rise, gives = _rises(library, window)
     return NodeFacts(
         start=_root_at(library, library.node_first),
         end=_root_at(library, library.node_last),
@@ -59,7 +66,8 @@ def node_facts(library: StepLibrary, window: float) -> NodeFacts:
         turns=turns,
         quickest=quickest,
         rise=rise,
-        give=give,
+        gives=gives,
+        moments=moments_of(library),
     )
 
 
@@ -75,14 +83,23 @@ def _turns(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
 
 
 def _rises(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
-    """When each node's correction comes in, (N, KNOTS, 2), and how far it may go [m], (N,)."""
+    """When each node's correction comes in, (N, KNOTS, 2), and how far it may go each way [m], (N, DIRECTIONS)."""
+    legs = _legs(library)
     rises, give = [], []
     for first, last in zip(library.node_first, library.node_last, strict=True):
-        at = np.linspace(first, last, 1 + 4 * KNOTS).round().astype(np.int64)
-        rise, follows = rise_of(library.clip_contact[at], last=1.0 - min(window, 0.9))
+        at = np.linspace(first, last, 4 * (KNOTS - 1) + 1).round().astype(np.int64)
+        contact = library.clip_contact[at]
+        rise, follows = rise_of(contact, last=1.0 - min(window, 0.9))
         rises.append(rise)
-        give.append(0.35 if follows else 0.05)
-    return np.ascontiguousarray(np.stack(rises)), np.array(give)
+        give.append(give_of(legs[at][:, (1, 5)], legs[at][:, (3, 7)], contact, rise, follows=follows))
+    return np.ascontiguousarray(np.stack(rises)), np.ascontiguousarray(np.stack(give))
+
+
+def _legs(library: StepLibrary) -> Float64:
+    """Hips, and hip, knee, ankle and toes of both legs at all samples [m], (S, 9, 3), by one run of the pipeline."""
+    pipeline = PosePipeline(len(library.clip_root), PoseSkeleton.legs_only()[0])
+    pipeline.sample[0] = np.arange(len(library.clip_root))
+    return np.asarray(pipeline.run(library.leg_store)[0], np.float64)
 
 
 def _measure(library: StepLibrary, node: int) -> tuple[StepClip, int]:
@@ -98,11 +115,8 @@ def _measure(library: StepLibrary, node: int) -> tuple[StepClip, int]:
 
 def _feet(library: StepLibrary) -> list[Feet]:
     """The feet of every clip, by one run of the pose pipeline over all samples."""
-    skeleton, joints = PoseSkeleton.legs_only()
-    pipeline = PosePipeline(len(library.clip_root), skeleton)
-    pipeline.sample[0] = np.arange(len(library.clip_root))
-    position, _ = pipeline.run(library.leg_store)
-    ankles, balls = (position[:, np.searchsorted(joints, names)].astype(np.float64) for names in (ANKLES, BALLS))
+    joints, position = PoseSkeleton.legs_only()[1], _legs(library)
+    ankles, balls = (position[:, np.searchsorted(joints, names)] for names in (ANKLES, BALLS))
     feet, begin = [], 0
     for clip in library.clips:
         own = slice(begin, begin + clip.clip.sample_count)

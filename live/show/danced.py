@@ -78,6 +78,13 @@ class Danced:
         """
         re_aim_dancers(self.correction, self.aimed, correction, phase, self.node, self.graph.node_rise, LEAST_LEFT)
 
+    def leap(self, rows: Int32, node: Int32, placement: Float64) -> None:
+        """The dancers `rows` (n,) dance `node` (n,) instead, its clip's axes at `placement` (n, 3); nothing is added or
+        mixed in. Time warp and amplitude stay theirs."""
+        self.node[rows], self.placement[rows] = node, placement
+        self.correction[rows] = self.aimed[rows] = 0.0
+        self.take[rows], self.take_share[:, rows] = NO_TAKE, 0.0
+
     def take_placement(self, placement: Float64) -> Float64:
         """Where the other takes' clips lie, (A, 4), when the dancers' own lie at `placement` (A, 4)."""
         return take_placement(self.graph, self.node, self.take, placement)

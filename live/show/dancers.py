@@ -6,10 +6,14 @@ import numpy.typing as npt
 from live.base.kernels import ease
 from live.graph.motion_graph import MotionGraph
 from live.graph.placing import begun, transition_weight
+from live.motion.contact import TOES_OVER_SOLE
 from live.motion.editing.time_warp import measure_warp
-from live.motion.posing.foot_lock import FootLock
+from live.motion.inertia.inertia import Inertia
+from live.motion.inertia.kernels import LONGEST
+from live.motion.posing.foot_lock import LEG_JOINTS, FootLock
 from live.motion.posing.kernels import INTO_NEXT, LOWER, NEXT, NEXT_LOWER, PRESENT, PRESENT_TAKE
 from live.motion.posing.pipeline import PosePipeline, PoseSkeleton
+from live.motion.skeleton import JOINT_COUNT, SOLE_BELOW_ANKLE
 from live.show.danced import UNDECIDED, Danced, turn_vectors
 from live.show.variation import Variation
 
@@ -19,6 +23,9 @@ Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
+
+LANDED = 0.03
+"""While a cut settles, a foot is held only once it is this near to the floor [m]."""
 
 
 class Dancers:
@@ -34,6 +41,10 @@ class Dancers:
         self._legs = PosePipeline(dancer_count, PoseSkeleton.legs_only()[0])
         for name in ("sample", "placement", "share"):  # one question, asked of the legs alone at every tick
             setattr(self._legs, name, getattr(self._pipeline, name))
+        self.inertia = Inertia(dancer_count, JOINT_COUNT)
+        for pipeline in (self._pipeline, self._legs):
+            pipeline.settling, pipeline.age = self.inertia.settling, self.inertia.age
+        self._legs.watched = LEG_JOINTS
         self._everybody = np.arange(dancer_count)
         self.shown: Float32 = np.zeros((dancer_count, 2), np.float32)
         """Where the hips of each dancer were at the last tick [m], shape (A, 2): what the audience sees."""
@@ -71,6 +82,7 @@ class Dancers:
         danced.correction[rows] = danced.aimed[rows] = 0.0
         self.past.node[rows] = UNDECIDED
         self.lock.state[rows] = 0.0
+        self.inertia.forget(rows)
         self.shown[rows] = position
 
     def hips(self, fraction: float) -> Float32:
@@ -106,8 +118,12 @@ class Dancers:
 
     def tick(self, fraction: float, time: float, dt: float) -> None:
         """Follow the feet to the tick at `time` [s], `dt` [s] after the last one (foot lock)."""
+        self.inertia.place(time)
         contact = self.contact(fraction) & (self.variation.lock != 0.0)[:, None]
         position, _ = self._legs.run(self.graph.library.leg_store)
+        if self.inertia.settling_now.any():
+            low = np.minimum(position[:, 3::4, 1] - SOLE_BELOW_ANKLE, position[:, 4::4, 1] - TOES_OVER_SOLE) < LANDED
+            contact &= low | ~self.inertia.settling_now[:, None]
         self.shown[:] = position[:, 0, ::2]
         self.lock.tick(position, contact, dt)
         self._locked_at = time
@@ -119,6 +135,7 @@ class Dancers:
         what it filled.
         """
         self._ask(fraction)
+        self.inertia.place(time)
         pipeline, variation = self._pipeline, self.variation
         pipeline.head[:] = variation.head
         # once let go, feet still have to swing back
@@ -127,16 +144,33 @@ class Dancers:
             self.lock.place(pipeline.feet, max(time - self._locked_at, 0.0))
         return pipeline.run(self.graph.library.store, out)
 
+    def unmended(self, rows: Int32, fraction: float, time: float) -> tuple[Float32, Float32]:
+        """World positions (n, J, 3) and rotations (n, J, 4) of the dancers `rows` (n,), as `pose`, but before heads are
+        turned and feet held: what a cut must not break."""
+        self._ask(fraction)
+        aside, whole = PosePipeline(len(rows)), self._pipeline
+        aside.sample[:], aside.placement[:] = whole.sample[:, rows], whole.placement[:, rows]
+        aside.share[:], aside.mean[:] = whole.share[:, rows], whole.mean[:, rows]
+        aside.amplitude[:] = whole.amplitude[rows]
+        aside.settling = self.inertia.settling[rows]
+        aside.age[:] = np.clip(time - self.inertia.began[rows], 0.0, LONGEST)
+        return aside.run(self.graph.library.store)
+
+    def measures(self) -> tuple[Danced, Danced, Danced]:
+        """The measure before, the present and the next one: what the rows of `whose` mean."""
+        return self.past, self.present, self.coming
+
+    def whose(self, fraction: float) -> tuple[Int32, Float64]:
+        """Which of `measures` each dancer is in, (A,), and how far she is in it, (A,)."""
+        phase = self._phase(fraction)
+        which = 1 - ((phase < 0.0) & (self.past.node >= 0)) + ((phase > 1.0) & self.decided)
+        return which.astype(np.int32), np.clip(phase - (which - 1.0), 0.0, 1.0)
+
     # -- the question asked of the pose pipeline ---------------------------------------------------------------
 
     def _ask(self, fraction: float) -> None:
         """Which samples of which clips, where, how much of each: for everybody at `fraction` of the measure."""
-        variation, present = self.variation, self.present
-        amplitude, frequency, start, sign = present.warp
-        phase = measure_warp(fraction, amplitude, frequency, start, sign, self.graph.window)
-        if variation.warp_sequence.any():
-            phase = phase + variation.sequence_warp(fraction)
-        phase = np.maximum(phase - variation.late, -1.0)
+        present, phase = self.present, self._phase(fraction)
         late = (phase < 0.0) & (self.past.node >= 0)
         early = (phase > 1.0) & self.decided
         self._fill(self._everybody, present, self.coming, np.clip(phase, 0.0, 1.0), fraction)
@@ -144,6 +178,15 @@ class Dancers:
             self._fill(np.flatnonzero(late), self.past, present, phase[late] + 1.0, 1.0)
         if early.any():
             self._fill(np.flatnonzero(early), self.coming, None, phase[early] - 1.0, 0.0)
+
+    def _phase(self, fraction: float) -> Float64:
+        """How far each dancer is in the present measure, below 0 in the one before, above 1 in the next one, (A,)."""
+        variation = self.variation
+        amplitude, frequency, start, sign = self.present.warp
+        phase = measure_warp(fraction, amplitude, frequency, start, sign, self.graph.window)
+        if variation.warp_sequence.any():
+            phase = phase + variation.sequence_warp(fraction)
+        return np.maximum(phase - variation.late, -1.0)
 
     def _fill(
         self, rows: npt.NDArray[np.int64], own: Danced, then: Danced | None, phase: Float64, fraction: float

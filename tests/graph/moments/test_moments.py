@@ -1,0 +1,73 @@
+"""Moments of measures against bodies posed by hand."""
+
+import math
+
+import numpy as np
+import pytest
+
+from live.graph.insertion import insert_clips
+from live.graph.library import build_library
+from live.graph.moments.moments import body_features, heading_of, moments_of
+from live.graph.motion_graph import build_graph
+from live.graph.placing import turn_vectors
+from live.graph.transition import clouds
+from tests.made_steps import made_clip, made_steps
+
+LIBRARY = build_library(made_steps())
+MOMENTS = moments_of(LIBRARY)
+
+
+def test_hips_and_headings_are_those_of_the_clips():
+    """A glide moves evenly, a spin turns evenly: both are known in closed form."""
+    glide = LIBRARY.step_index("glide")
+    for node in np.flatnonzero(LIBRARY.node_step == glide):
+        way = LIBRARY.node_travel[node] * np.linspace(0, 1, 17)[:, None]
+        assert MOMENTS.hips[node] - MOMENTS.hips[node, 0] == pytest.approx(way, abs=1e-5)
+    spin = int(np.flatnonzero(LIBRARY.node_step == LIBRARY.step_index("spin"))[0])
+    turned = np.unwrap(MOMENTS.facing[spin]) - MOMENTS.facing[spin, 0]
+    assert turned == pytest.approx(2 * math.pi * np.linspace(0, 1, 17), abs=0.02)
+
+
+def test_features_are_seen_from_the_body():
+    """Where she stands and which way she faces makes no difference; how she moves does."""
+    cloud = clouds(LIBRARY, LIBRARY.node_first[:, None])[:, 0]
+    speed = np.random.default_rng(2).normal(0, 1, cloud.shape)
+    plain, hips, facing = body_features(cloud, speed)
+    yaw, shift = 1.1, np.array([3.0, -2.0])
+    moved, turned_speed = cloud.copy(), speed.copy()
+    moved[..., ::2] = turn_vectors(cloud[..., ::2], np.full(cloud.shape[:-1], yaw)) + shift
+    turned_speed[..., ::2] = turn_vectors(speed[..., ::2], np.full(cloud.shape[:-1], yaw))
+    again, there, heading = body_features(moved, turned_speed)
+    assert again == pytest.approx(plain, abs=1e-6)
+    assert there == pytest.approx(turn_vectors(hips, np.full(len(hips), yaw)) + shift, abs=1e-6)
+    assert np.angle(np.exp(1j * (heading - facing - yaw))) == pytest.approx(0.0, abs=1e-6)
+    assert heading_of(moved) == pytest.approx(heading, abs=1e-12)
+    faster, _, _ = body_features(cloud, 2.0 * speed)
+    assert np.abs(faster - plain).max() > 0.05
+
+
+def test_each_moment_is_nearest_to_itself():
+    nodes = np.arange(LIBRARY.node_count, dtype=np.int32)
+    for k in (0, 5, 16):
+        fraction = np.full(len(nodes), k / 16)
+        distance = MOMENTS.distance(MOMENTS.feature[:, k], fraction, nodes)
+        direct = np.linalg.norm(MOMENTS.feature[:, None, k] - MOMENTS.feature[None, :, k], axis=-1)
+        assert distance == pytest.approx(direct, abs=2e-3)
+        assert np.diag(distance) == pytest.approx(0.0, abs=2e-3)
+
+
+def test_the_speed_of_a_glide_tells_it_from_a_stand():
+    """At its middle a glide looks like a sway; only the speed of 0.8 m a measure differs."""
+    glide = next(n for n in range(LIBRARY.node_count) if LIBRARY.node_travel[n, 1] > 0.7)
+    sway = int(np.flatnonzero(LIBRARY.node_step == LIBRARY.step_index("sway"))[0])
+    own = MOMENTS.feature[glide, 8][None]
+    near = MOMENTS.distance(own, np.array([0.5]), np.array([glide, sway], np.int32))[0]
+    assert near[0] < 1e-2 < near[1]
+
+
+def test_a_graph_that_grows_has_the_moments_of_one_built_at_once():
+    clips = made_steps()
+    whole = build_graph(build_library([*clips, made_clip("new", way=(0.1, 0.2))]), threshold=0.2)
+    grown = insert_clips(build_graph(build_library(clips), threshold=0.2), [made_clip("new", way=(0.1, 0.2))])
+    for name in ("feature", "hips", "facing"):
+        assert (getattr(whole.moments, name) == getattr(grown.moments, name)).all()
