@@ -148,6 +148,11 @@ class FrameReport:
                 self._beats.append(shown - self._music[-1])
         self._last_phase = (number, danced, view.time)
 
+    @property
+    def beat_offsets(self) -> Float64:
+        """When the clips' own beats were shown, minus the Timeline's [s], (n,)."""
+        return np.array(self._beats)
+
     def result(self) -> dict[str, Any]:
         """The figures; null where nothing was measured."""
         found = np.concatenate(self._slides) if self._slides else np.zeros(0)

@@ -1,0 +1,91 @@
+"""How soon an attractor is seen: two shows that are alike but for one OSC packet, and when they begin to differ."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+from pythonosc.osc_message_builder import OscMessageBuilder
+
+from bench._locomotion_run import ENGINE, FPS, engine_of, show_for
+from bench._locomotion_scenes import BPM, Take, stage
+from live.base.stage_view import StageView
+from live.control.event import ControlEvent
+from live.control.osc_decode import decode
+from live.control.registry import REGISTRY
+
+Float64 = npt.NDArray[np.float64]
+
+SETTLED_S: Final = 8.0
+"""Before the packet everybody dances for so long [s] around an attractor."""
+WATCHED_S: Final = 6.0
+COURSE: Final = 0.02
+"""An agent has changed its course when its velocity differs by so much [m/s]."""
+STEP: Final = 0.05
+"""A dancer has when her hips are so far [m] from where they would have been."""
+
+
+@dataclass(frozen=True, slots=True)
+class Response:
+    """Frames to the agents' change of course, beats to the dancers': of the median and of the last agent."""
+
+    agent_frames: float
+    last_agent_frames: float
+    step_beats: float
+    last_step_beats: float
+
+
+def packet(x: float, z: float) -> bytes:
+    """The OSC message that throws an attractor."""
+    builder = OscMessageBuilder("/dance/attract")
+    for value in (x, z):
+        builder.add_arg(value, "f")
+    return bytes(builder.build().dgram)
+
+
+def responses(seed: int, moments: int) -> list[Response]:
+    """For packets that come at `moments` places spread over a measure."""
+    plain = _danced(seed, None)
+    delays = np.arange(moments) / moments * 4.0 * 60.0 / BPM
+    return [_compare(plain, _danced(seed, SETTLED_S + delay), SETTLED_S + delay) for delay in delays]
+
+
+def _danced(seed: int, thrown: float | None) -> tuple[Float64, Float64]:
+    """Velocities of the agents and hips of the dancers in every picture, (F, A, 2) each."""
+    loaded = stage()
+    show = show_for(ENGINE, Take("thrown", seed, 0.0), loaded.patch, loaded.graph)
+    engine, clock, inbox = engine_of(show)
+    courses, hips = [], []
+
+    def picture(view: StageView) -> None:
+        courses.append(show.state.velocity.astype(np.float64))
+        hips.append(view.joint_position[:, 0][:, (0, 2)].astype(np.float64))
+
+    _put(inbox, packet(-3.0, 1.0), 0.0)
+    for frame in range(int((SETTLED_S + WATCHED_S + 4.0 * 60.0 / BPM) * FPS)):
+        now = frame / FPS
+        clock.set(now)
+        if thrown is not None and now >= thrown:
+            _put(inbox, packet(4.0, -2.0), now)
+            thrown = None
+        engine.frame(picture)
+    return np.stack(courses), np.stack(hips)
+
+
+def _put(inbox: object, datagram: bytes, now: float) -> None:
+    for message in decode(memoryview(datagram)):
+        event = REGISTRY.call(message.address, message.arguments, now, "osc")
+        assert isinstance(event, ControlEvent)
+        inbox.put(event)  # type: ignore[attr-defined]
+
+
+def _compare(plain: tuple[Float64, Float64], other: tuple[Float64, Float64], thrown: float) -> Response:
+    first = int(np.ceil(thrown * FPS - 1e-9))
+    frames = []
+    for one, two, bar in zip(plain, other, (COURSE, STEP), strict=True):
+        differs = np.hypot(*np.moveaxis(two[first:] - one[first:], -1, 0)) > bar
+        frames.append(np.where(differs.any(axis=0), differs.argmax(axis=0) + 1.0, np.nan))
+    agent, step = frames[0], (frames[1] - 1.0) / FPS * BPM / 60.0
+    return Response(
+        float(np.nanmedian(agent)), float(np.nanmax(agent)), float(np.nanmedian(step)), float(np.nanmax(step))
+    )
