@@ -4,7 +4,6 @@ A thread of its own sleeps until shortly before each pulse and then watches the 
 one assignment, so the show never waits; pulses are placed by absolute times, so nothing adds up.
 """
 
-import os
 import sys
 import threading
 import time
@@ -17,9 +16,13 @@ from live.clock.pulse_schedule import PulseSchedule
 from live.clock.source import Clock
 from live.clock.timeline import Timeline
 from live.control.midi_ports import OpenPort, open_port
+from live.control.urgency import hurry
 
 NEAR: Final = 0.0015
-"""Seconds before a pulse at which sleeping ends."""
+"""Seconds before a pulse at which sleeping ends ..."""
+
+NEAR_POLITE: Final = 0.0001
+"""... and where others come first: whoever watches the clock there has used his share up when it counts."""
 
 NAP: Final = 0.010
 """Longest sleep [s]: a Timeline handed over meanwhile counts."""
@@ -31,20 +34,8 @@ GOODBYE: Final = 0.05
 TAKES: Final = 0.005
 """Looking whether the port is still there is done only where so many seconds are free."""
 
-PRIORITY: Final = 10
-"""Real-time priority, below that of sound."""
-
 SWITCH_INTERVAL: Final = 0.0005
 """Seconds after which Python lets this thread in while another one works; 5 ms, its own, would be heard."""
-
-
-def hurry() -> bool:
-    """Give this thread real-time priority, where the system lets us (Linux: limits.conf, rtprio); whether it did."""
-    try:
-        os.sched_setscheduler(threading.get_native_id(), os.SCHED_FIFO, os.sched_param(PRIORITY))
-    except (AttributeError, OSError):
-        return False
-    return True
 
 
 def _open_output(name: str) -> OpenPort:
@@ -69,6 +60,7 @@ class MidiClockOut:
         self._timeline: Timeline | None = None
         self._port: OpenPort | None = None
         self._looked = -RETRY
+        self._near = NEAR
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
         self._switch_interval = sys.getswitchinterval()
@@ -104,7 +96,7 @@ class MidiClockOut:
         }
 
     def _run(self) -> None:
-        hurry()
+        self._near = NEAR if hurry() else NEAR_POLITE
         try:
             while not self._stop.is_set():
                 self._step()
@@ -126,8 +118,8 @@ class MidiClockOut:
         if left > TAKES and now - self._looked >= RETRY:
             self._care(now)
             return
-        if left > NEAR:
-            time.sleep(min(left - NEAR, NAP))
+        if left > self._near:
+            time.sleep(min(left - self._near, NAP))
             return
         while (now := self._clock.now()) < due.time:
             time.sleep(0.0)

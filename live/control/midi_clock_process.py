@@ -5,6 +5,7 @@ clock. Figures come back as a JSON line a second. The process ends when its stan
 """
 
 import contextlib
+import gc
 import json
 import os
 import signal
@@ -108,6 +109,7 @@ class MidiClockProcess:
 def main(name: str, origin: float) -> None:
     """The process' side: send until the standard input ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    gc.disable()  # nothing here refers to itself, and a search for what does would be late pulses
     sends = MidiClockOut(name, SystemClock(origin))
     sends.start()
     ended = threading.Event()
