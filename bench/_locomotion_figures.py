@@ -9,7 +9,6 @@ from scipy.spatial import ConvexHull, QhullError
 from live.base.stage_view import StageView
 from live.graph.library import StepLibrary
 from live.graph.placing import turn_vectors
-from live.motion.quality.feet import slides
 from live.show.core import Show
 from live.show.report import FrameReport
 
@@ -67,7 +66,6 @@ class Watch:
         self._figures = Figures()
         self._near: Bool | None = None
         self._before: tuple[float, Float64] | None = None
-        self._feet: tuple[float, npt.NDArray[np.float32], Bool] | None = None
         self._measure = show.span.number
         self._line = show.span.end
         self._asked: list[Float64] = []
@@ -91,21 +89,10 @@ class Watch:
         hips = view.joint_position[:, 0][:, (0, 2)].astype(np.float64)
         self._distances(hips[view.present])
         self._figures.outside = max(self._figures.outside, float((np.abs(hips[view.present]) - self._half).max()))
-        self._feet_of(view)
         if self._show.span.number != self._measure:
             self._cross_line(view, hips)
         self._line = self._show.span.end
         self._before = (view.beat, hips)
-
-    def _feet_of(self, view: StageView) -> None:
-        position = view.joint_position.copy()
-        contact = self._show.dancers.contact(self._show.span.fraction(view.beat))
-        if self._feet is not None and view.time > self._feet[0]:
-            time, before, stood = self._feet
-            self._figures.slide.append(
-                slides(np.stack([before, position]), np.stack([stood, contact]), 1.0 / (view.time - time))
-            )
-        self._feet = (view.time, position, contact)
 
     def _distances(self, hips: Float64) -> None:
         apart = np.hypot(*(hips[:, None] - hips[None]).transpose(2, 0, 1))
@@ -147,6 +134,7 @@ class Watch:
     def figures(self) -> Figures:
         """What was found."""
         found, result = self._figures, self._report.result()
+        found.slide.append(self._report.slide)
         if result["skating_ratio"] is not None:
             found.skating.append(result["skating_ratio"])
         if result["join_velocity_ratio"] is not None:

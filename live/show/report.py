@@ -149,13 +149,18 @@ class FrameReport:
         self._last_phase = (number, danced, view.time)
 
     @property
+    def slide(self) -> Float64:
+        """Speeds over the floor [m/s] of feet that the clips have in contact, (n,)."""
+        return np.concatenate(self._slides) if self._slides else np.zeros(0)
+
+    @property
     def beat_offsets(self) -> Float64:
         """When the clips' own beats were shown, minus the Timeline's [s], (n,)."""
         return np.array(self._beats)
 
     def result(self) -> dict[str, Any]:
         """The figures; null where nothing was measured."""
-        found = np.concatenate(self._slides) if self._slides else np.zeros(0)
+        found = self.slide
         return {
             "foot_slide_mean": float(found.mean()) if len(found) else None,
             "foot_slide_p99": float(np.percentile(found, 99)) if len(found) else None,
