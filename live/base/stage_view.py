@@ -39,6 +39,8 @@ ELEMENT_CORNERS: Final = 1024
 """Corners of all lines and regions together that are drawn at most."""
 SET_CAPACITY: Final = 64
 """Obstacles, and walls, drawn at most."""
+GUIDE_CAPACITY: Final = 8192
+"""Strokes of the operator's guides drawn at most."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +125,10 @@ class StageView:
     """1 = full light, 0 = blackout."""
     overlay: tuple[str, ...] = ()
     """Lines of the operator's overlay; empty = hidden."""
+    guide: Float32 = field(default_factory=lambda: np.zeros((GUIDE_CAPACITY, 10), np.float32))
+    """Strokes of the operator's guides: from x, y, z to x, y, z [m], colour r, g, b, a as shown; shape (8192, 10)."""
+    guide_count: int = 0
+    """How many of them are drawn; 0 = hidden."""
 
     @staticmethod
     def allocate(dancer_count: int, joint_count: int) -> "StageView":

@@ -45,6 +45,7 @@ def film_show(
     console: Console,
     report: Path | None = None,
     fine: bool = False,
+    guides: bool = False,
     click: bool | None = None,
     taps: bool | None = None,
 ) -> None:
@@ -52,8 +53,8 @@ def film_show(
 
     `click`, `taps`: whether a click track and the taps of the dancers' feet are heard; None: as the patch says.
 
-    `fine`: draw as on a graphics card even without one; a picture then takes some five times as long. A film that is
-    broken off is closed properly and plays as far as it goes.
+    `fine`: draw as on a graphics card even without one; a picture then takes some five times as long.
+    `guides`: with the operator's guides in it. A film that is broken off is closed properly and plays to there.
     """
     tempo = start_tempo(wish, loaded, sound)
     show = loaded.start(seed=wish.seed, tempo=tempo)
@@ -65,6 +66,7 @@ def film_show(
     music = None
     if sound.music is not None:
         music = OfflineMusic(sound.music, loop=True, one_at=one_at, analysis=analysis_for(loaded, show))
+    engine.guides = guides
     frames = max(1, math.ceil(seconds * wish.film_fps))
     figures = FrameReport(show) if report is not None else None
     heard = film_sound(sound.music)

@@ -21,6 +21,10 @@ def render(
     fine: Annotated[
         bool, typer.Option("--fine", help="Draw as a graphics card would even without one; this takes its time.")
     ] = False,
+    guides: Annotated[
+        bool,
+        typer.Option("--guides", help="Draw where each dancer's agent is, where she is sent, which feet are held."),
+    ] = False,
     click: Annotated[bool | None, typer.Option(help="A click on every beat. Default: as the patch says.")] = None,
     taps: Annotated[bool | None, typer.Option(help="Tap shoes on all feet. Default: as the patch says.")] = None,
     journal: Annotated[Path | None, typer.Option(help="Write the journal here as well.")] = None,
@@ -53,6 +57,7 @@ def render(
         raise PersonError(f"--audio {audio!r} is an input device: `live render` needs a music file")
     length = seconds or (60.0 if sound.music is None else sound.music.duration)
     film_show(
-        wish, loaded, sound, path=out, seconds=length, console=console, report=report, fine=fine, click=click, taps=taps
-    )
+        wish, loaded, sound, path=out, seconds=length, console=console, report=report, fine=fine, guides=guides,
+        click=click, taps=taps,
+    )  # fmt: skip
     console.print(f"the film is here: {out.resolve()}", soft_wrap=True, markup=False)

@@ -79,6 +79,8 @@ class Operator:
             self._window.toggle_fullscreen()
         elif what == "window/overlay":
             self._session.engine.overlay = not self._session.engine.overlay
+        elif what == "window/guides":
+            self._session.engine.guides = not self._session.engine.guides
         elif name in TOOLS:
             self._tool = name
             self._session.status.tool = TOOLS[name].description

@@ -37,6 +37,7 @@ class Key:
         "/dance/clear",
         "window/fullscreen",
         "window/overlay",
+        "window/guides",
     ]
 
     values: tuple[float, ...] = ()
@@ -63,6 +64,7 @@ KEYS: Final[dict[str, Key]] = {
     "B": Key("blackout, and back", "/dance/blackout"),
     "F": Key("full screen, and back", "window/fullscreen"),
     "O": Key("overlay: tempo, beat, measure, frame times, dancers", "window/overlay"),
+    "G": Key("guides: where each dancer's agent is, where she is sent, which feet are held", "window/guides"),
     "S": Key("spread over the stage", "/dance/spread"),
     "W": Key("wander", "/dance/wander"),
     "K": Key("go as a flock", "/dance/flock"),

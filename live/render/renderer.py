@@ -13,6 +13,7 @@ from live.render.passes.backdrop_pass import BackdropPass
 from live.render.passes.dancer_pass import DancerPass
 from live.render.passes.film_pass import FilmPass
 from live.render.passes.floor_pass import FloorPass
+from live.render.passes.guide_pass import GuidePass
 from live.render.passes.mirror_pass import MirrorPass
 from live.render.passes.overlay_pass import OverlayPass
 from live.render.passes.smooth_pass import SmoothPass
@@ -54,6 +55,7 @@ class Renderer:
         self._mirror = MirrorPass(ctx, size, self.quality.mirror_divisor)
         self._backdrop = BackdropPass(ctx, size)
         self._stage = StagePass(ctx, self.quality)
+        self._guide = GuidePass(ctx)
         self._overlay = OverlayPass(ctx)
         self._lit_while_drawn = self.quality.samples > 0
         if self._lit_while_drawn:
@@ -75,6 +77,7 @@ class Renderer:
         view.element_count, view.obstacle_count = 3, 1  # a point, a disc, and a line with something running along it
         view.element_radius[1], view.obstacle[0, 2] = 1.0, 1.0
         view.element_kind[2], view.element_corners[2] = PATH, 2
+        view.guide_count = 1
         self.draw(view, framebuffer)
         release_all(framebuffer, scratch)
 
@@ -98,6 +101,7 @@ class Renderer:
                 self._draw_film(target)
             else:
                 self._draw_plain(view, target)
+        self._guide.draw(view, target, self._size)
         self._overlay.draw(view.overlay, target, self._size)
 
     def _draw_film(self, target: moderngl.Framebuffer) -> None:
@@ -155,6 +159,7 @@ class Renderer:
             self._mirror,
             self._backdrop,
             self._stage,
+            self._guide,
             self._overlay,
         ]
         own += [self._film, self._dancer] if self._lit_while_drawn else [self._smooth, self._surface]

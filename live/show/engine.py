@@ -8,6 +8,7 @@ from live.clock.source import Clock
 from live.clock.ticks import STALL, TICK, Ticks
 from live.control.events import BeatHeard, ControlEvent, MusicHeard, SourceChanged, TicksSkipped
 from live.show.core import Show
+from live.show.guides import draw_guides
 from live.show.journal import JournalWriter
 from live.show.status import Status
 
@@ -57,6 +58,8 @@ class Engine:
         self.view = show.view()
         self.overlay = False
         """Whether the operator's overlay is shown."""
+        self.guides = False
+        """Whether the operator's guides are drawn: agents, predictions, held feet."""
         self.on_error: Callable[[Exception], None] | None = None
         """Told once when drawing fails; the show goes on. None (in tests and offline): the error is raised."""
 
@@ -74,6 +77,9 @@ class Engine:
         self._run_ticks(now, target)
         self.show.fill(self.view, max(target, self.ticks.time))
         self.view.overlay = self._status.overlay(now) if self.overlay else ()
+        self.view.guide_count = 0
+        if self.guides:
+            draw_guides(self.show, self.view)
         self._status.frames += 1
         try:
             picture(self.view)
