@@ -72,7 +72,9 @@ class LinkSession:
         """
         self.mode: Mode = mode
         self.faults = 0
-        """Looks at the session that failed."""
+        """Looks at the session that failed ..."""
+        self.fault = ""
+        """... and the last fault in words."""
         self._link = make(min(max(tempo, LINK_MIN_BPM), LINK_MAX_BPM))
         self._link.startStopSyncEnabled = start_stop
         self._micros: Callable[[], int] = self._link.clock().micros
@@ -158,8 +160,9 @@ class LinkSession:
             while not self._stop.wait(POLL):
                 try:
                     self.poll()
-                except Exception:  # a library that fails in the middle of a show must not end its clock
+                except Exception as error:  # a library that fails in the middle of a show must not end its clock
                     self.faults += 1
+                    self.fault = f"{type(error).__name__}: {error}"
         finally:
             self._put(self._reports.end(self._clock.now(), "left the session"))
             self._link.enabled = False

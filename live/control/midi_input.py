@@ -60,7 +60,9 @@ class MidiInput:
         self.dropped = 0
         """Messages that waited too long."""
         self.failed = 0
-        """Messages that a decoder failed at."""
+        """Messages that a decoder failed at ..."""
+        self.failure = ""
+        """... and the last failure in words."""
         self.last_rejection: Rejection | None = None
         """What the map last refused."""
         self.decoder = decoder if decoder is not None else MidiClock()
@@ -107,6 +109,7 @@ class MidiInput:
             "problem": self.problem,
             "messages": self.messages,
             "bad": self.decoder.rejected + self.dropped + self.failed,
+            "failure": self.failure,
             "lost_clocks": train.lost,
             "clock_noise_ms": round(1e3 * train.curve.noise, 2) if train.curve.count else None,
         }
@@ -137,8 +140,9 @@ class MidiInput:
         """Decode; a message that no decoder foresaw is counted, and the show goes on."""
         try:
             self.decode(message, time)
-        except Exception:
+        except Exception as error:
             self.failed += 1
+            self.failure = f"{bytes(message[:8]).hex(' ')}: {type(error).__name__}: {error}"
 
     def look(self, now: float) -> None:
         """What is known at `now` because nothing came."""

@@ -157,8 +157,8 @@ class OscInput:
                 return
             try:
                 self._take(sock, view[:size], sender)
-            except Exception:  # whatever a datagram may bring to light, the next one is heard
-                self._reject(Rejection(Reason.INTERNAL, "", "", None))
+            except Exception as error:  # whatever a datagram may bring to light, the next one is heard
+                self._reject(Rejection(Reason.INTERNAL, "", f"no {type(error).__name__}: {error}", bytes(view[:16])))
             self.received += 1  # last, so that whoever sees it sees what became of the datagram
 
     def _take(self, sock: socket.socket, packet: memoryview, sender: Any) -> None:

@@ -46,4 +46,5 @@ class OnLink:
             "peers": self._session.peers,
             "bpm": None if reading is None else round(reading.tempo * reading.fold, 2),
             "faults": self._session.faults,
+            "fault": self._session.fault,
         }

@@ -43,6 +43,7 @@ def test_table_csv_click_and_timeline_of_a_file(music: Path, tmp_path: Path) -> 
     assert result.returncode == 0, result.stderr
     rows = list(csv.DictReader(result.stdout.splitlines()))
     late = [float(row["time_s"]) for row in rows if float(row["time_s"]) > 5.0]
+    assert len(late) >= 8
     assert max(abs((time - 0.3 + 0.25) % 0.5 - 0.25) for time in late) < 0.04
     with wave.open(str(clicked)) as sound:
         assert sound.getnframes() == 10 * RATE
@@ -50,7 +51,8 @@ def test_table_csv_click_and_timeline_of_a_file(music: Path, tmp_path: Path) -> 
     assert list(ticks[0]) == ["time_s", "beat", "measure", "phase", "bpm", "confidence", "state"]
     assert float(ticks[64]["time_s"]) == 1.0
     assert np.all(np.diff([float(tick["beat"]) for tick in ticks]) > 0.0)
-    assert "120" in run_live("beats", str(music)).stdout
+    heading = run_live("beats", str(music)).stdout.splitlines()[0]
+    assert float(heading.split(" bpm")[0].split()[-1]) == pytest.approx(120.0, abs=0.5)
 
 
 def test_a_stream_gives_lines_while_it_comes_in() -> None:

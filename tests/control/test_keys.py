@@ -8,7 +8,7 @@ from live.control.registry import REGISTRY
 
 @pytest.mark.parametrize(
     ("name", "kind"),
-    [("Space", events.Tap), ("1", events.One), ("S", events.Spread), ("s", events.Spread)],
+    [("Space", events.Tap), ("1", events.One), ("S", events.Spread), ("s", events.Spread), ("M", events.RestartAudio)],
 )
 def test_keys_make_their_events(name, kind):
     assert event_for_key(name, time=3.5, blackout_now=False) == kind(time=3.5, source="key")

@@ -90,6 +90,17 @@ def test_a_flood_is_bounded() -> None:
     assert listens.dropped == 10
 
 
+def test_what_no_decoder_foresaw_is_counted_and_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    listens = MidiInput("box", Inbox(), ManualClock())
+
+    def fail(_message: Sequence[int], _time: float) -> None:
+        raise ZeroDivisionError("no beats")
+
+    monkeypatch.setattr(listens, "decode", fail)
+    listens._decode_safely((0xF8,), 1.0)
+    assert (listens.facts()["bad"], listens.facts()["failure"]) == (1, "f8: ZeroDivisionError: no beats")
+
+
 def test_ports_are_matched_by_lasting_names() -> None:
     names = ["Through:Port 14:0", "Launchkey MIDI 1 24:0", "Launchkey MIDI 2 24:1"]
     assert match_port("launchkey midi 1", names) == "Launchkey MIDI 1 24:0"

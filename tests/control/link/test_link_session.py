@@ -135,6 +135,7 @@ def test_a_library_that_fails_is_counted_and_asked_again() -> None:
     session.start()
     try:
         assert wait_for(lambda: session.faults >= 2, 5.0)
+        assert ": " in session.fault, "what it was is told"
         link.broken = False
         assert wait_for(lambda: session.peers == 1, 5.0)
         assert wait_for(lambda: len(inbox) >= 2, 5.0)
