@@ -5,6 +5,19 @@ from typing import Final
 SILENT_LEVEL: Final = 10.0 ** (-55.0 / 20.0)
 """Below this level (RMS, full scale = 1) nothing is played: -55 dB lies over the noise of a line input."""
 
+BELOW_MUSIC: Final = 10.0 ** (-20.0 / 20.0)
+"""So far below the music that was, a room hums or murmurs, unless beats are to be heard in it."""
+
+RISE: Final = 2.0
+FALL: Final = 0.06
+"""How fast the level of the music is learned and forgotten [1/s]."""
+
+BEATING: Final = 0.3
+"""Chance of a beat that says that music is played, however softly."""
+
+BEATLESS_AFTER: Final = 2.5
+"""Seconds without any such chance, in whatever noise, after which nothing more is learned of the beats."""
+
 SILENT_AFTER: Final = 1.2
 """Seconds below `SILENT_LEVEL` that make a silence; clicks at 60 bpm are none."""
 
@@ -19,19 +32,27 @@ REST_FADE: Final = 0.1
 
 
 class Quiet:
-    """Listens to the level, frame by frame."""
+    """Listens to the level and to the chance of a beat, frame by frame."""
 
     def __init__(self, hop: float) -> None:
         self._hop = hop
         self._rest = 0.0
+        self._music = 0.0
+        self._beatless = 0.0
         self.duration = 0.0
         """Seconds since something was to be heard."""
         self.heard = False
         """Whether anything was heard at all since the start."""
 
-    def step(self, level: float) -> float:
-        """Take the level of the next frame; returns the length [s] of the silence that it ends, 0 if it ends none."""
-        if level < SILENT_LEVEL:
+    def step(self, level: float, beat: float = 1.0) -> float:
+        """Take the level of the next frame, and the chance of a beat in it.
+
+        Returns the length [s] of the silence that it ends, 0 if it ends none.
+        """
+        self._beatless = 0.0 if beat >= BEATING and level >= SILENT_LEVEL else self._beatless + self._hop
+        audible = level >= SILENT_LEVEL and (level >= BELOW_MUSIC * self._music or beat >= BEATING)
+        self._music += self._hop * (RISE if level > self._music else FALL) * (level - self._music)
+        if not audible:
             self.duration += self._hop
             return 0.0
         ended, self.duration, self.heard = self.duration, 0.0, True

@@ -111,13 +111,17 @@ class Tracker:
 
     def _hear(self, frame: int) -> BeatEstimate | None:
         hearing, quiet, pointer = self._hearing, self._quiet, self.pointer
-        ended = quiet.step(hearing.level)
+        chance = float(hearing.beat[frame])
+        listened = quiet.listening
+        ended = quiet.step(hearing.level, chance)
         if not quiet.heard:
             return None
         self._moment = float(hearing.position[frame])
         if ended > FRESH_AFTER:
             pointer.resume(0.5 * min((ended - FRESH_AFTER) / FRESH_TIME, 1.0))
-        pointer.step(float(hearing.beat[frame]), float(hearing.downbeat[frame]), quiet.listening)
+        elif listened and not quiet.listening:
+            pointer.hold(quiet.duration / HOP)
+        pointer.step(chance, float(hearing.downbeat[frame]), quiet.listening)
         if hearing.fed >= self._one_at:
             time, self._one_at = self._one_at, math.inf
             self.one(time)

@@ -1,6 +1,6 @@
 """Quiet: silence, rests that belong to the music, and the pauses that do not."""
 
-from live.clock.quiet import PAUSE, SILENT_AFTER, Quiet
+from live.clock.quiet import BEATING, PAUSE, SILENT_AFTER, Quiet
 
 HOP = 0.01
 
@@ -42,3 +42,22 @@ def test_clicks_with_rests_between_them_are_listened_to_all_the_time() -> None:
     for _ in range(120):
         quiet.step(0.0)
     assert not quiet.listening
+
+
+def test_a_room_that_murmurs_far_below_the_music_is_a_silence_unless_it_beats() -> None:
+    for chance, silent in ((0.0, True), (BEATING + 0.1, False)):
+        quiet = Quiet(HOP)
+        for _ in range(800):
+            quiet.step(0.2, 0.0)
+        for frame in range(200):
+            quiet.step(0.01, chance if frame % 50 == 0 else 0.0)
+        assert quiet.silent == silent
+
+
+def test_music_that_goes_on_softly_is_music_again_after_a_while() -> None:
+    quiet = Quiet(HOP)
+    for _ in range(800):
+        quiet.step(0.2, 0.0)
+    for _ in range(4000):
+        quiet.step(0.012, 0.0)
+    assert not quiet.silent

@@ -14,6 +14,7 @@ from live.clock.bar_pointer.whereabouts import Whereabouts
 _PLACE: Final = tuple(slot_metre(slot) for slot in range(SLOTS - 1))
 _NEXT: Final = tuple(first + (b + 1) % n for n, first in zip(METRES, FIRST_SLOT, strict=True) for b in range(n))
 _PREVIOUS: Final = tuple(first + (b - 1) % n for n, first in zip(METRES, FIRST_SLOT, strict=True) for b in range(n))
+_BEFORE, _AFTER = np.array(_PREVIOUS), np.array(_NEXT)
 _SIDE_BINS: Final = 2
 
 SURVEY: Final = 3
@@ -43,6 +44,8 @@ class BarPointer:
         self._until_survey = 0
         self._challenged = 0
         self._anew = True
+        self._whole = 1.0  # the sum of all states
+        self._slots[:] = 0.0
         self._passed = PassedBeats()
         self._whereabouts = Whereabouts()
         self._place = 0.0  # how far the window of the present beat is past, 0 to 1 beat
@@ -99,18 +102,18 @@ class BarPointer:
         ring = (states.share, states.head, states.offset, states.length)
         if listening:
             births = hand.births(self._whereabouts.left)
-            advance(
+            self._whole = advance(
                 *ring, hand.tempo, hand.metre, births, states.slot_share, states.leaving, states.entering,
-                np.float32(hand.line_change),
+                np.float32(hand.line_change), self._whole,
             )  # fmt: skip
-            leap(*ring, states.partner, states.slot_share, hand.leap)
-            observe(*ring, self._window, *self._likelihoods(beat, downbeat))
+            self._whole += leap(*ring, states.partner, states.slot_share, hand.leap)
+            self._whole += observe(*ring, self._window, *self._likelihoods(beat, downbeat))
         else:
-            advance(
+            self._whole = advance(
                 *ring, states.still, states.same_metre, self._no_births, states.slot_share, states.leaving,
-                states.entering, np.float32(0.0),
+                states.entering, np.float32(0.0), self._whole,
             )  # fmt: skip
-        if not listening:
+            self._passed.rest()
             self.interval = self._passed.interval
         if self.interval > 0.0:
             self._move(1.0 / self.interval)
@@ -146,6 +149,21 @@ class BarPointer:
         if self.interval > 0.0 and self._hand.scale(factor, self.interval, self._place * self.interval, self._slot):
             self._set_anew()
 
+    def hold(self, age: float) -> None:
+        """The music ended `age` frames ago: the grid is again what it was then, and runs on from there.
+
+        What was made of the missing beats since, and of the last sounds, is taken back.
+        """
+        kept = self._passed.before(age)
+        if kept is None or self.interval <= 0.0:
+            return
+        since, self.interval, self._slot, self._slots[:] = kept
+        beats = (since + self.model.centre) / self.interval
+        self._place = 0.0
+        for _ in range(int(beats)):
+            self._move(1.0)
+        self._move(beats - int(beats))
+
     def resume(self, doubt: float) -> None:
         """After a long silence: the grid as it ran on is believed, but for a share `doubt` of all that is possible.
 
@@ -155,6 +173,7 @@ class BarPointer:
             self._states.gather(self.interval, self._place, _kept(self._slots, self._slot), doubt)
         else:
             self._states.fill()
+        self._whole = 1.0
         self._until_survey = 0
 
     @property
@@ -172,12 +191,13 @@ class BarPointer:
         self._hand.let_go()
 
     def _set_anew(self) -> None:
+        self._whole = 1.0
         self._until_survey = 0
         self._anew = True
         self._whereabouts = Whereabouts()
 
-    def _likelihoods(self, beat: float, downbeat: float) -> tuple[np.float32, np.float32, np.float32]:
-        """How much likelier the frame is with a beat that is no downbeat, with a downbeat, and between beats."""
+    def _likelihoods(self, beat: float, downbeat: float) -> tuple[np.float32, np.float32, np.float32, np.float32]:
+        """How much likelier the frame is with a plain beat, a downbeat, the middle of a measure, and between beats."""
         model = self.model
         beat = min(max(beat, 1e-4), 1.0 - 1e-4)
         first = min(max(downbeat / beat, 0.01), 0.99)
@@ -189,7 +209,8 @@ class BarPointer:
         other = any_beat * ((1.0 - first) / (1.0 - usual)) ** sharp
         one = any_beat * (first / usual) ** sharp
         between = any_beat**model.half_beat
-        return np.float32(other), np.float32(one), np.float32(between)
+        middle = model.middle_share * one + (1.0 - model.middle_share) * other
+        return np.float32(other), np.float32(one), np.float32(middle), np.float32(between)
 
     def _survey(self) -> bool:
         """Bring all states to the sum 1, and look where most of them are. True if the grid is left for that place."""
@@ -203,6 +224,7 @@ class BarPointer:
             states.fill()
             total = tally(states.share, states.head, states.offset, states.length, states.histogram)
         rescale(states.flat, np.float32(1.0 / total))
+        self._whole = 1.0
         search(
             states.histogram, states.length, states.near, states.boxes, self.interval, self._place, model.near_tempo,
             _SIDE_BINS, found,
@@ -234,16 +256,19 @@ class BarPointer:
         self.slot_share = float(self._slots[self._slot])
         self.interval = float(found[0])
         self._move(float(found[1]))
-        self._passed.step(self._place * self.interval - model.centre, self.interval, anew=switched)
+        since = self._place * self.interval - model.centre
+        self._passed.step(since, self.interval, self._slot, self._slots, anew=switched)
 
     def _move(self, beats: float) -> None:
         self._place += beats
         if self._place >= 1.0:
             self._place -= 1.0
             self._slot = _NEXT[self._slot]
+            self._slots[:-1] = self._slots[_BEFORE]
         elif self._place < 0.0:
             self._place += 1.0
             self._slot = _PREVIOUS[self._slot]
+            self._slots[:-1] = self._slots[_AFTER]
 
 
 def _kept(slots: "np.typing.NDArray[np.float64]", slot: int) -> Float32:

@@ -22,7 +22,7 @@ DRIFT: Final = 0.04
 CALM: Final = 0.02
 """Once the line is set by hand, chances of another line and metre are multiplied by this, ..."""
 
-CALM_SHARPNESS: Final = 0.3
+CALM_SHARPNESS: Final = 0.4
 """... and so is the exponent of what is heard of downbeats."""
 
 

@@ -23,9 +23,12 @@ _PREVIOUS = np.array([1, 0, 4, 2, 3, 8, 5, 6, 7, 14, 9, 10, 11, 12, 13, 15])
 """The slot of the beat after and before, in the same metre."""
 _FIRST = np.array([0, 2, 5, 9])
 """The slot of each metre's downbeat."""
+_THIRD_OF_FOUR, _FOURTH_OF_SIX = 7, 12
 
 
-@kernel("void(f4[:,::1], i4[::1], i4[::1], i4[::1], f4[:,::1], f4[:,::1], f4[::1], f4[::1], f4[:,::1], f4[:,::1], f4)")
+@kernel(
+    "f8(f4[:,::1], i4[::1], i4[::1], i4[::1], f4[:,::1], f4[:,::1], f4[::1], f4[::1], f4[:,::1], f4[:,::1], f4, f8)"
+)
 def advance(
     state: Float32,
     head: Int32,
@@ -38,8 +41,11 @@ def advance(
     leaving: Float32,
     entering: Float32,
     odds: np.float32,
-) -> None:
+    whole: float,
+) -> float:
     """One frame later: each position is the next one; where a beat ends another begins, perhaps at another tempo.
+
+    `whole` is the sum of all states, of which births are shares. Returns the sum after it.
 
     state (N, 16): shares of all states, a ring of length[k] rows for interval k from row offset[k] on, position 0 at
     head[k]. tempo (K, 2R+1) and metre (4, 4): transitions, see Model; born (K,) new grids that begin in this frame;
@@ -48,11 +54,13 @@ def advance(
     intervals, reach = length.shape[0], tempo.shape[1] // 2
     zero, one = np.float32(0.0), np.float32(1.0)
     slots = np.zeros(_SLOTS, np.float32)
+    scale, gone, begun = np.float32(whole), 0.0, 0.0
     for k in range(intervals):
         head[k] = head[k] - 1 if head[k] > 0 else length[k] - 1
         row = offset[k] + head[k]
         for s in range(_SLOTS):
             leaving[k, s] = state[row, s]
+            gone += float(state[row, s])
             entering[k, s] = zero
     for k in range(intervals):
         for step in range(2 * reach + 1):
@@ -72,19 +80,22 @@ def advance(
         for to in range(4):
             slots[_FIRST[to]] = e2 * metre[0, to] + e3 * metre[1, to] + e4 * metre[2, to] + e6 * metre[3, to]
         for s in range(_USED):
-            state[row, s] = (one - odds) * slots[s] + (odds * total + born[k]) * slot_share[s]
+            state[row, s] = (one - odds) * slots[s] + (odds * total + scale * born[k]) * slot_share[s]
+            begun += float(state[row, s])
         state[row, _USED] = zero
+    return whole - gone + begun
 
 
-@kernel("void(f4[:,::1], i4[::1], i4[::1], i4[::1], i4[::1], f4[::1], f4[:,::1])")
+@kernel("f8(f4[:,::1], i4[::1], i4[::1], i4[::1], i4[::1], f4[::1], f4[:,::1])")
 def leap(
     state: Float32, head: Int32, offset: Int32, length: Int32, partner: Int32, slot_share: Float32, odds: Float32
-) -> None:
-    """A few of the beats that begin now go on at half or double the tempo.
+) -> float:
+    """A few of the beats that begin now go on at half or double the tempo. Returns by how much the sum has grown.
 
     Called after `advance`. partner (2 K,): the interval of half and of double the tempo, -1 where there is none;
     odds (K, 2): the chance of each.
     """
+    grown = 0.0
     for k in range(length.shape[0]):
         row = offset[k] + head[k]
         for way in range(2):
@@ -97,9 +108,11 @@ def leap(
                 beside = offset[other] + head[other]
                 for s in range(_USED):
                     state[beside, s] += total * slot_share[s]
+                grown += float(total)
+    return grown
 
 
-@kernel("void(f4[:,::1], i4[::1], i4[::1], i4[::1], f4[::1], f4, f4, f4)")
+@kernel("f8(f4[:,::1], i4[::1], i4[::1], i4[::1], f4[::1], f4, f4, f4, f4)", fastmath={"reassoc"})
 def observe(
     state: Float32,
     head: Int32,
@@ -108,37 +121,47 @@ def observe(
     window: Float32,
     beat: np.float32,
     downbeat: np.float32,
+    middle: np.float32,
     between: np.float32,
-) -> None:
-    """Weigh the states in whose beat window this frame lies: by `downbeat` for the first of a measure, else `beat`.
+) -> float:
+    """Weigh the states in whose beat window this frame lies.
 
-    Both are likelihoods relative to a frame without a beat; `between` is that of a frame half way between beats.
-    window (W,): how much of it counts at each position.
+    By `downbeat` for the first of a measure, `middle` for the third of four and the fourth of six, else `beat`: all
+    likelihoods relative to a frame without a beat; `between` is that of a frame half way between beats.
+    window (W,): how much of it counts at each position. Returns by how much the sum of all states has grown.
     """
-    one = np.float32(1.0)
+    one, grown = np.float32(1.0), 0.0
     width = window.shape[0]
+    factors = np.zeros(_SLOTS, np.float32)
     for k in range(length.shape[0]):
         for p in range(width):
             at = head[k] + p
             row = offset[k] + (at - length[k] if at >= length[k] else at)
             other = one + window[p] * (beat - one)
             first = one + window[p] * (downbeat - one)
-            zero, three, four, six = state[row, 0], state[row, 2], state[row, 5], state[row, 9]
+            half = one + window[p] * (middle - one)
             for s in range(_SLOTS):
-                state[row, s] *= other
-            state[row, 0], state[row, 2], state[row, 5], state[row, 9] = (
-                zero * first,
-                three * first,
-                four * first,
-                six * first,
-            )
+                factors[s] = other
+            for s in range(4):
+                factors[_FIRST[s]] = first
+            factors[_THIRD_OF_FOUR], factors[_FOURTH_OF_SIX] = half, half
+            before = after = np.float32(0.0)
+            for s in range(_SLOTS):
+                before += state[row, s]
+                state[row, s] *= factors[s]
+                after += state[row, s]
+            grown += float(after) - float(before)
         if between != one:
             for p in range(width):
                 at = head[k] + p + length[k] // 2
                 row = offset[k] + (at - length[k] if at >= length[k] else at)
                 factor = one + window[p] * (between - one)
+                before = np.float32(0.0)
                 for s in range(_SLOTS):
+                    before += state[row, s]
                     state[row, s] *= factor
+                grown += float(before * (factor - one))
+    return grown
 
 
 @kernel("void(f4[::1], f4)")

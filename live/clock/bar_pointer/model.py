@@ -68,6 +68,8 @@ class Model:
     """Share of frames that hold a beat, as far as the activations are concerned."""
     downbeat_share: float = 0.25
     """Share of the beats that are downbeats, as far as the activations are concerned."""
+    middle_share: float = 0.25
+    """Share of the measures of four and six in whose middle a downbeat seems to be heard."""
     sharpness: float = 0.6
     """Exponent of the likelihoods: neighbouring frames say much the same thing."""
     downbeat_sharpness: float = 0.8

@@ -69,6 +69,31 @@ def test_without_listening_the_grid_runs_on_and_nothing_else_changes() -> None:
     assert pointer.beat == (beat + passed) % 4
 
 
+@pytest.mark.parametrize("bpm", [70.0, 93.0, 141.0])
+def test_what_was_made_of_missing_beats_is_taken_back_when_music_has_ended(bpm: float) -> None:
+    """For two seconds beats are missed before it is known that nobody plays; the measure goes on as it was."""
+    heard = groove(bpm, 4, 16.0, doubt=0.3)
+    pointer = BarPointer()
+    follow(pointer, heard)
+    missed = round(2.0 * RATE)
+    for _ in range(missed):
+        pointer.step(0.005, 0.002)
+    pointer.hold(missed)
+    for _ in range(round(6.0 * RATE)):
+        pointer.step(0.005, 0.002, listening=False)
+    now = heard.beat.size + missed + round(6.0 * RATE) - 1
+    beats = (now - pointer.since_beat - heard.truth[0]) / (60.0 * RATE / bpm)
+    assert abs(beats - round(beats)) * 60.0 * RATE / bpm < 2.5
+    assert pointer.beat == round(beats) % 4
+    pointer.resume(0.3)
+    coming = (pointer.beat + 1) % 4
+    again = groove(bpm, 4, 6.0, first=pointer.to_next)
+    followed = follow(pointer, again)
+    assert np.max(np.abs(errors(followed, again, 0.5))) < 0.035
+    number = np.argmin(np.abs(followed.time[:4, None] - again.truth[None]), axis=1)
+    assert np.all(followed.beat[1:4] == (coming + number[1:]) % 4)
+
+
 def test_an_accent_on_the_off_beat_does_not_move_a_grid_that_is_sure() -> None:
     heard = groove(100.0, 4, 16.0)
     half = 0.5 * 60.0 * RATE / 100.0

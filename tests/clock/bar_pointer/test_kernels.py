@@ -30,7 +30,7 @@ class SlowFilter:
             for place, part in self.slots.items()
         }
 
-    def step(self, other: float, first: float, between: float) -> None:
+    def step(self, other: float, first: float, middle: float, between: float) -> None:
         """One frame with these likelihoods."""
         after = dict.fromkeys(self.belief, 0.0)
         for (n, p, metre, number), mass in self.belief.items():
@@ -42,7 +42,7 @@ class SlowFilter:
             after[m, 0, *place] += self.model.birth * self.share[k] * part
         for n, p, metre, number in after:
             if p < WINDOW:
-                ratio = first if number == 0 else other
+                ratio = first if number == 0 else middle if (metre, number) in ((4, 2), (6, 3)) else other
                 after[n, p, metre, number] *= 1.0 + self.model.window[p] * (ratio - 1.0)
             away = (p - n // 2) % n
             if away < WINDOW:
@@ -64,9 +64,8 @@ class SlowFilter:
                 after[m, 0, other, 0] += (1.0 - change) * moved * self.metres[METRES.index(metre)][to]
 
 
-@pytest.mark.parametrize(("birth", "within"), [(0.0, 2e-3), (FEW.birth, 1e-2)])
-def test_the_kernels_are_the_forward_algorithm(birth: float, within: float) -> None:
-    """Births are added as they are between two surveys, while the sum of the states is not quite 1."""
+@pytest.mark.parametrize("birth", [0.0, FEW.birth, 1e-3])
+def test_the_kernels_are_the_forward_algorithm(birth: float) -> None:
     model = replace(FEW, birth=birth)
     rng = np.random.default_rng(3)
     frames = [(0.8, 0.5) if t % 21 == 4 else (float(rng.random()) * 0.1, 0.01) for t in range(26)]
@@ -84,7 +83,7 @@ def test_the_kernels_are_the_forward_algorithm(birth: float, within: float) -> N
     total = sum(found.values())
     assert found.keys() == slow.belief.keys()
     for state, mass in slow.belief.items():
-        assert found[state] / total == pytest.approx(mass, rel=within, abs=1e-7)
+        assert found[state] / total == pytest.approx(mass, rel=2e-3, abs=1e-7)
 
 
 def test_shares_sum_to_one_after_each_survey_and_are_never_negative() -> None:
