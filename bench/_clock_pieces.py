@@ -88,20 +88,23 @@ def made_up(tempi: Sequence[tuple[float, float]], *, metre: int = 4, seed: int =
         begin = float(times[-1]) + 60.0 / bpm
     for number, (moment, played) in enumerate(beats):
         if played:
-            _beat(sound, moment, number % metre, 60.0 / bpm, rng)
+            add_beat(sound, moment, number % metre, 60.0 / bpm, rng)
     starts = np.cumsum([0.2] + [length for _, length in tempi])[1:-1]
     changes = [float(s) for s, (tempo, _) in zip(starts, tempi[1:], strict=True) if tempo > 0.0]
     moments = np.array([moment for moment, _ in beats])
     return sound.astype(np.float32), Truth(moments, np.arange(moments.size) % metre + 1, ignore, changes, True, seconds)
 
 
-def _beat(sound: npt.NDArray[np.float64], moment: float, number: int, period: float, rng: np.random.Generator) -> None:
+def add_beat(
+    sound: npt.NDArray[np.float64], moment: float, number: int, period: float, rng: np.random.Generator
+) -> None:
     t = np.arange(int(0.2 * RATE)) / RATE
     kick = 0.6 * np.sin(2.0 * np.pi * (48.0 * t + 3.0 * (1.0 - np.exp(-t / 0.03)))) * np.exp(-t / 0.07)
     noise = rng.normal(0.0, 1.0, t.size)
     snare = 0.25 * noise * np.exp(-t / 0.05) + 0.2 * np.sin(2.0 * np.pi * 190.0 * t) * np.exp(-t / 0.06)
     hat = 0.1 * np.diff(noise, prepend=0.0) * np.exp(-t / 0.02)
     bass = 0.3 * np.sin(2.0 * np.pi * (55.0 if number else 41.2) * t) * np.exp(-t / 0.15)
+    # hats, bass and drum of one beat, `number` in the measure
     hits = [(0.0, hat), (0.5, hat), (0.0, bass), (0.0, snare if number % 2 else kick)]
     for offset, hit in hits:
         start = round((moment + offset * period) * RATE)

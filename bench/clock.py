@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from bench._beat_scores import TOLERANCE, Score, lock, score
+from bench._beat_scores import Score, lock, score
 from bench._clock_pieces import BLOCK, RATE, SEEDED_AT, Heard, excerpt, listen, made_up
+from bench._long_groove import slips
 from live.cli.bench import Row
 from live.control.trackers import TrackerName, make_tracker
 
@@ -66,7 +67,7 @@ def _gained(sound: np.typing.NDArray[np.float32]) -> float:
 
 
 def _made_up_rows(full: bool) -> list[Row]:
-    rows = []
+    rows: list[Row] = []
     step, truth = made_up([(102.0, 16.0), (133.0, 14.0)])
     ours, theirs = (score(listen(step, name).named, truth) for name in ("network", "aubio"))
     rows.append(_row("tempo step 102 to 133: right again", ours.relock[0], "s", 4.0, aubio=theirs.relock[0]))
@@ -76,19 +77,13 @@ def _made_up_rows(full: bool) -> list[Row]:
         Row("8 s of silence: beats of the grid met", ours.freewheel, "", 0.95, "at least", {"aubio": theirs.freewheel})
     )
     minutes = 30.0 if full else 1.0
-    long, truth = made_up([(121.3, 60.0 * minutes)])
-    heard = listen(long, "network")
-    slips = _slips(heard, truth.time)
-    rows.append(Row(f"slips in {minutes:g} min of one groove", float(slips), "", 0.0))
+    long = slips(minutes)
+    rows += [
+        Row(f"{minutes:g} min of one groove: beats missed or too many", float(long.missed + long.extra), "", 0.0),
+        Row(f"{minutes:g} min of one groove: measure lines moved", float(long.lines_moved), "", 0.0),
+        Row(f"{minutes:g} min of one groove: Timeline, p95", 1e3 * long.timeline_p95, "ms", 20.0),
+    ]
     return rows
-
-
-def _slips(heard: Heard, truth: np.typing.NDArray[np.float64]) -> int:
-    """Beats after the first 10 s that are not hit, and beats named too much."""
-    found = heard.named.time[(heard.named.time > 10.0) & (heard.named.time < truth[-1] - 1.0)]
-    real = truth[(truth > 10.0) & (truth < truth[-1] - 1.0)]
-    missed = sum(1 for time in real if np.min(np.abs(heard.named.time - time)) > TOLERANCE)
-    return missed + sum(1 for time in found if np.min(np.abs(truth - time)) > TOLERANCE)
 
 
 def _ours(path: Path) -> tuple[str, tuple[Score, float]]:
