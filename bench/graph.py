@@ -202,8 +202,8 @@ def _decisions(dancers: int, measures: int) -> Float64:
 
         return timed_work
 
-    for owner, name in ((show.scheduler, "decide"), (show.scheduler._look, "begin"), (show.scheduler._look, "work")):
-        setattr(owner, name, timed(getattr(owner, name)))
+    for name in ("decide", "work"):
+        setattr(show.scheduler, name, timed(getattr(show.scheduler, name)))
     frame = 0
     while show.span.number <= measures:
         clock.set(frame / FPS)

@@ -1,6 +1,6 @@
 """Candidates: for every measure its clip and its mixtures with other takes, and where each one leads (T069, T070)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -23,6 +23,8 @@ STANDING: Final = 0.05
 """A way shorter than this [m] has no direction."""
 MOST_TAKES: Final = 24
 """Of more takes of one measure so many are tried, evenly chosen from all."""
+WIDENS: Final = 0.04
+"""A mixture widens a measure's reach if it ends so far [m] (a radian of heading is a metre) from what there is."""
 QUICKEST_TURN: Final = 5.0
 """Dancers turn at most this fast [rad/s]: a measure that carries them on one foot for a moment only turns less."""
 
@@ -89,6 +91,36 @@ def find_candidates(graph: MotionGraph, weights: tuple[float, ...] = WEIGHTS) ->
         turns=turns_of(graph),
         quickest=graph.node_quickest,
     )
+
+
+def widening(graph: MotionGraph, candidates: Candidates, least: float = WIDENS) -> Candidates:
+    """Those that widen the reach: clips, and mixtures that end at least `least` from all that their node has already.
+
+    Recordings of one way are many takes whose mixtures all lead to one place; to weigh them would be in vain.
+    """
+    ends = np.column_stack([candidates.end, candidates.facing])
+    kept: list[Int32] = []
+    first = [0]
+    for u in range(graph.library.node_count):
+        rows = np.arange(candidates.first[u], candidates.first[u + 1], dtype=np.int32)
+        own = [int(rows[0])]
+        apart = _apart(ends[rows], ends[rows[0]])
+        while len(apart) and apart.max() >= least:  # the farthest first: few cover all
+            chosen = int(apart.argmax())
+            own.append(int(rows[chosen]))
+            apart = np.minimum(apart, _apart(ends[rows], ends[rows[chosen]]))
+        kept.append(np.sort(np.array(own, np.int32)))
+        first.append(first[-1] + len(own))
+    row = np.concatenate(kept)
+    return replace(
+        candidates, first=np.array(first, np.int32), node=candidates.node[row], take=candidates.take[row],
+        share=candidates.share[row], end=candidates.end[row], facing=candidates.facing[row],
+    )  # fmt: skip
+
+
+def _apart(ends: Float64, end: Float64) -> Float64:
+    off = ends - end
+    return np.asarray(np.sqrt(off[:, 0] ** 2 + off[:, 1] ** 2 + wrapped(off[:, 2]) ** 2))
 
 
 def turns_of(graph: MotionGraph) -> SupportTurns:

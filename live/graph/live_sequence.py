@@ -54,9 +54,10 @@ def _within(graph: MotionGraph, wanted: Sequence[Wanted], horizon: int) -> Speci
 class LiveSequence:
     """What a group shall dance from now on; it can be changed while it is danced.
 
-    The show calls `ahead` once per measure, after the line, and gives `choose_edges` the result as what each next node
-    costs, so that way and heading decide among the nodes that keep the sequence; it calls `advance` when the measure
-    is chosen. `ask` says whether a change can be danced before it is made: what cannot be danced changes nothing.
+    The show calls `ahead` once per measure, after the line, and gives `choose_measures` the result as what each next
+    node costs, so that way and heading decide among the nodes that keep the sequence; it calls `advance` when the
+    measure is chosen. `ask` says whether a change can be danced before it is made: what cannot be danced changes
+    nothing.
     """
 
     def __init__(self, graph: MotionGraph, wanted: Sequence[Wanted], *, horizon: int = HORIZON) -> None:

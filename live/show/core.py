@@ -17,6 +17,7 @@ from live.clock.moment import Moment
 from live.clock.ticks import TICK
 from live.control import events
 from live.control.events import ControlEvent
+from live.graph.choosing.choosing import Choosing
 from live.graph.insertion import insert_clips, stranded
 from live.graph.live_sequence import HORIZON, LiveSequence
 from live.graph.motion_graph import MotionGraph
@@ -29,6 +30,7 @@ from live.show.dancers import Dancers
 from live.show.echo import Echo
 from live.show.group_controls import GROUP_EVENTS, GroupControls
 from live.show.group_motion import GroupMotion
+from live.show.interrupts import Interrupts
 from live.show.measure import MeasureSpan
 from live.show.patch import Patch
 from live.show.programme import UnknownStep, find_step
@@ -86,6 +88,7 @@ class Show:
         self.dancers = Dancers(graph, self.variation, len(self.group))
         programmes = programmes_of(patch, graph, self.seed)
         self.scheduler = Scheduler(patch, self.dancers, self.motion, programmes, self.group)
+        self.interrupts = Interrupts(patch, self.dancers, self.motion, self.scheduler)
         self._controls = GroupControls(patch, self.motion, self.dancers, self.variation)
         self.span = MeasureSpan.at(self.timeline, self.timeline.beat_at(0.0))
         self._start_dancers()
@@ -94,8 +97,8 @@ class Show:
         self.brightness = 1.0
         self.time = 0.0
         self._reserve = dict(reserve or {})
-        self._offered: dict[str, MotionGraph] = {}
-        self._next_graph: MotionGraph | None = None
+        self._offered: dict[str, tuple[MotionGraph, Choosing]] = {}
+        self._next_graph: tuple[MotionGraph, Choosing] | None = None
         self.refused = 0
         """Events that asked for something the show does not have (a step that is not there)."""
         self.refusal = ""
@@ -149,9 +152,10 @@ class Show:
         match event:
             case events.Clear():
                 self._controls.clear(self.time, self.timeline)
+                self.interrupts.clear()
                 for programme in self.scheduler.programmes:
                     programme.release()
-            case events.CallStep():
+            case events.CallStep() | events.StepNow():
                 self._call_step(event)
             case events.StepsAdded():
                 self._add_steps(event)
@@ -175,10 +179,13 @@ class Show:
             told(seed)
         self.follower.on_seed = told
 
-    def _call_step(self, event: events.CallStep) -> None:
+    def _call_step(self, event: events.CallStep | events.StepNow) -> None:
         try:
+            if isinstance(event, events.StepNow):
+                self.interrupts.cue(event)
+                return
             step = find_step(self.graph, event.name)
-        except UnknownStep as error:
+        except (UnknownStep, PersonError) as error:
             self._refuse(f"{event.source}: {error}")
             return
         members = self._members(event.group)
@@ -190,29 +197,32 @@ class Show:
 
     def offer(self, library: str, graph: MotionGraph) -> None:
         """Hold a graph ready for the event StepsAdded that names its library's hash. Thread: any."""
-        self._offered[library] = graph
+        self._offered[library] = graph, Choosing.of(graph)
 
     def _add_steps(self, event: events.StepsAdded) -> None:
-        graph = self._offered.pop(event.library, None)
-        if graph is None:  # a replay has no thread that would have joined them
+        offered = self._offered.pop(event.library, None)
+        if offered is None:  # a replay has no thread that would have joined them
             keys = event.clips.split("\n")
             if any(key not in self._reserve for key in keys):
                 self._refuse(f"{event.source}: the new steps are not there any more")
                 return
-            graph = insert_clips(self._next_graph or self.graph, [self._reserve[key] for key in keys])
-        self._next_graph = graph
+            known = self.graph if self._next_graph is None else self._next_graph[0]
+            graph = insert_clips(known, [self._reserve[key] for key in keys])
+            offered = graph, Choosing.of(graph)
+        self._next_graph = offered
 
     def _take_graph(self) -> None:
         """Dance in the new graph, unless it would leave somebody without a way on."""
-        graph, self._next_graph = self._next_graph, None
-        if graph is None:
+        offered, self._next_graph = self._next_graph, None
+        if offered is None:
             return
+        graph, choosing = offered
         if stranded(graph, self.dancers.node).any():
             self._refuse("library: the new steps would leave dancers without a next step; they wait")
             return
         self.graph = graph
         self.dancers.take_graph(graph)
-        self.scheduler.take_graph(graph)
+        self.scheduler.take_graph(graph, choosing)
 
     def _set_sequence(self, event: events.SetSequence) -> None:
         """Change what a group dances, if its dancers can dance it within two measures; else the dance goes on."""
@@ -272,8 +282,12 @@ class Show:
             self._cross_measure_line(time)
             crossed = True
         self.scheduler.work(self.span, self.timeline, time)
-        self.motion.tick(time, self.timeline, self.span, speed=self.scheduler.speed, dancer=self.dancers.shown)
-        self.dancers.tick(self.span.fraction(beat), time, TICK)
+        self.interrupts.tick(self.span, self.timeline, time)
+        carrying, fraction = self.scheduler.carrying, self.span.fraction(beat)
+        speed, dancer = self.scheduler.speed, carrying.reference
+        self.motion.tick(time, self.timeline, self.span, speed=speed, dancer=dancer, pace=carrying.pace)
+        carrying.tick(fraction, self.timeline.tempo / (60.0 * self.timeline.beats_per_measure))
+        self.dancers.tick(fraction, time, TICK)
         self.brightness = damper(self.brightness, 0.0 if self.blackout else 1.0, FADE_HALFLIFE, TICK)
         return crossed
 
@@ -281,6 +295,7 @@ class Show:
         if not self.dancers.decided:
             self.scheduler.decide(self.span, self.timeline, time)
         line = self.span.end
+        self.scheduler.carrying.cross_measure_line()
         self.dancers.cross_measure_line()
         self._take_graph()
         self.span = self.span.next(self.timeline)
@@ -297,11 +312,12 @@ class Show:
             entered = self.motion.begin_measure(self.span, beat, self.timeline, heading)
         except PersonError as error:  # a score that asks for the impossible in measure 200 stops no show
             self._refuse(f"score: {error}")
-            return
+            entered = np.zeros(0, np.intp)
         if len(entered):
             place = self.state.position[entered].astype(np.float64)
             way = self.motion.entrances.goal[entered] - place
             self.dancers.place(entered, place, np.arctan2(way[:, 0], way[:, 1]))
+        self.scheduler.carrying.begin_measure(anew=bool(len(entered)))
 
     def moment(self, time: float) -> Moment:
         """Musical time at `time` [s]."""

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from live.agents.crowd.model import AgentState
 from live.agents.procedural.element import Element
 from live.agents.procedural.field import ElementField
-from live.agents.procedural.kinds import EVERYBODY, VOICE
+from live.agents.procedural.kinds import ATTRACTOR, EVERYBODY, VOICE
 from live.agents.wants import Wants
 from live.base.errors import PersonError, named
 from live.base.stage_view import StageView
@@ -56,6 +56,14 @@ class Elements:
     def in_force(self) -> tuple[Element, ...]:
         """The elements that have not ended, oldest first."""
         return self._field.elements
+
+    def attractor_of(self, dancer: int) -> npt.NDArray[np.float64] | None:
+        """The middle of the newest attractor for that dancer [m], (2,); None if there is none."""
+        bits = int(self._addressees.bits[dancer])
+        for element in reversed(self._field.elements):
+            if element.kind in (ATTRACTOR, VOICE) and (element.groups == EVERYBODY or element.groups & bits):
+                return np.mean(np.array(element.points, np.float64), axis=0)
+        return None
 
     def begin_measure(self, measure: int, beat: float, beats_per_measure: int, position: Float32) -> None:
         """Put the score's elements in force that begin in `measure` (from 0), whose line is or will be at `beat`.

@@ -7,7 +7,9 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
+from live.base.errors import PersonError
 from live.show.sections.element import ElementSection
+from live.show.sections.facing import parse_facing
 from live.show.sections.group import GroupSection
 from live.show.sections.link import LinkSection
 from live.show.sections.midi import MidiSection
@@ -101,6 +103,16 @@ class Patch(Section):
                 raise ValueError(f"group {group.name!r} is like {group.like!r}: no other group is called that")
             if leader.like is not None:
                 raise ValueError(f"group {group.name!r}: name {leader.like!r}, which {leader.name!r} is like itself")
+        return self
+
+    @model_validator(mode="after")
+    def _facings_mean_something(self) -> "Patch":
+        names = tuple(group.name.casefold() for group in self.group)
+        for group in self.group:
+            try:
+                parse_facing(group.facing, dancers=self.dancer_count + self.reserve, groups=names)
+            except PersonError as error:
+                raise ValueError(f"group {group.name!r}: {error}") from None
         return self
 
     @model_validator(mode="after")

@@ -17,6 +17,9 @@ ANY_STEP = -1
 HOLD_MEASURES = 2
 """Measures for which a step drawn by chance is danced at least."""
 
+IN_PLACE = 0.15
+"""A measure that goes no farther than this [m] is danced in place."""
+
 
 class UnknownStep(ValueError):
     """A step name that the library does not have; the message lists what there is."""
@@ -82,6 +85,8 @@ class GroupProgramme:
         """What is to be danced from the measure on that was last asked for, at least as far as a search looks."""
         self.into = 0
         """How many measures of the first of them are over by then."""
+        self.stands = False
+        """Whether the group stands: then chance draws among the steps that can be danced in place."""
 
     def call(self, step: int, *, measures: float) -> None:
         """Dance `step` from the next measure on that is not chosen yet, for a number of measures (rounded up)."""
@@ -191,11 +196,18 @@ class GroupProgramme:
         hops = self._graph.hops[self.steps][:, nodes]
         near = [s for s, h in zip(self.steps, hops, strict=True) if (h <= 1).all()]
         far = [s for s, h in zip(self.steps, hops, strict=True) if (h < NEVER).all()]
+        if self.stands and (still := [step for step in near if self._in_place(step)]):
+            near = still
         for choice in (near, far, self.steps):
             fresh = [step for step in choice if step != self._drawn]
             if fresh:
                 return int(fresh[int(chance.integers(len(fresh)))])
         return self._drawn
+
+    def _in_place(self, step: int) -> bool:
+        """Whether some measure of the step goes nowhere: whoever stands does not drift away and come back."""
+        library = self._graph.library
+        return bool(np.hypot(*library.node_travel[(library.node_step == step) & self._graph.alive].T).min() < IN_PLACE)
 
 
 def _step_of(entry: Wanted) -> int:

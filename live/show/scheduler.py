@@ -1,11 +1,17 @@
 """Scheduler: measure lines, look-ahead and the choice of every dancer's next step, a beat ahead of the line (T038).
 
-Within a measure: 1.5 beats before its end the agents are run ahead on a copy, a few coarse steps per tick; one beat
-before its end the motion graph is asked for each dancer's next measure; at the line everybody crosses, and nothing is
-searched. The way a dancer is still off after her step is spread over that measure (position targets, T068).
+The planning of the next measure is a row of small pieces, so many in each tick that they are done a beat before the
+line: from LOOK_BEATS before it on the agents are run ahead on a copy; then it is asked what each dancer should dance,
+where she should end and whither she should face, and the motion graph is searched for some dancers at a time. A beat
+before the line, what was found is laid down where the dancers will really end; at the line everybody crosses, and
+nothing is searched. The way a dancer is still off after her step is spread over that measure (position targets, T068).
 """
 
 import math
+from collections import deque
+from collections.abc import Callable
+from functools import partial
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -13,14 +19,17 @@ import numpy.typing as npt
 from live.agents.look_ahead import LookAhead
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
-from live.graph.candidates import QUICKEST_TURN
-from live.graph.kernels import choose_edges
+from live.graph.choosing.choosing import Choosing, with_direction
 from live.graph.motion_graph import MotionGraph
-from live.show.carrying import Carrying
+from live.graph.placing import joined, own_end, wrapped
+from live.graph.takes import NO_TAKE
+from live.show.aims import Aims
+from live.show.behind import behind
+from live.show.carrying import FAITHFUL, Carrying
+from live.show.choices import Choices
 from live.show.danced import Danced
 from live.show.dancers import Dancers
-from live.show.echo import Echo, Programme
-from live.show.foresight import Foresight
+from live.show.echo import Programme
 from live.show.group_motion import GroupMotion
 from live.show.measure import MeasureSpan
 from live.show.patch import Patch
@@ -29,47 +38,44 @@ Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
-LOOK_BEATS = 1.5
+LOOK_BEATS: Final = 1.75
 """Beats before the measure line at which the look-ahead begins."""
-DECIDE_BEATS = 1.0
+DECIDE_BEATS: Final = 1.0
 """Beats before it at which the next steps are chosen: never later than the blend begins."""
-
-# a metre off the place, a radian off the heading, a metre between poses, a measure away from the wanted step, a mirror
-# image where the group wants none (dearer than any place on the stage, cheaper than another step)
-WEIGHTS = np.array([1.0, 0.6, 0.8, 40.0, 20.0])
+AT_A_TIME: Final = 48
+"""Dancers whose measures are chosen in one piece."""
+STRAY_MIX: Final = 0.1
+"""A mixture that is drawn for variety moves the end of a measure by this much [m] at most."""
 
 
 class Scheduler:
     """Decides for A dancers in their groups; deterministic."""
 
     def __init__(
-        self,
-        patch: Patch,
-        dancers: Dancers,
-        motion: GroupMotion,
-        programmes: list[Programme],
-        group: Int32,
+        self, patch: Patch, dancers: Dancers, motion: GroupMotion, programmes: list[Programme], group: Int32
     ) -> None:
         """`group` (A,) is shared with the show, which may change it between measures."""
         self._patch = patch
         self._dancers = dancers
         self._motion = motion
-        self.carrying = Carrying(patch, dancers, motion)
-        self.programmes = programmes
-        self.order = sorted(range(len(programmes)), key=lambda index: isinstance(programmes[index], Echo))
-        """The groups in the order in which they are asked: whoever echoes another one after her."""
         self._group = group
-        self._looking = False
-        self._seconds = 2.0
+        self.programmes = programmes
+        self.carrying = Carrying(patch, dancers, motion)
+        self.aims = Aims(patch, dancers, motion, programmes, group)
+        self.order = self.aims.order
+        self.speed: Float32 = self.aims.speed
+        """Top speed of each agent [m/s], shape (A,)."""
         count = len(group)
-        self.speed: Float32 = np.zeros(count, np.float32)
-        """Top speed of each agent [m/s]: what its dancer's steps can follow, shape (A,)."""
-        self._edge = np.zeros(count, np.int32)
-        self._wanted = np.zeros(count, np.int32)
-        self._row = np.zeros(count, np.int32)
-        self.take_graph(dancers.graph)
+        self.choices = Choices(count)
+        self._draft = Danced(dancers.graph, count)
+        self._asked_from = np.full(count, -1, np.int32)
+        self._arguments: tuple[Any, ...] = ()
+        self._pieces: deque[Callable[[], None]] = deque()
+        self._seconds = 2.0
+        self.take_graph(dancers.graph, Choosing.of(dancers.graph))
         self.last_target: Float64 | None = None
-        """Where the dancers were last sent [m], shape (A, 2); None before the first decision."""
+        """Where the dancers were last sent, no farther than their steps reach [m], (A, 2); None before the first
+        decision."""
         self.last_heading = np.zeros(count)
         """What they were to face there [rad], shape (A,)."""
         self.detours = 0
@@ -77,147 +83,144 @@ class Scheduler:
         self.dead_ends = 0
         """How often a dancer found no next measure and repeated hers, since the start."""
 
-    def take_graph(self, graph: MotionGraph) -> None:
+    def take_graph(self, graph: MotionGraph, choosing: Choosing) -> None:
         """Choose in this graph from now on; called when nobody's next measure is decided."""
-        library = graph.library
-        self.foresight = Foresight(graph)
-        self._ahead = np.zeros((2 * len(self.programmes), library.node_count))
-        reach = [library.reach(step) for step in range(len(library.steps))]
-        # how far one measure of each step goes [m]; last, as for ANY_STEP, of the farthest
-        self._reach = np.array([*reach, max(reach)])
-        for programme in self.programmes:
-            programme.take_graph(graph)
+        self.choosing = choosing
+        self._draft.graph = graph
+        self.aims.take_graph(graph, choosing)
+        self.foresight = self.aims.foresight
 
     def farthest(self) -> Float64:
         """How far each dancer's steps go in one measure [m]: the farthest of her group's, shape (A,)."""
-        most = np.zeros(len(self._group))
-        for index, programme in enumerate(self.programmes):
-            steps = [*programme.steps, *([] if programme.travel_step is None else [programme.travel_step])]
-            most[self._group == index] = max(float(self._reach[step]) for step in steps)
-        return most
+        return self.aims.farthest()
 
     def set_speed(self, measure: int, timeline: Timeline) -> None:
         """Let the agents of each group go as fast as its steps and the correction can follow."""
-        seconds = self._seconds = timeline.beats_per_measure * 60.0 / timeline.tempo
-        for index in self.order:
-            programme, members = self.programmes[index], self._group == index
-            step = programme.wanted(measure, self._dancers.node[members])
-            steps = [step] if programme.travel_step is None else [step, programme.travel_step]
-            reach = max(float(self._reach[s]) for s in steps)
-            self.speed[members] = (reach + 0.2 * self._patch.locomotion.correction_m) / seconds
+        self._seconds = timeline.beats_per_measure * 60.0 / timeline.tempo
+        self.aims.set_speed(measure, timeline)
+
+    # -- the planning of one measure, in pieces ------------------------------------------------------------------
 
     def work(self, span: MeasureSpan, timeline: Timeline, time: float) -> None:
         """Do this tick's share of the planning for the measure after `span`."""
         if self._dancers.decided:
             return
-        beat = timeline.beat_at(time)
-        left = span.end - beat
+        left = span.end - timeline.beat_at(time)
         # a measure that "this is the one" has stretched reaches its blend more than a beat before its end
         blends = span.fraction(timeline.beat_at(time + TICK)) >= 1.0 - self._dancers.graph.window
         if left <= DECIDE_BEATS or blends:
             self.decide(span, timeline, time)
             return
-        if not self._looking and left <= max(LOOK_BEATS, DECIDE_BEATS + 2.0 * TICK):
-            seconds = max(0.0, (left + timeline.beats_per_measure) * 60.0 / timeline.tempo)
-            self._look(time, seconds, timeline)
-            self._looking = True
-            ticks = max(1.0, (left - DECIDE_BEATS) * 60.0 / timeline.tempo / TICK)
-            late = float(self._dancers.variation.late.max()) * timeline.beats_per_measure * 60.0 / timeline.tempo
-            self._share = math.ceil((seconds + late) / LookAhead.STEP / ticks)
-        if self._looking:
-            self._motion.work(self._share)
+        if not self._pieces:
+            if left > max(LOOK_BEATS, DECIDE_BEATS + 2.0 * TICK) or self._arguments:
+                return
+            self._begin(span, timeline, time)
+        ticks = math.ceil((left - DECIDE_BEATS) * 60.0 / timeline.tempo / TICK)
+        for _ in range(math.ceil(len(self._pieces) / max(ticks, 1))):
+            self._pieces.popleft()()
 
-    def _look(self, time: float, seconds: float, timeline: Timeline) -> None:
+    def _begin(self, span: MeasureSpan, timeline: Timeline, time: float) -> None:
+        """Begin to plan the measure after `span`."""
+        left = max(0.0, span.end - timeline.beat_at(time))
+        beat = 60.0 / timeline.tempo
+        seconds = (left + timeline.beats_per_measure) * beat
         late = self._dancers.variation.late * timeline.beats_per_measure
         self._motion.look(time, seconds, self._dancers.present.end_heading(), late)
+        steps = math.ceil((seconds + float(late.max()) * beat) / LookAhead.STEP) + len(np.unique(late))
+        count = len(self._group)
+        self._pieces.extend(
+            [
+                *[partial(self._motion.work, 1)] * steps,
+                self._look,
+                *[partial(self.aims.ask, index, span.number + 1, self.choices) for index in self.order],
+                self._limit,
+                *[partial(self._choose, slice(row, min(row + AT_A_TIME, count))) for row in range(0, count, AT_A_TIME)],
+                partial(self._draw, span.number + 1),
+            ]
+        )
+
+    def _look(self) -> None:
+        self._motion.work(1 << 20)
+        self.aims.look(self.choices)
+
+    def _limit(self) -> None:
+        """How far everybody can get, and all that the choice asks for."""
+        variation, limits = self._dancers.variation, self._patch.locomotion
+        give = np.minimum(self._dancers.graph.node_give, limits.correction_m)
+        share = FAITHFUL + (1.0 - FAITHFUL) * variation.obedience
+        self.choosing.allow(seconds=self._seconds, turn=math.radians(limits.turn_deg), give=give)
+        self.aims.limit(self.choices, share * float(np.median(give)))
+        self._asked_from[:] = self._dancers.node
+        self._arguments = (
+            self._asked_from,
+            with_direction(self._dancers.present.end_placement()),
+            with_direction(np.column_stack([self.choices.target, self.aims.heading])),
+            self.aims.row,
+            self.aims.ahead,
+            variation.sides,
+            np.column_stack([variation.on_support, variation.face_average, share]),
+            self.choices.out,
+        )
+
+    def _choose(self, rows: slice) -> None:
+        self.choosing.choose(rows, *self._arguments)
+
+    def _draw(self, measure: int) -> None:
+        """What is danced of what was chosen: nodes, and mixtures where they are needed, else the variety's."""
+        dancers, choices, draft = self._dancers, self.choices, self._draft
+        graph, candidates = dancers.graph, self.choosing.candidates
+        edge = choices.edge
+        choices.node[:] = np.where(edge < 0, -1, graph.edge_target[np.maximum(edge, 0)])
+        draft.node[:] = np.where(edge[:, 0] < 0, dancers.node, choices.node[:, 0])
+        dancers.variation.draw(measure, draft)
+        row = np.maximum(choices.candidate[:, 0], 0)
+        needed = (choices.candidate[:, 0] >= 0) & (candidates.take[row] != NO_TAKE)
+        if draft.take_share[0].any():
+            end, _ = own_end(graph, draft.node, draft.take, np.ones(len(draft.node)))
+            stray = np.hypot(*(end - graph.node_end[draft.node]).T)
+            most = STRAY_MIX / np.maximum(stray, 1e-9)
+            draft.take_share[0] = np.minimum(draft.take_share[0], most)
+        draft.take[needed] = candidates.take[row[needed]]
+        draft.take_share[:, needed] = candidates.share[row[needed]]
+
+    # -- the decision --------------------------------------------------------------------------------------------
 
     def decide(self, span: MeasureSpan, timeline: Timeline, time: float) -> None:
-        """Choose the next measure of every dancer now, finishing the look-ahead first."""
-        if not self._looking:
-            left = max(0.0, span.end - timeline.beat_at(time))
-            seconds = (left + timeline.beats_per_measure) * 60.0 / timeline.tempo
-            self._look(time, seconds, timeline)
-        self._motion.work(1 << 20)
-        self._looking = False
-        dancers, graph = self._dancers, self._dancers.graph
-        placement = dancers.present.end_placement()
-        target, known, planned = self._motion.ahead()
-        heading = self._headings(dancers.present.end_position(), target)
-        heading[known] = planned[known]
-        self._choose_steps(span.number + 1, target)
-        choose_edges(
-            dancers.node,
-            placement,
-            target,
-            heading,
-            self._row,
-            self._ahead,
-            graph.edge_start,
-            graph.edge_target,
-            graph.edge_cost,
-            graph.edge_transform,
-            graph.node_end,
-            graph.node_facing,
-            dancers.variation.sides,
-            graph.library.node_side,
-            WEIGHTS,
-            self._edge,
-            dancers.coming.placement,
-        )
-        self._take(span.number + 1, placement, target, heading)
-        self.last_target, self.last_heading = target, heading
+        """Choose the next measure of every dancer now, finishing what is not planned yet."""
+        if not self._pieces and not self._arguments:
+            self._begin(span, timeline, time)
+        while self._pieces:
+            self._pieces.popleft()()
+        changed = np.flatnonzero(self._asked_from != self._dancers.node)  # who was put into another measure since
+        if len(changed):
+            self._arguments = (self._dancers.node.copy(), *self._arguments[1:])
+            self._arguments[1][changed] = with_direction(self._dancers.present.end_placement())[changed]
+            for row in changed.tolist():
+                self._choose(slice(row, row + 1))
+            self._draw(span.number + 1)
+        self._take()
+        self._arguments = ()
+        self.last_target, self.last_heading = self.choices.target.copy(), self.aims.heading.copy()
 
-    def _choose_steps(self, measure: int, target: Float64) -> None:
-        """The step each dancer should dance: her group's, or its travel step if the way is too far for that."""
-        limits = self._patch.locomotion
-        way = np.hypot(*(target - self._dancers.present.end_position()).T)
-        for index in self.order:
-            programme, members = self.programmes[index], self._group == index
-            step = programme.wanted(measure, self._dancers.node[members])
-            self._wanted[members] = step
-            self._row[members] = 2 * index
-            self._ahead[2 * index] = self.foresight.sequence(programme.coming, programme.into)
-            if programme.travel_step is not None and self._reach[programme.travel_step] > self._reach[step]:
-                far = members & (way > self._reach[step] + 0.5 * limits.correction_m)
-                self._wanted[far] = programme.travel_step
-                self._row[far] = 2 * index + 1
-                self._ahead[2 * index + 1] = self.foresight.step(programme.travel_step)
-
-    def _headings(self, start: Float64, target: Float64) -> Float64:
-        """Where each dancer should face at the end of the next measure [rad]."""
-        heading = np.zeros(len(start))
-        for index, section in enumerate(self._patch.group):
-            members = self._group == index
-            if section.facing == "path":
-                way = target[members] - start[members]
-                moving = np.hypot(*way.T) > 0.25
-                heading[members] = np.where(moving, np.arctan2(way[:, 0], way[:, 1]), 0.0)
-            elif section.facing == "centre":
-                way = np.array(section.centre) - target[members]
-                heading[members] = np.arctan2(way[:, 0], way[:, 1])
-        passing = self._motion.entrances.passing  # whoever comes or goes looks where she goes
-        way = target[passing] - start[passing]
-        heading[passing] = np.where(np.hypot(*way.T) > 0.25, np.arctan2(way[:, 0], way[:, 1]), heading[passing])
-        return heading
-
-    def _take(self, measure: int, placement: Float64, target: Float64, heading: Float64) -> None:
-        """Write the chosen measures and what must be added to them to end in place."""
-        dancers, graph, limits = self._dancers, self._dancers.graph, self._patch.locomotion
-        coming, stuck = dancers.coming, self._edge < 0
+    def _take(self) -> None:
+        """Lay down the chosen measures where the dancers will be, and add what they need to end in place."""
+        dancers, graph, limits, choices = self._dancers, self._dancers.graph, self._patch.locomotion, self.choices
+        coming, edge = dancers.coming, choices.edge[:, 0]
+        axes = dancers.present.end_placement()
+        coming.copy_from(self._draft)
+        coming.placement[:] = joined(axes, graph.edge_transform[np.maximum(edge, 0)])
+        stuck = edge < 0
         if stuck.any():  # cannot happen in a pruned graph; a dancer who is stuck repeats her measure
             self.dead_ends += int(stuck.sum())
-            coming.placement[stuck] = placement[stuck]
-        coming.node[:] = np.where(stuck, dancers.node, graph.edge_target[np.maximum(self._edge, 0)])
-        wrong = (self._wanted >= 0) & (graph.library.node_step[coming.node] != self._wanted)
-        self.detours += int(np.count_nonzero(wrong))
-        dancers.variation.draw(measure, coming)
-        most = np.minimum(
-            math.radians(limits.turn_deg), QUICKEST_TURN * self._seconds / graph.node_quickest[coming.node]
+            coming.placement[stuck] = axes[stuck]
+        self.detours += int(
+            np.count_nonzero((choices.step >= 0) & (graph.library.node_step[coming.node] != choices.step))
         )
         coming.correction[:] = coming.aimed[:] = 0.0
-        off = heading - self._own_heading(coming)
-        coming.correction[:, 2] = np.clip(np.arctan2(np.sin(off), np.cos(off)), -most, most)
-        self.carrying.settle(target)
+        most = np.minimum(math.radians(limits.turn_deg), self.choosing.most[coming.node, 0])
+        off = wrapped(self.aims.heading - self._own_heading(coming))
+        coming.correction[:, 2] = np.clip(off, -most, most)
+        self.carrying.settle(choices.target)
 
     def _own_heading(self, coming: Danced) -> Float64:
         """Heading that each dancer would end with, or have on the average (T122), if nothing were added, (A,) [rad]."""
@@ -225,3 +228,15 @@ class Scheduler:
         own = coming.own_end()[1]
         off = self._dancers.graph.node_facing_mean[coming.node] - own
         return np.asarray(coming.placement[:, 2] + own + average * np.arctan2(np.sin(off), np.cos(off)))
+
+    # -- what there is to say ------------------------------------------------------------------------------------
+
+    def behind(self) -> dict[str, Any]:
+        """How near to where they are sent the dancers of each group get, and what should be recorded (T075)."""
+        return behind(
+            self.choices,
+            self._group,
+            tuple(section.name for section in self._patch.group),
+            self._dancers.graph.library.steps,
+            self._motion.present,
+        )

@@ -1,14 +1,13 @@
-"""The motion graph: edges, pruning, hops, and the choice of the next measure."""
+"""The motion graph: edges, pruning, hops."""
 
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
-from live.graph.kernels import choose_edges
 from live.graph.library import build_library
 from live.graph.metric.weights import Metric
 from live.graph.motion_graph import NEVER, allowed_edges, build_graph, largest_component
@@ -114,62 +113,6 @@ def test_hops_count_measures_to_a_step(graph):
                 seen |= front
                 distance += 1
             assert graph.hops[step, node] == (distance if front else NEVER)
-
-
-def _choose(graph, node, placement, target, heading, wanted, weights, side=0):
-    edge, out = np.zeros(len(node), np.int32), np.zeros((len(node), 3))
-    side = np.broadcast_to(np.int32(side), len(node)).copy()
-    away = graph.library.node_step != np.arange(len(graph.library.steps))[:, None]
-    ahead = np.vstack([np.where(away, 1.0 + graph.hops, 0.0), np.zeros(graph.library.node_count)])
-    row = np.where(wanted < 0, len(ahead) - 1, wanted).astype(np.int32)
-    choose_edges(
-        node, placement, target, heading, row, ahead, graph.edge_start, graph.edge_target, graph.edge_cost,
-        graph.edge_transform, graph.node_end, graph.node_facing, side,
-        graph.library.node_side, weights, edge, out,
-    )  # fmt: skip
-    return edge, out
-
-
-@settings(max_examples=40, deadline=None)
-@given(seed=st.integers(0, 2**32 - 1))
-def test_the_choice_is_the_cheapest_edge(graph, seed):
-    """Against a plain loop over all edges with complex numbers for the stage."""
-    chance = np.random.default_rng(seed)
-    library = graph.library
-    node = chance.choice(np.flatnonzero(graph.alive), 4).astype(np.int32)
-    placement, target = chance.uniform(-3, 3, (4, 3)), chance.uniform(-3, 3, (4, 2))
-    heading = chance.uniform(-3, 3, 4)
-    wanted = chance.integers(-1, len(library.steps), 4).astype(np.int32)
-    weights = np.array([1.0, 0.6, 0.8, 40.0, 20.0])
-    side = chance.integers(-1, 2, 4).astype(np.int32)
-    edge, out = _choose(graph, node, placement, target, heading, wanted, weights, side)
-    for n in range(4):
-        costs = {}
-        for e in range(graph.edge_start[node[n]], graph.edge_start[node[n] + 1]):
-            v = graph.edge_target[e]
-            yaw = placement[n, 2] + graph.edge_transform[e, 2]
-            origin = complex(*placement[n, :2]) + complex(*graph.edge_transform[e, :2]) * np.exp(-1j * placement[n, 2])
-            end = origin + complex(*graph.node_end[v]) * np.exp(-1j * yaw)
-            off = np.angle(np.exp(1j * (yaw + graph.node_facing[v] - heading[n])))
-            cost = abs(end - complex(*target[n])) ** 2 + 0.6 * off**2 + 0.8 * graph.edge_cost[e]
-            if wanted[n] >= 0 and library.node_step[v] != wanted[n]:
-                cost += 40.0 * (1 + graph.hops[wanted[n], v])
-            if side[n] * (1 if library.clips[library.node_clip[v]].mirrored else -1) == -1:
-                cost += 20.0
-            costs[e] = (cost, origin.real, origin.imag, yaw)
-        assert costs[edge[n]][0] == pytest.approx(min(c[0] for c in costs.values()), rel=1e-9)
-        assert out[n] == pytest.approx(costs[edge[n]][1:], abs=1e-9)
-
-
-def test_the_variation_that_goes_the_right_way_is_taken(graph):
-    library = graph.library
-    sway = np.flatnonzero(library.node_step == library.steps.index("sway"))[:1].astype(np.int32)
-    glide = np.array([library.steps.index("glide")], np.int32)
-    for way in ((0.8, 0.0), (-0.8, 0.0), (0.0, 0.8), (0.0, -0.8), (0.0, 0.0)):
-        edge, _ = _choose(
-            graph, sway, np.zeros((1, 3)), np.array([way]), np.zeros(1), glide, np.array([1.0, 0.6, 0.8, 40.0, 20.0])
-        )
-        assert library.node_travel[graph.edge_target[edge[0]]] == pytest.approx(way, abs=1e-6)
 
 
 def test_facing_is_that_of_the_body(graph):

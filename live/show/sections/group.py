@@ -47,8 +47,9 @@ class GroupSection(Section):
     """Steps in their order, or drawn by seeded chance, never the same twice in a row."""
     travel_step: str | None = None
     """The step danced instead when the way is farther than the step in turn can go."""
-    facing: Literal["public", "path", "centre"] = "public"
-    """Where dancers face when a measure ends: the public, along their way, or the group's centre."""
+    facing: Annotated[str, Field(min_length=1, max_length=64)] = "public"
+    """Where dancers face when a measure ends: `public`, `path` (along their way), `centre` (of the group), `attractor`
+    (the newest for them), degrees (`"30"`: towards +x), `dancer 3`, or a group by name. Turns take three measures."""
     obedience: Share | None = None
     """How far its dancers are carried beyond their steps, 0 to 1; if left out as in `[locomotion]`."""
     formation: Annotated[str, Field(min_length=1, max_length=250)] = "grid"

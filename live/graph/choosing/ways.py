@@ -1,0 +1,80 @@
+"""Ways: how far one measure of each step can go in each direction, so that nobody is asked for more (T068, T075)."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.candidates import Candidates
+from live.graph.motion_graph import MotionGraph
+from live.graph.placing import turn_vectors, wrapped
+
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+DIRECTIONS: Final = 32
+"""Directions that are tabled, evenly over the circle."""
+TURNS: Final = np.radians(np.linspace(-90.0, 90.0, 9))
+"""Changes of heading over the measure that are tabled [rad]."""
+BESIDE: Final = 0.2
+"""A direction is reached if a candidate ends at most so far beside it [m]: so much is easily corrected."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ways:
+    """The farthest ends of C steps, seen by the dancer who begins: 0 is straight ahead, then towards her left."""
+
+    farthest: Float64
+    """[m], shape (C + 1, TURNS, DIRECTIONS); the last row is that of any step."""
+
+    @staticmethod
+    def of(graph: MotionGraph, candidates: Candidates) -> "Ways":
+        """Measure all candidates of all steps, each turned so that the heading changes by each of TURNS."""
+        step = graph.library.node_step[candidates.node]
+        count = len(graph.library.steps)
+        farthest = np.zeros((count + 1, len(TURNS), DIRECTIONS))
+        alive = graph.alive[candidates.node]
+        node = candidates.node
+        heading = np.arange(DIRECTIONS) * (2.0 * np.pi / DIRECTIONS)
+        towards = np.array([np.sin(heading), np.cos(heading)])
+        for n, change in enumerate(TURNS):
+            own = wrapped(candidates.facing - graph.node_facing_start[node])
+            turn = wrapped(change - own)
+            moved = candidates.turns.take(node).displacement(1.0, turn)
+            way = moved + turn_vectors(candidates.end, turn) - graph.node_start[node]
+            way = turn_vectors(way, -graph.node_facing_start[node])
+            for s in range(count):
+                rows = (step == s) & alive
+                if rows.any():
+                    farthest[s, n] = _along(way[rows], towards)
+        farthest[-1] = farthest[:-1].max(axis=0)
+        return Ways(farthest)
+
+    def limit(self, step: Int32, heading: Float64, change: Float64, way: Float64, more: Float64) -> Float64:
+        """Of the `way` (A, 2) [m] of each dancer as much as her `step` (A,) can go in one measure, and `more` (A,) [m].
+
+        `heading` (A,) [rad] is where she faces at its beginning, `change` (A,) how far she is to turn until its end;
+        a step below 0 is any.
+        """
+        length = np.hypot(*way.T)
+        at = (np.arctan2(way[:, 0], way[:, 1]) - heading) * (DIRECTIONS / (2.0 * np.pi)) % DIRECTIONS
+        first = np.floor(at).astype(np.int64)
+        t = at - first
+        turn = np.abs(np.clip(wrapped(change), TURNS[0], TURNS[-1])[:, None] - TURNS).argmin(axis=1)
+        row = np.where(step < 0, len(self.farthest) - 1, step)
+        reach = (1.0 - t) * self.farthest[row, turn, first % DIRECTIONS] + t * self.farthest[
+            row, turn, (first + 1) % DIRECTIONS
+        ]
+        return np.asarray(way * np.minimum(1.0, (reach + more) / np.maximum(length, 1e-9))[:, None])
+
+
+def _along(way: Float64, towards: Float64) -> Float64:
+    """How far any of the ends `way` (n, 2) reaches in each of the directions `towards` (2, d), at least 0, (d,) [m].
+
+    An end reaches in a direction as far as the circle of BESIDE around it leaves the ray, but not beyond the end
+    itself.
+    """
+    along = way @ towards
+    across = np.abs(way[:, :1] * towards[1] - way[:, 1:] * towards[0])
+    return np.asarray(np.where(across <= BESIDE, along, 0.0).max(axis=0, initial=0.0))

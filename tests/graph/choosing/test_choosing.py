@@ -1,0 +1,188 @@
+"""The choice of the next measure, against a slow loop over everything there is; where it leads, against the clips."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from live.graph.candidates import QUICKEST_TURN
+from live.graph.choosing import choosing as tuned
+from live.graph.choosing.choosing import Choosing, with_direction
+from live.graph.library import build_library
+from live.graph.motion_graph import build_graph
+from live.graph.takes import NO_TAKE
+from tests.steps_of_the_project import project_steps
+
+SECONDS = 2.0
+TURN = math.radians(50.0)
+GIVE = 0.2
+TABLED = 0.003
+"""How far [m] the tabled way of a turn may be from the exact one."""
+
+
+@pytest.fixture(scope="module")
+def graph():
+    return build_graph(build_library(project_steps("walk", "groove")))
+
+
+@pytest.fixture(scope="module")
+def choosing(graph):
+    made = Choosing.of(graph)
+    made.allow(seconds=SECONDS, turn=TURN, give=GIVE)
+    return made
+
+
+def asked(graph, seed, count=3):
+    """Dancers anywhere, with all kinds of wishes."""
+    chance = np.random.default_rng(seed)
+    steps = len(graph.library.steps)
+    away = (graph.library.node_step != np.arange(steps)[:, None]).astype(np.float64)
+    return {
+        "node": chance.choice(np.flatnonzero(graph.alive), count).astype(np.int32),
+        "placement": with_direction(chance.uniform(-3, 3, (count, 3))),
+        "wish": with_direction(np.column_stack([chance.uniform(-2.5, 2.5, (count, 2)), chance.uniform(-9, 9, count)])),
+        "row": chance.integers(0, steps + 1, count).astype(np.int32),
+        "ahead": np.vstack([away, np.zeros(graph.library.node_count)]),
+        "side": chance.integers(-1, 2, count).astype(np.int32),
+        "manner": np.column_stack(
+            [chance.integers(0, 2, count), chance.choice([0.0, 0.0, 1.0, 0.5], count), chance.uniform(0, 1, count)]
+        ).astype(np.float64),
+    }
+
+
+def chosen(choosing, question, *, slices=None):
+    count = len(question["node"])
+    out = (
+        np.full((count, 2), -9, np.int32), np.full((count, 2), -9, np.int32), np.full((count, 2, 5), np.nan),
+        np.full((count, 4), np.nan),
+    )  # fmt: skip
+    for rows in slices or [slice(0, count)]:
+        choosing.choose(rows, *question.values(), out)
+    return out
+
+
+def every_candidate(graph, choosing, question, n):
+    """Cost in terms, and end, of all candidates on all edges of dancer n, by plain complex numbers: {(e, k): ...}."""
+    candidates, found = choosing.candidates, {}
+    x, z, yaw = question["placement"][n, :3]
+    wish_x, wish_z, heading = question["wish"][n, :3]
+    support, average, share = question["manner"][n]
+    for e in range(graph.edge_start[question["node"][n]], graph.edge_start[question["node"][n] + 1]):
+        v = graph.edge_target[e]
+        origin = complex(z, x) + complex(graph.edge_transform[e, 1], graph.edge_transform[e, 0]) * np.exp(1j * yaw)
+        turned = yaw + graph.edge_transform[e, 2]
+        most = min(TURN, QUICKEST_TURN * SECONDS / graph.node_quickest[v])
+        for k in range(candidates.first[v], candidates.first[v + 1]):
+            facing = candidates.facing[k]
+            ahead_of = math.remainder(graph.node_facing_mean[v] - facing, 2 * math.pi)
+            want = math.remainder(heading - turned - facing - average * ahead_of, 2 * math.pi)
+            turn = min(max(want, -most), most)
+            if support:
+                one = np.array([k], np.int32)
+                hips, _ = candidates.turned_end(one, np.array([[origin.imag, origin.real, turned]]), np.array([turn]))
+                end = complex(hips[0, 1], hips[0, 0])
+            else:
+                end = origin + complex(candidates.end[k, 1], candidates.end[k, 0]) * np.exp(1j * turned)
+            off = abs(end - complex(wish_z, wish_x))
+            within = min(off, share * GIVE)
+            side = question["side"][n] * (1 if graph.library.clips[graph.library.node_clip[v]].mirrored else -1) < 0
+            terms = (
+                tuned.CORRECTED * within**2 + tuned.PLACE * (off**2 - within**2),
+                tuned.HEADING * (want - turn) ** 2 + tuned.TURN * turn**2,
+                tuned.POSE * graph.edge_cost[e],
+                tuned.WRONG * question["ahead"][question["row"][n], v],
+                tuned.SIDE * side + tuned.MIXED * (candidates.take[k] != NO_TAKE) + choosing.facts[v, 2],
+            )
+            found[e, k] = terms, off, (end.imag, end.real, turn, want - turn)
+    return found
+
+
+@settings(max_examples=25, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_the_cheapest_candidate_of_all_is_chosen_and_the_best_of_another_measure_named(graph, choosing, seed):
+    question = asked(graph, seed)
+    edge, candidate, terms, end = chosen(choosing, question)
+    for n in range(len(edge)):
+        found = every_candidate(graph, choosing, question, n)
+        cost = {key: sum(row[0]) for key, row in found.items()}
+        for rank in range(2):
+            others = {key: value for key, value in cost.items() if not rank or key[0] != edge[n, 0]}
+            if not others:
+                assert edge[n, rank] == candidate[n, rank] == -1
+                continue
+            mine = edge[n, rank], candidate[n, rank]
+            allowed = 2.5 * TABLED * (max(found[mine][1], found[min(others, key=others.get)][1]) + TABLED)
+            assert others[mine] <= min(others.values()) + allowed
+            tolerance = [2.5 * TABLED * (found[mine][1] + TABLED), *[1e-9] * 4]
+            assert (np.abs(terms[n, rank] - found[mine][0]) <= tolerance).all()
+        assert np.abs(end[n, :2] - found[edge[n, 0], candidate[n, 0]][2][:2]).max() < TABLED
+        assert end[n, 2:] == pytest.approx(found[edge[n, 0], candidate[n, 0]][2][2:], abs=1e-9)
+
+
+def test_in_slices_it_is_the_same_bit_for_bit(graph, choosing):
+    question = asked(graph, 5, count=11)
+    whole = chosen(choosing, question)
+    parts = chosen(choosing, question, slices=[slice(7, 11), slice(0, 3), slice(3, 7)])
+    for one, other in zip(whole, parts, strict=True):
+        assert one.tobytes() == other.tobytes()
+
+
+def alone(graph, node, wish):
+    """One dancer in `node`, who wants to walk and to end at `wish` (3,)."""
+    library = graph.library
+    ahead = (library.node_step != library.step_index("walk")).astype(np.float64)[None]
+    return {
+        "node": np.array([node], np.int32), "placement": with_direction(np.zeros((1, 3))),
+        "wish": with_direction(np.array([wish])), "row": np.zeros(1, np.int32), "ahead": ahead,
+        "side": np.zeros(1, np.int32), "manner": np.array([[1.0, 0.0, 0.0]]),
+    }  # fmt: skip
+
+
+def test_mixtures_fill_the_ways_between_the_clips(graph, choosing):
+    """On a grid of places within the longest steps: with them every place is near an end, without them it is not."""
+    candidates = choosing.candidates
+    begin = int(graph.entries(graph.library.step_index("walk"))[0])
+    there = graph.node_end[begin]
+    mixed, plain = [], []
+    for x in np.linspace(-0.5, 0.5, 5):
+        for z in np.linspace(-0.5, 0.9, 6):
+            question = alone(graph, begin, [there[0] + x, there[1] + z, graph.node_facing[begin]])
+            end = chosen(choosing, question)[3]
+            mixed.append(math.hypot(*(end[0, :2] - question["wish"][0, :2])))
+            found = every_candidate(graph, choosing, question, 0)
+            walks = [row[1] for (_, k), row in found.items() if candidates.take[k] == NO_TAKE and row[0][3] == 0.0]
+            plain.append(min(walks))
+    assert np.mean(mixed) < 0.5 * np.mean(plain)
+    assert np.mean(mixed) < 0.1
+
+
+def test_where_a_clip_ends_exactly_none_is_mixed_in(graph, choosing):
+    candidates = choosing.candidates
+    begin = int(graph.entries(graph.library.step_index("walk"))[0])
+    question = alone(graph, begin, [0.0, 0.0, graph.node_facing[begin]])
+    for (_, k), (terms, _, end) in every_candidate(graph, choosing, question, 0).items():
+        if candidates.take[k] == NO_TAKE and terms[3] == 0.0:
+            row = chosen(choosing, alone(graph, begin, [end[0], end[1], graph.node_facing[begin]]))[1][0, 0]
+            assert candidates.take[row] == NO_TAKE
+
+
+def test_nobody_is_turned_or_corrected_beyond_what_is_allowed(graph, choosing):
+    question = asked(graph, 9, count=40)
+    edge, _, _, end = chosen(choosing, question)
+    node = graph.edge_target[edge[:, 0]]
+    assert (np.abs(end[:, 2]) <= choosing.most[node, 0] + 1e-12).all()
+    assert (choosing.most[:, 0] <= TURN).all()
+
+
+def test_how_far_mixtures_end_apart_is_never_underrated(graph, choosing):
+    """The bound by which mixtures are left out, against mixtures turned at random."""
+    candidates, chance = choosing.candidates, np.random.default_rng(2)
+    for _ in range(40):
+        v = int(chance.integers(graph.library.node_count))
+        rows = np.arange(candidates.first[v], candidates.first[v + 1], dtype=np.int32)
+        heading = chance.uniform(-TURN, TURN) * 0.8
+        turn = np.clip(heading - candidates.facing[rows] + candidates.facing[rows[0]], -TURN, TURN)
+        hips, _ = candidates.turned_end(rows, np.zeros((len(rows), 3)), turn)
+        assert np.hypot(*(hips - hips[0]).T).max() <= choosing.facts[v, 1] + 1e-9

@@ -1,0 +1,62 @@
+"""How far a step goes in a direction: against its clips and mixtures, and what is asked of a dancer who stands."""
+
+import math
+
+import numpy as np
+import pytest
+
+from live.graph.candidates import find_candidates, widening
+from live.graph.choosing.ways import BESIDE, DIRECTIONS, TURNS, Ways
+from live.graph.library import build_library
+from live.graph.motion_graph import build_graph
+from live.graph.reach import reach_of
+from tests.steps_of_the_project import project_steps
+
+
+@pytest.fixture(scope="module")
+def graph():
+    return build_graph(build_library(project_steps("walk", "groove")))
+
+
+@pytest.fixture(scope="module")
+def ways(graph):
+    return Ways.of(graph, widening(graph, find_candidates(graph)))
+
+
+def straight(graph, ways, step):
+    return ways.farthest[graph.library.step_index(step), len(TURNS) // 2]
+
+
+def test_the_farthest_way_of_a_step_is_that_of_the_report(graph, ways):
+    walk = graph.library.step_index("walk")
+    reach = reach_of(graph, find_candidates(graph), walk, 2.0)
+    assert straight(graph, ways, "walk").max() == pytest.approx(reach.most, abs=0.04)
+    for direction in range(8):  # within half an arc of each of the eight directions
+        near = [direction * 4 + off for off in range(-2, 3)]
+        table = max(straight(graph, ways, "walk")[n % DIRECTIONS] for n in near)
+        assert table == pytest.approx(reach.straight[direction], abs=0.12)
+
+
+def test_a_step_danced_in_place_reaches_nowhere(graph, ways):
+    assert straight(graph, ways, "groove").max() < 0.1
+
+
+@pytest.mark.parametrize("heading", [0.0, 1.0, -2.5])
+def test_what_is_asked_is_cut_to_the_reach_and_never_turned_aside(graph, ways, heading):
+    walk = np.full(3, graph.library.step_index("walk"), np.int32)
+    angle = heading + np.array([0.0, 0.4, math.pi / 2])
+    way = np.array([4.0, 0.3, 3.0])[:, None] * np.column_stack([np.sin(angle), np.cos(angle)])
+    cut = ways.limit(walk, np.full(3, heading), np.zeros(3), way, np.full(3, 0.1))
+    assert cut[1] == pytest.approx(way[1])  # near enough
+    assert np.hypot(*cut[0]) == pytest.approx(straight(graph, ways, "walk")[0] + 0.1)
+    assert np.hypot(*cut[2]) == pytest.approx(straight(graph, ways, "walk")[DIRECTIONS // 4] + 0.1)
+    across = cut[:, 0] * way[:, 1] - cut[:, 1] * way[:, 0]
+    assert np.abs(across).max() < 1e-12
+
+
+def test_any_step_reaches_as_far_as_the_farthest(graph, ways):
+    way = np.array([[0.0, 9.0]])
+    zero = np.zeros(1)
+    found = ways.limit(np.array([-1], np.int32), zero, zero, way, zero)
+    assert found[0, 1] == pytest.approx(straight(graph, ways, "walk")[0])
+    assert BESIDE < found[0, 1] < 2.0
