@@ -76,6 +76,7 @@ __all__ = [
     "ShiftBeats",
     "SourceChanged",
     "Spread",
+    "StepNow",
     "StepsAdded",
     "Tap",
     "TicksSkipped",
@@ -98,6 +99,16 @@ class CallStep(ControlEvent):
     name: str
     measures: float = 4.0
     group: str = "*"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StepNow(ControlEvent):
+    """Dancers leave what they dance for this step at the next half beat, within the measure."""
+
+    name: str
+    group: str = "*"
+    measures: float = 1.0
+    """How many whole measures they stay in it after the one that runs."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -182,7 +193,8 @@ EVENT_TYPES: dict[str, type[ControlEvent]] = {
     cls.__name__: cls
     for cls in (
         Attract, Repel, Spread, Voice, PlaceElement, Evolve, DefineFormation, Travel, Pause, Release, Regroup, Enter,
-        Leave, PlaceObstacle, PlaceWall, RemoveObstacle, Performer, Clear, CallStep, SetSequence, SetMotion, Tap, One,
+        Leave, PlaceObstacle, PlaceWall, RemoveObstacle, Performer, Clear, CallStep, StepNow, SetSequence, SetMotion,
+        Tap, One,
         SetTempo, Nudge, ShiftBeats, ScaleTempo, HoldTempo, SetMetre, CountIn, ChooseSource, Blackout, BeatHeard,
         SourceChanged, StepsAdded, TicksSkipped, MusicHeard, RestartAudio, ChooseAudio, SetLatency,
         SetClick,

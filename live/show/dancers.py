@@ -7,6 +7,7 @@ from live.base.kernels import ease
 from live.graph.motion_graph import MotionGraph
 from live.graph.placing import begun, transition_weight
 from live.motion.contact import TOES_OVER_SOLE
+from live.motion.arms.arms import Hands
 from live.motion.editing.time_warp import measure_warp
 from live.motion.inertia.inertia import Inertia
 from live.motion.inertia.kernels import LONGEST
@@ -36,6 +37,7 @@ class Dancers:
         self.variation = variation
         self.past, self.present, self.coming = (Danced(graph, dancer_count) for _ in range(3))
         self.lock = FootLock(dancer_count)
+        self.hands = Hands(dancer_count)
         self._locked_at = 0.0
         self._pipeline = PosePipeline(dancer_count)
         self._legs = PosePipeline(dancer_count, PoseSkeleton.legs_only()[0])
@@ -94,6 +96,18 @@ class Dancers:
         place = np.empty((len(root), 4))
         danced.turned(np.full(len(root), fraction), place)
         return np.ascontiguousarray(place[:, :2] + turn_vectors(root, place[:, 2]), np.float32)
+
+    def ahead(self, fraction: float) -> Float64:
+        """Where the clips take all hips at `fraction` of the measure [m], time warps and transitions in, (A, 2)."""
+        self._ask(fraction)
+        place = self._clip_hips(PRESENT)
+        into = self._pipeline.share[INTO_NEXT][:, None]
+        return place + into * (self._clip_hips(NEXT) - place) if into.any() else place
+
+    def _clip_hips(self, which: int) -> Float64:
+        sample, place = self._pipeline.sample[which].astype(np.int64), self._pipeline.placement[which]
+        root = self.graph.library.clip_root[sample][:, (0, 2)].astype(np.float64)
+        return np.asarray(place[:, :2] + turn_vectors(root, place[:, 2]))
 
     def contact(self, fraction: float) -> Bool:
         """Whether the left and right foot are annotated as on the floor in the clips that are danced, shape (A, 2).
@@ -162,7 +176,7 @@ class Dancers:
 
     def whose(self, fraction: float) -> tuple[Int32, Float64]:
         """Which of `measures` each dancer is in, (A,), and how far she is in it, (A,)."""
-        phase = self._phase(fraction)
+        phase = self.phases(fraction)
         which = 1 - ((phase < 0.0) & (self.past.node >= 0)) + ((phase > 1.0) & self.decided)
         return which.astype(np.int32), np.clip(phase - (which - 1.0), 0.0, 1.0)
 
@@ -170,7 +184,7 @@ class Dancers:
 
     def _ask(self, fraction: float) -> None:
         """Which samples of which clips, where, how much of each: for everybody at `fraction` of the measure."""
-        present, phase = self.present, self._phase(fraction)
+        present, phase = self.present, self.phases(fraction)
         late = (phase < 0.0) & (self.past.node >= 0)
         early = (phase > 1.0) & self.decided
         self._fill(self._everybody, present, self.coming, np.clip(phase, 0.0, 1.0), fraction)
@@ -179,7 +193,7 @@ class Dancers:
         if early.any():
             self._fill(np.flatnonzero(early), self.coming, None, phase[early] - 1.0, 0.0)
 
-    def _phase(self, fraction: float) -> Float64:
+    def phases(self, fraction: float) -> Float64:
         """How far each dancer is in the present measure, below 0 in the one before, above 1 in the next one, (A,)."""
         variation = self.variation
         amplitude, frequency, start, sign = self.present.warp

@@ -17,6 +17,18 @@ STEP_CONTROLS: Final = (
         "Dancers dance this step from the next free measure on.", "musician",
     ),
     Control(
+        "/dance/now", events.StepNow,
+        (
+            Argument("name", "name", "the step's name in the show's library"),
+            WHO,
+            Argument(
+                "measures", "float", "how long after the measure that runs it is danced by groups that are meant whole",
+                "measures", 0.0, 1024, 1.0,
+            ),
+        ),
+        "Dancers leave what they dance for this step at the next half beat, without losing the beat.", "musician",
+    ),
+    Control(
         "/dance/sequence", events.SetSequence,
         (
             Argument("steps", "text", 'names with commas between them, as "couru, couru left, echappe x2, *"'),

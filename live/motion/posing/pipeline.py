@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 from typing import Any, Final
 
@@ -41,6 +42,7 @@ class PoseSkeleton:
     """Hip, knee, ankle and toes of the left and the right leg, shape (8,); empty if feet are never locked."""
 
     @classmethod
+    @cache
     def whole(cls) -> "PoseSkeleton":
         """The engine's skeleton."""
         upper = [SKELETON.index(name) for name in SKELETON.names if name != "hips" and name not in LEG_NAMES]
