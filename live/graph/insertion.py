@@ -41,6 +41,7 @@ def insert_clips(graph: MotionGraph, clips: Sequence[StepClip]) -> MotionGraph:
         quickest=graph.node_quickest,
         rise=graph.node_rise,
         gives=graph.node_gives,
+        holds=graph.node_holds,
         moments=graph.moments,
     )
     boundaries = graph.boundaries.joined(Boundaries.of(part, graph.rule))

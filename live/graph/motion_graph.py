@@ -58,6 +58,8 @@ class MotionGraph:
     node_gives: Float64
     """How far a dancer can be carried beyond each measure's own way [m] with her feet planted, in 16 ways about her
     clip's axes, shape (N, 16)."""
+    node_holds: Float64
+    """Share of a correction that is in before the left and the right foot are lifted for the first time, (N, 2)."""
     moments: Moments
     """Poses and speeds of every measure at each quarter of a beat."""
     takes: Takes
@@ -148,6 +150,7 @@ def graph_of(
         node_quickest=facts.quickest,
         node_rise=facts.rise,
         node_gives=facts.gives,
+        node_holds=facts.holds,
         moments=facts.moments,
         takes=find_takes(library),
         alive=alive,

@@ -12,7 +12,7 @@ from live.graph.transition import clouds, transition_windows
 from live.motion.editing.feet import ANKLES, BALLS, Feet
 from live.motion.editing.rotation_insertion import support_turns
 from live.motion.posing.pipeline import PosePipeline, PoseSkeleton
-from live.motion.shifting.give import give_of
+from live.motion.shifting.give import give_of, holds_of
 from live.motion.shifting.kernels import KNOTS
 from live.motion.shifting.rise import rise_of
 from live.motion.skeleton import SKELETON
@@ -41,6 +41,7 @@ class NodeFacts:
     quickest: Float64
     rise: Float64
     gives: Float64
+    holds: Float64
     moments: Moments
 
     def joined(self, other: "NodeFacts") -> "NodeFacts":
@@ -56,7 +57,7 @@ def node_facts(library: StepLibrary, window: float) -> NodeFacts:
     """Measure all nodes; `window` is the length of a transition as a share of the measure (T036)."""
     facing_start, facing_end, facing_mean = _facing(library, window)
     turns, quickest = _turns(library, window)
-    rise, gives = _rises(library, window)
+    rise, gives, holds = _rises(library, window)
     return NodeFacts(
         start=_root_at(library, library.node_first),
         end=_root_at(library, library.node_last),
@@ -67,6 +68,7 @@ def node_facts(library: StepLibrary, window: float) -> NodeFacts:
         quickest=quickest,
         rise=rise,
         gives=gives,
+        holds=holds,
         moments=moments_of(library),
     )
 
@@ -82,17 +84,20 @@ def _turns(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
     return rows, np.array([float(turn.quickest) for turn in turns])
 
 
-def _rises(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
-    """When each node's correction comes in, (N, KNOTS, 2), and how far it may go each way [m], (N, DIRECTIONS)."""
+def _rises(library: StepLibrary, window: float) -> tuple[Float64, Float64, Float64]:
+    """When each node's correction comes in, (N, KNOTS, 2), how far it may go each way [m], (N, DIRECTIONS), and how
+    much of it the feet that stand at the beginning hold out, (N, 2)."""
     legs = _legs(library)
-    rises, give = [], []
+    rises, gives, holds = [], [], []
     for first, last in zip(library.node_first, library.node_last, strict=True):
         at = np.linspace(first, last, 4 * (KNOTS - 1) + 1).round().astype(np.int64)
         contact = library.clip_contact[at]
         rise, follows = rise_of(contact, last=1.0 - min(window, 0.9))
         rises.append(rise)
-        give.append(give_of(legs[at][:, (1, 5)], legs[at][:, (3, 7)], contact, rise, follows=follows))
-    return np.ascontiguousarray(np.stack(rises)), np.ascontiguousarray(np.stack(give))
+        gives.append(give_of(legs[at][:, (1, 5)], legs[at][:, (3, 7)], contact, rise, follows=follows))
+        holds.append(holds_of(contact, rise))
+    stacked = [np.ascontiguousarray(np.stack(rows)) for rows in (rises, gives, holds)]
+    return stacked[0], stacked[1], stacked[2]
 
 
 def _legs(library: StepLibrary) -> Float64:

@@ -1,13 +1,27 @@
-"""Carrying: how far dancers are carried beyond their steps, and agents along with their dancers."""
+"""Carrying: how far dancers are carried beyond their steps, and agents along with their dancers.
+
+When measures are decided, each dancer's correction is what her legs and her obedience allow of the way that she lacks.
+In the ticks until the line the paths of all dancers through that measure are kept apart. Within the measure her agent
+shows what steering wants at once, bound to her; how far it strays from what was planned re-aims the rest of her
+correction. Who would touch all the same is pushed away: collisions come before feet.
+"""
 
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
+from live.agents.parting.paths.paths import MOMENTS, PathParting, Paths
 from live.agents.wings.entrances import ON
+from live.clock.ticks import TICK
+from live.graph.placing import take_offset
+from live.motion.editing.time_warp import measure_warp
+from live.motion.shifting.kernels import bound_ways
+from live.motion.shifting.rise import MOST_HELD
+from live.motion.turning.kernels import trace_hips
+from live.show.danced import Danced
 from live.show.dancers import Dancers
-from live.show.group_motion import GroupMotion
+from live.show.group_motion import DANCER_GAP, GroupMotion
 from live.show.patch import Patch
 
 Float32 = npt.NDArray[np.float32]
@@ -16,36 +30,235 @@ Int32 = npt.NDArray[np.int32]
 
 FAITHFUL: Final = 0.4
 """Share of what legs give that a faithful dancer (obedience 0) is carried beyond her step at most."""
-FAR: Final = np.float32(1e4)
-"""Where those who are not on the stage are for the parting of the others [m]."""
+DEAF: Final = 0.08
+"""An agent who strays from her dancer's plan by less than this [m] re-aims nothing."""
+AIM_RATE: Final = 14.0
+"""How fast a correction follows what it is re-aimed to [1/s], critically damped."""
+LEAST_DODGE: Final = 0.1
+"""Whatever legs give, dancers are carried this far [m] beyond their steps where they would touch."""
+TRACE_TICKS: Final = 8
+"""Ticks after the decision in which the coming paths are traced."""
+PUSH_AHEAD: Final = 0.12
+"""Who will touch in this time [s] is pushed apart."""
+PUSH_MARGIN: Final = 0.03
+PUSH_STIFFNESS: Final = 16.0
 
 
 class Carrying:
     """Decides every dancer's correction, and changes it within the measure."""
 
     def __init__(self, patch: Patch, dancers: Dancers, motion: GroupMotion) -> None:
+        count = len(motion.casting.group)
         self._patch, self._dancers, self._motion = patch, dancers, motion
-
-    def bound(self, node: Int32) -> Float64:
-        """How far each dancer may be carried beyond her `node` (A,) [m], shape (A,): by legs, patch and obedience."""
-        obedience = self._dancers.variation.obedience
-        give = self._dancers.graph.node_give[np.maximum(node, 0)]
-        return np.asarray(
-            np.minimum(give * (FAITHFUL + (1.0 - FAITHFUL) * obedience), self._patch.locomotion.correction_m)
+        half = patch.stage.width / 2, patch.stage.depth / 2
+        self._edge = np.array(half)
+        self._carries = patch.locomotion.correction_m > 0.0
+        self.parting = PathParting(
+            motion.model.radius,
+            motion.model.responsibility,
+            gap_at_end=DANCER_GAP,
+            half_width=half[0],
+            half_depth=half[1],
+            seed=motion.model.seed,
         )
+        self.paths, self._next = Paths(count), Paths(count)
+        """Where the hips go in the present measure."""
+        self._node: Int32 = np.full(count, -1, np.int32)
+        self._begin, self._end = np.zeros((count, 2)), np.zeros((count, 2))
+        self._coming_end = np.zeros((count, 2))
+        self._plan, self._dodge = np.zeros((count, 2)), np.zeros((count, 2))
+        self._aim, self._aim_speed = np.zeros((count, 2)), np.zeros((count, 2))
+        self._most = np.zeros(count)
+        self._traced = 0
+        """How many dancers' coming paths are traced."""
+        self._soon, self._sooner = np.zeros((2, count, 2), np.float32)
+        self.predicted: Float64 = np.zeros((count, 2))
+        """Where each dancer's agent is predicted to be when the present measure ends, as far as steps reach, (A, 2)."""
+        self._asked, self._target = np.zeros((2, count, 2))
+        self.reference: Float32 = np.zeros((count, 2), np.float32)
+        """Where agents are bound: the even way through the measure, (A, 2) [m]."""
+        self.pace: Float32 = np.zeros((count, 2), np.float32)
+        """How fast that moves, (A, 2) [m/s]."""
+        self.lag: Float64 = np.zeros(count)
+        """How far each dancer ended the last measure from her predicted agent [m], shape (A,)."""
+        self.pushes = 0
+        """Ticks times dancers in which feet had to yield so that nobody touched, since the start."""
+
+    # -- what a correction may be --------------------------------------------------------------------------------
+
+    def _bounded(self, danced: Danced, way: Float64, share: Float64) -> Float64:
+        """The `way` (A, 2) [m] as far as legs give, `share` (A,) of that."""
+        graph, lock = self._dancers.graph, self._dancers.lock
+        way = np.ascontiguousarray(way)
+        bound_ways(
+            way,
+            danced.placement[:, 2] + 0.5 * danced.correction[:, 2],
+            danced.node,
+            graph.node_gives,
+            graph.node_holds,
+            lock.held(),
+            share,
+            self._patch.locomotion.correction_m,
+            MOST_HELD,
+        )
+        return way
 
     def settle(self, target: Float64) -> None:
         """Decide how the coming measures, all else of which is written, are corrected to end at `target` (A, 2) [m]."""
-        coming, stage = self._dancers.coming, self._patch.stage
+        coming = self._dancers.coming
         end = coming.end_position()  # turned on the feet that carry, the hips end elsewhere
-        error = target - end
-        bound = self.bound(coming.node)
-        error *= np.minimum(1.0, bound / np.maximum(np.hypot(*error.T), 1e-9))[:, None]
-        anchor = np.ascontiguousarray(end, np.float32)
-        place = np.ascontiguousarray(end + error, np.float32)
+        share = FAITHFUL + (1.0 - FAITHFUL) * self._dancers.variation.obedience
+        on = (self._motion.entrances.state == ON)[:, None]
+        inside = np.where(on, np.clip(target, -self._edge, self._edge), target)
+        coming.correction[:, :2] = self._bounded(coming, inside - end, share)
+        self._level(coming.correction[:, :2], end, coming=True)
+        self._coming_end[:], self._target[:] = end, target
+        self._traced = 0
+
+    def _level(self, way: Float64, end: Float64, *, coming: bool) -> None:
+        """Change the ways (A, 2) [m] added to measures that end at `end` (A, 2) so that partners stay together."""
+        if len(self._motion.partners.leader):
+            ends = end + way
+            self._motion.partners.level(ends, coming=coming)
+            way[:] = ends - end
+
+    # -- time ----------------------------------------------------------------------------------------------------
+
+    def begin_measure(self, *, anew: bool) -> None:
+        """A measure begins; `anew` if somebody is not where the coming measure would have had her."""
+        present, count = self._dancers.present, len(self._node)
+        if anew or self._traced < count or (self._node != present.node).any():
+            self._trace(self.paths, present, slice(0, count))
+            self._end[:] = present.end_position() - present.correction[:, :2]
+        self._node[:] = present.node
+        self._begin[:] = self.paths.path[:, 0]
+        self._plan[:] = self._aim[:] = present.correction[:, :2]
+        self._dodge[:] = self._aim_speed[:] = 0.0
+        self.predicted[:] = self._asked
+
+    def cross_measure_line(self) -> None:
+        """The measure ends: how far from the predicted agent; then the coming paths are the present ones."""
+        present, coming = self._dancers.present, self._dancers.coming
+        self.lag[:] = np.hypot(*(self._end + present.correction[:, :2] - self.predicted).T)
+        self._asked[:] = self._target
+        if self._traced >= len(self._node):
+            self.paths, self._next = self._next, self.paths
+            self._node[:] = coming.node
+            self._end[:] = self._coming_end
+
+    def tick(self, fraction: float, rate: float) -> None:
+        """One tick at `fraction` of the measure, of which `rate` [1/s] passes; before the dancers' own tick."""
+        dancers = self._dancers
+        self.parting.there(self._motion.entrances.state == ON)
+        if (self._node != dancers.present.node).any():  # somebody was put into another measure
+            self._traced = 0
+            self.begin_measure(anew=True)
+        if dancers.decided:
+            self._prepare_coming()
+        self._re_aim(fraction)
+        self._push(fraction, rate)
+        self._carry_agents(fraction, rate)
+
+    def _prepare_coming(self) -> None:
+        """Trace the coming paths piece by piece, then keep them apart, a round in each tick."""
+        coming, count = self._dancers.coming, len(self._node)
+        if self._traced < count:
+            piece = slice(self._traced, min(self._traced + -(-count // TRACE_TICKS), count))
+            self._trace(self._next, coming, piece)
+            self._traced = piece.stop
+            if self._traced == count:
+                give = np.minimum(self._dancers.graph.node_give[coming.node], self._patch.locomotion.correction_m)
+                self._most[:] = np.maximum(give, LEAST_DODGE) if self._carries else 0.0
+            return
+        goal = np.ascontiguousarray(coming.correction[:, :2])
+        self.parting.part(self._next, goal, coming.aimed, self._most)
         on = self._motion.entrances.state == ON
-        apart, held = np.where(on[:, None], place, FAR), np.where(on[:, None], anchor, FAR)
-        self._motion.part(apart, held, self._patch.locomotion.correction_m)
-        edge = np.array([stage.width / 2, stage.depth / 2], np.float32)
-        place[on] = np.clip(apart[on], -edge, edge)
-        coming.correction[:, :2] = place.astype(np.float64) - anchor
+        self._level(goal, self._coming_end, coming=True)
+        ends = self._coming_end + goal
+        goal[on] += (np.clip(ends, -self._edge, self._edge) - ends)[on]
+        coming.correction[:, :2] = goal
+
+    def _re_aim(self, fraction: float) -> None:
+        """Let corrections follow what agents stray from the plan, and keep the rest of the paths apart."""
+        dancers, present = self._dancers, self._dancers.present
+        if dancers.decided:
+            return
+        wish = self._plan
+        obedience = dancers.variation.obedience[:, None]
+        if obedience.any():
+            stray = self._motion.state.position - (
+                self._begin + (self._end + self._plan - self._begin) * min(fraction, 1.0)
+            )
+            stray[dancers.variation.late > 0.0] = 0.0
+            size = np.hypot(*stray.T)[:, None]
+            stray *= np.maximum(size - DEAF, 0.0) / np.maximum(size, 1e-9)
+            share = FAITHFUL + (1.0 - FAITHFUL) * dancers.variation.obedience
+            wish = self._bounded(present, self._plan + obedience * stray, share)
+            ends = self._end + wish
+            on = (self._motion.entrances.state == ON)[:, None]
+            wish += np.where(on, np.clip(ends, -self._edge, self._edge) - ends, 0.0)
+        self.predicted[:] = self._asked + wish - self._plan  # as at the decision, moved by what they strayed since
+        goal = wish + self._dodge
+        self.parting.part(self.paths, goal, present.aimed, self._most, place=fraction)
+        self._level(goal, self._end, coming=False)
+        self._dodge[:] = goal - wish
+        bend = self._aim_speed + AIM_RATE * (self._aim - goal)
+        fall = np.exp(-AIM_RATE * TICK)
+        self._aim[:] = goal + fall * (self._aim - goal + bend * TICK)
+        self._aim_speed[:] = fall * (self._aim_speed - AIM_RATE * TICK * bend)
+        present.re_aim(self._aim, dancers.phases(fraction))
+
+    def _push(self, fraction: float, rate: float) -> None:
+        dancers, present = self._dancers, self._dancers.present
+        if not self._carries:
+            return
+        way = np.ascontiguousarray(present.correction[:, :2])
+        self.paths.walk(fraction, way, present.aimed, self._sooner)
+        self.paths.walk(min(fraction + PUSH_AHEAD * rate, 1.0), way, present.aimed, self._soon)
+        self._soon += dancers.shown - self._sooner
+        moved = self.parting.push(dancers.shown, self._soon, margin=PUSH_MARGIN, stiffness=PUSH_STIFFNESS, dt=TICK)
+        if not moved.any():
+            return
+        moved[np.abs(moved) < 1e-7] = 0.0
+        self.pushes += int(np.count_nonzero(moved.any(axis=1)))
+        for danced in (dancers.past, present, dancers.coming):
+            danced.placement[:, :2] += moved
+        for place in (self._begin, self._end, self._coming_end):
+            place += moved
+        for paths in (self.paths, self._next):
+            paths.path += moved[:, None].astype(np.float32)
+
+    def _carry_agents(self, fraction: float, rate: float) -> None:
+        """Where agents are bound in the next tick: on the even way from the beginning of the measure to its end."""
+        way = self._end + self._dancers.present.correction[:, :2] - self._begin
+        self.reference[:] = self._begin + way * min(fraction, 1.0)
+        self.pace[:] = way * rate
+        late = self._dancers.variation.late > 0.0
+        if late.any():
+            self.reference[late], self.pace[late] = self._dancers.shown[late], 0.0
+
+    def _trace(self, paths: Paths, danced: Danced, rows: slice) -> None:
+        """Where the hips of dancers `rows` go in the measure `danced`, those who are late in the one before first."""
+        dancers, graph = self._dancers, self._dancers.graph
+        fractions = np.linspace(0.0, 1.0, MOMENTS)[:, None]
+        amplitude, frequency, start, sign = danced.warp[:, rows]
+        phase = measure_warp(fractions, amplitude, frequency, start, sign, graph.window).T
+        late = dancers.variation.late[rows]
+        phase = np.ascontiguousarray(phase - late[:, None])
+        self._trace_one(paths, danced, rows, phase, settled=False)
+        if late.any():
+            before = dancers.present if danced is dancers.coming else dancers.past
+            earlier = np.where((phase < 0.0) & (before.node[rows] >= 0)[:, None], phase + 1.0, -1.0)
+            self._trace_one(paths, before, rows, earlier, settled=True)
+
+    def _trace_one(self, paths: Paths, danced: Danced, rows: slice, phase: Float64, *, settled: bool) -> None:
+        graph = self._dancers.graph
+        library = graph.library
+        shift, turn = take_offset(graph, danced.node[rows], danced.take[rows])
+        trace_hips(
+            paths.path[rows], paths.share[rows], phase, danced.placement[rows], danced.correction[rows],
+            danced.aimed[rows], danced.node[rows], graph.node_turns, graph.node_rise, danced.on_support[rows],
+            library.clip_root, library.node_first, library.node_last, danced.take[rows],
+            np.ascontiguousarray(np.column_stack((shift, turn))), np.ascontiguousarray(danced.take_share[0, rows]),
+            settled,
+        )  # fmt: skip

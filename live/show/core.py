@@ -120,7 +120,7 @@ class Show:
             ahead = self.scheduler.foresight.sequence(programme.coming, programme.into)[entries]
             best = np.argmin(ahead + 0.1 * np.hypot(*library.node_travel[entries].T))
             node[self.group == index] = entries[best]
-        self.dancers.start(node, self.state.position.astype(np.float64), np.zeros(len(node)))
+        self.dancers.start(node, self.state.position.astype(np.float64), self.motion.starting_heading)
 
     # -- events ------------------------------------------------------------------------------------------------
 
@@ -288,6 +288,8 @@ class Show:
         self.motion.tick(time, self.timeline, self.span, speed=speed, dancer=dancer, pace=carrying.pace)
         carrying.tick(fraction, self.timeline.tempo / (60.0 * self.timeline.beats_per_measure))
         self.dancers.tick(fraction, time, TICK)
+        partners = self.motion.partners
+        self.dancers.hands.tick(partners.other, partners.hand, TICK, self.timeline.tempo)
         self.brightness = damper(self.brightness, 0.0 if self.blackout else 1.0, FADE_HALFLIFE, TICK)
         return crossed
 
@@ -306,6 +308,7 @@ class Show:
     def _begin_measure(self, beat: float) -> None:
         self._controls.cross_measure_line(self.span.number)
         self.variation.begin_measure(self.span.number)
+        self.variation.like(self.motion.partners.timing())
         self.scheduler.set_speed(self.span.number, self.timeline)
         heading = self.dancers.present.begin_heading()
         try:

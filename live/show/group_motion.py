@@ -14,9 +14,10 @@ from live.agents.crowd.advance import Advance
 from live.agents.crowd.model import AgentModel, AgentState, Steering
 from live.agents.crowd.surroundings import Surroundings
 from live.agents.look_ahead import LookAhead
+from live.agents.parting.kernels import bind_agents
 from live.agents.parting.parting import Parting
 from live.agents.wants import Wants
-from live.agents.wings.entrances import Entrances
+from live.agents.wings.entrances import ON, Entrances
 from live.agents.wings.gate import Gate, wings
 from live.base.stage_view import StageView
 from live.clock.ticks import TICK
@@ -26,6 +27,8 @@ from live.show.casting import Casting
 from live.show.elements import Elements
 from live.show.evolutions import Evolutions
 from live.show.measure import MeasureSpan
+from live.show.pair_steering import PairSteering
+from live.show.partners import Partners
 from live.show.patch import Patch
 
 Float32 = npt.NDArray[np.float32]
@@ -36,8 +39,10 @@ Rows = npt.NDArray[np.intp]
 AGENT_RADIUS: Final = 0.25
 DANCER_GAP: Final = 0.7
 """Two dancers shall not end a measure nearer to each other than this [m]: shoulders and a bit."""
-LEASH: Final = 0.9
-"""An agent farther than this [m] from her dancer slows down until the dancer has followed."""
+LEASH: Final = 0.6
+"""No agent gets farther than this [m] from her dancer: she is taken along ..."""
+LONG_LEASH: Final = 0.9
+"""... or than this [m] in an evolution, whose plan has taken her dancer's steps into account, and in the wings."""
 HURRY: Final = 1.6
 """In an evolution agents may be faster than the steps reach on the average: they gather speed and lose it again."""
 TAKEN: Final = 0.5
@@ -102,15 +107,19 @@ class GroupMotion:
         self.part = Parting(count, DANCER_GAP, half_width=half[0], half_depth=half[1], seed=seed)
         self.evolutions = Evolutions(patch, casting, radius=radius, seed=seed)
         self.elements = Elements(patch, casting, seed=seed)
+        self.partners = Partners(patch, casting)
+        self.starting_heading: Float64 = np.zeros(count)
+        """Where everybody faces at first [rad], shape (A,)."""
         self.state = AgentState.at(self._starting_places(patch))
         self._spare = AgentState.at(self.state.position)
-        self._advance = Advance(self.model)
+        self._advance = PairSteering(Advance(self.model), self.partners)
         self.wants = Wants(count)
         self._look = LookAhead(count, self._advance, self.surroundings, self._ask_ahead)
         self._now: tuple[Timeline, MeasureSpan] | None = None
         self._speed: Float32 = np.zeros(count, np.float32)
         self._performers: dict[str, Performer] = {}
         self._late: Float64 = np.zeros(count)
+        self._leash: Float32 = np.zeros(count, np.float32)
 
     def _starting_places(self, patch: Patch) -> Float32:
         position = np.zeros((len(self.casting.group), 2), np.float32)
@@ -118,6 +127,8 @@ class GroupMotion:
         position[patch.dancer_count :] = self.gates[0].places(patch.reserve)
         edge = self._half - np.float32(0.3)
         on = self.entrances.present
+        self.partners.pair(on)
+        self.partners.begin(position, self.starting_heading)
         position[on] = np.clip(position[on], -edge, edge)
         wanted = position.copy()
         for _ in range(8):  # formations of two groups may lie on each other
@@ -133,6 +144,7 @@ class GroupMotion:
         """
         self._now = (timeline, span)
         entered = self.entrances.cross_measure_line(self.state.position)
+        self.partners.pair(self.entrances.state == ON)
         self.state.velocity[entered] = 0.0
         self.elements.begin_measure(span.number, beat, timeline.beats_per_measure, self.state.position)
         self.evolutions.begin_measure(span.number, self.state.position, heading, self.entrances.staying)
@@ -145,23 +157,28 @@ class GroupMotion:
 
     # -- time ----------------------------------------------------------------------------------------------------
 
-    def tick(self, time: float, timeline: Timeline, span: MeasureSpan, *, speed: Float32, dancer: Float32) -> None:
+    def tick(
+        self, time: float, timeline: Timeline, span: MeasureSpan, *, speed: Float32, dancer: Float32, pace: Float32
+    ) -> None:
         """Advance by one tick; `speed` (A,) [m/s]: what the dancers' steps can follow, `dancer` (A, 2) [m]: where they
-        are."""
+        are on the way through their measure, and `pace` (A, 2) [m/s] how fast they go it."""
         self._now, self._speed = (timeline, span), speed
         self.entrances.settle(self.state.position)
+        self.partners.part(self.entrances.state == ON)
         self._forget_performers(time)
         self.evolutions.work()
-        lag = np.hypot(*(self.state.position - dancer).T)
-        self._ask(self.wants, self.state, time, np.clip(2.0 - lag / LEASH, 0.1, 1.0), ahead=False)
+        self._ask(self.wants, self.state, time, ahead=False)
         self.evolutions.release(self.elements.influence >= TAKEN)
         self._advance(self.state, self._spare, wants=self.wants, surroundings=self.surroundings, time=time, dt=TICK)
         self.state, self._spare = self._spare, self.state
+        free = (self.entrances.state == ON) & (self.wants.firm <= 0.0)
+        self._leash[:] = np.where(free, LEASH, np.where(self.present, LONG_LEASH, np.inf))
+        bind_agents(self.state.position, self.state.velocity, dancer, pace, self._leash)
 
     def _ask_ahead(self, wants: Wants, state: AgentState, time: float) -> None:
-        self._ask(wants, state, time, 1.0, ahead=True)
+        self._ask(wants, state, time, ahead=True)
 
-    def _ask(self, wants: Wants, state: AgentState, time: float, leash: Float32 | float, *, ahead: bool) -> None:
+    def _ask(self, wants: Wants, state: AgentState, time: float, *, ahead: bool) -> None:
         """What everybody is asked to do in `state` at `time` [s]; on a copy (`ahead`) nothing but `wants` changes."""
         if self._now is None:
             return
@@ -173,8 +190,7 @@ class GroupMotion:
         danced = span.danced(beat, size)
         rate = (span.danced(timeline.beat_at(time + TICK), size) - danced) / TICK
         self.evolutions.write(wants, state, danced, rate)
-        # an agent waits for her dancer, but not in an evolution: that is where the dancer is sent, too
-        wants.speed[:] = np.where(wants.firm > 0.0, self._speed * HURRY, self._speed * leash)
+        wants.speed[:] = np.where(wants.firm > 0.0, self._speed * HURRY, self._speed)
         if not ahead:
             self.elements.refresh(beat, wants, state)
         self.elements.wish(wants, state, time=time, beat=beat, ahead=ahead)

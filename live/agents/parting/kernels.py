@@ -103,3 +103,22 @@ def part_positions(
                             share = 0.5 * (gap - d)
                         _move_within(position, anchor, i, -dx / d * share, -dz / d * share, most)
                         _move_within(position, anchor, j, dx / d * share, dz / d * share, most)
+
+
+@kernel("void(f4[:,::1],f4[:,::1],f4[:,::1],f4[:,::1],f4[::1])")
+def bind_agents(position: Float32, velocity: Float32, dancer: Float32, pace: Float32, most: Float32) -> None:
+    """Nobody's agent gets farther than `most` (A,) [m] from her dancer: at that distance she is taken along.
+
+    `position`, `velocity` (A, 2) [m, m/s] of the agents are changed in place; `dancer` (A, 2) [m] is where the
+    dancers are on the way through their measure, `pace` (A, 2) [m/s] how fast that moves.
+    """
+    for n in range(position.shape[0]):
+        dx, dz = position[n, 0] - dancer[n, 0], position[n, 1] - dancer[n, 1]
+        d = math.sqrt(dx * dx + dz * dz)
+        if d <= most[n]:
+            continue
+        dx, dz = dx / d, dz / d
+        position[n, 0], position[n, 1] = dancer[n, 0] + most[n] * dx, dancer[n, 1] + most[n] * dz
+        out = max((velocity[n, 0] - pace[n, 0]) * dx + (velocity[n, 1] - pace[n, 1]) * dz, 0.0)
+        velocity[n, 0] -= out * dx
+        velocity[n, 1] -= out * dz

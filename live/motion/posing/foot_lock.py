@@ -40,6 +40,11 @@ class FootLock:
         """Follow the unlocked feet: `leg_position` (A, 9, 3) [m] of LEG_JOINTS, `contact` (A, 2), `dt` [s]."""
         follow_feet(self.state, leg_position, contact, SOLE_BELOW_ANKLE, TOES_OVER_SOLE, dt)
 
+    def held(self) -> npt.NDArray[np.float64]:
+        """How far each held foot is from its clip's place, x, z [m], 0 for free ones, shape (A, 2, 2)."""
+        shift = self.state[:, :, (SHIFT_X, SHIFT_Z)].astype(np.float64)
+        return np.ascontiguousarray(shift * self.state[:, :, HELD, None])
+
     def place(self, feet: Float32, age: float) -> None:
         """Write what the pose kernels need, (A, 2, 6), `age` [s] after the last tick: free feet have swung on."""
         feet[:] = self.state[:, :, :FEET_COLUMNS]

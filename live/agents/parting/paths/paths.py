@@ -1,0 +1,80 @@
+"""Paths: where dancers will be at some moments of a measure, and corrections that keep them apart on the way."""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.parting.kernels import NEIGHBOUR_RANGE, cell_count
+from live.agents.parting.paths.kernels import part_paths, push_apart, walk_paths
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+
+MOMENTS: Final = 17
+"""Moments of a measure at which paths are known, the first at its beginning, the last at its end."""
+MARGIN: Final = 0.1
+"""Bodies shall be apart by this [m] on their ways: the pictures between two moments, and blends, need it."""
+
+
+class Paths:
+    """The paths of A dancers through one measure, without their corrections."""
+
+    def __init__(self, count: int) -> None:
+        self.path: Float32 = np.zeros((count, MOMENTS, 2), np.float32)
+        """Hips [m], shape (A, MOMENTS, 2)."""
+        self.share: Float32 = np.zeros((count, MOMENTS), np.float32)
+        """How much of a correction is in by then, shape (A, MOMENTS)."""
+
+    def walk(self, place: float, goal: Float64, aimed: Float64, out: Float32) -> None:
+        """Where everybody is, (A, 2) [m], when `place` (0 to 1) of the measure has passed; see `walk_paths`."""
+        walk_paths(self.path, self.share, goal, aimed, place * (MOMENTS - 1), out)
+
+
+class PathParting:
+    """Keeps A dancers apart on their ways through a measure."""
+
+    def __init__(
+        self,
+        radius: Float32,
+        responsibility: Float32,
+        *,
+        gap_at_end: float,
+        half_width: float,
+        half_depth: float,
+        seed: int,
+    ) -> None:
+        """`radius` (A,) [m] of bodies, `responsibility` (A,) 0 for whom others give way to; `gap_at_end` [m]: how far
+        apart two dancers of usual size shall end a measure; half the stage's sizes [m]."""
+        count = len(radius)
+        self._radius, self._responsibility = radius, responsibility
+        self._margin_at_end = max(gap_at_end - 2.0 * float(np.median(radius)), MARGIN)
+        self._stage = half_width, half_depth, seed
+        cells = cell_count(2.0 * half_width, NEIGHBOUR_RANGE) * cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
+        self._cells = np.zeros(cells + 1, np.int32), np.zeros(count, np.int32)
+        self._middle, self._extent = np.zeros((count, 2), np.float32), np.zeros(count, np.float32)
+        self._yields = responsibility.copy()
+        self._speed, self._moved = np.zeros((count, 2)), np.zeros((count, 2))
+        self.lack: Float32 = np.full(count, -1.0, np.float32)
+        """How much each dancer lacked at most [m] in the last round of `part`; below 0 nothing, shape (A,)."""
+
+    def there(self, who: npt.NDArray[np.bool_]) -> None:
+        """Only these dancers, (A,), are there and can be in the way."""
+        self._yields[:] = np.where(who, self._responsibility, np.float32(-1.0))
+
+    def part(self, paths: Paths, goal: Float64, aimed: Float64, most: Float64, *, place: float = 0.0) -> None:
+        """One round: change `goal` (A, 2) [m], nobody's beyond `most` (A,) [m], so that the paths stay apart from
+        `place` (0 to 1) of the measure on."""
+        first = min(int(place * (MOMENTS - 1)), MOMENTS - 2)
+        part_paths(
+            paths.path, paths.share, goal, aimed, first, self._radius, self._yields, most, MARGIN,
+            self._margin_at_end, *self._stage, self._middle, self._extent, *self._cells[:2], self.lack,
+        )  # fmt: skip
+
+    def push(self, now: Float32, soon: Float32, *, margin: float, stiffness: float, dt: float) -> Float64:
+        """The last resort: this tick's moves (A, 2) [m] of those who touch or will at once; see `push_apart`."""
+        push_apart(
+            now, soon, self._radius, self._yields, margin, stiffness, dt, *self._stage, *self._cells,
+            self._speed, self._moved,
+        )  # fmt: skip
+        return self._moved
