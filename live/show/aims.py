@@ -87,6 +87,7 @@ class Aims:
         choices.begin(present.end_position(), present.end_heading(), self._motion.present)
         choices.wish[:] = wish
         self.heading[:] = self.headings.next(choices.stand, wish, planned, known)
+        self._motion.partners.aim(choices.wish, self.heading, choices.heading, known)
 
     def ask(self, index: int, measure: int, choices: Choices) -> None:
         """Which step the dancers of group `index` should dance in `measure`: the group's in turn, or its travel step
@@ -111,4 +112,5 @@ class Aims:
         way = choices.wish - choices.stand
         reached = self._choosing.ways.limit(self.step, choices.heading, change, way, HELD_BACK * bound)
         choices.target[:] = choices.stand + reached
+        self._motion.partners.gather(choices.target, self.heading)
         choices.step[:] = self.step

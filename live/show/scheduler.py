@@ -31,6 +31,7 @@ from live.show.danced import Danced
 from live.show.dancers import Dancers
 from live.show.echo import Programme
 from live.show.group_motion import GroupMotion
+from live.show.following import follow_leaders
 from live.show.measure import MeasureSpan
 from live.show.patch import Patch
 
@@ -124,7 +125,8 @@ class Scheduler:
         left = max(0.0, span.end - timeline.beat_at(time))
         beat = 60.0 / timeline.tempo
         seconds = (left + timeline.beats_per_measure) * beat
-        late = self._dancers.variation.late * timeline.beats_per_measure
+        # a ripple has many delays; quarters of a beat are near enough to look ahead
+        late = np.round(4.0 * self._dancers.variation.late * timeline.beats_per_measure) / 4.0
         self._motion.look(time, seconds, self._dancers.present.end_heading(), late)
         steps = math.ceil((seconds + float(late.max()) * beat) / LookAhead.STEP) + len(np.unique(late))
         count = len(self._group)
@@ -135,6 +137,7 @@ class Scheduler:
                 *[partial(self.aims.ask, index, span.number + 1, self.choices) for index in self.order],
                 self._limit,
                 *[partial(self._choose, slice(row, min(row + AT_A_TIME, count))) for row in range(0, count, AT_A_TIME)],
+                self._follow,
                 partial(self._draw, span.number + 1),
             ]
         )
@@ -164,6 +167,12 @@ class Scheduler:
 
     def _choose(self, rows: slice) -> None:
         self.choosing.choose(rows, *self._arguments)
+
+    def _follow(self) -> None:
+        """Followers choose anew by where their leaders' measures, chosen already, will end."""
+        partners = self._motion.partners
+        if len(partners.leader):
+            follow_leaders(partners, self.choosing, self.choices, self.aims.heading, self._arguments)
 
     def _draw(self, measure: int) -> None:
         """What is danced of what was chosen: nodes, and mixtures where they are needed, else the variety's."""

@@ -9,10 +9,12 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.kernels import ease
 from live.graph.takes import NO_TAKE
 from live.motion.editing.time_warp import F_MAX, draw_measure_warps
 from live.show.danced import Danced
 from live.show.patch import Patch
+from live.show.ripple import Ripple
 from live.show.sections.motion import MotionSection
 
 Float64 = npt.NDArray[np.float64]
@@ -23,6 +25,12 @@ STEEPEST: Final = 0.9
 KNOT_LOW: Final = 0.125
 KNOT_HIGH: Final = 0.5
 """Cycles per measure of a warp over the whole sequence: dancers drift ahead and behind over two to eight measures."""
+LATEST: Final = 0.95
+"""Share of a measure by which anybody may be late."""
+MOST_LATER: Final = 0.2
+"""Share of a measure by which lateness may change within one measure, where no warp changes the speed as well."""
+SLOWEST: Final = 0.15
+"""No dancer gets slower than this share of her clip's speed while it does."""
 FARTHEST: Final = 0.12
 """Share of a measure that such a warp is ahead or behind at most: less than the beat by which steps are decided."""
 
@@ -112,10 +120,12 @@ class Variation:
         beats_per_measure: int,
         window: float,
         late: tuple[float, ...] = (),
+        ripples: tuple[Ripple, ...] = (),
     ) -> None:
         """`group` (A,) is shared with the show, which calls `regrouped` when it has changed.
 
-        `late`: beats by which each group dances behind the others (canon, T147), less than a measure.
+        `late`: beats by which each group dances behind the others (canon, T147), less than a measure; `ripples`: what
+        runs over the groups beside that.
         """
         self._varieties = varieties
         self._group = group
@@ -129,13 +139,18 @@ class Variation:
         self._amplitude_knots: Float64 = np.zeros((4, count))
         self._frequency_knots: Float64 = np.zeros((4, count))
         self.measure = 0
-        self.late: Float64 = np.zeros(count)
-        """Share of a measure by which each dancer is behind the others on purpose (canon), shape (A,)."""
+        self.ripples = list(ripples or [Ripple()] * len(varieties))
+        """What runs over each group."""
+        self.late: Float64 = self._late[group]
+        """Share of a measure by which each dancer is behind the others on purpose when the present measure ends
+        (canon and ripple), shape (A,)."""
+        self._late_before = self.late.copy()
+        self._like = self._liked = np.arange(count, dtype=np.int32)
+        self._paired: npt.NDArray[np.intp] = np.zeros(0, np.intp)
         self.regrouped()
 
     def regrouped(self) -> None:
         """Take up which group everybody is in, and what the groups want."""
-        self.late[:] = self._late[self._group]
         for name in Variety.names():
             values = np.array([getattr(variety, name) for variety in self._varieties], np.float64)
             setattr(self, name, values[self._group])
@@ -177,10 +192,12 @@ class Variation:
         steep = STEEPEST / (2.0 * np.pi * frequency)
         danced.warp[0] = np.minimum(most * chance.uniform(0.0, 1.0, count), steep)
         danced.warp[1:] = frequency, warps.start, warps.sign
+        danced.warp[:] = danced.warp[:, self._like]
         danced.on_support[:] = self.on_support
         danced.take[:] = danced.graph.takes.draw(danced.node, take)
         takes = danced.take != NO_TAKE
         danced.take_share[0] = takes * self.mix * mix
+        danced.take_share[0, self._paired] = 0.0
         danced.take_share[1] = np.maximum(danced.take_share[0], takes * (arms < self.arms))
         danced.amplitude[:] = 1.0 + self.amplitude * np.floor(3.0 * amplitude - 1.0)
         slow = self.amplitude_sequence != 0.0
@@ -226,4 +243,33 @@ class Variation:
         ]) / 24.0  # fmt: skip
         most = np.minimum(self.warp_beats / self._beats, FARTHEST) * (self.warp_sequence != 0.0)
         phase = self.phase + 2.0 * np.pi * (passed @ self._frequency_knots)
-        return np.asarray(most * (value @ self._amplitude_knots) * np.sin(phase))
+        ahead = most * (value @ self._amplitude_knots) * np.sin(phase)
+        before = ahead[self._liked]
+        return np.asarray(before + ease(fraction) * (ahead[self._like] - before))
+
+    # -- lateness on purpose: canon and ripple --------------------------------------------------------------------
+
+    def late_at(self, fraction: float) -> Float64:
+        """Share of a measure by which each dancer is behind on purpose at `fraction` of the present one, (A,)."""
+        return np.asarray(self._late_before + ease(fraction) * (self.late - self._late_before))
+
+    def delay(self, like: Int32, place: npt.NDArray[np.floating], there: npt.NDArray[np.bool_], danced: Danced) -> None:
+        """A measure begins: how late everybody shall be when it ends, by where they are, `place` (A, 2) [m].
+
+        `like` (A,) says whose timing each dancer has (partners'), `there` (A,) who is on the stage. Nobody's lateness
+        changes faster than the measure `danced` now, with its warp, can take up.
+        """
+        self._liked, self._like = self._like, like
+        self._paired = np.flatnonzero(np.bincount(like, minlength=len(like))[like] > 1)
+        self._late_before[:] = self.late
+        late = self._late[self._group] * self._beats
+        for index, ripple in enumerate(self.ripples):
+            rows = np.flatnonzero((self._group == index) & there) if ripple.beats else ()
+            if len(rows):
+                late[rows] += ripple.delays(np.asarray(place, np.float64)[rows])
+        late = np.minimum(late / self._beats, LATEST)[like]
+        steep = 2.0 * np.pi * danced.warp[0] * danced.warp[1]
+        drift = np.minimum(self.warp_beats / self._beats, FARTHEST) * (self.warp_sequence != 0.0)
+        steep = steep + 2.0 * np.pi * KNOT_HIGH * drift
+        most = np.clip((1.0 - SLOWEST - steep) / 1.5, 0.0, MOST_LATER)  # an ease is 1.5 times as steep as a line
+        self.late += np.clip(late - self.late, -most, most)

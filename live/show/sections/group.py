@@ -52,6 +52,18 @@ class GroupSection(Section):
     (the newest for them), degrees (`"30"`: towards +x), `dancer 3`, or a group by name. Turns take three measures."""
     obedience: Share | None = None
     """How far its dancers are carried beyond their steps, 0 to 1; if left out as in `[locomotion]`."""
+    ripple_beats: Annotated[float, Field(ge=0, le=16)] = 0.0
+    """So many beats pass from the first of its dancers who begins a step to the last; 0: all together."""
+    ripple: Annotated[str, Field(min_length=1, max_length=60)] = "left"
+    """Where that begins: `left`, `right`, `front` or `back` of the stage as the audience sees it, `centre` of the group,
+    or a point as in `"0 -2"`."""
+    partners: Literal["facing", "beside", "shadow"] | None = None
+    """Its members 1 and 2, 3 and 4 ... dance as pairs, who face each other, stand side by side, or one behind the
+    other's shoulder; the first of a pair leads. Left out: everybody dances alone."""
+    arm_length: Annotated[float, Field(ge=0.7, le=0.95)] = 0.8
+    """How far apart the hips of partners are [m]."""
+    hands: Literal["both", "one", "none"] = "both"
+    """The hands that partners who face each other hold; side by side there is one to hold."""
     formation: Annotated[str, Field(min_length=1, max_length=250)] = "grid"
     """Where the group begins: a `[[formation]]`, or words for one: grid, line, circle, `star:6`, `circle poisson`."""
     centre: Place = (0.0, 0.0)
