@@ -39,6 +39,7 @@ from live.control.group_events import (
 
 __all__ = [
     "EVENT_TYPES",
+    "AskWhy",
     "Attract",
     "BeatHeard",
     "Blackout",
@@ -68,6 +69,7 @@ __all__ = [
     "RestartAudio",
     "ScaleTempo",
     "SetClick",
+    "SetFacing",
     "SetLatency",
     "SetMetre",
     "SetMotion",
@@ -142,6 +144,23 @@ class SetMotion(ControlEvent):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SetFacing(ControlEvent):
+    """Where dancers look from their next decided measure on, for one group or (group "*") for all."""
+
+    facing: str
+    """Words as in the patch: public, path, centre, attractor, degrees, `dancer 3`, a group."""
+    group: str = "*"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AskWhy(ControlEvent):
+    """Somebody wants to see why a dancer dances what she dances; nothing in the show changes."""
+
+    dancer: int
+    """Her number from 1; 0: nobody any more."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Blackout(ControlEvent):
     """The light goes out or comes back."""
 
@@ -194,6 +213,7 @@ EVENT_TYPES: dict[str, type[ControlEvent]] = {
     for cls in (
         Attract, Repel, Spread, Voice, PlaceElement, Evolve, DefineFormation, Travel, Pause, Release, Regroup, Enter,
         Leave, PlaceObstacle, PlaceWall, RemoveObstacle, Performer, Clear, CallStep, StepNow, SetSequence, SetMotion,
+        SetFacing, AskWhy,
         Tap, One,
         SetTempo, Nudge, ShiftBeats, ScaleTempo, HoldTempo, SetMetre, CountIn, ChooseSource, Blackout, BeatHeard,
         SourceChanged, StepsAdded, TicksSkipped, MusicHeard, RestartAudio, ChooseAudio, SetLatency,

@@ -5,6 +5,7 @@ The same patch, library, seed and (tick, event) list give bit-identical states, 
 
 import hashlib
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -36,6 +37,7 @@ from live.show.patch import Patch
 from live.show.programme import UnknownStep, find_step
 from live.show.programmes import programmes_of
 from live.show.reactions import Reactions
+from live.show.ripple import parse_ripple
 from live.show.scheduler import Scheduler
 from live.show.variation import Variation, Variety, varieties_of
 
@@ -84,6 +86,7 @@ class Show:
             beats_per_measure=beats,
             window=graph.window,
             late=tuple(float(section.beats_later % beats) for section in patch.group),
+            ripples=tuple(parse_ripple(section.ripple, section.ripple_beats) for section in patch.group),
         )
         self.dancers = Dancers(graph, self.variation, len(self.group))
         programmes = programmes_of(patch, graph, self.seed)
@@ -99,6 +102,8 @@ class Show:
         self._reserve = dict(reserve or {})
         self._offered: dict[str, tuple[MotionGraph, Choosing]] = {}
         self._next_graph: tuple[MotionGraph, Choosing] | None = None
+        self.asked: int | None = None
+        """The dancer of whom somebody wants to know why she dances what she dances, None for nobody."""
         self.refused = 0
         """Events that asked for something the show does not have (a step that is not there)."""
         self.refusal = ""
@@ -121,6 +126,7 @@ class Show:
             best = np.argmin(ahead + 0.1 * np.hypot(*library.node_travel[entries].T))
             node[self.group == index] = entries[best]
         self.dancers.start(node, self.state.position.astype(np.float64), self.motion.starting_heading)
+        self.scheduler.aims.headings.begin(self.motion.starting_heading)
 
     # -- events ------------------------------------------------------------------------------------------------
 
@@ -161,8 +167,8 @@ class Show:
                 self._add_steps(event)
             case events.SetSequence():
                 self._set_sequence(event)
-            case events.SetMotion():
-                self._set_motion(event)
+            case events.SetMotion() | events.SetFacing() | events.AskWhy():
+                self._set(event)
             case events.Blackout():
                 self.blackout = event.on
             case events.TicksSkipped():
@@ -245,6 +251,15 @@ class Show:
             if len(members) == 1 or not isinstance(programme, Echo):  # all together, those who echo go on echoing
                 programme.dance(wanted)
 
+    def _set(self, event: events.SetMotion | events.SetFacing | events.AskWhy) -> None:
+        match event:
+            case events.SetMotion():
+                self._set_motion(event)
+            case events.SetFacing():
+                self._set_facing(event)
+            case events.AskWhy():
+                self.asked = event.dancer - 1 if 1 <= event.dancer <= len(self.group) else None
+
     def _set_motion(self, event: events.SetMotion) -> None:
         members = self._members(event.group)
         if members is None or event.parameter not in Variety.names():
@@ -252,6 +267,19 @@ class Show:
             return
         for index in members:
             self.variation.set(event.parameter, event.value, index)
+
+    def _set_facing(self, event: events.SetFacing) -> None:
+        headings, members = self.scheduler.aims.headings, self._members(event.group)
+        try:
+            facing = headings.parse(event.facing)
+        except PersonError as error:
+            self._refuse(f"{event.source}: {error}")
+            return
+        if members is None:
+            self._refuse(f"{event.source}: no group is called {event.group!r}")
+            return
+        for index in members:
+            headings.set(index, facing)
 
     def _members(self, name: str) -> list[int] | None:
         """The groups that a name means, by index: "" and "*" are all; None if there is no such group."""
@@ -308,7 +336,8 @@ class Show:
     def _begin_measure(self, beat: float) -> None:
         self._controls.cross_measure_line(self.span.number)
         self.variation.begin_measure(self.span.number)
-        self.variation.like(self.motion.partners.timing())
+        timing = self.motion.partners.timing()
+        self.variation.delay(timing, self.state.position, self.motion.present, self.dancers.present)
         self.scheduler.set_speed(self.span.number, self.timeline)
         heading = self.dancers.present.begin_heading()
         try:
@@ -325,6 +354,12 @@ class Show:
     def moment(self, time: float) -> Moment:
         """Musical time at `time` [s]."""
         return Moment.of(self.timeline, time, self.follower.confidence)
+
+    def why(self) -> dict[str, Any] | None:
+        """Why the dancer somebody asked about dances what she dances, see `Choices.why`; None for nobody."""
+        if self.asked is None:
+            return None
+        return self.scheduler.choices.why(self.asked, self.scheduler.choosing)
 
     # -- what is seen ------------------------------------------------------------------------------------------
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from live.clock.follow import TimelineFollower
+from live.show.choices import why_in_words
 from live.show.core import Show
 from live.show.line_writer import LineWriter
 
@@ -112,6 +113,8 @@ class Status:
             "phones": 0,
             "rss_mb": round(self._memory(), 1),
             "faults": self.faults,
+            "behind": show.scheduler.behind(),
+            "why": show.why(),
             **{key: tell() for key, tell in self.more.items()},
         }
 
@@ -135,6 +138,8 @@ class Status:
             f"dancers {s['dancers']}   events {s['events_accepted']}   refused {sum(s['events_rejected'].values())}",
         )
         more = (f"pointer: {self.tool}",) if self.tool else ()
+        record = [f"{name}: {told['record']}" for name, told in s["behind"].items() if told["record"]]
+        more = (*more, *record[:1], *(why_in_words(s["why"]) if s["why"] else ()))
         return (*lines, *more, f"last refused: {refusal}") if refusal else (*lines, *more)
 
 

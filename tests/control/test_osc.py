@@ -428,6 +428,11 @@ def test_liblos_oscsend_sends_every_control(stage):
             ["fs", "0.75", "left"],
             events.SetMotion(parameter="head", value=0.75, group="left", **STAMP),
         ),
+        "/dance/facing": (
+            ["ss", "dancer 3", "left"],
+            events.SetFacing(facing="dancer 3", group="left", **STAMP),
+        ),
+        "/dance/why": (["i", "7"], events.AskWhy(dancer=7, **STAMP)),
         "/dance/blackout": (["T"], events.Blackout(on=True, **STAMP)),
         "/dance/ping": ([], None),
         **group_controls(),

@@ -68,8 +68,32 @@ _MOTION: Final = (
 )  # fmt: skip
 """Address, parameter of SetMotion, its argument, description."""
 
-MOTION_CONTROLS: Final = tuple(
-    Control(address, _motion(parameter), (argument, GROUP), description, "operator")
-    for address, parameter, argument, description in _MOTION
+
+def _why(*, time: float, source: str, dancer: float) -> ControlEvent:
+    return events.AskWhy(time=time, source=source, dancer=round(dancer))
+
+
+_OTHERS: Final = (
+    Control(
+        "/dance/facing", events.SetFacing,
+        (
+            Argument("facing", "text", "public, path, centre, attractor, degrees as `30`, `dancer 3`, or a group"),
+            GROUP,
+        ),
+        "Where dancers look when their measures end; a turn takes three measures.", "musician",
+    ),
+    Control(
+        "/dance/why", _why,
+        (Argument("dancer", "float", "her number from 1; 0 is nobody any more", "", 0, 100000, default=0.0),),
+        "Shows in status and overlay what the dancer was to dance, what was chosen and what nearly was.", "operator",
+    ),
+)  # fmt: skip
+
+MOTION_CONTROLS: Final = (
+    tuple(
+        Control(address, _motion(parameter), (argument, GROUP), description, "operator")
+        for address, parameter, argument, description in _MOTION
+    )
+    + _OTHERS
 )
-"""The addresses under /dance/motion."""
+"""The addresses under /dance/motion, and who looks where, and why."""
