@@ -156,7 +156,9 @@ class Dancers:
         pipeline.lock = bool(variation.lock.any()) or float(np.abs(self.lock.state[:, :, :2]).max()) > 1e-3
         if pipeline.lock:
             self.lock.place(pipeline.feet, max(time - self._locked_at, 0.0))
-        return pipeline.run(self.graph.library.store, out)
+        position, rotation = pipeline.run(self.graph.library.store, out)
+        self.hands.pose(position, rotation, max(time - self._locked_at, 0.0))
+        return position, rotation
 
     def unmended(self, rows: Int32, fraction: float, time: float) -> tuple[Float32, Float32]:
         """World positions (n, J, 3) and rotations (n, J, 4) of the dancers `rows` (n,), as `pose`, but before heads are
@@ -200,7 +202,7 @@ class Dancers:
         phase = measure_warp(fraction, amplitude, frequency, start, sign, self.graph.window)
         if variation.warp_sequence.any():
             phase = phase + variation.sequence_warp(fraction)
-        return np.maximum(phase - variation.late, -1.0)
+        return np.maximum(phase - variation.late_at(fraction), -1.0)
 
     def _fill(
         self, rows: npt.NDArray[np.int64], own: Danced, then: Danced | None, phase: Float64, fraction: float

@@ -21,7 +21,7 @@ def follow_leaders(
     the targets and `heading` (A,) [rad], and their followers' places and headings beside them. Followers want the
     mirror image of what their leaders dance where they face them, else the same.
     """
-    node, placement, wish, row, ahead, side, manner, out = asked
+    node, placement, wish, row, ahead, _, manner, out = asked
     lead, follow = partners.leader, partners.follower
     end, edge = choices.end[lead], choices.edge[lead, 0]
     chosen = np.where(edge < 0, node[lead], choosing.graph.edge_target[np.maximum(edge, 0)])

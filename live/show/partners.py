@@ -1,9 +1,9 @@
 """Partners: two dancers at arm's length as one; a pair travels and turns together.
 
 In a group with `partners` its members 1 and 2, 3 and 4 ... are pairs: one leads, the other follows. Their agents are
-the two ends of a rod (`pair_steering.py`); where the leader's measure ends, and which way she faces there, says where the
-follower's measure should end. An odd member dances alone. Whoever leaves her group or the stage lets go at once; who is
-left over finds a new partner at the next measure line.
+the two ends of a rod (`pair_steering.py`); where the leader's measure ends, and which way she faces there, says where
+the follower's measure should end. An odd member dances alone. Whoever leaves her group or the stage lets go at once;
+who is left over finds a new partner at the next measure line.
 """
 
 import math
