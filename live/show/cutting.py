@@ -53,9 +53,10 @@ class Moment:
         """World positions (2, n, J, 3) and rotations (2, n, J, 4) now and `dt` [s] before."""
         which, phase = dancers.whose(self.fraction)
         self.which, self.phase = which[rows], phase[rows]
+        self.held = dancers.lock.state[rows, :, HELD] > 0.0
         per_measure = 1.0 / (self.fraction - self.other) if self.fraction != self.other else 0.0
         now = self.body[0][0].astype(np.float64)
-        self.feature, self.hips, self.facing = body_features(now, (now - self.body[0][1]) * per_measure)
+        self.feature, self.hips, self.facing = body_features(now, (now - self.body[0][1]) * per_measure, self.held)
 
     def look(self, dancers: Dancers) -> tuple[Float32, Float32]:
         """The bodies now and `dt` before, as the dancers dance now."""
@@ -111,8 +112,7 @@ class Cutting:
         first = library.node_first[node]
         sample = first + moment.phase * (library.node_last[node] - first)
         own, new = moment.body[0][0].astype(np.float64), clouds(library, sample[:, None])[:, 0]
-        held = self._dancers.lock.state[moment.rows, :, HELD] > 0.0
-        planted = held & library.clip_contact[np.rint(sample).astype(np.int64)]
+        planted = moment.held & library.clip_contact[np.rint(sample).astype(np.int64)]
         weight = np.tile(self._joints, (len(node), 1))
         for joints in (ANKLES, BALLS):
             weight[:, list(joints)] += 0.5 * PLANTED * planted

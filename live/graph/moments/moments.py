@@ -18,6 +18,7 @@ from live.motion.skeleton import SKELETON
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
+Bool = npt.NDArray[np.bool_]
 Float = npt.NDArray[np.floating]
 
 PER_BEAT: Final = 4
@@ -30,6 +31,8 @@ LOOKED_AT: Final = (
 SPEED_SHARE: Final = 0.06
 """A metre per measure of speed counts as so many metres of place: what a difference of speed carries a joint astray
 while it fades, 0.2 of 0.4 s, in measures of about 1.3 to 2 s."""
+FOOT: Final = 0.4
+"""A foot that stands in one clip and swings in the other counts as so many metres between them."""
 BETWEEN: Final = 1.0 / 128.0
 """Share of a measure over which speeds are measured."""
 _JOINTS = [SKELETON.index(name) for name, _ in LOOKED_AT]
@@ -45,7 +48,7 @@ class Moments:
     """K moments of N nodes, the first where the measure begins, the last where it ends."""
 
     feature: Float32
-    """Weighted places and speeds of the joints looked at, seen from the hips, shape (N, K, F)."""
+    """Weighted places and speeds of the joints looked at, seen from the hips, and which feet stand, shape (N, K, F)."""
     hips: Float64
     """Hips in the clip's axes (x, z) [m], shape (N, K, 2)."""
     facing: Float64
@@ -81,13 +84,14 @@ def moments_of(library: StepLibrary) -> Moments:
     back = np.where(np.arange(count)[None] > 0, -size, size)  # before the moment, but after the measure's beginning
     now, then = clouds(library, sample), clouds(library, sample + back)
     per_measure = np.where(np.arange(count) > 0, 1.0, -1.0)[None, :, None, None] / BETWEEN
-    feature, hips, facing = body_features(now, (now - then) * per_measure)
+    stands = library.clip_contact[np.rint(sample).astype(np.int64)]
+    feature, hips, facing = body_features(now, (now - then) * per_measure, stands)
     return Moments(np.ascontiguousarray(feature, np.float32), hips, facing)
 
 
-def body_features(position: Float, speed: Float) -> tuple[Float64, Float64, Float64]:
+def body_features(position: Float, speed: Float, stands: Bool) -> tuple[Float64, Float64, Float64]:
     """Features (..., F), hips x, z (..., 2) [m] and heading (...) [rad] of bodies with joints at `position`
-    (..., J, 3) [m], which move at `speed` (..., J, 3) [m per measure]."""
+    (..., J, 3) [m], moving at `speed` (..., J, 3) [m per measure]; `stands` (..., 2): on which feet, left and right."""
     facing = heading_of(position)
     hips = np.ascontiguousarray(position[..., 0, ::2], np.float64)
     seen = position[..., _JOINTS, :] - position[..., :1, :] * np.array([1.0, 0.0, 1.0])
@@ -96,7 +100,8 @@ def body_features(position: Float, speed: Float) -> tuple[Float64, Float64, Floa
     speeds = SPEED_SHARE * _turned(moving, -facing[..., None])
     shape = (*facing.shape, -1)
     height = position[..., :1, 1]
-    return np.concatenate([places.reshape(shape), height, speeds.reshape(shape)], axis=-1), hips, facing
+    parts = [places.reshape(shape), height, speeds.reshape(shape), FOOT * stands]
+    return np.concatenate(parts, axis=-1), hips, facing
 
 
 def heading_of(position: Float) -> Float64:

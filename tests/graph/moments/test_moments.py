@@ -32,17 +32,18 @@ def test_features_are_seen_from_the_body():
     """Where she stands and which way she faces makes no difference; how she moves does."""
     cloud = clouds(LIBRARY, LIBRARY.node_first[:, None])[:, 0]
     speed = np.random.default_rng(2).normal(0, 1, cloud.shape)
-    plain, hips, facing = body_features(cloud, speed)
+    stands = np.ones((*cloud.shape[:-2], 2), np.bool_)
+    plain, hips, facing = body_features(cloud, speed, stands)
     yaw, shift = 1.1, np.array([3.0, -2.0])
     moved, turned_speed = cloud.copy(), speed.copy()
     moved[..., ::2] = turn_vectors(cloud[..., ::2], np.full(cloud.shape[:-1], yaw)) + shift
     turned_speed[..., ::2] = turn_vectors(speed[..., ::2], np.full(cloud.shape[:-1], yaw))
-    again, there, heading = body_features(moved, turned_speed)
+    again, there, heading = body_features(moved, turned_speed, stands)
     assert again == pytest.approx(plain, abs=1e-6)
     assert there == pytest.approx(turn_vectors(hips, np.full(len(hips), yaw)) + shift, abs=1e-6)
     assert np.angle(np.exp(1j * (heading - facing - yaw))) == pytest.approx(0.0, abs=1e-6)
     assert heading_of(moved) == pytest.approx(heading, abs=1e-12)
-    faster, _, _ = body_features(cloud, 2.0 * speed)
+    faster, _, _ = body_features(cloud, 2.0 * speed, stands)
     assert np.abs(faster - plain).max() > 0.05
 
 
