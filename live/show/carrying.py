@@ -36,12 +36,14 @@ AIM_RATE: Final = 14.0
 """How fast a correction follows what it is re-aimed to [1/s], critically damped."""
 LEAST_DODGE: Final = 0.1
 """Whatever legs give, dancers are carried this far [m] beyond their steps where they would touch."""
+IN_HASTE: Final = 1.5
+"""Who would touch goes this much faster than others who are carried."""
 TRACE_TICKS: Final = 8
 """Ticks after the decision in which the coming paths are traced."""
-PUSH_AHEAD: Final = 0.12
+PUSH_AHEAD: Final = 0.25
 """Who will touch in this time [s] is pushed apart."""
-PUSH_MARGIN: Final = 0.03
-PUSH_STIFFNESS: Final = 16.0
+PUSH_MARGIN: Final = 0.05
+PUSH_STIFFNESS: Final = 18.0
 
 
 class Carrying:
@@ -197,16 +199,21 @@ class Carrying:
             ends = self._end + wish
             on = (self._motion.entrances.state == ON)[:, None]
             wish += np.where(on, np.clip(ends, -self._edge, self._edge) - ends, 0.0)
-        self.predicted[:] = self._asked + wish - self._plan  # as at the decision, moved by what they strayed since
+        phase = dancers.phases(fraction)
+        wish = wish.copy()
+        present.bound_aims(wish, phase, self._most)
+        open_ = (wish != present.correction[:, :2]).any(axis=1)
+        self.predicted[open_] = (self._asked + wish - self._plan)[open_]  # moved by what they strayed since
         goal = wish + self._dodge
         self.parting.part(self.paths, goal, present.aimed, self._most, place=fraction)
         self._level(goal, self._end, coming=False)
+        present.bound_aims(goal, phase, IN_HASTE * self._most)
         self._dodge[:] = goal - wish
         bend = self._aim_speed + AIM_RATE * (self._aim - goal)
         fall = np.exp(-AIM_RATE * TICK)
         self._aim[:] = goal + fall * (self._aim - goal + bend * TICK)
         self._aim_speed[:] = fall * (self._aim_speed - AIM_RATE * TICK * bend)
-        present.re_aim(self._aim, dancers.phases(fraction))
+        present.re_aim(self._aim, phase)
 
     def _push(self, fraction: float, rate: float) -> None:
         dancers, present = self._dancers, self._dancers.present
@@ -214,7 +221,12 @@ class Carrying:
             return
         way = np.ascontiguousarray(present.correction[:, :2])
         self.paths.walk(fraction, way, present.aimed, self._sooner)
-        self.paths.walk(min(fraction + PUSH_AHEAD * rate, 1.0), way, present.aimed, self._soon)
+        beyond = fraction + PUSH_AHEAD * rate - 1.0
+        if beyond > 0.0 and dancers.decided and self._traced >= len(self._node):
+            coming = dancers.coming
+            self._next.walk(beyond, np.ascontiguousarray(coming.correction[:, :2]), coming.aimed, self._soon)
+        else:
+            self.paths.walk(min(beyond, 0.0) + 1.0, way, present.aimed, self._soon)
         self._soon += dancers.shown - self._sooner
         moved = self.parting.push(dancers.shown, self._soon, margin=PUSH_MARGIN, stiffness=PUSH_STIFFNESS, dt=TICK)
         if not moved.any():

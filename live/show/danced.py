@@ -6,7 +6,7 @@ import numpy.typing as npt
 from live.graph.motion_graph import MotionGraph
 from live.graph.placing import next_axes, own_end, take_placement, turn_vectors
 from live.graph.takes import NO_TAKE
-from live.motion.shifting.kernels import re_aim_dancers
+from live.motion.shifting.kernels import bound_aims, re_aim_dancers
 from live.motion.turning.kernels import place_dancers
 
 Float32 = npt.NDArray[np.float32]
@@ -69,6 +69,14 @@ class Danced:
             self.graph.node_rise,
             self.on_support,
         )
+
+    def bound_aims(self, goal: Float64, phase: Float64, most: Float64) -> None:
+        """Change what corrections shall lead to, `goal` (A, 2) [m], to what can still be reached from `phase` (A,) on.
+
+        In the rest of a measure nobody goes faster than with `most` (A,) [m] in the whole, or than she goes already.
+        """
+        rise = self.graph.node_rise
+        bound_aims(goal, self.correction, self.aimed, phase, self.node, rise, most, LEAST_LEFT)
 
     def re_aim(self, correction: Float64, phase: Float64) -> None:
         """From `phase` (A,) of their measures on let the dancers' ways lead to `correction` (A, 2) [m] instead.

@@ -106,14 +106,19 @@ def _aim(
 
 @part
 def _sink(drop: Float32, leg: Float32, whole: float) -> None:
-    """Let the hips sink, `drop` (BLOCK,) [m], so far that the leg of length `whole` reaches its goal."""
+    """Let the hips sink, `drop` (BLOCK,) [m], so far that the leg of length `whole` nearly reaches its goal.
+
+    What is missing is sunk wholly while it is little and never more than PELVIS_DROP: with a hard bound the hips would
+    stop at once, and the knee snap straight.
+    """
     for i in range(BLOCK):
         hx, hy, hz = leg[_HIP + 4, i], leg[_HIP + 5, i], leg[_HIP + 6, i]
         ex, ey, ez = leg[_ANKLE + 4, i] - hx, leg[_ANKLE + 5, i] - hy, leg[_ANKLE + 6, i] - hz
         limit = max(whole - LENGTH_BUFFER, math.sqrt(ex * ex + ey * ey + ez * ez))
         gx, gy, gz = leg[_GOAL, i] - hx, leg[_GOAL + 1, i] - hy, leg[_GOAL + 2, i] - hz
         reach = math.sqrt(max(limit * limit - gx * gx - gz * gz, _ZERO))
-        drop[i] = max(drop[i], min(-gy - reach, PELVIS_DROP))
+        missing = max(-gy - reach, _ZERO)
+        drop[i] = max(drop[i], missing * PELVIS_DROP / (missing + PELVIS_DROP))
 
 
 @part

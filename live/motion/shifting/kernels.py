@@ -42,6 +42,35 @@ def shifted(risen_now: float, risen_then: float, shift: float, goal: float) -> f
     return shift + (risen_now - risen_then) / (1.0 - risen_then) * (goal - shift)
 
 
+@kernel("void(f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8[::1], f8)")
+def bound_aims(
+    goal: Float64,
+    correction: Float64,
+    aimed: Float64,
+    phase: Float64,
+    node: Int32,
+    rise: Float64,
+    most: Float64,
+    least_left: float,
+) -> None:
+    """Change the `goal` (A, 2) [m] of dancers at `phase` (A,) to what can still be reached as slowly as a whole way.
+
+    In the rest of the rise nobody goes farther than that share of `most` (A,) [m], or of what she goes already. Who
+    has no more than `least_left` of her rise before her keeps her `correction` (A, 3). Else as in `re_aim_dancers`.
+    """
+    for n in range(goal.shape[0]):
+        share = risen(rise[max(node[n], 0)], phase[n])
+        if node[n] < 0 or 1.0 - share <= least_left or share < aimed[n, 2]:
+            goal[n, 0], goal[n, 1] = correction[n, 0], correction[n, 1]
+            continue
+        x = shifted(share, aimed[n, 2], aimed[n, 0], correction[n, 0])
+        z = shifted(share, aimed[n, 2], aimed[n, 1], correction[n, 1])
+        going = math.sqrt((correction[n, 0] - x) ** 2 + (correction[n, 1] - z) ** 2)
+        wanted = math.sqrt((goal[n, 0] - x) ** 2 + (goal[n, 1] - z) ** 2)
+        scale = min(1.0, max(going, (1.0 - share) * most[n]) / max(wanted, 1e-9))
+        goal[n, 0], goal[n, 1] = x + scale * (goal[n, 0] - x), z + scale * (goal[n, 1] - z)
+
+
 @kernel("void(f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8)")
 def re_aim_dancers(
     correction: Float64,
