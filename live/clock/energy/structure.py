@@ -35,24 +35,31 @@ BUILT: Final = 0.5
 GONE_DB: Final = 8.0
 """A bass this much weaker is gone ..."""
 
-BACK_DB: Final = 5.0
+BACK_DB: Final = 7.0
 """... and this near to the strongest it is back."""
 
-BUILT_BEATS: Final = 3
-"""Beats without bass that make a break after a build-up ..."""
+CARRIES_DB: Final = 12.0
+"""A bass that much softer than the whole carries nothing: what is lowest in a tune without bass comes and goes."""
+
+BUILT_BEATS: Final = 4
+"""Beats without bass that make a break after a build-up of eight or more ..."""
 
 BREAK_BEATS: Final = 7
 """... and without one, if before them, too,"""
 
 GROOVE_BEATS: Final = 8
-GROOVE_WITH: Final = 7
-"""of so many beats so many had the bass: whose bass comes and goes has no drops."""
+GROOVE_WITH: Final = 6
+"""of so many beats so many had the bass: whose bass comes and goes has no drops. (A piece that builds up before it ever
+had a bass drops as well.)"""
 
 AGAIN: Final = 16
 """Beats from one drop to the next at least."""
 
 SILENT_DB: Final = -60.0
 """Music is louder."""
+
+NOTHING_DB: Final = -200.0
+"""The bass of beats that never were."""
 
 FORGET: Final = 16
 """Beats of silence after which another piece begins."""
@@ -66,7 +73,7 @@ class Structure:
 
     def __init__(self) -> None:
         self._beats = np.zeros((max(SPANS), 3))
-        self._low = np.full(REMEMBERED, SILENT_DB)
+        self._low = np.full(REMEMBERED, NOTHING_DB)
         self._count = 0
         self._bass = SILENT_DB
         self._built = 0
@@ -94,15 +101,17 @@ class Structure:
         self._low[-1] = heard.low
         self._count += 1
         self._since_drop += 1
-        self.drop = self._drops(before, heard.low)
+        self.drop = heard.low > heard.loudness - CARRIES_DB and self._drops(before, heard.low)
         self._bass = max(self._bass - 0.05, heard.low)
         if self.drop:
             self._since_drop = self._built = 0
             self._count = 1  # what was before is no part of what builds up now
             self.build = 0.0
             return
-        self.build = max((self._rising(span) for span in SPANS if self._count >= span), default=0.0)
-        self._built = 4 if self.build >= BUILT else max(self._built - 1, 0)
+        rising = [self._rising(span) for span in SPANS if self._count >= span]
+        long = max(rising[1:], default=0.0)
+        self.build = max(rising, default=0.0)
+        self._built = 4 if long >= BUILT else max(self._built - 1, 0)
 
     def _drops(self, before: Float64, low: float) -> bool:
         """Whether the bass `low` [dB] comes back now; `before`: that of the beats before, oldest first."""
@@ -112,10 +121,13 @@ class Structure:
         without = before < low - GONE_DB
         gone = REMEMBERED if without.all() else int(np.argmin(without[::-1]))
         gone = min(gone, self._count - 1)
-        if self._built and gone >= BUILT_BEATS:
-            return True
+        if gone < BUILT_BEATS:
+            return False
         groove = before[-gone - GROOVE_BEATS : -gone]
-        return gone >= BREAK_BEATS and int(np.count_nonzero(groove >= there)) >= GROOVE_WITH
+        steady = int(np.count_nonzero(groove >= there)) >= GROOVE_WITH
+        if self._built:
+            return steady or gone >= max(self._count - 1, AGAIN)
+        return gone >= BREAK_BEATS and steady
 
     def _rising(self, span: int) -> float:
         """How far a build-up has come over the last `span` beats, 0 to 1."""
