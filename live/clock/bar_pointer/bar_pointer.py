@@ -178,8 +178,8 @@ class BarPointer:
 
     @property
     def confidence(self) -> float:
-        """How likely the next beat is right, 0 to 1."""
-        return min(max(self.share, 0.0), 1.0)
+        """How likely the next beat is right, 0 to 1: of beats with confidence c about a share c are."""
+        return self._whereabouts.confidence(self.share)
 
     def set_metre(self, beats: int) -> None:
         """The measure has 2, 3, 4 or 6 beats; 0: as heard. ValueError for another number."""

@@ -58,17 +58,17 @@ class Model:
     """Chance at each beat that the beats turn out to be twice as far apart, or half as far."""
     birth: float = 2e-5
     """Chance in each frame that a new grid begins."""
-    metre_change: float = 2e-3
+    metre_change: float = 1e-3
     """Chance at each measure line that another metre begins."""
     line_change: float = 2e-4
     """Chance at each beat that it is any other beat of its metre."""
-    metre_share: tuple[float, float, float, float] = (0.1, 0.2, 0.65, 0.05)
-    """How common the metres are."""
+    metre_share: tuple[float, float, float, float] = (0.015, 0.2, 0.735, 0.05)
+    """How common the metres are; two are heard in many a four."""
     beat_share: float = 0.12
     """Share of frames that hold a beat, as far as the activations are concerned."""
     downbeat_share: float = 0.25
     """Share of the beats that are downbeats, as far as the activations are concerned."""
-    middle_share: float = 0.25
+    middle_share: float = 0.5
     """Share of the measures of four and six in whose middle a downbeat seems to be heard."""
     sharpness: float = 0.6
     """Exponent of the likelihoods: neighbouring frames say much the same thing."""

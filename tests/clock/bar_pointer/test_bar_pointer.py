@@ -88,6 +88,7 @@ def test_what_was_made_of_missing_beats_is_taken_back_when_music_has_ended(bpm: 
     pointer.resume(0.3)
     coming = (pointer.beat + 1) % 4
     again = groove(bpm, 4, 6.0, first=pointer.to_next)
+    again.downbeat[:] = 0.25 * again.beat  # the line is known from before alone
     followed = follow(pointer, again)
     assert np.max(np.abs(errors(followed, again, 0.5))) < 0.035
     number = np.argmin(np.abs(followed.time[:4, None] - again.truth[None]), axis=1)
