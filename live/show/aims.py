@@ -22,7 +22,7 @@ Int32 = npt.NDArray[np.int32]
 
 STANDS: float = 0.15
 """A group stands if its dancers are not to go even this far [m] in the next measure."""
-HELD_BACK: float = 0.5
+HELD_BACK: float = 0.2
 """Nobody is asked for more of what can be corrected than this share beyond her step's reach: the rest is for the
 parting of dancers who meet."""
 
@@ -87,7 +87,7 @@ class Aims:
         choices.begin(present.end_position(), present.end_heading(), self._motion.present)
         choices.wish[:] = wish
         self.heading[:] = self.headings.next(choices.stand, wish, planned, known)
-        self._motion.partners.aim(choices.wish, self.heading, choices.heading, known)
+        self._motion.partners.aim(choices.wish, self.heading, choices.stand, choices.heading, known)
 
     def ask(self, index: int, measure: int, choices: Choices) -> None:
         """Which step the dancers of group `index` should dance in `measure`: the group's in turn, or its travel step

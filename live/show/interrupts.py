@@ -1,6 +1,6 @@
 """Interrupts: what acts within the measure, at once: cues "now", and collisions that no planning has prevented.
 
-A cue waits for the next half beat, so that the change is seen on it. Whoever would be met within AHEAD seconds, by
+A cue waits for the next half beat, so that the change is seen on it. Whoever would be met within a moment, by
 another dancer or by somebody real, leaves her step at once for one that goes away or stands; collision safety always
 wins. Both are cuts (`show/cutting.py`), after which the measure goes on as usual.
 """
@@ -32,22 +32,23 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 
-AHEAD: Final = 0.4
-"""Seconds before a collision in which a step is left."""
-GLANCES: Final = 2
-"""Moments ahead that are looked at, one at every second tick: everybody is judged at every fourth."""
+AHEAD: Final = (0.4, 0.8)
+"""Seconds ahead at which everybody is looked for: dancers meet dancers at the first of them, and things and real
+performers, of whom no plan knows, at any."""
+GLANCE_TICKS: Final = 2
+"""Ticks from one look ahead to the next: everybody is judged at every fourth tick."""
 SLACK: Final = 0.03
 """Bodies that would only graze each other, by so many metres, are left to the aiming within the measure."""
 PLANNED: Final = 2.0
 """Beats before the line from which on the next measure may be planned already."""
-WAY_OUT: Final = 6
+WAY_OUT: Final = 8
 """Quarters of a beat over which a way out is judged."""
 MARGIN: Final = 0.15
-"""Room [m] that a way out should leave to everybody..."""
+"""Room [m] that a way out should leave to everybody; what is missing, at the worst and on the average, is trouble..."""
 CLOSE: Final = 6.0
-"""... a metre less counts as so many metres between bodies."""
-GAIN: Final = 0.08
-"""A step is left only if that brings so many metres more room."""
+"""... of which a metre counts as so many metres between bodies."""
+GAIN: Final = 0.06
+"""A step is left only if that is worth so many metres of trouble."""
 NOTHING: Final = -1
 
 
@@ -74,8 +75,8 @@ class Interrupts:
         self._half: tuple[int, int] | None = None
         self._step: Int32 = np.full(count, NOTHING, np.int32)  # what must follow a cut that the plan did not know of
         self._unplanned: Bool = np.zeros(count, np.bool_)
-        self._ways: Float64 = np.zeros((GLANCES + 1, count, 2))
-        self._things: Float64 = np.zeros((GLANCES + 1, len(motion.surroundings.obstacles), 2))
+        self._ways: Float64 = np.zeros((len(AHEAD) + 1, count, 2))
+        self._things: Float64 = np.zeros((len(AHEAD) + 1, len(motion.surroundings.obstacles), 2))
         self._tick = -1
         self._met: Float64 = np.zeros(count)
         self.cues = 0
@@ -150,26 +151,28 @@ class Interrupts:
 
     def _look_out(self, span: MeasureSpan, timeline: Timeline, time: float) -> None:
         """Look ahead at every second tick, each time farther; after the last look whoever would be met goes away."""
-        self._tick = (self._tick + 1) % (2 * GLANCES)
-        k, rest = divmod(self._tick, 2)
+        self._tick = (self._tick + 1) % (GLANCE_TICKS * len(AHEAD))
+        k, rest = divmod(self._tick, GLANCE_TICKS)
         if rest:
             return
         if k == 0:
             self._ways[0] = self._dancers.shown
-        ahead = AHEAD * (k + 1) / GLANCES - 2 * TICK * k  # all moments are counted from the first look
+        ahead = AHEAD[k] - GLANCE_TICKS * TICK * k  # all moments are counted from the first look
         self._ways[k + 1] = self._dancers.ahead(span.fraction(timeline.beat_at(time + ahead)))
-        if k < GLANCES - 1:
+        if k < len(AHEAD) - 1:
             return
         around, model = self._motion.surroundings, self._motion.model
         things = around.obstacles
-        for n in range(GLANCES + 1):
-            self._things[n, : len(things)] = things[:, :2] + n * AHEAD / GLANCES * things[:, 3:5]
+        for n, seconds in enumerate((0.0, *AHEAD)):
+            self._things[n] = things[:, :2] + seconds * things[:, 3:5]
+        paired = self._motion.partners.of >= 0
         find_threatened(
-            self._ways, model.radius, model.responsibility * self._here, self._motion.present,
+            self._ways, model.radius, model.responsibility * (self._here & ~paired), self._motion.present,
             np.argsort(self._ways[0, :, 0]), self._things, np.ascontiguousarray(things[:, 2]), around.obstacle_count,
             SLACK, self._met,
         )  # fmt: skip
-        self._met[self._dancers.inertia.settling_now | ~self._here] = 0.0  # who was cut is on her way out already
+        # who was cut is on her way out already; partners stay together, and are carried or pushed out of the way
+        self._met[self._dancers.inertia.settling_now | ~self._here | paired] = 0.0
         rows = np.flatnonzero(self._met).astype(np.int32)
         if len(rows):
             self._avoid(rows, span, timeline, time)
@@ -181,11 +184,11 @@ class Interrupts:
             moment = Moment(self._dancers, np.array([row], np.int32), span, timeline, time)
             nodes = self.cutting.candidates()
             others = self._others(int(row), out, timeline.tempo)
-            room, stays = self._room(moment, nodes, others), _room_of(out[:, row], others)
-            cost = self.cutting.distances(moment, nodes)[0] + CLOSE * np.maximum(MARGIN - room, 0.0)
+            trouble, stays = self._trouble(moment, nodes, others), _trouble_of(out[:, row][:, None], others)[0]
+            cost = self.cutting.distances(moment, nodes)[0] + CLOSE * trouble
             cost += CLOSE * np.hypot(*np.maximum(np.abs(self._ends(moment, nodes)) - self._half_stage, 0.0).T)
             best = int(np.argmin(cost))
-            if room[best] > stays + GAIN:
+            if trouble[best] < stays - GAIN:
                 self._cut(moment, nodes[best : best + 1], span, timeline)
                 self.avoided += 1
                 out = self._out(span, timeline, time)
@@ -210,20 +213,15 @@ class Interrupts:
         found[:, :, 2] = np.concatenate([model.radius[who], things[:, 2]]) + model.radius[row]
         return found.transpose(1, 0, 2)
 
-    def _room(self, moment: Moment, nodes: Int32, others: Float64) -> Float64:
-        """The least room [m] that each of `nodes` (C,) leaves the dancer on her way out, (C,)."""
+    def _trouble(self, moment: Moment, nodes: Int32, others: Float64) -> Float64:
+        """How much room [m] the dancer would lack on her way out through each of `nodes` (C,), (C,)."""
         moments = self._dancers.graph.moments
         now = int(moments.at(moment.phase)[0])
-        last = moments.hips.shape[1] - 1
+        at = np.minimum(now + np.arange(1, WAY_OUT + 1), moments.hips.shape[1] - 1)
         turn = moment.facing[0] - moments.facing[nodes, now]
-        room = np.full(len(nodes), np.inf)
-        for n in range(WAY_OUT):
-            at = min(now + n + 1, last)
-            way = turn_vectors(moments.hips[nodes, at] - moments.hips[nodes, now], turn)
-            place = moment.hips[0] + way
-            away = np.hypot(place[:, None, 0] - others[:, n, 0], place[:, None, 1] - others[:, n, 1]) - others[:, n, 2]
-            room = np.minimum(room, away.min(axis=1))
-        return room
+        way = moments.hips[nodes[:, None], at] - moments.hips[nodes, now][:, None]
+        place = moment.hips[0] + turn_vectors(way, np.broadcast_to(turn[:, None], way.shape[:2]))
+        return _trouble_of(place.transpose(1, 0, 2), others)
 
     def _ends(self, moment: Moment, nodes: Int32) -> Float64:
         """Where each of `nodes` (C,) would end the measure, (C, 2) [m]."""
@@ -233,7 +231,11 @@ class Interrupts:
         return moment.hips[0] + turn_vectors(moments.hips[nodes, -1] - moments.hips[nodes, now], turn)
 
 
-def _room_of(way: Float64, others: Float64) -> float:
-    """The least room [m] to the `others` (M, WAY_OUT, 3) on the way (WAY_OUT, 2)."""
-    away = np.hypot(way[None, :, 0] - others[..., 0], way[None, :, 1] - others[..., 1]) - others[..., 2]
-    return float(away.min())
+def _trouble_of(ways: Float64, others: Float64) -> Float64:
+    """What each of `ways` (WAY_OUT, C, 2) lacks of MARGIN to the `others` (M, WAY_OUT, 3) [m]: at the worst and on the
+    average, added, (C,)."""
+    lacks = np.zeros(ways.shape[:2])
+    for other in others:
+        away = np.hypot(*(ways - other[:, None, :2]).transpose(2, 0, 1)) - other[:, None, 2]
+        lacks = np.maximum(lacks, MARGIN - away)
+    return np.asarray(lacks.max(axis=0) + lacks.mean(axis=0))

@@ -33,6 +33,8 @@ TURN: Final = math.radians(30.0)
 """A pair turns by this much in a measure at most: each of the two has to go round the middle."""
 MEET: Final = 0.3
 """Two who are this much [m] farther apart than their arms' length are still on the way to each other."""
+MOST: Final = 0.4
+"""What is amiss between the two of a pair at the end of a measure is mended by this much [m] at most."""
 _PLACE: Final = np.array(
     [[0.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [math.cos(SHADOW_ANGLE), -math.sin(SHADOW_ANGLE)]]
 )  # of the follower, seen by her leader who faces 0, for each manner
@@ -62,6 +64,7 @@ class Partners:
         self.other: Int32 = np.full((count, 2), NOBODY, np.int32)
         self.hand: Int32 = np.zeros((count, 2, 2), np.int32)
         """The hands that are to be held, as `Hands.tick` takes them."""
+        self._meeting: Bool = np.zeros(count, np.bool_)
         self.offset: Float64 = np.zeros((2, count, 2))
         """From each follower's leader to her [m] when the present and the coming measure end, shape (2, A, 2)."""
 
@@ -133,13 +136,14 @@ class Partners:
 
     # -- what the next measure shall be --------------------------------------------------------------------------
 
-    def aim(self, wish: Float64, heading: Float64, now: Float64, known: Bool) -> None:
+    def aim(self, wish: Float64, heading: Float64, stand: Float64, now: Float64, known: Bool) -> None:
         """Change what is wanted, `wish` (A, 2) [m] and `heading` (A,) [rad], so that pairs stay pairs.
 
-        `now` (A,): where everybody will face when the measure begins. The leader's heading turns the pair, as fast as
+        `stand` (A, 2) and `now` (A,): where everybody will be and face when the measure begins. The leader's heading turns the pair, as fast as
         pairs can; their middle goes where the middle of both would, or where the leader's formation wants it (`known`).
         """
         lead, follow = self.leader, self.follower
+        self._meeting[follow] = np.hypot(*(stand[follow] - stand[lead]).T) > self.arm + MEET
         turn = wrapped(heading[lead] - now[lead])
         heading[lead] = now[lead] + np.clip(turn, -TURN, TURN)
         heading[follow] = self.faces(heading[lead])
@@ -168,12 +172,13 @@ class Partners:
 
     def level(self, ends: Float64, *, coming: bool) -> None:
         """Move the ends (A, 2) [m] of the present or the `coming` measures so that pairs are at arm's length, each of
-        the two by half of what is amiss; who are on the way to each other are left."""
+        the two by half of what is amiss, of MOST at most; who are on the way to each other are left."""
         lead, follow = self.leader, self.follower
         if not len(lead):
             return
         amiss = ends[follow] - ends[lead] - self.offset[int(coming), follow]
-        amiss[np.hypot(*amiss.T) > MEET] = 0.0
+        size = np.hypot(*amiss.T)
+        amiss *= (np.minimum(size, MOST) / np.maximum(size, 1e-9) * ~self._meeting[follow])[:, None]
         ends[lead] += 0.5 * amiss
         ends[follow] -= 0.5 * amiss
 
