@@ -34,6 +34,7 @@ from live.control.group_events import (
     Regroup,
     Release,
     RemoveObstacle,
+    SetRipple,
     Travel,
 )
 
@@ -73,6 +74,7 @@ __all__ = [
     "SetLatency",
     "SetMetre",
     "SetMotion",
+    "SetRipple",
     "SetSequence",
     "SetTempo",
     "ShiftBeats",
@@ -211,9 +213,9 @@ class TicksSkipped(ControlEvent):
 EVENT_TYPES: dict[str, type[ControlEvent]] = {
     cls.__name__: cls
     for cls in (
-        Attract, Repel, Spread, Voice, PlaceElement, Evolve, DefineFormation, Travel, Pause, Release, Regroup, Enter,
-        Leave, PlaceObstacle, PlaceWall, RemoveObstacle, Performer, Clear, CallStep, StepNow, SetSequence, SetMotion,
-        SetFacing, AskWhy,
+        Attract, Repel, Spread, Voice, PlaceElement, Evolve, DefineFormation, Travel, Pause, Release, Regroup,
+        SetRipple, Enter, Leave, PlaceObstacle, PlaceWall, RemoveObstacle, Performer, Clear, CallStep, StepNow,
+        SetSequence, SetMotion, SetFacing, AskWhy,
         Tap, One,
         SetTempo, Nudge, ShiftBeats, ScaleTempo, HoldTempo, SetMetre, CountIn, ChooseSource, Blackout, BeatHeard,
         SourceChanged, StepsAdded, TicksSkipped, MusicHeard, RestartAudio, ChooseAudio, SetLatency,

@@ -64,6 +64,17 @@ class Regroup(ControlEvent):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SetRipple(ControlEvent):
+    """A delay runs over a group from now on (T051)."""
+
+    beats: float
+    """From the first dancer to the last; 0: nobody is late any more."""
+    begins: str = "left"
+    """Where: a side of the stage, `centre`, or x z [m]."""
+    group: str = "*"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Enter(ControlEvent):
     """Dancers who wait in the wings come at the next measure line."""
 

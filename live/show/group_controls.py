@@ -11,6 +11,7 @@ from live.show.dancers import Dancers
 from live.show.group_motion import GroupMotion
 from live.show.measure import MeasureSpan
 from live.show.patch import Patch
+from live.show.ripple import parse_ripple
 from live.show.score import Score
 from live.show.variation import Variation
 
@@ -19,8 +20,8 @@ Bool = npt.NDArray[np.bool_]
 ELEMENT_EVENTS = (events.Attract, events.Repel, events.Spread, events.Voice, events.PlaceElement)
 SEGMENT_EVENTS = (events.Evolve, events.Travel, events.Pause)
 GROUP_EVENTS = (
-    *ELEMENT_EVENTS, *SEGMENT_EVENTS, events.DefineFormation, events.Release, events.Regroup, events.Enter,
-    events.Leave, events.PlaceObstacle, events.PlaceWall, events.RemoveObstacle, events.Performer,
+    *ELEMENT_EVENTS, *SEGMENT_EVENTS, events.DefineFormation, events.Release, events.Regroup, events.SetRipple,
+    events.Enter, events.Leave, events.PlaceObstacle, events.PlaceWall, events.RemoveObstacle, events.Performer,
 )  # fmt: skip
 """The events that `act` takes."""
 
@@ -53,6 +54,11 @@ class GroupControls:
                 motion.evolutions.release(self._who(event.group))
             case events.Regroup():
                 self._regroup(self._who(event.dancers), self._group(event.group))
+            case events.SetRipple():
+                ripple = parse_ripple(event.begins, event.beats)
+                everybody = event.group.strip() in ("", "*")
+                for index in range(len(self._patch.group)) if everybody else [self._group(event.group)]:
+                    self._variation.ripples[index] = ripple
             case events.Enter():
                 self._enter(event)
             case events.Leave():

@@ -375,6 +375,10 @@ def group_controls():
         "/dance/pause": (["f", "2"], events.Pause(measures=2.0, **STAMP)),
         "/dance/release": ([], events.Release(**STAMP)),
         "/dance/regroup": (["ss", "1-4", "tide"], events.Regroup(dancers="1-4", group="tide", **STAMP)),
+        "/dance/ripple": (
+            ["fss", "2", "0 -2", "tide"],
+            events.SetRipple(beats=2.0, begins="0 -2", group="tide", **STAMP),
+        ),
         "/dance/enter": (["i", "3"], events.Enter(count=3.0, **STAMP)),
         "/dance/leave": (["ss", "7", "left"], events.Leave(dancers="7", gate="left", **STAMP)),
         "/dance/obstacle": (["sff", "box", "1", "2"], events.PlaceObstacle(name="box", x=1.0, z=2.0, **STAMP)),

@@ -4,7 +4,7 @@ from typing import Final
 
 from live.control import events
 from live.control.control import Argument, Control
-from live.control.controls.arguments import NEXT, POINTS, WHO, X2, Z2, X, Z
+from live.control.controls.arguments import GROUP, NEXT, POINTS, WHO, X2, Z2, X, Z
 
 _WHOLE: Final = Argument("measures", "float", "how many measures it takes", "measures", 0.25, 64, 4.0)
 _FORMATION: Final = Argument(
@@ -43,6 +43,17 @@ GROUP_CONTROLS: Final = (
     Control(
         "/dance/release", events.Release, (WHO,),
         "Dancers leave their formation and evolution; elements alone move them.", "musician",
+    ),
+    Control(
+        "/dance/ripple", events.SetRipple,
+        (
+            Argument("beats", "float", "from the first who begins a step to the last; 0: all together", "beats", 0, 16),
+            Argument(
+                "begins", "text", "where: left, right, front, back, centre, or x z [m] as in `0 -2`", default="left"
+            ),
+            GROUP,
+        ),
+        "Dancers begin their steps one after another, as a wave runs over the group.", "musician",
     ),
     Control(
         "/dance/enter", events.Enter,

@@ -1,0 +1,214 @@
+"""Partners: pairs at arm's length travel and turn as one, hold hands, and let go of each other."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from live.clock.ticks import TICK
+from live.control import events
+from live.graph.library import build_library
+from live.graph.motion_graph import build_graph
+from live.motion.arms.arms import ARM_JOINTS, LEFT, NOBODY
+from live.motion.arms.kernels import PALM
+from live.motion.quaternion import rotate
+from live.show.casting import Casting
+from live.show.core import Show
+from live.show.partners import Partners
+from live.show.patch_file import PatchError, parse_patch
+from live.steps.sketch_folder import load_steps
+
+STEPS = Path(__file__).resolve().parents[2] / "patches" / "steps"
+ARM = 0.8
+PATCH = """
+name = "pairs"
+seed = 5
+reserve = 0
+[clock]
+bpm = 112
+[stage]
+width = 12
+depth = 8
+[[group]]
+name = "couples"
+dancers = 9
+partners = "facing"
+steps = ["walk"]
+size = [8.0, 5.0]
+[[group]]
+name = "others"
+dancers = 4
+steps = ["walk"]
+centre = [0.0, 2.5]
+size = [8.0, 1.0]
+"""
+
+
+@pytest.fixture(scope="module")
+def graph():
+    """All walks there are, and their mirror images."""
+    return build_graph(build_library([clip for clip in load_steps(STEPS) if clip.step == "walk"]), threshold=0.16)
+
+
+def script():
+    """A scene that travels and turns: attractors here and there, and other headings."""
+    places = [(-3.0, 1.0), (3.0, -1.5), (0.0, 2.0), (2.5, 2.0)]
+    for n, (x, z) in enumerate(places):
+        yield n * 8.0, events.Attract(time=n * 8.0, source="test", x=x, z=z, strength=0.7, measures=3.0)
+    for n, degrees in enumerate((60, -45, 150)):
+        yield 4.0 + n * 9.0, events.SetFacing(time=0.0, source="test", facing=str(degrees), group="couples")
+
+
+class Watch:
+    """A show danced to its end, and what was seen of it."""
+
+    def __init__(self, show, seconds, acts=()):
+        self.show, waiting = show, sorted(acts, key=lambda act: act[0])
+        self.hips, self.gaps, self.headings = [], [], []
+        view = show.view()
+        for tick in range(1, round(seconds / TICK)):
+            while waiting and waiting[0][0] <= tick * TICK:
+                assert show.apply(waiting.pop(0)[1])
+            if show.tick(tick * TICK):
+                self.headings.append(show.dancers.present.end_heading())
+            self.hips.append(show.dancers.shown.copy())
+            if tick % 8 == 0:
+                show.fill(view, tick * TICK)
+                self.gaps.append(palm_gaps(show, view))
+        self.hips, self.headings = np.array(self.hips), np.array(self.headings)
+
+    def distances(self):
+        """Between the two of each pair at each tick [m], (ticks, P)."""
+        partners = self.show.motion.partners
+        return np.hypot(*np.moveaxis(self.hips[:, partners.follower] - self.hips[:, partners.leader], -1, 0))
+
+
+def palm_gaps(show, view):
+    """Between the palms of each hold that is closed [m]; and how far apart the shoulders of its arms are [m]."""
+    hands, gaps = show.dancers.hands, []
+    for row, slot in zip(*np.nonzero(hands.state[0] > 0.97), strict=True):
+        palms, shoulders = [], []
+        pairs = zip((row, hands.other[row, slot]), hands.hand[row, slot], strict=True)
+        for dancer, hand in pairs:
+            joint, sign = ARM_JOINTS[2 + 3 * hand], 1.0 if hand == LEFT else -1.0
+            turn = view.joint_rotation[dancer, joint].astype(float)
+            palms.append(view.joint_position[dancer, joint] + rotate(turn, np.array([sign * float(PALM), 0.0, 0.0])))
+            shoulders.append(view.joint_position[dancer, ARM_JOINTS[3 * hand]])
+        gaps.append((np.linalg.norm(palms[0] - palms[1]), np.linalg.norm(shoulders[0] - shoulders[1])))
+    return gaps
+
+
+@pytest.fixture(scope="module", params=["facing", "beside", "shadow"])
+def watched(request, graph):
+    """The scene, with pairs of each manner."""
+    patch = parse_patch(PATCH.replace('"facing"', f'"{request.param}"'), "test.toml")
+    return Watch(Show(patch, graph), 32.0, script())
+
+
+def test_pairs_stay_at_arms_length_while_they_travel_and_turn(watched):
+    distance = watched.distances()
+    assert distance.shape[1] == 4
+    assert np.ptp(watched.hips[:, :8], axis=0).max() > 2.0  # they did travel
+    turned = np.abs(np.diff(np.unwrap(watched.headings[:, 0])))
+    assert turned.sum() > 2.0
+    assert np.abs(distance - ARM).max() < 0.15
+
+
+def test_nobody_comes_between_partners(watched):
+    partners = watched.show.motion.partners
+    for lead, follow in zip(partners.leader, partners.follower, strict=True):
+        one, other = watched.hips[:, lead], watched.hips[:, follow]
+        way = other - one
+        for row in set(range(13)) - {lead, follow}:
+            to = watched.hips[:, row] - one
+            along = np.clip((to * way).sum(-1) / (way**2).sum(-1), 0.0, 1.0)
+            assert np.hypot(*(to - along[:, None] * way).T).min() > 0.2
+
+
+def test_hands_meet_within_reach(watched):
+    gaps = np.array([gap for row in watched.gaps for gap in row])
+    assert len(gaps) > 500
+    near = gaps[:, 1] < 0.85  # both arms reach: 0.6 m each, less what fades
+    assert near.mean() > 0.5
+    assert np.quantile(gaps[near, 0], 0.95) < 0.01
+
+
+def test_the_odd_one_dances_alone_and_pairs_face_as_they_should(watched):
+    show, partners = watched.show, watched.show.motion.partners
+    assert partners.leader.tolist() == [0, 2, 4, 6]
+    assert partners.of[8:].tolist() == [NOBODY] * 5
+    ends = show.dancers.present.end_heading()
+    off = ends[partners.follower] - partners.faces(ends[partners.leader])
+    assert np.abs(np.arctan2(np.sin(off), np.cos(off))).max() < np.radians(25.0)
+
+
+def test_the_same_show_is_the_same(graph):
+    hashes = []
+    for _ in range(2):
+        show = Show(parse_patch(PATCH, "test.toml"), graph)
+        Watch(show, 6.0, script())
+        hashes.append(show.state_hash())
+    assert hashes[0] == hashes[1]
+
+
+def test_who_leaves_her_partner_lets_go_within_a_beat_and_those_left_find_each_other(graph):
+    show = Show(parse_patch(PATCH, "test.toml"), graph)
+    Watch(show, 4.5)
+    hands, partners = show.dancers.hands, show.motion.partners
+    assert (hands.state[0, :8:2] > 0.97).all()
+    now, beat = round(4.5 / TICK), round(60.0 / 112.0 / TICK)
+    for event in (
+        events.Regroup(time=4.5, source="test", dancers="2", group="others"),
+        events.Leave(time=4.5, source="test", dancers="5", gate="*"),
+    ):
+        assert show.apply(event)
+    for tick in range(now, now + beat):
+        show.tick(tick * TICK)
+    assert hands.state[0, 0].max() == 0.0
+    assert hands.state[0, 4].max() == 0.0
+    assert (hands.state[0, 2] > 0.97).all()
+    for tick in range(now + beat, now + beat + 4 * 64):
+        show.tick(tick * TICK)
+    assert partners.of[[0, 5, 8]].tolist() == [5, 0, NOBODY]
+
+
+def casting(text=PATCH):
+    """Partners and their casting, without a show."""
+    patch = parse_patch(text, "test.toml")
+    cast = Casting(patch)
+    return Partners(patch, cast), cast
+
+
+def test_pairs_are_kept_when_somebody_before_them_leaves():
+    partners, _ = casting()
+    there = np.ones(13, np.bool_)
+    partners.pair(there)
+    there[0] = False
+    partners.pair(there)
+    assert partners.of.tolist() == [-1, 8, 3, 2, 5, 4, 7, 6, 1, -1, -1, -1, -1]
+    assert partners.timing().tolist() == [0, 1, 2, 2, 4, 4, 6, 6, 1, 9, 10, 11, 12]
+
+
+def test_levelled_ends_are_at_arms_length_and_their_middle_stays():
+    partners, _ = casting()
+    partners.pair(np.ones(13, np.bool_))
+    rng = np.random.default_rng(2)
+    stand, heading = rng.uniform(-3.0, 3.0, (13, 2)), rng.uniform(-3.0, 3.0, 13)
+    partners.aim(stand, heading, stand.copy(), heading.copy(), np.zeros(13, np.bool_))
+    lead, follow = partners.leader, partners.follower
+    stand[follow] = stand[lead] + partners.places(heading[lead])
+    partners.aim(stand, heading, stand.copy(), heading.copy(), np.zeros(13, np.bool_))
+    partners.follow(stand[lead], heading[lead], stand, heading)
+    ends = stand + rng.uniform(-0.1, 0.1, stand.shape)
+    before = ends.copy()
+    partners.level(ends, coming=True)
+    assert ends[follow] - ends[lead] == pytest.approx(partners.places(heading[lead]))
+    assert ends[follow] + ends[lead] == pytest.approx(before[follow] + before[lead])
+    alone = partners.of < 0
+    assert (ends[alone] == before[alone]).all()
+
+
+def test_a_patch_that_asks_for_what_cannot_be_is_refused():
+    for wrong in ('partners = "above"', "arm_length = 2.0", 'hands = "three"'):
+        with pytest.raises(PatchError):
+            parse_patch(PATCH.replace('partners = "facing"', wrong), "test.toml")
