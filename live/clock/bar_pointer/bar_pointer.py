@@ -200,7 +200,8 @@ class BarPointer:
         """How much likelier the frame is with a plain beat, a downbeat, the middle of a measure, and between beats."""
         model = self.model
         beat = min(max(beat, 1e-4), 1.0 - 1e-4)
-        first = min(max(downbeat / beat, 0.01), 0.99)
+        least, most = self._hand.downbeat_range
+        first = min(max(downbeat / beat, least), most)
         low, high = model.ratio_min, model.ratio_max
         odds = beat / (1.0 - beat) * (1.0 - model.beat_share) / model.beat_share
         any_beat = min(max(odds**model.sharpness, low), high)

@@ -25,11 +25,17 @@ CALM: Final = 0.02
 CALM_SHARPNESS: Final = 0.4
 """... and so is the exponent of what is heard of downbeats."""
 
+FREE_RANGE: Final = (0.01, 0.99)
+CALM_RANGE: Final = (0.25, 0.5)
+"""Chances of a downbeat among beats are taken for no less and no more; once the line is set by hand these bounds are
+narrow, so that music which contradicts loudly is not believed much sooner than music that does so softly."""
+
 
 class Hand:
     """Takes what is said by hand, into the states and for all time to come.
 
-    `tempo`, `metre`, `born`, `leap`, `line_change`, `downbeat_sharpness` are what the kernels are given each frame.
+    `tempo`, `metre`, `born`, `leap`, `line_change`, `downbeat_sharpness`, `downbeat_range` are what each frame is
+    weighed with.
     """
 
     def __init__(self, states: States) -> None:
@@ -109,6 +115,7 @@ class Hand:
         self.line_change = model.line_change * calm
         self.downbeat_sharpness = model.downbeat_sharpness * (CALM_SHARPNESS if self._line_is_set else 1.0)
         change = 0.0 if self._metre else calm
+        self.downbeat_range = CALM_RANGE if self._line_is_set else FREE_RANGE
         self.metre = (change * model.metre_transitions() + (1.0 - change) * states.same_metre).astype(np.float32)
         states.slot_share = _slot_share(model, self._metre)
 
