@@ -15,9 +15,6 @@ FALL: Final = 0.06
 BEATING: Final = 0.3
 """Chance of a beat that says that music is played, however softly."""
 
-BEATLESS_AFTER: Final = 2.5
-"""Seconds without any such chance, in whatever noise, after which nothing more is learned of the beats."""
-
 SILENT_AFTER: Final = 1.2
 """Seconds below `SILENT_LEVEL` that make a silence; clicks at 60 bpm are none."""
 
@@ -38,7 +35,6 @@ class Quiet:
         self._hop = hop
         self._rest = 0.0
         self._music = 0.0
-        self._beatless = 0.0
         self.duration = 0.0
         """Seconds since something was to be heard."""
         self.heard = False
@@ -49,7 +45,6 @@ class Quiet:
 
         Returns the length [s] of the silence that it ends, 0 if it ends none.
         """
-        self._beatless = 0.0 if beat >= BEATING and level >= SILENT_LEVEL else self._beatless + self._hop
         audible = level >= SILENT_LEVEL and (level >= BELOW_MUSIC * self._music or beat >= BEATING)
         self._music += self._hop * (RISE if level > self._music else FALL) * (level - self._music)
         if not audible:
