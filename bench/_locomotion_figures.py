@@ -32,7 +32,9 @@ class Figures:
     drawn_beats: list[Float64] = field(default_factory=list)
     """The same, found by where the drawn body comes nearest to the clip's pose of the beat [s]."""
     predicted: list[Float64] = field(default_factory=list)
-    """Hips as drawn at measure ends to where the engine said they would be sent [m]."""
+    """Hips as drawn at measure ends to where the engine sent them, a beat before the measure began [m]."""
+    predicted_last: list[Float64] = field(default_factory=list)
+    """The same, with what agents have strayed within the measure [m]."""
     within_reach: list[Float64] = field(default_factory=list)
     """To where steering alone would be, cut off where the step's own ways end [m]."""
     free: list[Float64] = field(default_factory=list)
@@ -69,6 +71,7 @@ class Watch:
         self._measure = show.span.number
         self._line = show.span.end
         self._asked: list[Float64] = []
+        self._last = np.zeros((len(show.group), 2))
         self._sent: tuple[Float64 | None, Float64 | None, Float64, npt.NDArray[np.int32], Float64] | None = None
         self._reach = Reach(show.graph.library, show.graph.node_facing_start)
         self._pictures = 0
@@ -92,6 +95,7 @@ class Watch:
         if self._show.span.number != self._measure:
             self._cross_line(view, hips)
         self._line = self._show.span.end
+        self._last = self._show.scheduler.carrying.predicted.copy()
         self._before = (view.beat, hips)
 
     def _distances(self, hips: Float64) -> None:
@@ -117,6 +121,7 @@ class Watch:
             sent, free, start, node, heading = self._sent
             if sent is not None:
                 found.predicted.append(np.hypot(*(at_line - sent).T))
+                found.predicted_last.append(np.hypot(*(at_line - self._last).T))
             if free is not None:
                 found.free.append(np.hypot(*(at_line - free).T))
                 found.within_reach.append(np.hypot(*(at_line - self._reach.cut(start, free, node, heading)).T))

@@ -34,9 +34,9 @@ DRIFT_S: Final = 30.0
 def patch_for(way: str, patch: Patch) -> Patch:
     """The patch with which a way is danced."""
     if way == SLIDING:
-        return changed(patch, motion={"foot_lock": False}, locomotion={"correction_m": 0.0})
+        return changed(patch, motion={"foot_lock": False}, locomotion={"correction_m": 0.0, "obedience": 0.0})
     if way == UNCORRECTED:
-        return changed(patch, locomotion={"correction_m": 0.0, "turn_deg": 0.0})
+        return changed(patch, locomotion={"correction_m": 0.0, "turn_deg": 0.0, "obedience": 0.0})
     return patch
 
 
@@ -113,7 +113,7 @@ def _free_agents(show: Show) -> None:
     tick = show.motion.tick
 
     def free(*arguments: object, **named: object) -> None:
-        named["dancer"] = show.state.position
+        named |= {"dancer": show.state.position, "pace": show.state.velocity}
         tick(*arguments, **named)  # type: ignore[arg-type]
 
     show.motion.tick = free  # type: ignore[method-assign]

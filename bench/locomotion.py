@@ -53,6 +53,8 @@ def scene_rows(scene: str, takes: list[Take], ways: tuple[str, ...] = NAIVE) -> 
         row("skating ratio", "%", 1.0, "skating"),
         row("dancer to predicted agent at measure ends, mean", "m", 0.10, "predicted"),
         row("dancer to predicted agent at measure ends, p95", "m", 0.25, "predicted p95"),
+        row("... as predicted last, mean", "m", 0.10, "predicted last"),
+        row("... as predicted last, p95", "m", 0.25, "predicted last p95"),
         row("... prediction cut by the bench to the step's reach, mean", "m", None, "within reach"),
         row("... and p95", "m", None, "within reach p95"),
         row("... steering's own prediction, never cut, mean", "m", None, "free"),
@@ -73,7 +75,7 @@ def figure(found: Figures, of: str) -> float | None:
         values = _all(found, name)
         return float(np.percentile(values, 90 + int(kind))) if len(values) else None
     match name:
-        case "slide" | "predicted" | "within reach" | "free" | "agents":
+        case "slide" | "predicted" | "predicted last" | "within reach" | "free" | "agents":
             values = _all(found, name)
             return float(values.mean()) if len(values) else None
         case "skating" | "overlapping":

@@ -1,0 +1,175 @@
+"""Whatever steers: feet stay planted, nobody leaves the stage, nobody pops, and every number stays a number."""
+
+import math
+
+import numpy as np
+import pytest
+
+from live.clock.ticks import TICK
+from live.control import events
+from live.motion.quality.feet import slides
+from live.show.core import Show
+from live.show.load import show_of
+from live.show.patch_file import PATCHES, parse_patch
+
+PATCH = """
+name = "hostile"
+seed = 5
+reserve = 2
+[clock]
+bpm = 112
+[stage]
+width = 9.0
+depth = 6.0
+[[group]]
+name = "all"
+dancers = 12
+steps = ["samba", "side step", "walk x2"]
+travel_step = "walk"
+size = [6.0, 4.0]
+"""
+BODY = 0.25
+"""Hips may be this far beyond the edge [m]: bodies stand on it with one foot."""
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    return show_of(parse_patch(PATCH, "hostile.toml"), PATCHES / "hostile.toml")
+
+
+@pytest.fixture
+def show(loaded):
+    return Show(loaded.patch, loaded.graph)
+
+
+class Seen:
+    """What the audience sees of a show, tick by tick."""
+
+    def __init__(self, show):
+        self.show, self.view = show, show.view()
+        self.ticks = round(show.time / TICK)
+        self.slides, self.positions, self.there = [], [], []
+        self._contact = None
+
+    def run(self, seconds, act=lambda tick: None):
+        """Go on for `seconds`; `act` is told the number of every tick before it is run."""
+        for tick in range(self.ticks + 1, self.ticks + round(seconds / TICK) + 1):
+            act(tick)
+            self.show.tick(tick * TICK)
+            self._look(tick * TICK)
+        self.ticks = tick
+
+    def _look(self, time):
+        show, view = self.show, self.view
+        show.fill(view, time)
+        contact = show.dancers.contact(show.span.fraction(show.timeline.beat_at(time)))
+        position, there = view.joint_position.copy(), view.present.copy()
+        if self._contact is not None:
+            both = there & self.there[-1]
+            feet = np.stack([self.positions[-1], position])[:, both], np.stack([self._contact, contact])[:, both]
+            self.slides.append(slides(*feet, 1.0 / TICK))
+        self.positions.append(position)
+        self.there.append(there)
+        self._contact = contact
+
+    def judge(self, *, staying=None):
+        """Everything that has to hold; `staying`: of whom the edge of the stage is asked (else of all present)."""
+        position, there = np.array(self.positions), np.array(self.there)
+        assert np.isfinite(position).all()
+        assert np.isfinite(self.show.state.position).all()
+        slide = np.concatenate(self.slides)
+        assert slide.size > 1000
+        assert slide.mean() <= 0.03
+        assert np.percentile(slide, 99) <= 0.15
+        half = np.array([self.show.patch.stage.width, self.show.patch.stage.depth]) / 2
+        beyond = (np.abs(position[:, :, 0][..., (0, 2)]) - half).max(axis=-1)
+        beyond = beyond if staying is None else beyond[:, staying]
+        assert beyond[there if staying is None else there[:, staying]].max() < BODY
+        jumped = np.linalg.norm(np.diff(position[:, :, 0], axis=0), axis=-1) / TICK
+        assert jumped[there[1:] & there[:-1]].max() < 5.0  # m/s, at 240 bpm: hips go, they are not put elsewhere
+
+
+def test_tempo_jumps_stops_and_doubles(show):
+    """From 60 to 180 within one beat, to half and double again and again; then nothing is heard any more."""
+    told = {
+        64: lambda at: events.SetTempo(time=at, source="test", tempo=60.0),
+        192: lambda at: events.SetTempo(time=at, source="test", tempo=180.0),
+        320: lambda at: events.ScaleTempo(time=at, source="test", factor=0.5),
+        420: lambda at: events.ScaleTempo(time=at, source="test", factor=2.0),
+        430: lambda at: events.One(time=at, source="test"),
+        470: lambda at: events.SetTempo(time=at, source="test", tempo=60.0),
+        500: lambda at: events.SetTempo(time=at, source="test", tempo=180.0),
+        540: lambda at: events.SourceChanged(time=at, source="midi", state="stopped"),
+        600: lambda at: events.Attract(time=at, source="test", x=3.0, z=1.0),
+    }
+    seen = Seen(show)
+    tempi = []
+
+    def act(tick):
+        tempi.append(show.timeline.tempo)
+        if tick in told:
+            show.apply(told[tick](show.time))
+
+    seen.run(13.0, act)
+    assert min(tempi) < 70.0
+    assert max(tempi) > 170.0
+    seen.judge()
+
+
+def test_five_hundred_attractors_change_at_every_tick(show):
+    chance = np.random.default_rng(1)
+    seen = Seen(show)
+    seen.run(1.0)
+
+    def act(tick):
+        for phone, (x, z) in enumerate(chance.uniform(-20.0, 20.0, (500, 2)).tolist()):
+            show.apply(
+                events.Attract(time=show.time, source=f"phone {phone}", x=x, z=z, measures=1.0, drag=True, strength=5.0)
+            )
+
+    seen.run(2.5, act)
+    seen.run(3.0)
+    seen.judge()
+
+
+def test_dancers_leave_in_mid_step_and_others_come(show):
+    """Whoever goes walks to a gate and is gone; nobody else is disturbed."""
+    seen = Seen(show)
+    seen.run(1.3)
+    show.apply(events.Attract(time=show.time, source="test", x=-2.0, z=0.0))
+    show.apply(events.Leave(time=show.time, source="test", dancers="3 + 7"))
+    seen.run(0.7)
+    show.apply(events.Enter(time=show.time, source="test", count=2))
+    seen.run(14.0)
+    gone, new = [2, 6], [12, 13]
+    assert not seen.there[-1][gone].any()
+    assert seen.there[-1][new].all()
+    staying = [dancer for dancer in range(12) if dancer not in gone]
+    seen.judge(staying=staying)
+
+
+def test_walls_close_in_around_dancers(show):
+    """The stage shrinks by walls that are put up while all dance: nobody ends behind one that she was not behind."""
+    seen = Seen(show)
+    seen.run(1.0)
+
+    def act(tick):
+        x = 4.5 - 1.5 * min((tick - 64) / 320.0, 1.0)
+        for name, side in (("left", -x), ("right", x)):
+            show.apply(events.PlaceWall(time=show.time, source="test", name=name, x=side, z=-3.0, x2=side, z2=3.0))
+
+    seen.run(9.0, act)
+    seen.judge()
+    ends = seen.positions[-1][seen.there[-1], 0, 0]
+    assert np.abs(ends).max() < 3.0 + BODY
+
+
+def test_a_measure_of_a_second_and_a_long_one(loaded):
+    """At the ends of what may be asked, 40 and 240 bpm, feet hold as well."""
+    for tempo in (40.0, 240.0):
+        show = Show(loaded.patch, loaded.graph, tempo=tempo)
+        seen = Seen(show)
+        show.apply(events.Attract(time=0.0, source="test", x=3.0, z=-2.0, measures=2.0))
+        seen.run(5.0)
+        assert math.isclose(show.timeline.tempo, tempo, rel_tol=1e-6)
+        seen.judge()
