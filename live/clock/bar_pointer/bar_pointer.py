@@ -179,7 +179,7 @@ class BarPointer:
     @property
     def confidence(self) -> float:
         """How likely the next beat is right, 0 to 1: of beats with confidence c about a share c are."""
-        return self._whereabouts.confidence(self.share)
+        return self._whereabouts.confidence(self.share, self._hand.keeps_level)
 
     def set_metre(self, beats: int) -> None:
         """The measure has 2, 3, 4 or 6 beats; 0: as heard. ValueError for another number."""

@@ -52,6 +52,11 @@ class Hand:
         """Whether a beat was pressed: another phase is believed only when the music has left the present one."""
         self._renew()
 
+    @property
+    def keeps_level(self) -> bool:
+        """Whether a tempo was tapped, halved or doubled."""
+        return self._middle > 0.0
+
     def tap(self, interval: float) -> None:
         """The tempo is this [frames]: states far from it are given up, and the level is held from now on."""
         take_tempo(self._states, interval)

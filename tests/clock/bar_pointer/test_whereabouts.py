@@ -33,4 +33,5 @@ def test_confidence_grows_with_the_share_and_the_beats_and_falls_with_what_lies_
     assert clear.confidence(0.3) < clear.confidence(0.9) - 0.05
     for elsewhere in ((0.35, 0.02, 0.05, 0.02), (0.75, 0.02, 0.7, 0.02), (0.75, 0.7, 0.05, 0.02)):
         assert heard(elsewhere).confidence(0.99) < clear.confidence(0.99) - 0.02
+    assert clear.confidence(0.9) < clear.confidence(0.9, level_is_set=True) < 1.0
     assert heard((0.1, 0.1, 0.1, 0.1)).confidence(0.02) < 0.3
