@@ -133,7 +133,7 @@ class Carrying:
             self._trace(self.paths, present, slice(0, count))
             self._end[:] = present.end_position() - present.correction[:, :2]
         self._node[:] = present.node
-        self._begin[:] = self.paths.path[:, 0]
+        self._begin[:] = self.reference[:] = self.paths.path[:, 0]
         self._plan[:] = self._aim[:] = present.correction[:, :2]
         self._dodge[:] = self._aim_speed[:] = 0.0
         self.predicted[:] = self._asked
