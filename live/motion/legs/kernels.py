@@ -21,17 +21,20 @@ Rotation = tuple[float, float, float, float]
 
 LENGTH_BUFFER: Any = np.float32(0.015)
 """A leg is not stretched beyond its length less this [m], unless the clip itself stretches it farther."""
+STRAIGHTENING: Any = np.float32(0.03)
+"""Over the last of this [m] a leg gives way more and more instead of becoming straight at once: knees would snap."""
 PELVIS_DROP: Any = np.float32(0.02)
 """The hips sink by this much [m] at most so that both feet reach."""
 FARTHEST: Any = np.float32(0.25)
 """A foot is never carried farther than this [m] from where the clip has it."""
 FORWARD: Any = np.float32(0.04)
 """A knee that is straight bends forward; the more it is bent already, the less this counts [m]."""
-SHIFT_X, SHIFT_Z, FROM_X, FROM_Z, TOES, HELD, SPEED_X, SPEED_Z = range(8)
+SHIFT_X, SHIFT_Z, FROM_X, FROM_Z, TOES, HELD, LIFT, SPEED_X, SPEED_Z, SPEED_Y = range(10)
 """Columns of a foot: shift [m] at the last tick, the place [m] where the clip had the carrying point then, how much of
-that point is the toes (the rest is the ankle), 1 while the foot is held and 0 while it is free, speed of the shift
-[m/s] (the lock's own business)."""
-FEET_COLUMNS, LOCK_COLUMNS = 6, 8
+that point is the toes (the rest is the ankle), 1 while the foot is held and 0 while it is free, how far it is lifted
+[m] so that it stood on the floor when it was held, and speeds of the shift and the lift [m/s] (the lock's own
+business)."""
+FEET_COLUMNS, LOCK_COLUMNS = 7, 10
 UNLOCK: Any = np.float32(0.2)
 GRAB: Any = np.float32(0.08)
 JUMP: Any = np.float32(0.5)
@@ -45,6 +48,7 @@ rolls off."""
 ROLL: Any = np.float32(0.001)
 """Heights [m] over which the carrying point goes from heel to toes: at once, for what is between the two moves with
 both. Shifts are counted from tick to tick of one point, so that the change moves nothing."""
+_STRETCH: Any = np.float32(0.005)
 _LN2: Any = np.float32(math.log(2.0))
 _ZERO: Any = np.float32(0.0)
 _HALF: Any = np.float32(0.5)
@@ -84,8 +88,8 @@ def _aim(
 ) -> None:
     """Where the ankle shall be, rows _GOAL.. of `leg` [m].
 
-    A held foot's carrying point stays where it was at the last tick; a free one keeps its (vanishing) shift. No sole
-    goes below the floor.
+    A held foot's carrying point stays where it was at the last tick; a free one keeps its (vanishing) shift and lift.
+    No sole goes below the floor.
     """
     for i in range(BLOCK):
         row = feet[min(start + i, stop - 1), side]
@@ -100,7 +104,7 @@ def _aim(
         scale = FARTHEST / math.sqrt(max(dx * dx + dz * dz, FARTHEST * FARTHEST))
         low = min(ay - sole, leg[_TOES + 5, i] - toes_over_sole)
         leg[_GOAL, i] = ax + dx * scale
-        leg[_GOAL + 1, i] = ay + max(-low, _ZERO)
+        leg[_GOAL + 1, i] = ay + max(max(-low, _ZERO), (_ONE - asked[HELD, i]) * asked[LIFT, i])
         leg[_GOAL + 2, i] = az + dz * scale
 
 
@@ -133,7 +137,11 @@ def _bend(leg: Float32, drop: Float32, upper: float, lower: float) -> None:
         hy = hy - drop[i]
         gx, gy, gz = leg[_GOAL, i] - hx, leg[_GOAL + 1, i] - hy, leg[_GOAL + 2, i] - hz
         size = math.sqrt(max(gx * gx + gy * gy + gz * gz, _TINY))
-        length = min(size, max(whole - LENGTH_BUFFER, math.sqrt(ex * ex + ey * ey + ez * ez)))
+        own = math.sqrt(ex * ex + ey * ey + ez * ez)
+        easy = max(own, whole - LENGTH_BUFFER - STRAIGHTENING)
+        room = max(whole - LENGTH_BUFFER, own + _STRETCH) - easy
+        beyond = max(size - easy, _ZERO) / room
+        length = min(size, easy) + room * beyond / math.sqrt(_ONE + beyond * beyond)
         nx, ny, nz = gx / size, gy / size, gz / size
         along = (upper * upper - lower * lower + length * length) / (_TWO * length)
         aside = math.sqrt(max(upper * upper - along * along, _ZERO))
@@ -175,7 +183,7 @@ def stand_legs(
 ) -> None:
     """Foot lock of a block: feet to their places, the hips a little down where a leg is too short.
 
-    `feet` (A, 2, 6) says where; `legs` (8,) are hip, knee, ankle and toes of the left and the right leg; `sole` and
+    `feet` (A, 2, 7) says where; `legs` (8,) are hip, knee, ankle and toes of the left and the right leg; `sole` and
     `toes_over_sole` [m] the heights of ankle and toe joint of a standing foot. Unlock radius, length buffer and
     two-bone legs as in Holden's Motion-Matching; no branch and no trigonometry, so that blocks run at full width.
     """
@@ -207,13 +215,14 @@ def stand_legs(
 def follow_feet(
     lock: Float32, leg_position: Float32, contact: Bool, sole: float, toes_over_sole: float, dt: float
 ) -> None:
-    """One tick of the foot lock of A dancers: `lock` (A, 2, 8) follows the unlocked feet.
+    """One tick of the foot lock of A dancers: `lock` (A, 2, 10) follows the unlocked feet.
 
     `leg_position` (A, 9, 3) [m]: hips, then hip, knee, ankle and toes of the left and the right leg as the clips have
     them; `contact` (A, 2): whether the clips say that the foot stands. While it does, its carrying point is held: the
     shift grows by what that point moved, so that it stays exactly where it was. The carrying point is the lower one of
     ankle and toes, so the foot may roll from heel to ball. A foot shifted too far lets go; free feet swing back to
-    their clip, critically damped from the speed they had, so that nothing jumps.
+    their clip, critically damped from the speed they had, so that nothing jumps: sideways, and down from where a clip
+    that is mixed with another had to be lifted to stand on the floor.
     """
     decay = _TWO * _LN2 / RELEASE_HALFLIFE
     for n in range(lock.shape[0]):
@@ -223,6 +232,14 @@ def follow_feet(
             x = ankle[0] + row[TOES] * (toes[0] - ankle[0])
             z = ankle[2] + row[TOES] * (toes[2] - ankle[2])
             moved_x, moved_z = x - row[FROM_X], z - row[FROM_Z]
+            below = max(-min(ankle[1] - sole, toes[1] - toes_over_sole), _ZERO)
+            if row[HELD] > _ZERO:
+                row[SPEED_Y], row[LIFT] = (below - row[LIFT]) / dt, below
+            else:
+                fall = math.exp(-decay * dt)
+                bend = row[SPEED_Y] + row[LIFT] * decay
+                row[LIFT] = fall * (row[LIFT] + bend * dt)
+                row[SPEED_Y] = fall * (row[SPEED_Y] - bend * decay * dt)
             if row[HELD] > _ZERO and moved_x * moved_x + moved_z * moved_z < JUMP * JUMP:
                 row[SHIFT_X] -= moved_x
                 row[SHIFT_Z] -= moved_z

@@ -12,10 +12,12 @@ from live.motion.forward import forward_kinematics, local_rotations
 from live.motion.legs.kernels import (
     FEET_COLUMNS,
     HELD,
+    LIFT,
     LOCK_COLUMNS,
     SHIFT_X,
     SHIFT_Z,
     SPEED_X,
+    SPEED_Y,
     SPEED_Z,
     follow_feet,
 )
@@ -34,7 +36,7 @@ class FootLock:
 
     def __init__(self, dancer_count: int) -> None:
         self.state: Float32 = np.zeros((dancer_count, 2, LOCK_COLUMNS), np.float32)
-        """Shift, place and speed of each foot as in legs/kernels.py, shape (A, 2, 8)."""
+        """Shift, place and speed of each foot as in legs/kernels.py, shape (A, 2, 10)."""
 
     def tick(self, leg_position: npt.NDArray[Any], contact: Bool, dt: float) -> None:
         """Follow the unlocked feet: `leg_position` (A, 9, 3) [m] of LEG_JOINTS, `contact` (A, 2), `dt` [s]."""
@@ -46,11 +48,12 @@ class FootLock:
         return np.ascontiguousarray(shift * self.state[:, :, HELD, None])
 
     def place(self, feet: Float32, age: float) -> None:
-        """Write what the pose kernels need, (A, 2, 6), `age` [s] after the last tick: free feet have swung on."""
+        """Write what the pose kernels need, (A, 2, 7), `age` [s] after the last tick: free feet have swung on."""
         feet[:] = self.state[:, :, :FEET_COLUMNS]
         free = age * (1.0 - self.state[:, :, HELD])
         feet[:, :, SHIFT_X] += free * self.state[:, :, SPEED_X]
         feet[:, :, SHIFT_Z] += free * self.state[:, :, SPEED_Z]
+        feet[:, :, LIFT] += free * self.state[:, :, SPEED_Y]
 
 
 def lock_feet(clip: Clip) -> Clip:

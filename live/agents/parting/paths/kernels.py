@@ -235,18 +235,20 @@ def push_apart(
                     if j <= i or yields[j] < 0.0:
                         continue
                     gap = radius[i] + radius[j] + margin
-                    dx, dz = soon[j, 0] - soon[i, 0], soon[j, 1] - soon[i, 1]
-                    d = math.sqrt(dx * dx + dz * dz)
+                    nx, nz = now[j, 0] - now[i, 0], now[j, 1] - now[i, 1]
+                    dx, dz = soon[j, 0] - soon[i, 0] - nx, soon[j, 1] - soon[i, 1] - nz
+                    way = dx * dx + dz * dz
+                    t = min(max(-(nx * dx + nz * dz) / max(way, 1e-9), 0.0), 1.0)
+                    dx, dz = nx + t * dx, nz + t * dz  # where they are nearest
+                    d, size = math.sqrt(dx * dx + dz * dz), math.sqrt(nx * nx + nz * nz)
                     if d >= gap:
                         continue
-                    nx, nz = now[j, 0] - now[i, 0], now[j, 1] - now[i, 1]
-                    size = math.sqrt(nx * nx + nz * nz)
                     if size < 1e-4:
                         angle = 2.0 * math.pi * hash_unit(seed, i, j)
                         nx, nz, size = math.sin(angle), math.cos(angle), 1.0
                     nx, nz = nx / size, nz / size
-                    along = dx * nx + dz * nz  # who will have passed through each other is on the other side then
-                    short = min(gap - along, 0.6)
+                    # who would have passed through each other is on the other side then
+                    short = min(gap - (dx * nx + dz * nz), 0.6)
                     own, other = yields[i], yields[j]
                     if own + other <= 0.0:
                         own = other = np.float32(1.0)
