@@ -89,15 +89,16 @@ class Cutting:
         sides = self._dancers.variation.sides[moment.rows]
         return np.asarray(away + WRONG_SIDE * (sides[:, None] * library.node_side[nodes] < 0))
 
-    def cut(self, moment: Moment, node: Int32) -> None:
-        """Each of the dancers goes on in `node` (n,) at her phase, from now on."""
+    def cut(self, moment: Moment, node: Int32, step: int | None = None) -> None:
+        """Each of the dancers goes on in `node` (n,) at her phase, from now on; what is decided of her next measures
+        follows in `step`, or (None) in the step that was decided."""
         dancers, rows = self._dancers, moment.rows
         placement = self._laid(moment, node)
         for which, danced in enumerate(dancers.measures()):
             own = moment.which == which
             danced.leap(rows[own], node[own], placement[own])
         dancers.inertia.forget(rows)
-        self._go_on(moment)
+        self._go_on(moment, step)
         after = moment.look(dancers)
         dancers.inertia.begin(rows, moment.body, after, self._parents, time=moment.time, dt=moment.dt)
         dancers.inertia.place(moment.time)
@@ -130,7 +131,7 @@ class Cutting:
         shift += pull * np.minimum(1.0, ASTRAY / np.maximum(np.abs(pull), 1e-9))
         return np.column_stack([shift.real, shift.imag, -np.angle(turn)])
 
-    def _go_on(self, moment: Moment) -> None:
+    def _go_on(self, moment: Moment, step: int | None) -> None:
         """Measures after those that were left, where they are decided already, follow along the graph's edges."""
         measures = self._dancers.measures()
         for which in (0, 1):
@@ -138,7 +139,8 @@ class Cutting:
             rows = moment.rows[(moment.which <= which)]
             rows = rows[then.node[rows] >= 0]
             if len(rows):
-                self.follow(rows, own, then, step=self._dancers.graph.library.node_step[then.node[rows]])
+                planned = self._dancers.graph.library.node_step[then.node[rows]]
+                self.follow(rows, own, then, step=planned if step is None else np.full_like(planned, step))
 
     def follow(self, rows: Int32, own: Danced, then: Danced, *, step: Int32, target: Float64 | None = None) -> None:
         """What the dancers `rows` (n,) dance after the measure `own`: along the graph's edges into `then`.

@@ -123,21 +123,20 @@ class Interrupts:
         moment = Moment(self._dancers, rows, span, timeline, time)
         nodes = self.cutting.candidates(cue.step)
         best = np.argmin(self.cutting.distances(moment, nodes), axis=1)
-        self._cut(moment, nodes[best], span, timeline)
-        if planned and cue.measures:
-            self._step[rows], self._unplanned[rows] = cue.step, True
-            if self._dancers.decided:
-                self._go_on()
+        self._cut(moment, nodes[best], span, timeline, step=cue.step if cue.measures else None)
 
     @property
     def _here(self) -> Bool:
         """Who dances on the stage, shape (A,): those who come and go are left alone."""
         return np.asarray(self._motion.entrances.state == ON)
 
-    def _cut(self, moment: Moment, node: Int32, span: MeasureSpan, timeline: Timeline) -> None:
-        self.cutting.cut(moment, node)
+    def _cut(
+        self, moment: Moment, node: Int32, span: MeasureSpan, timeline: Timeline, *, step: int | None = None
+    ) -> None:
+        """Cut, and see to what follows: at once, or, while the next measure is being planned, when that is done."""
+        self.cutting.cut(moment, node, step)
         if not self._dancers.decided and span.end - timeline.beat_at(moment.time) <= PLANNED:
-            self._step[moment.rows], self._unplanned[moment.rows] = NOTHING, True
+            self._step[moment.rows], self._unplanned[moment.rows] = NOTHING if step is None else step, True
 
     def _go_on(self) -> None:
         """Choose anew what follows for those whose plan did not know of their cut."""

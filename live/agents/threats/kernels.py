@@ -16,15 +16,15 @@ NEAR = 2.5
 """Who is farther than this [m] cannot be met within the time looked ahead."""
 
 
-@kernel("f8(f8[:,:,::1], i8, f8[:,:,::1], i8, f8)")
-def first_meeting(ways: Float64, one: int, others: Float64, other: int, gap: float) -> float:
-    """The first of the moments 1.. at which two are nearer than `gap` [m] and have come nearer; -1 if none is.
+@kernel("f8(f8[:,:,::1], i8, f8[:,:,::1], i8, f8, i8)")
+def first_meeting(ways: Float64, one: int, others: Float64, other: int, gap: float, last: int) -> float:
+    """The first of the moments 1 to `last` at which two are nearer than `gap` [m] and have come nearer; -1 if none is.
 
     `ways` and `others` (K, A, 2) [m]: where everybody is at each moment, the first one now.
     """
     x, z = ways[0, one, 0] - others[0, other, 0], ways[0, one, 1] - others[0, other, 1]
     nearest = math.sqrt(x * x + z * z)
-    for k in range(1, ways.shape[0]):
+    for k in range(1, last + 1):
         x, z = ways[k, one, 0] - others[k, other, 0], ways[k, one, 1] - others[k, other, 1]
         distance = math.sqrt(x * x + z * z)
         if distance < gap and distance < nearest - 0.01:
@@ -35,10 +35,9 @@ def first_meeting(ways: Float64, one: int, others: Float64, other: int, gap: flo
 
 @kernel("f8(f8[:,:,::1], i8, f8, f8)")
 def _way_towards(ways: Float64, one: int, x: float, z: float) -> float:
-    """How far `one` comes within all moments in the direction (x, z) [m]."""
+    """How far `one` comes until the first moment in the direction (x, z) [m]."""
     size = max(math.sqrt(x * x + z * z), 1e-9)
-    last = ways.shape[0] - 1
-    return ((ways[last, one, 0] - ways[0, one, 0]) * x + (ways[last, one, 1] - ways[0, one, 1]) * z) / size
+    return ((ways[1, one, 0] - ways[0, one, 0]) * x + (ways[1, one, 1] - ways[0, one, 1]) * z) / size
 
 
 @kernel("void(f8[:,:,::1], f4[::1], f4[::1], b1[::1], i8[::1], f8[:,:,::1], f4[::1], i8, f8, f8[::1])")
@@ -51,7 +50,8 @@ def find_threatened(
     `ways` (K, A, 2) [m] as in first_meeting; `radius` (A,) [m]; `yields` (A,) 0 for those who have the right of way;
     `here` (A,) who is on the stage; `order` (A,) dancers by their x now; `things` (K, M, 2) [m] and `thing_radius`
     (M,): the first `thing_count` of what stands or moves there besides. Two meet when they are `slack` [m] nearer than
-    their radii. Of two dancers the one leaves who comes farther towards the other.
+    their radii: dancers at the first moment, things at any. Of two dancers the one leaves who comes farther towards
+    the other.
     """
     out[:] = 0.0
     for a in range(order.shape[0]):
@@ -59,7 +59,7 @@ def find_threatened(
         if not here[i]:
             continue
         for m in range(thing_count):
-            k = first_meeting(ways, i, things, m, radius[i] + thing_radius[m] - slack)
+            k = first_meeting(ways, i, things, m, radius[i] + thing_radius[m] - slack, ways.shape[0] - 1)
             if k > 0.0 and (out[i] == 0.0 or k < out[i]):
                 out[i] = k
         for b in range(a + 1, order.shape[0]):
@@ -70,7 +70,7 @@ def find_threatened(
             z = ways[0, j, 1] - ways[0, i, 1]
             if not here[j] or abs(z) > NEAR:
                 continue
-            k = first_meeting(ways, i, ways, j, radius[i] + radius[j] - slack)
+            k = first_meeting(ways, i, ways, j, radius[i] + radius[j] - slack, 1)
             if k < 0.0:
                 continue
             own = _way_towards(ways, i, x, z) * yields[i]

@@ -1,0 +1,191 @@
+"""Interrupts: cues act on the half beat without a jump, the dance goes on along the graph, collisions win."""
+
+import re
+
+import numpy as np
+import pytest
+
+from live.clock.ticks import TICK
+from live.control.events import Performer, StepNow, event_from_json, event_to_json
+from live.show.core import Show
+from live.show.patch_file import parse_patch
+from tests.show.made_show import GRAPH, PATCH, made_show
+
+BEAT = 0.5  # s at 120 bpm
+MEASURE = 2.0
+
+
+def tick(time):
+    """The last tick not after `time`."""
+    return int(time / TICK + 1e-9)
+
+
+def run(show, first, last, each=lambda number: None):
+    for number in range(first, last + 1):
+        show.tick(number * TICK)
+        each(number)
+
+
+def bodies(show):
+    """All joints now, before feet are held: made figures slide on straight legs, which the foot lock does not hide."""
+    everybody = np.arange(len(show.group), dtype=np.int32)
+    return show.dancers.unmended(everybody, show.span.fraction(show.timeline.beat_at(show.time)), show.time)[0].copy()
+
+
+def largest_jump(poses):
+    """The largest change of a joint's speed from tick to tick [m/s]: 0.8 is a jump of the pose by 12 mm."""
+    speed = np.diff(np.array(poses), axis=0) / TICK
+    return np.linalg.norm(np.diff(speed, axis=0), axis=-1).max()
+
+
+def cue(time, name="spin", **more):
+    return StepNow(time=time, source="test", name=name, **more)
+
+
+def steps_of(show):
+    """The step that each dancer dances now, in words."""
+    library = show.graph.library
+    return [library.steps[step] for step in library.node_step[show.dancers.node]]
+
+
+def test_a_cue_acts_at_the_next_half_beat_and_only_on_who_is_meant():
+    show = made_show()
+    run(show, 1, tick(3.1))
+    before = steps_of(show)
+    assert show.apply(cue(3.1, group="front"))
+    changed = []
+    run(show, tick(3.1) + 1, tick(3.4), lambda number: changed.append(steps_of(show) != before))
+    at = tick(3.1) + 1 + changed.index(True)
+    assert at == tick(3.25 + TICK / 2)
+    now = steps_of(show)
+    assert now[:5] == ["spin"] * 5
+    assert now[5:] == before[5:]
+    assert show.interrupts.cues == 1
+
+
+@pytest.mark.parametrize("time", [4.02, 4.6, 5.2, 5.55, 5.8, 5.98])
+def test_nobody_jumps_and_the_dance_goes_on_along_the_graph(time):
+    """Wherever in the measure a cue comes, with the next one planned or not: joints move on as fast as before, and
+    every measure is one that may follow."""
+    show = made_show()
+    run(show, 1, tick(time))
+    poses = [bodies(show)]
+    nodes = [show.dancers.node.copy()]
+    cut = set()
+    show.apply(cue(time, measures=2.0))
+
+    def each(number):
+        poses.append(bodies(show))
+        if (show.dancers.node != nodes[-1]).any():
+            nodes.append(show.dancers.node.copy())
+            cut.add(len(nodes) - 1) if show.interrupts.cutting.cuts and not cut else None
+
+    run(show, tick(time) + 1, tick(time + 3 * MEASURE), each)
+    assert largest_jump(poses) < 0.8
+    graph = show.graph
+    for index in range(1, len(nodes)):
+        if index in cut:
+            continue
+        for one, then in zip(nodes[index - 1], nodes[index], strict=True):
+            follows = graph.edge_target[graph.edge_start[one] : graph.edge_start[one + 1]]
+            assert one == then or then in follows
+    assert "spin" in steps_of(show) or show.span.number > int(time / MEASURE) + 2
+
+
+def test_a_called_group_stays_in_the_step_for_the_measures_that_were_asked():
+    swaying = re.sub(r"\nsteps = .*", '\nsteps = ["sway"]', re.sub(r"travel_step = .*\n", "", PATCH))
+    show = Show(parse_patch(swaying, "test.toml"), GRAPH)
+    run(show, 1, tick(4.6))
+    show.apply(cue(4.6, measures=2.0))
+    found = {}
+    run(show, tick(4.6) + 1, tick(12.5), lambda number: found.setdefault(show.span.number, steps_of(show)))
+    assert set(found[3]) == set(found[4]) == {"spin"}
+    assert set(found[2]) == {"sway"}
+    assert "spin" not in found[5]
+
+
+def test_the_last_beat_keeps_its_promise_too():
+    """The next measure is decided already when the cue acts."""
+    show = made_show()
+    run(show, 1, tick(5.6))
+    assert show.dancers.decided
+    show.apply(cue(5.6, measures=1.0))
+    run(show, tick(5.6) + 1, tick(6.1))
+    assert set(steps_of(show)) == {"spin"}
+
+
+@pytest.mark.parametrize(
+    ("event", "words"),
+    [(cue(1.0, "pirouette"), "no step is called 'pirouette'"), (cue(1.0, group="nobody"), "nobody")],
+)
+def test_what_is_not_there_is_refused_with_words(event, words):
+    show = made_show()
+    run(show, 1, 64)
+    assert not show.apply(event)
+    assert words in show.refusal
+    run(show, 65, 128)
+    assert show.interrupts.cutting.cuts == 0
+
+
+def test_cues_are_journalled_and_danced_again_bit_by_bit():
+    events = [(100, cue(1.6)), (160, cue(2.5, "glide", group="back", measures=0.0)), (177, cue(2.8, "phrase"))]
+
+    def danced():
+        show = made_show()
+        hashes = []
+        for number in range(1, 500):
+            show.tick(number * TICK)
+            hashes.append(show.state_hash() if number % 20 == 0 else "")
+            for at, event in events:
+                if at == number:
+                    show.apply(event_from_json(event_to_json(event)))
+        assert show.interrupts.cues == 3
+        return hashes
+
+    assert danced() == danced()
+
+
+def test_a_group_that_dances_behind_the_others_is_cut_in_its_own_measure():
+    """A canon by two beats: in the first half of a measure its dancers are still in the last one."""
+    show = made_show('[[group]]\nname = "late"\ndancers = 3\nlike = "front"\nbeats_later = 2.0\n')
+    run(show, 1, tick(6.1))
+    poses = []
+    show.apply(cue(6.1, group="late"))
+
+    def each(number):
+        poses.append(bodies(show))
+
+    run(show, tick(6.1) + 1, tick(9.0), each)
+    assert show.interrupts.cutting.cuts - show.interrupts.avoided == 3
+    assert largest_jump(poses) < 0.8
+
+
+def walked_through(*, careful):
+    """The least distance [m] of a real performer, who walks along the front row, to any dancer."""
+    show = made_show()
+    if not careful:
+        show.interrupts._look_out = lambda *arguments: None
+    nearest = []
+
+    def each(number):
+        time = number * TICK
+        place = np.array([-6.0 + 1.2 * (time - 2.0), 1.5])
+        if time >= 2.0:
+            show.apply(Performer(time=time, source="camera", name="ann", x=float(place[0]), z=float(place[1])))
+            nearest.append(np.hypot(*(show.dancers.shown - place).T).min())
+
+    run(show, 1, tick(12.0), each)
+    return min(nearest), show.interrupts.avoided
+
+
+def test_dancers_go_out_of_the_way_of_somebody_real():
+    with_care, avoided = walked_through(careful=True)
+    without, none = walked_through(careful=False)
+    assert avoided > 0 == none
+    assert with_care > without + 0.05
+
+
+def test_nobody_is_cut_while_nothing_happens():
+    show = made_show()
+    run(show, 1, tick(8.0))
+    assert show.interrupts.cutting.cuts == show.interrupts.avoided == 0
