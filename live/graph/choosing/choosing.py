@@ -19,11 +19,11 @@ ANGLES: Final = 65
 """Angles of a turn at which the way it adds is tabled, from -π to π; between them it is within 1.5 mm a metre."""
 TERMS: Final = ("place", "heading", "pose", "wrong step", "other")
 """What the cost of a candidate is made of."""
-PLACE: Final = 1.0
+PLACE: Final = 3.0
 """A square metre off the place that no correction reaches costs this ..."""
-CORRECTED: Final = 0.3
+CORRECTED: Final = 1.0
 """... and one that is corrected, since feet and legs have to bear it, this; ..."""
-HEADING: Final = 0.6
+HEADING: Final = 1.0
 """... a squared radian that is left of the heading, ..."""
 TURN: Final = 0.005
 """... a squared radian of turning, ..."""
@@ -33,8 +33,8 @@ WRONG: Final = 40.0
 """... a measure away from the wanted step: more than any place within a measure's reach, ..."""
 SIDE: Final = 20.0
 """... a mirror image where the group wants none: dearer than any place, cheaper than another step, ..."""
-MIXED: Final = 0.002
-"""... a mixture: 4 cm of place are not worth blurring a clip, ..."""
+MIXED: Final = 0.003
+"""... a mixture: 5 cm of place are not worth blurring a clip, ..."""
 STRAYS: Final = 0.2
 """... and the square of how far [m] the hips leave the straight way on theirs: nobody wanders without a reason."""
 SWAY_SAMPLES: Final = 17

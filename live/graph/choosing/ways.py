@@ -17,7 +17,7 @@ DIRECTIONS: Final = 32
 """Directions that are tabled, evenly over the circle."""
 TURNS: Final = np.radians(np.linspace(-90.0, 90.0, 9))
 """Changes of heading over the measure that are tabled [rad]."""
-BESIDE: Final = 0.2
+BESIDE: Final = 0.1
 """A direction is reached if a candidate ends at most so far beside it [m]: so much is easily corrected."""
 
 

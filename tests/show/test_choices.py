@@ -1,0 +1,123 @@
+"""Why a dancer dances what she dances, and who is behind; standing groups; planning in pieces."""
+
+import json
+
+import numpy as np
+import pytest
+
+from live.clock.ticks import TICK
+from live.control import events
+from live.show.choices import BEHIND_M, BEHIND_MEASURES, why_in_words
+from tests.show.made_show import made_show
+
+STAMP = {"time": 0.0, "source": "test"}
+
+
+def run(show, seconds, watch=lambda: None):
+    for tick in range(round(show.time / TICK) + 1, round((show.time + seconds) / TICK)):
+        show.tick(tick * TICK)
+        watch()
+
+
+def test_what_is_said_is_what_was_chosen():
+    show = made_show()
+    show.apply(events.AskWhy(dancer=3, **STAMP))
+    for _ in range(4):
+        run(show, 2.0)
+        told = show.why()
+        while not show.dancers.decided:
+            run(show, 0.1)
+            told = show.why()
+        library, choices = show.graph.library, show.scheduler.choices
+        assert told["dancer"] == 3
+        assert told["chosen"]["clip"] == library.describe(int(show.dancers.coming.node[2]))
+        assert told["wanted"] == library.steps[library.node_step[show.dancers.coming.node[2]]]
+        parts = [told["chosen"][name] for name in ("place", "heading", "pose", "wrong_step", "other")]
+        assert told["chosen"]["score"] == pytest.approx(sum(parts), abs=1e-3)
+        if told["runner_up"] is not None:
+            assert told["runner_up"]["score"] >= told["chosen"]["score"]
+            assert choices.node[2, 0] != choices.node[2, 1]
+        taken = show.dancers.coming.take_share[0, 2]
+        assert told["chosen"].get("share", 0.0) == pytest.approx(taken)
+        assert json.loads(json.dumps(told)) == told
+        assert 1 <= len(why_in_words(told)) <= 3
+
+
+def test_asking_changes_nothing_that_is_danced():
+    asked, plain = made_show(), made_show()
+    asked.apply(events.AskWhy(dancer=2, **STAMP))
+    assert not asked.apply(events.CallStep(name="moonwalk", **STAMP))
+    for show in (asked, plain):
+        run(show, 5.0)
+    assert asked.state_hash() == plain.state_hash()
+    assert plain.why() is None
+    asked.apply(events.AskWhy(dancer=99, **STAMP))
+    assert asked.why() is None
+
+
+def test_planning_is_spread_over_the_ticks_before_the_decision():
+    """In no tick is more done than its share; nothing is left for the decision but to lay it down."""
+    show = made_show()
+    scheduler = show.scheduler
+    left = []
+    run(show, 7.0, lambda: left.append(len(scheduler._pieces)))
+    left = np.array(left)
+    done = -np.diff(left)
+    begun = left[:-1] > 0
+    most = left.max()
+    ticks = round(0.75 * 0.5 / TICK)  # three quarters of a beat of 0.5 s
+    assert done[begun].max() <= np.ceil(most / ticks) + 1
+    assert left[np.flatnonzero(done > 0) + 1].min() == 0
+
+
+def test_a_stall_plans_the_same_at_once():
+    """Whoever skips all ticks of the planning still decides, with all of it."""
+    show = made_show()
+    run(show, 1.0)
+    show.tick(1.9)
+    assert show.dancers.decided
+    assert (show.dancers.coming.node >= 0).all()
+
+
+def test_nobody_is_asked_for_more_than_her_step_reaches_and_who_falls_behind_is_told_what_to_record():
+    show = made_show()
+    show.apply(events.SetSequence(steps="sway", group="*", **STAMP))
+    run(show, 4.0)
+    assert all(told["record"] is None for told in show.scheduler.behind().values())
+    # a formation at the other end of the stage, for dancers who sway on the spot
+    show.apply(events.Evolve(formation="line", measures=2.0, group="front", time=show.time, source="test"))
+    for index, section in enumerate(show.patch.group):
+        assert section.name == ("front", "back")[index]
+    show.scheduler.choices.wish[:] = 0.0
+    choices = show.scheduler.choices
+    for programme in show.scheduler.programmes:
+        programme.travel_step = None
+    far = np.zeros((9, 2))
+
+    def sent(*_):
+        return show.state.position + far, np.zeros(9, np.bool_), np.zeros(9)
+
+    show.motion.ahead = sent
+    far[:5] = [0.0, 2.0]
+    run(show, 2.0 * (BEHIND_MEASURES + 2))
+    assert (np.hypot(*(choices.target - choices.stand).T) < 0.3).all()
+    assert (choices.lag[:5] > BEHIND_M).all()
+    told = show.scheduler.behind()
+    assert told["front"]["behind"] == 5
+    assert told["back"]["behind"] == 0
+    assert "'sway'" in told["front"]["record"]
+    assert "forward" in told["front"]["record"]
+    assert show.scheduler.detours == 0  # they keep their step
+
+
+def test_a_group_that_stands_draws_no_step_that_travels():
+    """Of sway, glide and spin, glide alone has no measure that stays... unless made so: it is drawn only on the way."""
+    show = made_show()
+    programme = show.scheduler.programmes[1]
+    library = show.graph.library
+    nodes = show.dancers.node[show.group == 1]
+    programme._in_place = lambda step: library.steps[step] != "glide"
+    for stands in (True, False):
+        programme.stands = stands
+        drawn = {library.steps[programme._draw(measure, nodes)] for measure in range(200)}
+        assert ("glide" in drawn) == (not stands)
