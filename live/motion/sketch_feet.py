@@ -28,6 +28,12 @@ HEEL_TO_BALL: Final = BALL_FORWARD + 0.05
 _PIVOT: Final = math.radians(25.0)
 _AHEAD: Final = math.radians(30.0)
 _GAP: Final = 0.15
+_LEAST: Final = 0.025
+_MOST: Final = 0.12
+"""How high a foot is lifted that nobody has told, at least, and at most [m]."""
+_SOON: Final = 0.3
+_NEARLY: Final = 0.85
+"""After this share of its swing a foot is at this share of its height."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -141,8 +147,7 @@ def track(
             places.extend(above[:, 1:])
             heights.extend((key.beat, key.amounts["up"]) for key in stance.air)
         else:
-            arrive = own[index + 1].arrive
-            heights.append((0.5 * (stance.leave + arrive), _lift(stance, world[index], world[index + 1])))
+            heights.extend(_over_the_floor(stance, own[index + 1], world[index], world[index + 1]))
     way = through(np.array(times), np.array(places), beats)
     stand = through(np.array(ground_times), np.array(ground), beats)
     up = np.array(heights)
@@ -181,10 +186,17 @@ def _in_the_air(path: Path, stance: Stance, following: Stance, side: float) -> F
     return np.concatenate((moments[:, None], world), axis=1)
 
 
-def _lift(stance: Stance, start: Float, end: Float) -> float:
-    if stance.lift is not None:
-        return stance.lift
-    return min(0.025 + 0.08 * math.hypot(end[0] - start[0], end[1] - start[1]), 0.09)
+def _over_the_floor(stance: Stance, following: Stance, start: Float, end: Float) -> list[tuple[float, float]]:
+    """Beats and heights [m] of a swing from `start` to `end`: up soon, down late: no foot skims the floor."""
+    span = following.arrive - stance.leave
+    lift = _lift(stance, math.hypot(end[0] - start[0], end[1] - start[1]))
+    soon, late = stance.leave + _SOON * span, following.arrive - _SOON * span
+    return [(soon, _NEARLY * lift), (stance.leave + 0.5 * span, lift), (late, _NEARLY * lift)]
+
+
+def _lift(stance: Stance, way: float) -> float:
+    """How high a foot is lifted that goes `way` [m]: as told, but over 5 cm where it goes fast (GMD's skating)."""
+    return max(_LEAST if stance.lift is None else stance.lift, min(0.5 * way, 0.07 + 0.08 * way, _MOST))
 
 
 def _pivot(path: Path, own: list[Stance], beats: Float) -> Float:
