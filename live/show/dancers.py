@@ -3,16 +3,15 @@
 import numpy as np
 import numpy.typing as npt
 
-from live.base.kernels import ease
 from live.graph.motion_graph import MotionGraph
-from live.graph.placing import begun, transition_weight
-from live.motion.contact import TOES_OVER_SOLE
+from live.graph.placing import begun
 from live.motion.arms.arms import Hands
-from live.motion.editing.time_warp import measure_warp
+from live.motion.contact import TOES_OVER_SOLE
 from live.motion.inertia.inertia import Inertia
 from live.motion.inertia.kernels import LONGEST
+from live.motion.posing.asking.kernels import ask_dancers, standing_feet, warp_phases
 from live.motion.posing.foot_lock import LEG_JOINTS, FootLock
-from live.motion.posing.kernels import INTO_NEXT, LOWER, NEXT, NEXT_LOWER, PRESENT, PRESENT_TAKE
+from live.motion.posing.kernels import INTO_NEXT, NEXT, PRESENT
 from live.motion.posing.pipeline import PosePipeline, PoseSkeleton
 from live.motion.skeleton import JOINT_COUNT, SOLE_BELOW_ANKLE
 from live.show.danced import UNDECIDED, Danced, turn_vectors
@@ -115,14 +114,9 @@ class Dancers:
         While two clips are blended a foot counts only if both have it on the floor.
         """
         self._ask(fraction)
-        contact, pipeline = self.graph.library.clip_contact, self._pipeline
-        own = contact[np.round(pipeline.sample[PRESENT]).astype(np.int64)]
-        mixed = pipeline.share[LOWER] > 0.0
-        if mixed.any():
-            own &= contact[np.round(pipeline.sample[PRESENT_TAKE]).astype(np.int64)] | ~mixed[:, None]
-        into = pipeline.share[INTO_NEXT][:, None]
-        coming = contact[np.round(pipeline.sample[NEXT]).astype(np.int64)]
-        return np.asarray((own | (into >= 1.0)) & (coming | (into <= 0.0)), np.bool_)
+        out = np.empty((len(self._everybody), 2), np.bool_)
+        standing_feet(out, self._pipeline.sample, self._pipeline.share, self.graph.library.clip_contact)
+        return out
 
     def cross_measure_line(self) -> None:
         """The next measure becomes the present one, the present one the past."""
@@ -198,8 +192,8 @@ class Dancers:
     def phases(self, fraction: float) -> Float64:
         """How far each dancer is in the present measure, below 0 in the one before, above 1 in the next one, (A,)."""
         variation = self.variation
-        amplitude, frequency, start, sign = self.present.warp
-        phase = measure_warp(fraction, amplitude, frequency, start, sign, self.graph.window)
+        phase = np.empty(len(self._everybody))
+        warp_phases(phase, fraction, self.present.warp, self.graph.window)
         if variation.warp_sequence.any():
             phase = phase + variation.sequence_warp(fraction)
         return np.maximum(phase - variation.late_at(fraction), -1.0)
@@ -208,49 +202,13 @@ class Dancers:
         self, rows: npt.NDArray[np.int64], own: Danced, then: Danced | None, phase: Float64, fraction: float
     ) -> None:
         """The rows of those dancers who are at `phase` (n,) of the measure `own`, with `then` after it."""
-        pipeline, library = self._pipeline, self.graph.library
-        everybody = len(rows) == len(self._everybody)
-        node = np.maximum(own.node[rows], 0)
-        first = library.node_first[node]
-        pipeline.sample[PRESENT, rows] = first + phase * (library.node_last[node] - first)
-        whole = np.empty((len(self._everybody), 4))
-        at = np.zeros(len(self._everybody))
-        at[rows] = phase
-        own.turned(at, whole)
-        pipeline.placement[PRESENT, rows] = whole[rows]
-        self._mix(rows, own, phase, whole, PRESENT, LOWER)
-        into = np.zeros(len(rows))
-        amplitude = own.amplitude[0, rows] + ease(fraction) * (own.amplitude[1, rows] - own.amplitude[0, rows])
-        if then is not None:
-            window = self.graph.window
-            into = transition_weight((phase - (1.0 - window)) / window) * (then.node[rows] >= 0)
-        pipeline.share[INTO_NEXT, rows] = into
-        pipeline.mean[0, rows] = np.where(own.take_share[1, rows] > 0.5, np.maximum(own.take[rows], 0), node)
-        if then is None or (everybody and not into.any()):
-            pipeline.sample[NEXT, rows] = pipeline.sample[PRESENT, rows]
-            pipeline.amplitude[rows] = amplitude
-            return
-        coming = np.maximum(then.node[rows], 0)
-        first = library.node_first[coming]
-        back = (phase - 1.0) * (library.node_last[coming] - first)
-        pipeline.sample[NEXT, rows] = np.maximum(first + back, library.node_lead[coming])
-        whole[:, :3] = then.placement
-        whole[:, 3] = then.placement[:, 2]
-        pipeline.placement[NEXT, rows] = whole[rows]
-        self._mix(rows, then, phase - 1.0, whole, NEXT, NEXT_LOWER)
-        pipeline.mean[1, rows] = np.where(then.take_share[1, rows] > 0.5, np.maximum(then.take[rows], 0), coming)
-        pipeline.amplitude[rows] = amplitude + into * (then.amplitude[0, rows] - amplitude)
-
-    def _mix(
-        self, rows: npt.NDArray[np.int64], danced: Danced, phase: Float64, placement: Float64, which: int, share: int
-    ) -> None:
-        """The other take of those dancers, in the pipeline's rows `which` + 1, `share` and `share` + 1."""
-        pipeline, library = self._pipeline, self.graph.library
-        pipeline.share[share : share + 2, rows] = danced.take_share[:, rows]
-        if not danced.take_share[:, rows].any():
-            return
-        take = np.maximum(danced.take[rows], 0)
-        first = library.node_first[take]
-        sample = first + phase * (library.node_last[take] - first)
-        pipeline.sample[which + 1, rows] = np.maximum(sample, library.node_lead[take])
-        pipeline.placement[which + 1, rows] = danced.take_placement(placement)[rows]
+        graph, pipeline, after = self.graph, self._pipeline, own if then is None else then
+        library = graph.library
+        ask_dancers(
+            rows, phase, fraction, graph.window, then is not None,
+            own.node, own.placement, own.correction, own.aimed, own.on_support, own.take, own.take_share, own.amplitude,
+            after.node, after.placement, after.take, after.take_share, after.amplitude,
+            library.node_first, library.node_last, library.node_lead, graph.node_start, graph.node_facing_start,
+            graph.node_turns, graph.node_rise,
+            pipeline.sample, pipeline.placement, pipeline.share, pipeline.mean, pipeline.amplitude,
+        )  # fmt: skip

@@ -1,0 +1,174 @@
+"""What is asked of the pose pipeline: samples, places and shares of all dancers' clips, in one pass."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel
+from live.base.kernels import ease
+from live.motion.kernels import yaw_rotate
+from live.motion.turning.kernels import placed
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Int64 = npt.NDArray[np.int64]
+Bool = npt.NDArray[np.bool_]
+
+PRESENT, PRESENT_TAKE, NEXT, NEXT_TAKE = range(4)
+LOWER, UPPER, INTO_NEXT, NEXT_LOWER, NEXT_UPPER = range(5)
+"""Rows of `sample`, `placement` and `share` as in posing/kernels.py."""
+
+
+@kernel("void(f8[::1], f8, f8[:,::1], f8)")
+def warp_phases(out: Float64, fraction: float, warp: Float64, window: float) -> None:
+    """Phases (A,) of clips whose measures are warped by `warp` (4, A) at `fraction`: `measure_warp` (T055)."""
+    room = 1.0 - window
+    for n in range(out.shape[0]):
+        f = max(warp[1, n], 0.5 / room)
+        begin = min(max(warp[2, n], 0.0), max(room - 0.5 / f, 0.0))
+        out[n] = fraction
+        if begin < fraction < begin + 0.5 / f:
+            out[n] += warp[3, n] * warp[0, n] * math.sin(2.0 * math.pi * f * (fraction - begin))
+
+
+@kernel(
+    "void(i8, i8, i4, i4, f8, f4, f4, f8[::1], f8[::1], f8[::1], f8[:,::1], f8[::1], f8[:,::1], f8[:,:,::1],"
+    " f4[:,::1], i8, f8, f8, f8, f8)"
+)
+def mix_take(
+    n: int,
+    row: int,
+    node: int,
+    take: int,
+    phase: float,
+    lower: float,
+    upper: float,
+    first: Float64,
+    last: Float64,
+    lead: Float64,
+    start: Float64,
+    facing: Float64,
+    sample: Float64,
+    placement: Float64,
+    share: Float32,
+    share_row: int,
+    x: float,
+    z: float,
+    path: float,
+    body: float,
+) -> None:
+    """The other take of dancer `n`, whose own clip lies at x, z, path, body: rows `row` and `share_row` of the answers.
+
+    Both clips have their hips at one place and face the same way when the measure begins (T045).
+    """
+    share[share_row, n], share[share_row + 1, n] = lower, upper
+    if lower == 0.0 and upper == 0.0:
+        sample[row, n] = sample[row - 1, n]
+        placement[row, n, 0], placement[row, n, 1], placement[row, n, 2], placement[row, n, 3] = x, z, path, body
+        return
+    other = max(take, 0)
+    turn = facing[node] - facing[other]
+    ox, oz = yaw_rotate(start[other, 0], start[other, 1], turn)
+    dx, dz = yaw_rotate(start[node, 0] - ox, start[node, 1] - oz, path)
+    sample[row, n] = max(first[other] + phase * (last[other] - first[other]), lead[other])
+    placement[row, n, 0], placement[row, n, 1] = x + dx, z + dz
+    placement[row, n, 2], placement[row, n, 3] = path + turn, body + turn
+
+
+@kernel(
+    "void(i8[::1], f8[::1], f8, f8, b1,"
+    " i4[::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f4[:,::1], f8[:,::1],"
+    " i4[::1], f8[:,::1], i4[::1], f4[:,::1], f8[:,::1],"
+    " f8[::1], f8[::1], f8[::1], f8[:,::1], f8[::1], f8[:,:,::1], f8[:,:,::1],"
+    " f8[:,::1], f8[:,:,::1], f4[:,::1], i4[:,::1], f4[::1])"
+)
+def ask_dancers(
+    rows: Int64,
+    phase: Float64,
+    fraction: float,
+    window: float,
+    goes_on: bool,
+    node: Int32,
+    where: Float64,
+    correction: Float64,
+    aimed: Float64,
+    on_support: Float64,
+    take: Int32,
+    take_share: Float32,
+    amplitude: Float64,
+    next_node: Int32,
+    next_where: Float64,
+    next_take: Int32,
+    next_take_share: Float32,
+    next_amplitude: Float64,
+    first: Float64,
+    last: Float64,
+    lead: Float64,
+    start: Float64,
+    facing: Float64,
+    turns: Float64,
+    rise: Float64,
+    sample: Float64,
+    placement: Float64,
+    share: Float32,
+    mean: Int32,
+    loudness: Float32,
+) -> None:
+    """Fill the pipeline's arrays for the dancers `rows` (n,) who are at `phase` (n,) of their measures.
+
+    Their measures: `node`, `where` (A, 3) their clips lie, `correction` and `aimed` (A, 3), `on_support`, `take`,
+    `take_share` (2, A) and `amplitude` (2, A), which is eased by `fraction`; of the measures after them, if the dance
+    `goes_on`, the same with `next_`, blended in over the last `window` of the measure (K004). Of N nodes: `first`,
+    `last`, `lead` samples, `start` (N, 2) and `facing` (N,) of the hips at their beginning, `turns` and `rise`.
+    Answers as `PosePipeline` has them: `sample` (4, A), `placement` (4, A, 4), `share` (5, A), `mean` (2, A),
+    amplitude `loudness` (A,).
+    """
+    for i in range(rows.shape[0]):
+        n, at = rows[i], phase[i]
+        own = max(node[n], 0)
+        x, z, path, body = placed(where[n], correction[n], aimed[n], at, turns[own], rise[own], on_support[n])
+        sample[PRESENT, n] = first[own] + at * (last[own] - first[own])
+        placement[PRESENT, n, 0], placement[PRESENT, n, 1] = x, z
+        placement[PRESENT, n, 2], placement[PRESENT, n, 3] = path, body
+        mix_take(
+            n, PRESENT_TAKE, own, take[n], at, take_share[0, n], take_share[1, n], first, last, lead, start, facing,
+            sample, placement, share, LOWER, x, z, path, body,
+        )  # fmt: skip
+        mean[0, n] = max(take[n], 0) if take_share[1, n] > 0.5 else own
+        loud = amplitude[0, n] + ease(fraction) * (amplitude[1, n] - amplitude[0, n])
+        into = ease((at - (1.0 - window)) / window) if goes_on and next_node[n] >= 0 else 0.0
+        share[INTO_NEXT, n] = into
+        if into == 0.0:
+            sample[NEXT, n], loudness[n] = sample[PRESENT, n], loud
+            continue
+        coming = max(next_node[n], 0)
+        back = (at - 1.0) * (last[coming] - first[coming])
+        x, z, path = next_where[n, 0], next_where[n, 1], next_where[n, 2]
+        sample[NEXT, n] = max(first[coming] + back, lead[coming])
+        placement[NEXT, n, 0], placement[NEXT, n, 1] = x, z
+        placement[NEXT, n, 2], placement[NEXT, n, 3] = path, path
+        mix_take(
+            n, NEXT_TAKE, coming, next_take[n], at - 1.0, next_take_share[0, n], next_take_share[1, n], first, last,
+            lead, start, facing, sample, placement, share, NEXT_LOWER, x, z, path, path,
+        )  # fmt: skip
+        mean[1, n] = max(next_take[n], 0) if next_take_share[1, n] > 0.5 else coming
+        loudness[n] = loud + into * (next_amplitude[0, n] - loud)
+
+
+@kernel("void(b1[:,::1], f8[:,::1], f4[:,::1], b1[:,::1])")
+def standing_feet(out: Bool, sample: Float64, share: Float32, contact: Bool) -> None:
+    """Which feet (A, 2) the clips asked for have on the floor, by the annotation `contact` (S, 2) of all samples.
+
+    While clips are mixed or blended a foot counts only if all of them have it there.
+    """
+    for n in range(out.shape[0]):
+        into = share[INTO_NEXT, n]
+        own, coming = round(sample[PRESENT, n]), round(sample[NEXT, n])
+        other = round(sample[PRESENT_TAKE, n])
+        for foot in range(2):
+            stands = contact[own, foot]
+            if share[LOWER, n] > 0.0:
+                stands = stands and contact[other, foot]
+            out[n, foot] = (stands or into >= 1.0) and (contact[coming, foot] or into <= 0.0)

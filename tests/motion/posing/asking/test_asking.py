@@ -1,0 +1,105 @@
+"""What is asked of the pose pipeline, against the same said plainly with whole arrays."""
+
+import numpy as np
+import pytest
+
+from live.graph.placing import take_placement, transition_weight
+from live.motion.editing.time_warp import draw_measure_warps, measure_warp
+from live.motion.posing.asking.kernels import (
+    INTO_NEXT,
+    LOWER,
+    NEXT,
+    NEXT_LOWER,
+    NEXT_TAKE,
+    PRESENT,
+    PRESENT_TAKE,
+    ask_dancers,
+    standing_feet,
+    warp_phases,
+)
+from live.motion.posing.pipeline import PosePipeline
+from live.show.danced import Danced
+from tests.show.made_show import GRAPH
+
+COUNT = 40
+
+
+def danced(seed):
+    """Measures by chance, with corrections, turns and takes."""
+    chance, nodes = np.random.default_rng(seed), GRAPH.library.node_count
+    result = Danced(GRAPH, COUNT)
+    result.node[:] = chance.integers(0, nodes, COUNT)
+    result.placement[:] = chance.normal(size=(COUNT, 3))
+    result.correction[:] = 0.3 * chance.normal(size=(COUNT, 3))
+    result.on_support[:] = chance.integers(0, 2, COUNT)
+    mixed = chance.random(COUNT) < 0.5
+    result.take[mixed] = chance.integers(0, nodes, int(mixed.sum()))
+    result.take_share[:, mixed] = chance.uniform(0.1, 1.0, (2, int(mixed.sum())))
+    result.amplitude[:] = chance.uniform(0.5, 1.5, (2, COUNT))
+    return result
+
+
+@pytest.mark.parametrize("fraction", [0.0, 0.4, 0.81, 0.93, 1.0])
+@pytest.mark.parametrize("goes_on", [True, False])
+def test_what_is_asked_is_what_the_measures_say(fraction, goes_on):
+    own, then, pipeline = danced(1), danced(2), PosePipeline(COUNT)
+    phase = np.clip(fraction + np.random.default_rng(3).uniform(-0.1, 0.1, COUNT), 0.0, 1.0)
+    library, window = GRAPH.library, GRAPH.window
+    ask_dancers(
+        np.arange(COUNT), phase, fraction, window, goes_on,
+        own.node, own.placement, own.correction, own.aimed, own.on_support, own.take, own.take_share, own.amplitude,
+        then.node, then.placement, then.take, then.take_share, then.amplitude,
+        library.node_first, library.node_last, library.node_lead, GRAPH.node_start, GRAPH.node_facing_start,
+        GRAPH.node_turns, GRAPH.node_rise,
+        pipeline.sample, pipeline.placement, pipeline.share, pipeline.mean, pipeline.amplitude,
+    )  # fmt: skip
+    into = transition_weight((phase - (1.0 - window)) / window) * goes_on
+    np.testing.assert_allclose(pipeline.share[INTO_NEXT], into, atol=1e-6)
+    placement = np.empty((COUNT, 4))
+    own.turned(phase, placement)
+    _same(pipeline, own, phase, placement, PRESENT, PRESENT_TAKE, LOWER, np.ones(COUNT, np.bool_))
+    np.testing.assert_array_equal(pipeline.mean[0], np.where(own.take_share[1] > 0.5, own.take, own.node))
+    eased = fraction * fraction * (3.0 - 2.0 * fraction)
+    loud = own.amplitude[0] + eased * (own.amplitude[1] - own.amplitude[0])
+    np.testing.assert_allclose(pipeline.amplitude, loud + into * (then.amplitude[0] - loud), atol=1e-5)
+    blends = into > 0.0
+    np.testing.assert_array_equal(pipeline.sample[NEXT, ~blends], pipeline.sample[PRESENT, ~blends])
+    lies = np.column_stack([then.placement, then.placement[:, 2]])
+    _same(pipeline, then, phase - 1.0, lies, NEXT, NEXT_TAKE, NEXT_LOWER, blends)
+
+
+def _same(pipeline, measures, phase, placement, row, take_row, share_row, rows):
+    library = GRAPH.library
+
+    def sample_of(node):
+        first = library.node_first[node]
+        return np.maximum(first + phase * (library.node_last[node] - first), library.node_lead[node])
+
+    np.testing.assert_allclose(pipeline.sample[row, rows], sample_of(measures.node)[rows])
+    np.testing.assert_allclose(pipeline.placement[row, rows], placement[rows], atol=1e-12)
+    np.testing.assert_array_equal(pipeline.share[share_row : share_row + 2, rows], measures.take_share[:, rows])
+    mixed = rows & (measures.take_share[0] > 0.0)
+    assert mixed.any() == rows.any()
+    np.testing.assert_allclose(pipeline.sample[take_row, mixed], sample_of(np.maximum(measures.take, 0))[mixed])
+    lies = take_placement(GRAPH, measures.node, measures.take, placement)
+    np.testing.assert_allclose(pipeline.placement[take_row, mixed], lies[mixed], atol=1e-12)
+
+
+def test_phases_are_those_of_the_time_warp():
+    warps = draw_measure_warps(np.random.default_rng(4), 200, window=0.2)
+    table = np.array([warps.amplitude, warps.frequency, warps.start, warps.sign])
+    out = np.empty(200)
+    for fraction in np.linspace(0.0, 1.0, 21).tolist():
+        warp_phases(out, fraction, table, 0.2)
+        np.testing.assert_allclose(out, measure_warp(fraction, *table, 0.2), atol=1e-12)
+
+
+def test_feet_stand_where_all_clips_have_them_stand():
+    contact = np.array([[1, 0], [1, 1], [0, 1]], np.bool_)
+    sample = np.array([[0, 1, 1, 1], [0, 0, 0, 2], [0, 2, 2, 1], [0, 0, 0, 0]], np.float64)
+    share = np.zeros((5, 4), np.float32)
+    share[INTO_NEXT] = 0.0, 0.5, 1.0, 0.0
+    share[LOWER, 3] = 0.4
+    out = np.empty((4, 2), np.bool_)
+    standing_feet(out, sample, share, contact)
+    np.testing.assert_array_equal(out, [[1, 0], [0, 1], [0, 1], [0, 1]])
