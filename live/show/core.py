@@ -123,8 +123,11 @@ class Show:
             programme = self.scheduler.programmes[index]
             entries = graph.entries(programme.wanted(self.span.number, node[self.group == index]))
             ahead = self.scheduler.foresight.sequence(programme.coming, programme.into)[entries]
-            best = np.argmin(ahead + 0.1 * np.hypot(*library.node_travel[entries].T))
-            node[self.group == index] = entries[best]
+            cost = ahead + 0.1 * np.hypot(*library.node_travel[entries].T)
+            members, side = self.group == index, library.node_side[entries]
+            node[members] = entries[np.argmin(cost)]
+            other = members & self.motion.partners.mirrored
+            node[other] = entries[np.argmin(cost + (side == library.node_side[node[other][:1]].sum()))]
         self.dancers.start(node, self.state.position.astype(np.float64), self.motion.starting_heading)
         self.scheduler.aims.headings.begin(self.motion.starting_heading)
 

@@ -18,6 +18,7 @@ from live.show.casting import Casting
 from live.show.formations import Formations
 from live.show.patch import Patch
 from live.show.score import Score
+from live.show.sections.group import GroupSection
 from live.show.sections.segment import spec_of
 from live.show.segments import SegmentEvent, segment_of_event, segment_of_section
 
@@ -54,7 +55,14 @@ class Evolutions:
 
     def starting_places(self) -> Float64:
         """Where the dancers of all groups begin, one group after the other, (dancers, 2) [m]."""
-        return np.concatenate([self._formations.beginning(section) for section in self._patch.group])
+        return np.concatenate([self._beginning(section) for section in self._patch.group])
+
+    def _beginning(self, section: GroupSection) -> Float64:
+        """Where the dancers of a group begin, (dancers, 2) [m]; two partners have one place."""
+        if section.partners is None:
+            return self._formations.beginning(section)
+        pairs = section.model_copy(update={"dancers": (section.dancers + 1) // 2})
+        return np.repeat(self._formations.beginning(pairs), 2, axis=0)[: section.dancers]
 
     def _name(self, words: str, *, live: bool = False) -> str:
         """The name under which the plan finds the formation that `words` name or say."""

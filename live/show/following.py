@@ -5,16 +5,15 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.choosing.choosing import TERMS, Choosing, with_direction
+from live.graph.choosing.choosing import Choosing, with_direction
 from live.show.choices import Choices
 from live.show.partners import Partners
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
-TOO_FAR: Final = 0.25
+TOO_FAR: Final = 0.4
 """A follower whose measure would end so far [m] from her place may dance any side of the step."""
-WRONG: Final = TERMS.index("wrong step")
 
 
 def follow_leaders(
@@ -42,13 +41,14 @@ def follow_leaders(
     def choose(rows: Int32, sides: Int32) -> None:
         results = tuple(np.ascontiguousarray(array[rows]) for array in out)
         choosing.choose(
-            slice(0, len(rows)), node[rows], placement[rows], wish[rows], row[rows], ahead, sides, manner[rows], results,
+            slice(0, len(rows)), node[rows], placement[rows], wish[rows], row[rows], ahead, sides, manner[rows],
+            results,
         )  # fmt: skip
         for array, result in zip(out, results, strict=True):
             array[rows] = result
 
     choose(follow, partners.sides(choosing.graph.library.node_side[chosen]))
     off = np.hypot(*(choices.end[follow, :2] - choices.target[follow]).T)
-    far = follow[(off > TOO_FAR) | (choices.terms[follow, 0, WRONG] > 0.0)]
-    if len(far):  # to stay together is more than to dance mirrored
+    far = follow[off > TOO_FAR]
+    if len(far):  # to stay together is more than to dance on the same feet
         choose(far, np.zeros(len(far), np.int32))

@@ -134,6 +134,7 @@ class GroupMotion:
         for _ in range(8):  # formations of two groups may lie on each other
             self.part(position, wanted, float(edge.max()))
             position[on] = np.clip(position[on], -edge, edge)
+            self.partners.gather(position, self.starting_heading)
         position[~on] = wanted[~on]
         return position
 

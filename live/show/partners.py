@@ -33,6 +33,8 @@ TURN: Final = math.radians(30.0)
 """A pair turns by this much in a measure at most: each of the two has to go round the middle."""
 MEET: Final = 0.3
 """Two who are this much [m] farther apart than their arms' length are still on the way to each other."""
+CLOSE: Final = 0.2
+"""Partners nearer than their arms' length by this much [m] are not moved as one."""
 MOST: Final = 0.4
 """What is amiss between the two of a pair at the end of a measure is mended by this much [m] at most."""
 _PLACE: Final = np.array(
@@ -72,6 +74,13 @@ class Partners:
     def arm(self) -> Float64:
         """How far the two of each pair are apart [m], shape (P,)."""
         return np.asarray(self._arm[self._group[self.leader]])
+
+    @property
+    def mirrored(self) -> Bool:
+        """Who dances the mirror image of what her partner does, shape (A,): followers who face their leaders."""
+        mirrored = np.zeros(len(self.of), np.bool_)
+        mirrored[self.follower] = self._manner[self._group[self.leader]] == FACING
+        return mirrored
 
     def timing(self) -> Int32:
         """Whose timing each dancer has: her leader's or her own, shape (A,)."""
@@ -139,8 +148,9 @@ class Partners:
     def aim(self, wish: Float64, heading: Float64, stand: Float64, now: Float64, known: Bool) -> None:
         """Change what is wanted, `wish` (A, 2) [m] and `heading` (A,) [rad], so that pairs stay pairs.
 
-        `stand` (A, 2) and `now` (A,): where everybody will be and face when the measure begins. The leader's heading turns the pair, as fast as
-        pairs can; their middle goes where the middle of both would, or where the leader's formation wants it (`known`).
+        `stand` (A, 2) and `now` (A,): where everybody will be and face when the measure begins. The leader's heading
+        turns the pair, as fast as pairs can; their middle goes where the middle of both would, or where the leader's
+        formation wants it (`known`).
         """
         lead, follow = self.leader, self.follower
         self._meeting[follow] = np.hypot(*(stand[follow] - stand[lead]).T) > self.arm + MEET
@@ -151,8 +161,9 @@ class Partners:
         middle = np.where(known[lead, None], wish[lead], 0.5 * (wish[lead] + wish[follow]))
         wish[lead], wish[follow] = middle - half, middle + half
 
-    def gather(self, target: Float64, heading: Float64) -> None:
-        """Steps reach so far, `target` (A, 2) [m], facing `heading` (A,): pairs go as far as both can."""
+    def gather(self, target: npt.NDArray[np.floating], heading: Float64) -> None:
+        """Bring the places `target` (A, 2) [m] of pairs to arm's length, their leaders facing `heading` (A,); the middle
+        of each two stays."""
         lead, follow = self.leader, self.follower
         half = 0.5 * self.places(heading[lead])
         middle = 0.5 * (target[lead] + target[follow])
@@ -169,6 +180,22 @@ class Partners:
     def sides(self, node_side: Int32) -> Int32:
         """The sides followers want whose leaders dance nodes of these sides, (P,): who face each other mirror."""
         return np.where(self._manner[self._group[self.leader]] == FACING, -node_side, node_side).astype(np.int32)
+
+    def own_sides(self, side: Int32, now: Int32) -> Int32:
+        """The sides (A,) that everybody wants, who dance nodes of the sides `now` (A,): leaders keep theirs, for from a
+        measure on the other foot there is seldom a way to follow."""
+        side = side.copy()
+        side[self.leader] = np.where(side[self.leader] == 0, now[self.leader], side[self.leader])
+        return side
+
+    def move(self, moved: Float64, place: Float32) -> None:
+        """Who is pushed aside, `moved` (A, 2) [m] from her `place` (A, 2), takes her partner along, unless these two
+        are pushed off each other."""
+        lead, follow = self.leader, self.follower
+        if len(lead):
+            held = (np.hypot(*(place[follow] - place[lead]).T) > self.arm - CLOSE)[:, None]
+            both = moved[lead] + moved[follow]
+            moved[lead], moved[follow] = np.where(held, both, moved[lead]), np.where(held, both, moved[follow])
 
     def level(self, ends: Float64, *, coming: bool) -> None:
         """Move the ends (A, 2) [m] of the present or the `coming` measures so that pairs are at arm's length, each of

@@ -30,8 +30,8 @@ from live.show.choices import Choices
 from live.show.danced import Danced
 from live.show.dancers import Dancers
 from live.show.echo import Programme
-from live.show.group_motion import GroupMotion
 from live.show.following import follow_leaders
+from live.show.group_motion import GroupMotion
 from live.show.measure import MeasureSpan
 from live.show.patch import Patch
 
@@ -160,7 +160,7 @@ class Scheduler:
             with_direction(np.column_stack([self.choices.target, self.aims.heading])),
             self.aims.row,
             self.aims.ahead,
-            variation.sides,
+            self._motion.partners.own_sides(variation.sides, self._dancers.graph.library.node_side[self._asked_from]),
             np.column_stack([variation.on_support, variation.face_average, share]),
             self.choices.out,
         )

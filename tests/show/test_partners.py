@@ -34,12 +34,13 @@ name = "couples"
 dancers = 9
 partners = "facing"
 steps = ["walk"]
-size = [8.0, 5.0]
+centre = [0.0, -0.8]
+size = [8.0, 3.0]
 [[group]]
 name = "others"
 dancers = 4
 steps = ["walk"]
-centre = [0.0, 2.5]
+centre = [0.0, 3.0]
 size = [8.0, 1.0]
 """
 

@@ -55,7 +55,7 @@ class GroupSection(Section):
     ripple_beats: Annotated[float, Field(ge=0, le=16)] = 0.0
     """So many beats pass from the first of its dancers who begins a step to the last; 0: all together."""
     ripple: Annotated[str, Field(min_length=1, max_length=60)] = "left"
-    """Where that begins: `left`, `right`, `front` or `back` of the stage as the audience sees it, `centre` of the group,
+    """Where that begins: `left`, `right`, `front` or `back` of the stage as the audience sees it, the group's `centre`,
     or a point as in `"0 -2"`."""
     partners: Literal["facing", "beside", "shadow"] | None = None
     """Its members 1 and 2, 3 and 4 ... dance as pairs, who face each other, stand side by side, or one behind the
