@@ -40,9 +40,9 @@ IN_HASTE: Final = 1.5
 """Who would touch goes this much faster than others who are carried."""
 TRACE_TICKS: Final = 8
 """Ticks after the decision in which the coming paths are traced."""
-PUSH_AHEAD: Final = 0.25
+PUSH_AHEAD: Final = 0.4
 """Who will touch in this time [s] is pushed apart."""
-PUSH_MARGIN: Final = 0.05
+PUSH_MARGIN: Final = 0.06
 PUSH_STIFFNESS: Final = 18.0
 
 
@@ -231,6 +231,7 @@ class Carrying:
         moved = self.parting.push(dancers.shown, self._soon, margin=PUSH_MARGIN, stiffness=PUSH_STIFFNESS, dt=TICK)
         if not moved.any():
             return
+        self._motion.partners.move(moved, dancers.shown)
         moved[np.abs(moved) < 1e-7] = 0.0
         self.pushes += int(np.count_nonzero(moved.any(axis=1)))
         for danced in (dancers.past, present, dancers.coming):

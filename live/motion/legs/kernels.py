@@ -48,6 +48,7 @@ rolls off."""
 ROLL: Any = np.float32(0.001)
 """Heights [m] over which the carrying point goes from heel to toes: at once, for what is between the two moves with
 both. Shifts are counted from tick to tick of one point, so that the change moves nothing."""
+_ONSET: Any = np.float32(0.005)
 _STRETCH: Any = np.float32(0.005)
 _LN2: Any = np.float32(math.log(2.0))
 _ZERO: Any = np.float32(0.0)
@@ -112,16 +113,17 @@ def _aim(
 def _sink(drop: Float32, leg: Float32, whole: float) -> None:
     """Let the hips sink, `drop` (BLOCK,) [m], so far that the leg of length `whole` nearly reaches its goal.
 
-    What is missing is sunk wholly while it is little and never more than PELVIS_DROP: with a hard bound the hips would
-    stop at once, and the knee snap straight.
+    They begin gently and never sink by more than PELVIS_DROP: with a hard bound they would stop at once, and the knee
+    snap straight.
     """
     for i in range(BLOCK):
         hx, hy, hz = leg[_HIP + 4, i], leg[_HIP + 5, i], leg[_HIP + 6, i]
         ex, ey, ez = leg[_ANKLE + 4, i] - hx, leg[_ANKLE + 5, i] - hy, leg[_ANKLE + 6, i] - hz
-        limit = max(whole - LENGTH_BUFFER, math.sqrt(ex * ex + ey * ey + ez * ez))
+        limit = max(whole - LENGTH_BUFFER - _HALF * STRAIGHTENING, math.sqrt(ex * ex + ey * ey + ez * ez))
         gx, gy, gz = leg[_GOAL, i] - hx, leg[_GOAL + 1, i] - hy, leg[_GOAL + 2, i] - hz
         reach = math.sqrt(max(limit * limit - gx * gx - gz * gz, _ZERO))
         missing = max(-gy - reach, _ZERO)
+        missing = missing * missing / (missing + _ONSET)
         drop[i] = max(drop[i], missing * PELVIS_DROP / (missing + PELVIS_DROP))
 
 

@@ -1,0 +1,128 @@
+"""Paths that would touch are led apart; who touches is pushed; agents stay with their dancers."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from live.agents.parting.kernels import bind_agents
+from live.agents.parting.paths.paths import MARGIN, MOMENTS, PathParting, Paths
+
+RADIUS = 0.25
+
+
+def crossing(count, seed):
+    """Dancers who go straight from one random place to another, all apart at the beginning."""
+    chance = np.random.default_rng(seed)
+    start, end = chance.uniform((-5, -3), (5, 3), (2, count, 2))
+    paths = Paths(count)
+    share = np.linspace(0, 1, MOMENTS)
+    paths.path[:] = start[:, None] + share[None, :, None] * (end - start)[:, None]
+    paths.share[:] = np.clip(2.0 * share - 0.4, 0.0, 1.0)
+    return paths
+
+
+def parting(count, **values):
+    weights = values.pop("responsibility", np.ones(count, np.float32))
+    radius = np.full(count, RADIUS, np.float32)
+    return PathParting(radius, weights, gap_at_end=0.7, half_width=6.0, half_depth=4.0, seed=1)
+
+
+def nearest(paths, goal, first=0.0):
+    """Distances of all pairs at many moments, (T, A, A), by brute force."""
+    aimed, out = np.zeros((len(goal), 3)), np.zeros((len(goal), 2), np.float32)
+    found = []
+    for place in np.linspace(first, 1, 200):
+        paths.walk(place, goal, aimed, out)
+        apart = np.hypot(*(out[:, None] - out[None]).transpose(2, 0, 1))
+        np.fill_diagonal(apart, np.inf)
+        found.append(apart)
+    return np.array(found)
+
+
+def test_two_who_would_meet_go_past_each_other():
+    paths, goal, aimed = Paths(2), np.zeros((2, 2)), np.zeros((2, 3))
+    way = np.linspace(-1.0, 1.0, MOMENTS)
+    paths.path[0, :, 0], paths.path[1, :, 0] = way, -way
+    paths.path[1, :, 1] = 0.05
+    paths.share[:] = np.clip(2.5 * np.linspace(0, 1, MOMENTS), 0.0, 1.0)
+    part = parting(2)
+    assert nearest(paths, goal).min() < 0.1
+    for _ in range(12):
+        part.part(paths, goal, aimed, np.full(2, 0.35))
+    assert nearest(paths, goal).min() > 2 * RADIUS + 0.9 * MARGIN
+    assert goal[0] == pytest.approx(-goal[1], abs=0.02)  # they share the way
+    part.part(paths, goal, aimed, np.full(2, 0.35))
+    assert part.lack.max() < 0.01
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(2, 20), st.integers(0, 2**32 - 1), st.floats(0.05, 0.35))
+def test_nobody_is_led_farther_than_allowed_or_without_need(count, seed, most):
+    paths, goal, aimed = crossing(count, seed), np.zeros((count, 2)), np.zeros((count, 3))
+    before = nearest(paths, goal)
+    part = parting(count)
+    for _ in range(8):
+        part.part(paths, goal, aimed, np.full(count, most))
+    assert (np.hypot(*goal.T) <= most + 1e-9).all()
+    free = (before.min(axis=0) > 2 * RADIUS + 0.45 + 2 * most).all(axis=1)
+    assert not goal[free].any()
+
+
+def test_crowds_that_cross_touch_less():
+    worse = touched = 0
+    for seed in range(10):
+        paths, goal = crossing(12, seed), np.zeros((12, 2))
+        before = nearest(paths, goal, 0.5) < 2 * RADIUS
+        part = parting(12)
+        for _ in range(20):
+            part.part(paths, goal, np.zeros((12, 3)), np.full(12, 0.35))
+        after = nearest(paths, goal, 0.5) < 2 * RADIUS
+        touched += before.any(axis=0).sum()
+        worse += after.any(axis=0).sum()
+    assert worse < 0.5 * touched  # a third of a metre is not enough for all
+
+
+def test_a_soloist_and_who_is_not_there_are_left_alone():
+    paths, goal, aimed = Paths(3), np.zeros((3, 2)), np.zeros((3, 3))
+    paths.path[:] = np.array([[0.0, 0.0], [0.3, 0.0], [0.1, 0.1]], np.float32)[:, None]
+    paths.share[:] = np.linspace(0, 1, MOMENTS)
+    part = parting(3, responsibility=np.array([0.0, 1.0, 1.0], np.float32))
+    part.there(np.array([True, True, False]))
+    for _ in range(10):
+        part.part(paths, goal, aimed, np.full(3, 0.6), place=0.5)
+    assert not goal[(0, 2), :].any()
+    assert goal[1, 0] > 0.2
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.floats(0.0, 0.55), st.floats(0, 6.3))
+def test_who_touches_is_pushed_apart_without_a_jerk(apart, angle):
+    part, now = parting(2), np.zeros((2, 2), np.float32)
+    now[1] = apart * np.sin(angle), apart * np.cos(angle)
+    way = []
+    for _ in range(64):
+        moved = part.push(now, now, margin=0.05, stiffness=18.0, dt=1.0 / 64.0)
+        way.append(moved.copy())
+        now += moved.astype(np.float32)
+    assert np.hypot(*(now[1] - now[0])) > 0.54
+    speed = np.array(way) * 64.0
+    assert np.abs(np.diff(speed, axis=0, prepend=0.0)).max() < 1.3  # of 3.6 m/s at most
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_agents_are_bound_and_taken_along(seed):
+    chance = np.random.default_rng(seed)
+    position, velocity, dancer, pace = chance.normal(0, 1, (4, 9, 2)).astype(np.float32)
+    most = chance.uniform(0.2, 2.0, 9).astype(np.float32)
+    before, asked = position.copy(), velocity.copy()
+    bind_agents(position, velocity, dancer, pace, most)
+    away = position - dancer
+    size = np.hypot(*away.T)
+    assert (size <= most + 1e-5).all()
+    near = np.hypot(*(before - dancer).T) <= most
+    assert (position[near] == before[near]).all()
+    assert (velocity[near] == asked[near]).all()
+    out = ((velocity - pace) * away).sum(axis=1)[~near]
+    assert (out <= 1e-5).all()  # none goes on away from her dancer

@@ -1,0 +1,84 @@
+"""Legs that cannot reach: hips sink and knees straighten without a snap; a leg that reaches is left exact."""
+
+import numpy as np
+import pytest
+
+from live.motion.legs.kernels import FEET_COLUMNS, LENGTH_BUFFER, LIFT, PELVIS_DROP, SHIFT_Z
+from live.motion.posing.foot_lock import LEG_JOINTS, FootLock
+from live.motion.posing.pipeline import ClipStore, PosePipeline
+from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
+
+HIP, KNEE, ANKLE, TOES = (SKELETON.index(name) for name in ("leftUpperLeg", "leftLowerLeg", "leftFoot", "leftToes"))
+LEG = float(np.linalg.norm(SKELETON.offsets[KNEE]) + np.linalg.norm(SKELETON.offsets[ANKLE]))
+
+
+def posed(shift, height=0.0, lift=None):
+    """Joints (T, J, 3) of somebody standing with bent knees, her left foot asked to be `shift` (T,) [m] behind."""
+    count = len(shift)
+    rotation = np.zeros((1, SKELETON.joint_count, 4), np.float32)
+    rotation[..., 0] = 1.0
+    for side in ("left", "right"):  # knees bent by 0.7 rad, thighs forward by half of that
+        for joint, angle in (("UpperLeg", -0.35), ("LowerLeg", 0.7), ("Foot", -0.35)):
+            j = SKELETON.index(side + joint)
+            rotation[0, j] = np.cos(angle / 2), np.sin(angle / 2), 0.0, 0.0
+    plain = PosePipeline(1)
+    root = np.array([[0.0, 1.0, 0.0]], np.float32)
+    position, _ = plain.run(ClipStore.of(root, rotation))
+    root[0, 1] += SOLE_BELOW_ANKLE - position[0, ANKLE, 1] + height
+    pipeline = PosePipeline(count)
+    pipeline.lock = True
+    pipeline.feet[:, 0, SHIFT_Z] = -shift
+    if lift is not None:
+        pipeline.feet[:, 0, LIFT] = lift
+    return pipeline.run(ClipStore.of(root, rotation))[0].astype(float), root
+
+
+def test_hips_sink_smoothly_and_never_far():
+    shift = np.linspace(0.0, 0.24, 481)
+    position, root = posed(shift)
+    drop = root[0, 1] - position[:, 0, 1]
+    assert drop[0] == pytest.approx(0.0, abs=1e-6)
+    assert (np.diff(drop) > -1e-6).all()
+    assert PELVIS_DROP / 4 < drop[-1] < PELVIS_DROP
+    slope = np.diff(drop[::4]) / np.diff(shift[::4])
+    assert np.abs(np.diff(slope)).max() < 0.25 * slope.max()  # it neither begins nor stops at once
+
+
+def test_a_foot_is_where_it_shall_be_while_the_leg_reaches_easily():
+    position, _ = posed(np.linspace(0.0, 0.24, 241))
+    asked = position[0, ANKLE, 2] - np.linspace(0.0, 0.24, 241)
+    length = np.linalg.norm(position[:, ANKLE] - position[:, HIP], axis=1)
+    easy = length < LEG - LENGTH_BUFFER - 0.03 - 1e-4
+    assert easy.sum() > 20
+    assert position[easy, ANKLE, 2] == pytest.approx(asked[easy], abs=1e-4)
+    assert (length <= LEG - LENGTH_BUFFER + 1e-4).all()
+    assert np.abs(position[:, ANKLE, 2] - asked).max() < 0.05
+
+
+def test_the_knee_straightens_without_a_snap():
+    """Pulled back evenly, the knee moves at most a few times as fast as the foot is asked to."""
+    shift = np.linspace(0.0, 0.24, 241)
+    position, _ = posed(shift)
+    knee = np.linalg.norm(np.diff(position[:, KNEE], axis=0), axis=1) / np.diff(shift)
+    assert knee.max() < 3.0
+    assert np.abs(np.diff(knee)).max() < 0.25
+
+
+def test_a_lifted_foot_stays_lifted_and_its_lift_fades():
+    """A clip's foot 2 cm under the floor stands on it; freed, it is back at the clip's height without a step."""
+    lock, dt = FootLock(1), 1.0 / 60.0
+    position, _ = posed(np.zeros(1))
+    legs = np.ascontiguousarray(position[:, LEG_JOINTS], np.float32)
+    heights = []
+    for tick in range(60):
+        low = -0.02 if tick < 30 else -0.02 + 0.6 * dt * (tick - 29)  # from then on the clip's foot rises
+        moved = legs.copy()
+        moved[0, 3:5, 1] += low
+        lock.tick(moved, np.array([[tick < 30, True]]), dt)
+        lift = float(lock.state[0, 0, LIFT])
+        heights.append(low + max(lift, -low, 0.0) if tick >= 30 else low + max(-low, 0.0))
+    change = np.abs(np.diff(heights, n=2)).max() * 60.0
+    assert change < 0.65  # it takes up the clip's 0.6 m/s; a foot that waited for the clip would jump by more later
+    assert heights[-1] == pytest.approx(-0.02 + 0.6 * dt * 30, abs=2e-3)
+    assert min(heights) > -1e-6
+    assert lock.state.shape[2] > FEET_COLUMNS

@@ -1,0 +1,108 @@
+"""Aiming anew: nobody jumps, ways lead where they shall, and late aims are not hurried."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from live.motion.shifting.kernels import (
+    DIRECTIONS,
+    bound_aims,
+    bound_ways,
+    re_aim_dancers,
+    risen,
+    share_out,
+    shifted,
+)
+from live.motion.shifting.rise import rise_of
+
+CONTACT = np.ones((257, 2), np.bool_)
+CONTACT[20:80, 0] = CONTACT[100:190, 1] = False
+RISE = np.ascontiguousarray(rise_of(CONTACT, last=0.8)[0][None])
+NODE = np.zeros(1, np.int32)
+LEAST = 0.15
+
+
+def shift_at(correction, aimed, place):
+    share = risen(RISE[0], place)
+    return np.array([shifted(share, aimed[0, 2], aimed[0, c], correction[0, c]) for c in range(2)])
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3)), min_size=1, max_size=6))
+def test_the_way_is_continuous_and_ends_at_the_last_goal_taken(goals):
+    correction, aimed = np.array([[0.2, -0.1, 0.4]]), np.zeros((1, 3))
+    for place, goal in zip(np.linspace(0.05, 0.9, len(goals)), goals, strict=True):
+        before = shift_at(correction, aimed, place)
+        taken = 1.0 - risen(RISE[0], place) > LEAST
+        re_aim_dancers(correction, aimed, np.array([goal]), np.array([place]), NODE, RISE, LEAST)
+        assert shift_at(correction, aimed, place) == pytest.approx(before, abs=1e-12)
+        if taken:
+            assert correction[0, :2] == pytest.approx(goal)
+    assert shift_at(correction, aimed, 1.0) == pytest.approx(correction[0, :2])
+    assert correction[0, 2] == 0.4  # the turn is left alone
+
+
+def test_a_goal_that_moves_smoothly_leaves_no_kink():
+    """Aimed anew at every 1/137 of the measure, the speed changes by no more than the rise's own and the goal's."""
+    places = np.linspace(0.0, 1.0, 138)
+    ways = {}
+    for moving in (False, True):
+        correction, aimed = np.array([[0.2, 0.0, 0.0]]), np.zeros((1, 3))
+        way = []
+        for place in places:
+            goal = 0.2 - (0.1 * np.sin(np.pi * min(place, 0.5)) if moving else 0.0)
+            re_aim_dancers(correction, aimed, np.array([[goal, 0.0]]), np.array([place]), NODE, RISE, LEAST)
+            way.append(shift_at(correction, aimed, place)[0])
+        ways[moving] = np.abs(np.diff(way, n=2)).max()
+    assert ways[True] < 1.5 * ways[False]
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.floats(0, 1), st.floats(-2, 2), st.floats(-2, 2), st.floats(0.02, 0.4))
+def test_what_is_left_of_a_measure_is_gone_no_faster_than_a_whole_way(place, x, z, most):
+    correction, aimed, goal = np.array([[0.05, 0.0, 0.0]]), np.zeros((1, 3)), np.array([[x, z]])
+    share = risen(RISE[0], place)
+    now = shift_at(correction, aimed, place)
+    bound_aims(goal, correction, aimed, np.array([place]), NODE, RISE, np.array([most]), LEAST)
+    rest = np.hypot(*(goal[0] - now))
+    assert rest <= max((1.0 - share) * most, np.hypot(*(correction[0, :2] - now))) + 1e-9
+    if 1.0 - share <= LEAST:
+        assert goal[0] == pytest.approx(correction[0, :2])
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_ways_are_shortened_and_never_turned(seed):
+    chance = np.random.default_rng(seed)
+    way, yaw = chance.normal(0, 0.3, (8, 2)), chance.uniform(-3, 3, 8)
+    asked, node = way.copy(), chance.integers(0, 3, 8).astype(np.int32)
+    gives, holds = chance.uniform(0, 0.4, (3, DIRECTIONS)), chance.uniform(0, 1, (3, 2))
+    held, share = chance.normal(0, 0.08, (8, 2, 2)), chance.uniform(0.3, 1, 8)
+    bound_ways(way, yaw, node, gives, holds, held, share, 0.35, 0.15)
+    size, before = np.hypot(*way.T), np.hypot(*asked.T)
+    assert (size <= np.minimum(before, 0.35) + 1e-12).all()
+    assert np.abs(way[:, 0] * asked[:, 1] - way[:, 1] * asked[:, 0]).max() < 1e-12
+    assert ((way * asked).sum(axis=1) >= -1e-12).all()
+    assert (size <= share * gives[node].max(axis=1) + 1e-12).all()
+    after = np.linalg.norm(held - holds[node][..., None] * way[:, None], axis=2)
+    assert (after <= np.maximum(np.linalg.norm(held, axis=2), 0.15) + 1e-9).all()
+
+
+def test_shares_come_near_the_value_of_the_game():
+    """Against the linear program: stretches in common stances, for which the equal share is not the best."""
+    costs = np.array([[1.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.3, 0.0, 0.0, 1.5]])
+    from scipy.optimize import linprog
+
+    best = linprog(
+        [0, 0, 0, 0, 1],
+        A_ub=np.column_stack([costs, -np.ones(3)]),
+        b_ub=np.zeros(3),
+        A_eq=[[1, 1, 1, 1, 0]],
+        b_eq=[1],
+        bounds=[(0, None)] * 5,
+    ).fun
+    weights = np.full(4, 0.25)
+    share_out(costs, weights, 256)
+    assert weights.sum() == pytest.approx(1.0)
+    assert (costs @ weights).max() < 1.1 * best
