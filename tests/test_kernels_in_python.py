@@ -9,6 +9,7 @@ ROOT = Path(__file__).resolve().parents[1]
 TESTS = (
     "tests/base/test_kernels.py",
     "tests/motion/test_kernels.py",
+    "tests/motion/inertia/test_inertia.py::test_the_legs_alone_keep_the_same_differences",
     "tests/motion/posing/test_pipeline.py",
     "tests/motion/turning/test_kernels.py",
     "tests/motion/test_bvh_numbers.py",
@@ -23,6 +24,7 @@ TESTS = (
     "tests/agents/goals/test_goals.py",
     "tests/agents/parting/test_parting.py::test_a_crowd_in_one_place_parts_when_it_may",
     "tests/agents/procedural/test_sources.py",
+    "tests/agents/threats/test_threats.py::test_things_are_seen_farther_ahead_than_dancers",
 )
 LONG = (  # seconds of a crowd's motion are minutes of plain Python
     "spreading_from or order_of_the or waits_for or only_the_nearest or prediction or head_on or "

@@ -227,7 +227,7 @@ class Interrupts:
         moments = self._dancers.graph.moments
         now = int(moments.at(moment.phase)[0])
         turn = moment.facing[0] - moments.facing[nodes, now]
-        return moment.hips[0] + turn_vectors(moments.hips[nodes, -1] - moments.hips[nodes, now], turn)
+        return np.asarray(moment.hips[0] + turn_vectors(moments.hips[nodes, -1] - moments.hips[nodes, now], turn))
 
 
 def _trouble_of(ways: Float64, others: Float64) -> Float64:

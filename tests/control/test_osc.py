@@ -399,6 +399,7 @@ def test_liblos_oscsend_sends_every_control(stage):
         ),
         "/dance/spread": (["f", "2"], events.Spread(measures=2.0, **STAMP)),
         "/dance/clear": ([], events.Clear(**STAMP)),
+        "/dance/now": (["ssf", "jump", "tide", "2"], events.StepNow(name="jump", group="tide", measures=2.0, **STAMP)),
         "/dance/step": (["s", "side step"], events.CallStep(name="side step", **STAMP)),
         "/dance/clock/tap": ([], events.Tap(**STAMP)),
         "/dance/clock/one": (["I"], events.One(**STAMP)),

@@ -9,7 +9,7 @@ from live.base.jit import kernel
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
+Int64 = npt.NDArray[np.int64]
 Bool = npt.NDArray[np.bool_]
 
 NEAR = 2.5
@@ -37,12 +37,13 @@ def first_meeting(ways: Float64, one: int, others: Float64, other: int, gap: flo
 def _way_towards(ways: Float64, one: int, x: float, z: float) -> float:
     """How far `one` comes until the first moment in the direction (x, z) [m]."""
     size = max(math.sqrt(x * x + z * z), 1e-9)
-    return ((ways[1, one, 0] - ways[0, one, 0]) * x + (ways[1, one, 1] - ways[0, one, 1]) * z) / size
+    way: float = ((ways[1, one, 0] - ways[0, one, 0]) * x + (ways[1, one, 1] - ways[0, one, 1]) * z) / size
+    return way
 
 
 @kernel("void(f8[:,:,::1], f4[::1], f4[::1], b1[::1], i8[::1], f8[:,:,::1], f4[::1], i8, f8, f8[::1])")
 def find_threatened(
-    ways: Float64, radius: Float32, yields: Float32, here: Bool, order: Int32,
+    ways: Float64, radius: Float32, yields: Float32, here: Bool, order: Int64,
     things: Float64, thing_radius: Float32, thing_count: int, slack: float, out: Float64,
 ) -> None:  # fmt: skip
     """Who must leave her way: the moment at which she would be met, into `out` (A,); 0 for all others.

@@ -61,7 +61,7 @@ class Moments:
     def at(self, fraction: Float64) -> Int32:
         """Which moment is nearest to each `fraction` (n,) of the measure, (n,)."""
         last = self.hips.shape[1] - 1
-        return np.clip(np.rint(fraction * last), 0, last).astype(np.int32)
+        return np.asarray(np.clip(np.rint(fraction * last), 0, last), np.int32)
 
     def distance(self, feature: Float32, fraction: Float64, nodes: Int32) -> Float64:
         """How far bodies with `feature` (n, F) at `fraction` (n,) of their measures are from each of `nodes` (C,) at

@@ -56,7 +56,7 @@ class Inertia:
         keep_difference(self.settling, rows, before[1], before[0], after[1], after[0], parents, dt)
         self.began[rows] = time
 
-    def forget(self, rows: npt.NDArray[np.intp]) -> None:
+    def forget(self, rows: npt.NDArray[np.integer]) -> None:
         """Nothing is left in the dancers `rows` (n,)."""
         self.began[rows] = -np.inf
         self.age[rows] = LONGEST
