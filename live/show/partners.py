@@ -162,7 +162,7 @@ class Partners:
         wish[lead], wish[follow] = middle - half, middle + half
 
     def gather(self, target: npt.NDArray[np.floating], heading: Float64) -> None:
-        """Bring the places `target` (A, 2) [m] of pairs to arm's length, their leaders facing `heading` (A,); the middle
+        """Bring the places `target` (A, 2) [m] of pairs to arm's length, whose leaders face `heading` (A,); the middle
         of each two stays."""
         lead, follow = self.leader, self.follower
         half = 0.5 * self.places(heading[lead])
@@ -199,7 +199,7 @@ class Partners:
 
     def level(self, ends: Float64, *, coming: bool) -> None:
         """Move the ends (A, 2) [m] of the present or the `coming` measures so that pairs are at arm's length, each of
-        the two by half of what is amiss, of MOST at most; who are on the way to each other are left."""
+        the two by half of what is amiss, MOST at most; who are on the way to each other are left."""
         lead, follow = self.leader, self.follower
         if not len(lead):
             return
