@@ -21,7 +21,7 @@ from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
 from live.graph.choosing.choosing import Choosing, with_direction
 from live.graph.motion_graph import MotionGraph
-from live.graph.placing import joined, own_end, wrapped
+from live.graph.placing import joined, own_end, turn_vectors, wrapped
 from live.graph.takes import NO_TAKE
 from live.show.aims import Aims
 from live.show.behind import behind
@@ -45,6 +45,10 @@ DECIDE_BEATS: Final = 1.0
 """Beats before it at which the next steps are chosen: never later than the blend begins."""
 AT_A_TIME: Final = 48
 """Dancers whose measures are chosen in one piece."""
+HALF_SHARE: Final = 0.125
+"""Half of what lies between the shares of T069: by so much a chosen share is refined."""
+LEAST_MIX: Final = 0.1
+"""Two takes that end nearer to each other than this [m] are not mixed otherwise for the place's sake."""
 STRAY_MIX: Final = 0.1
 """A mixture that is drawn for variety moves the end of a measure by this much [m] at most."""
 
@@ -190,7 +194,19 @@ class Scheduler:
             most = STRAY_MIX / np.maximum(stray, 1e-9)
             draft.take_share[0] = np.minimum(draft.take_share[0], most)
         draft.take[needed] = candidates.take[row[needed]]
-        draft.take_share[:, needed] = candidates.share[row[needed]]
+        draft.take_share[:, needed] = self._refined(row)[needed]
+
+    def _refined(self, row: Int32) -> Float64:
+        """Shares (A,) with which the candidates `row` (A,) end as near as they can, within half a step of T069."""
+        candidates, choices, graph = self.choosing.candidates, self.choices, self._dancers.graph
+        axes, support = self._arguments[1], self._arguments[6][:, 0]
+        yaw = axes[:, 2] + graph.edge_transform[np.maximum(choices.edge[:, 0], 0), 2] + support * choices.end[:, 2]
+        share = candidates.share[row]
+        way = candidates.end[row] - graph.node_end[candidates.node[row]]
+        way = turn_vectors(way / np.maximum(share, 0.25)[:, None], yaw)  # from the clip's end to the other take's
+        off = choices.target - choices.end[:, :2]
+        more = (off * way).sum(axis=1) / np.maximum((way**2).sum(axis=1), LEAST_MIX**2)
+        return share + np.clip(more, -HALF_SHARE, HALF_SHARE)
 
     # -- the decision --------------------------------------------------------------------------------------------
 
@@ -229,7 +245,7 @@ class Scheduler:
         most = np.minimum(math.radians(limits.turn_deg), self.choosing.most[coming.node, 0])
         off = wrapped(self.aims.heading - self._own_heading(coming))
         coming.correction[:, 2] = np.clip(off, -most, most)
-        self.carrying.settle(choices.target)
+        self.carrying.settle(choices.target, choices.wish)
 
     def _own_heading(self, coming: Danced) -> Float64:
         """Heading that each dancer would end with, or have on the average (T122), if nothing were added, (A,) [rad]."""

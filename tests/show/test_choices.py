@@ -110,6 +110,31 @@ def test_nobody_is_asked_for_more_than_her_step_reaches_and_who_falls_behind_is_
     assert show.scheduler.detours == 0  # they keep their step
 
 
+def planned_errors(seconds=16.0):
+    """How far from where they are sent the dancers' measures end without correction, decision by decision [m]."""
+    show, found, seen = made_show(), [], set()
+    show.apply(events.Attract(x=2.7, z=1.3, measures=30.0, **STAMP))
+
+    def look():
+        if show.dancers.decided and show.span.number not in seen:
+            seen.add(show.span.number)
+            coming = show.dancers.coming
+            end = coming.end_position() - coming.correction[:, :2]
+            found.append(np.hypot(*(show.scheduler.choices.target - end).T))
+
+    run(show, seconds, look)
+    return np.array(found)
+
+
+def test_shares_are_refined_so_that_mixtures_end_nearer(monkeypatch):
+    refined = planned_errors()
+    monkeypatch.setattr("live.show.scheduler.HALF_SHARE", 0.0)
+    stepped = planned_errors()
+    assert len(refined) == len(stepped) == 8
+    assert (refined[0] <= stepped[0] + 2e-3).all()  # until then nothing else differs
+    assert refined[:4].mean() < stepped[:4].mean()
+
+
 def test_a_group_that_stands_draws_no_step_that_travels():
     """Of sway, glide and spin, glide alone has no measure that stays... unless made so: it is drawn only on the way."""
     show = made_show()
