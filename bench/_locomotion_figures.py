@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import ConvexHull, QhullError
 
+from bench._locomotion_beats import DrawnBeats
 from live.base.stage_view import StageView
 from live.graph.library import StepLibrary
 from live.graph.placing import turn_vectors
@@ -65,6 +66,7 @@ class Watch:
     def __init__(self, show: Show) -> None:
         self._show = show
         self._report = FrameReport(show)
+        self._drawn = DrawnBeats(show)
         self._figures = Figures()
         self._near: Bool | None = None
         self._before: tuple[float, Float64] | None = None
@@ -89,6 +91,7 @@ class Watch:
     def picture(self, view: StageView) -> None:
         """One picture, right after it was filled; 60 a second."""
         self._report.frame(view)
+        self._drawn.picture(view)
         hips = view.joint_position[:, 0][:, (0, 2)].astype(np.float64)
         self._distances(hips[view.present])
         self._figures.outside = max(self._figures.outside, float((np.abs(hips[view.present]) - self._half).max()))
@@ -145,6 +148,7 @@ class Watch:
         if result["join_velocity_ratio"] is not None:
             found.join.append(result["join_velocity_ratio"])
         found.beats.append(np.abs(self._report.beat_offsets))
+        found.drawn_beats += [np.abs(each) for each in self._drawn.offsets]
         found.overlapping.append(self._crowded / max(self._pictures, 1))
         return found
 

@@ -17,7 +17,7 @@ from live.control.registry import REGISTRY
 Float64 = npt.NDArray[np.float64]
 
 SETTLED_S: Final = 8.0
-"""Before the packet everybody dances for so long [s] around an attractor."""
+"""So long [s] everybody dances before the packet comes: around an attractor first, which ends in half that time."""
 WATCHED_S: Final = 6.0
 COURSE: Final = 0.02
 """An agent has changed its course when its velocity differs by so much [m/s]."""
@@ -36,9 +36,9 @@ class Response:
 
 
 def packet(x: float, z: float) -> bytes:
-    """The OSC message that throws an attractor."""
+    """The OSC message that throws an attractor for two measures."""
     builder = OscMessageBuilder("/dance/attract")
-    for value in (x, z):
+    for value in (x, z, 1.0, 2.0):
         builder.add_arg(value, "f")
     return bytes(builder.build().dgram)
 

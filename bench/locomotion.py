@@ -96,10 +96,12 @@ def beat_rows(takes: list[Take]) -> list[Row]:
     """Annotated beats against the Timeline, while the music's tempo drifts by eight per cent."""
     patch = changed(stage().patch, motion=dict(EXACT))
     found = together(dance(take, patch=patch, heard=drifting_beats(take.seconds, BPM)) for take in takes)
-    values = _all(found, "beats")
+    values, drawn = _all(found, "beats"), _all(found, "drawn beats")
     return [
         Row("drifting tempo: annotated beats to the Timeline, median", float(np.median(values)), "ms", 5.0),
         Row("drifting tempo: annotated beats to the Timeline, p95", float(np.percentile(values, 95)), "ms", 20.0),
+        Row("... found in the drawn poses, median", float(np.median(drawn)) if len(drawn) else None, "ms", 5.0),
+        Row("... found in the drawn poses, p95", float(np.percentile(drawn, 95)) if len(drawn) else None, "ms", 20.0),
     ]
 
 
