@@ -25,7 +25,9 @@ Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 
 LANDED = 0.03
-"""While a cut settles, a foot is held only once it is this near to the floor [m]."""
+"""While a cut settles, a foot is held only once it is this near to the floor [m]..."""
+ARRIVED = 0.12
+"""... and to where its clip has it [m]: held farther from there, it would soon have to let go and slide."""
 
 
 class Dancers:
@@ -46,6 +48,8 @@ class Dancers:
         for pipeline in (self._pipeline, self._legs):
             pipeline.settling, pipeline.age = self.inertia.settling, self.inertia.age
         self._legs.watched = LEG_JOINTS
+        self._settled = np.full(dancer_count, LONGEST, np.float32)
+        self._bare_legs = np.zeros_like(self._legs.position), np.zeros_like(self._legs.rotation)
         self._everybody = np.arange(dancer_count)
         self.shown: Float32 = np.zeros((dancer_count, 2), np.float32)
         """Where the hips of each dancer were at the last tick [m], shape (A, 2): what the audience sees."""
@@ -130,8 +134,7 @@ class Dancers:
         contact = self.contact(fraction) & (self.variation.lock != 0.0)[:, None]
         position, _ = self._legs.run(self.graph.library.leg_store)
         if self.inertia.settling_now.any():
-            low = np.minimum(position[:, 3::4, 1] - SOLE_BELOW_ANKLE, position[:, 4::4, 1] - TOES_OVER_SOLE) < LANDED
-            contact &= low | ~self.inertia.settling_now[:, None]
+            contact &= self._landed(position) | ~self.inertia.settling_now[:, None]
         self.shown[:] = position[:, 0, ::2]
         self.lock.tick(position, contact, dt)
         self._locked_at = time
@@ -153,6 +156,15 @@ class Dancers:
         position, rotation = pipeline.run(self.graph.library.store, out)
         self.hands.pose(position, rotation, max(time - self._locked_at, 0.0))
         return position, rotation
+
+    def _landed(self, position: Float32) -> Bool:
+        """Which feet, of legs at `position` (A, 9, 3) [m], have come where the clips alone would have them, (A, 2)."""
+        low = np.minimum(position[:, 3::4, 1] - SOLE_BELOW_ANKLE, position[:, 4::4, 1] - TOES_OVER_SOLE) < LANDED
+        self._legs.age = self._settled
+        there, _ = self._legs.run(self.graph.library.leg_store, self._bare_legs)
+        self._legs.age = self.inertia.age
+        away = position[:, 3::4] - there[:, 3::4]
+        return np.asarray(low & (np.hypot(away[..., 0], away[..., 2]) < ARRIVED))
 
     def unmended(self, rows: Int32, fraction: float, time: float) -> tuple[Float32, Float32]:
         """World positions (n, J, 3) and rotations (n, J, 4) of the dancers `rows` (n,), as `pose`, but before heads are
