@@ -94,8 +94,9 @@ def _rises(library: StepLibrary, window: float) -> tuple[Float64, Float64, Float
         contact = library.clip_contact[at]
         rise, follows = rise_of(contact, last=1.0 - min(window, 0.9))
         rises.append(rise)
-        gives.append(give_of(legs[at][:, (1, 5)], legs[at][:, (3, 7)], contact, rise, follows=follows))
-        holds.append(holds_of(contact, rise))
+        hip, ankle = legs[at][:, (1, 5)], legs[at][:, (3, 7)]
+        gives.append(give_of(hip, ankle, contact, rise, follows=follows))
+        holds.append(holds_of(ankle, contact, rise))
     stacked = [np.ascontiguousarray(np.stack(rows)) for rows in (rises, gives, holds)]
     return stacked[0], stacked[1], stacked[2]
 

@@ -6,7 +6,7 @@ shows what steering wants at once, bound to her; how far it strays from what was
 correction. Who would touch all the same is pushed away: collisions come before feet.
 """
 
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -21,7 +21,7 @@ from live.motion.shifting.rise import MOST_HELD
 from live.motion.turning.kernels import trace_hips
 from live.show.danced import Danced
 from live.show.dancers import Dancers
-from live.show.group_motion import DANCER_GAP, GroupMotion
+from live.show.group_motion import DANCER_GAP, LEASH, GroupMotion
 from live.show.patch import Patch
 
 Float32 = npt.NDArray[np.float32]
@@ -77,12 +77,14 @@ class Carrying:
         self.predicted: Float64 = np.zeros((count, 2))
         """Where each dancer's agent is predicted to be when the present measure ends, as far as steps reach, (A, 2)."""
         self._asked, self._target = np.zeros((2, count, 2))
+        self._foreseen, self._wish, self._ahead = np.zeros((3, count, 2))
         self.reference: Float32 = np.zeros((count, 2), np.float32)
         """Where agents are bound: the even way through the measure, (A, 2) [m]."""
         self.pace: Float32 = np.zeros((count, 2), np.float32)
         """How fast that moves, (A, 2) [m/s]."""
         self.lag: Float64 = np.zeros(count)
         """How far each dancer ended the last measure from her predicted agent [m], shape (A,)."""
+        self._slid, self._stood = np.zeros(count), np.zeros(count)
         self.pushes = 0
         """Ticks times dancers in which feet had to yield so that nobody touched, since the start."""
 
@@ -105,8 +107,9 @@ class Carrying:
         )
         return way
 
-    def settle(self, target: Float64) -> None:
-        """Decide how the coming measures, all else of which is written, are corrected to end at `target` (A, 2) [m]."""
+    def settle(self, target: Float64, wish: Float64) -> None:
+        """Decide how the coming measures, all else of which is written, are corrected to end at `target` (A, 2) [m],
+        which is as far as steps reach of the way to `wish` (A, 2) [m], where the agents are predicted to be."""
         coming = self._dancers.coming
         end = coming.end_position()  # turned on the feet that carry, the hips end elsewhere
         share = FAITHFUL + (1.0 - FAITHFUL) * self._dancers.variation.obedience
@@ -114,7 +117,7 @@ class Carrying:
         inside = np.where(on, np.clip(target, -self._edge, self._edge), target)
         coming.correction[:, :2] = self._bounded(coming, inside - end, share)
         self._level(coming.correction[:, :2], end, coming=True)
-        self._coming_end[:], self._target[:] = end, target
+        self._coming_end[:], self._target[:], self._wish[:] = end, target, wish
         self._traced = 0
 
     def _level(self, way: Float64, end: Float64, *, coming: bool) -> None:
@@ -137,12 +140,14 @@ class Carrying:
         self._plan[:] = self._aim[:] = present.correction[:, :2]
         self._dodge[:] = self._aim_speed[:] = 0.0
         self.predicted[:] = self._asked
+        self._ahead[:] = self._motion.state.position - self._begin
 
     def cross_measure_line(self) -> None:
         """The measure ends: how far from the predicted agent; then the coming paths are the present ones."""
         present, coming = self._dancers.present, self._dancers.coming
         self.lag[:] = np.hypot(*(self._end + present.correction[:, :2] - self.predicted).T)
-        self._asked[:] = self._target
+        self._slid, self._stood = self._dancers.lock.slid()
+        self._asked[:], self._foreseen[:] = self._target, self._wish
         if self._traced >= len(self._node):
             self.paths, self._next = self._next, self.paths
             self._node[:] = coming.node
@@ -188,10 +193,7 @@ class Carrying:
         wish = self._plan
         obedience = dancers.variation.obedience[:, None]
         if obedience.any():
-            stray = self._motion.state.position - (
-                self._begin + (self._end + self._plan - self._begin) * min(fraction, 1.0)
-            )
-            stray[dancers.variation.late > 0.0] = 0.0
+            stray = self._strayed(min(fraction, 1.0))
             size = np.hypot(*stray.T)[:, None]
             stray *= np.maximum(size - DEAF, 0.0) / np.maximum(size, 1e-9)
             share = FAITHFUL + (1.0 - FAITHFUL) * dancers.variation.obedience
@@ -214,6 +216,20 @@ class Carrying:
         self._aim[:] = goal + fall * (self._aim - goal + bend * TICK)
         self._aim_speed[:] = fall * (self._aim_speed - AIM_RATE * TICK * bend)
         present.re_aim(self._aim, phase)
+
+    def _strayed(self, fraction: float) -> Float64:
+        """How far agents are from where the prediction had them at `fraction` of the measure, (A, 2) [m].
+
+        They were so far ahead of their dancers when it began, and should be so far ahead when it ends; between, both go
+        evenly. Who is bound to her dancer has not strayed.
+        """
+        plan = self._end + self._plan
+        ahead = self._motion.state.position - (self._begin + (plan - self._begin) * fraction)
+        foreseen = self._ahead * (1.0 - fraction) + (self._foreseen - plan) * fraction
+        foreseen *= np.minimum(1.0, LEASH / np.maximum(np.hypot(*foreseen.T), 1e-9))[:, None]
+        stray = ahead - foreseen
+        stray[self._dancers.variation.late > 0.0] = 0.0
+        return np.asarray(stray)
 
     def _push(self, fraction: float, rate: float) -> None:
         dancers, present = self._dancers, self._dancers.present
@@ -275,3 +291,22 @@ class Carrying:
             np.ascontiguousarray(np.column_stack((shift, turn))), np.ascontiguousarray(danced.take_share[0, rows]),
             settled,
         )  # fmt: skip
+
+    # -- what it costs -------------------------------------------------------------------------------------------
+
+    def figures(self) -> dict[str, Any]:
+        """By group, of the last measure: obedience, how feet slid while they stood on the average [m/s], and how far
+        dancers ended from their predicted agents [m]; and how often somebody was pushed since the start."""
+        names, group = [section.name for section in self._patch.group], self._motion.casting.group
+        told: dict[str, Any] = {}
+        for index, name in enumerate(names):
+            members = (group == index) & self._motion.present
+            if not members.any():
+                continue
+            stood = float(self._stood[members].sum())
+            told[name] = {
+                "obedience": round(float(self._dancers.variation.obedience[members].mean()), 3),
+                "slide_m_s": round(float(self._slid[members].sum()) / stood, 4) if stood > 0.0 else 0.0,
+                "lag_m": round(float(self.lag[members].mean()), 3),
+            }
+        return {"groups": told, "pushed_ticks": self.pushes}

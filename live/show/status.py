@@ -114,6 +114,7 @@ class Status:
             "rss_mb": round(self._memory(), 1),
             "faults": self.faults,
             "behind": show.scheduler.behind(),
+            "carried": show.scheduler.carrying.figures(),
             "why": show.why(),
             **{key: tell() for key, tell in self.more.items()},
         }

@@ -29,12 +29,12 @@ FARTHEST: Any = np.float32(0.25)
 """A foot is never carried farther than this [m] from where the clip has it."""
 FORWARD: Any = np.float32(0.04)
 """A knee that is straight bends forward; the more it is bent already, the less this counts [m]."""
-SHIFT_X, SHIFT_Z, FROM_X, FROM_Z, TOES, HELD, LIFT, SPEED_X, SPEED_Z, SPEED_Y = range(10)
+SHIFT_X, SHIFT_Z, FROM_X, FROM_Z, TOES, HELD, LIFT, SPEED_X, SPEED_Z, SPEED_Y, SLID, STOOD = range(12)
 """Columns of a foot: shift [m] at the last tick, the place [m] where the clip had the carrying point then, how much of
 that point is the toes (the rest is the ankle), 1 while the foot is held and 0 while it is free, how far it is lifted
-[m] so that it stood on the floor when it was held, and speeds of the shift and the lift [m/s] (the lock's own
-business)."""
-FEET_COLUMNS, LOCK_COLUMNS = 7, 10
+[m] so that it stood on the floor when it was held; and, the lock's own business, speeds of the shift and the lift
+[m/s], how far it has slid [m] while its clip had it on the floor, and for how long that was [s]."""
+FEET_COLUMNS, LOCK_COLUMNS = 7, 12
 UNLOCK: Any = np.float32(0.2)
 GRAB: Any = np.float32(0.08)
 JUMP: Any = np.float32(0.5)
@@ -217,7 +217,7 @@ def stand_legs(
 def follow_feet(
     lock: Float32, leg_position: Float32, contact: Bool, sole: float, toes_over_sole: float, dt: float
 ) -> None:
-    """One tick of the foot lock of A dancers: `lock` (A, 2, 10) follows the unlocked feet.
+    """One tick of the foot lock of A dancers: `lock` (A, 2, 12) follows the unlocked feet.
 
     `leg_position` (A, 9, 3) [m]: hips, then hip, knee, ankle and toes of the left and the right leg as the clips have
     them; `contact` (A, 2): whether the clips say that the foot stands. While it does, its carrying point is held: the
@@ -242,6 +242,7 @@ def follow_feet(
                 bend = row[SPEED_Y] + row[LIFT] * decay
                 row[LIFT] = fall * (row[LIFT] + bend * dt)
                 row[SPEED_Y] = fall * (row[SPEED_Y] - bend * decay * dt)
+            slid_x, slid_z = moved_x - row[SHIFT_X], moved_z - row[SHIFT_Z]
             if row[HELD] > _ZERO and moved_x * moved_x + moved_z * moved_z < JUMP * JUMP:
                 row[SHIFT_X] -= moved_x
                 row[SHIFT_Z] -= moved_z
@@ -253,6 +254,10 @@ def follow_feet(
                 row[SHIFT_Z] = fall * (row[SHIFT_Z] + bend_z * dt)
                 row[SPEED_X] = fall * (row[SPEED_X] - bend_x * decay * dt)
                 row[SPEED_Z] = fall * (row[SPEED_Z] - bend_z * decay * dt)
+            if contact[n, side]:
+                slid_x, slid_z = slid_x + row[SHIFT_X], slid_z + row[SHIFT_Z]
+                row[SLID] += math.sqrt(slid_x * slid_x + slid_z * slid_z)
+                row[STOOD] += dt
             shift = math.sqrt(row[SHIFT_X] * row[SHIFT_X] + row[SHIFT_Z] * row[SHIFT_Z])
             stands = contact[n, side] and shift < (UNLOCK if row[HELD] > _ZERO else GRAB)
             row[HELD] = _ONE if stands else _ZERO

@@ -16,9 +16,11 @@ from live.motion.legs.kernels import (
     LOCK_COLUMNS,
     SHIFT_X,
     SHIFT_Z,
+    SLID,
     SPEED_X,
     SPEED_Y,
     SPEED_Z,
+    STOOD,
     follow_feet,
 )
 from live.motion.posing.pipeline import ClipStore, PosePipeline, PoseSkeleton
@@ -36,7 +38,7 @@ class FootLock:
 
     def __init__(self, dancer_count: int) -> None:
         self.state: Float32 = np.zeros((dancer_count, 2, LOCK_COLUMNS), np.float32)
-        """Shift, place and speed of each foot as in legs/kernels.py, shape (A, 2, 10)."""
+        """Shift, place and speed of each foot as in legs/kernels.py, shape (A, 2, 12)."""
 
     def tick(self, leg_position: npt.NDArray[Any], contact: Bool, dt: float) -> None:
         """Follow the unlocked feet: `leg_position` (A, 9, 3) [m] of LEG_JOINTS, `contact` (A, 2), `dt` [s]."""
@@ -46,6 +48,13 @@ class FootLock:
         """How far each held foot is from its clip's place, x, z [m], 0 for free ones, shape (A, 2, 2)."""
         shift = self.state[:, :, (SHIFT_X, SHIFT_Z)].astype(np.float64)
         return np.ascontiguousarray(shift * self.state[:, :, HELD, None])
+
+    def slid(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """How far each dancer's feet have slid [m] where clips have them on the floor, and how long they stood [s],
+        since this was last asked, (A,) each. A leg that does not reach lets its foot slip a little more than that."""
+        slid, stood = (self.state[:, :, column].sum(axis=1, dtype=np.float64) for column in (SLID, STOOD))
+        self.state[:, :, (SLID, STOOD)] = 0.0
+        return slid, stood
 
     def place(self, feet: Float32, age: float) -> None:
         """Write what the pose kernels need, (A, 2, 7), `age` [s] after the last tick: free feet have swung on."""

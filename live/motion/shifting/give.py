@@ -18,6 +18,8 @@ BUFFER: Final = 0.015
 """A leg is never stretched beyond its length less this [m] (the pose kernels' own rule)."""
 SINK: Final = 0.01
 """The hips may sink by this [m] for it: half of what the pose kernels allow."""
+SLIDES: Final = 0.2
+"""A foot that moves this far [m] while it is said to stand is not planted: the foot lock lets go."""
 STANDING: Final = 0.08
 """Where no foot is ever lifted a dancer is carried this far [m] at most: her feet are never put down anew."""
 
@@ -27,14 +29,17 @@ def give_of(hip: Float64, ankle: Float64, contact: Bool, rise: Float64, *, follo
 
     `hip` and `ankle` (T, 2, 3) [m] of both legs and `contact` (T, 2), evenly spaced over the measure; `rise`
     (KNOTS, 2). While a foot stands the body goes over it by the share that comes in meanwhile: the leg must reach, and
-    no foot is held against more than MOST_HELD. Direction k is that of yaw 2 pi k / DIRECTIONS.
+    no foot is held against more than MOST_HELD. A foot that slides in the clip itself holds nothing. Direction k is
+    that of yaw 2 pi k / DIRECTIONS.
     """
+    planted = [stance for stance in stances(contact) if not _slides(ankle, *stance)]
+    follows |= len(planted) < len(stances(contact))
     angle = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
     ways = np.stack((np.sin(angle), np.cos(angle)), axis=1)
     places = np.linspace(0.0, 1.0, len(contact))
     share = np.interp(places, np.linspace(0.0, 1.0, KNOTS), rise[:, SHARE])
     give = np.full(DIRECTIONS, QUICKEST / rise[:, RATE].max() if follows else STANDING)
-    for foot, begin, end in stances(contact):
+    for foot, begin, end in planted:
         risen = share[begin:end] - share[begin]
         if risen[-1] <= 1e-3:
             continue
@@ -51,11 +56,17 @@ def give_of(hip: Float64, ankle: Float64, contact: Bool, rise: Float64, *, follo
     return np.asarray(np.maximum(give, 0.0))
 
 
-def holds_of(contact: Bool, rise: Float64) -> Float64:
+def holds_of(ankle: Float64, contact: Bool, rise: Float64) -> Float64:
     """Share of the correction that is in before each foot that stands at the beginning is lifted, shape (2,)."""
     share = np.interp(np.linspace(0.0, 1.0, len(contact)), np.linspace(0.0, 1.0, KNOTS), rise[:, SHARE])
     holds = np.zeros(2)
     for foot, begin, end in stances(contact):
-        if begin == 0:
+        if begin == 0 and not _slides(ankle, foot, begin, end):
             holds[foot] = share[end - 1]
     return holds
+
+
+def _slides(ankle: Float64, foot: int, begin: int, end: int) -> bool:
+    """Whether the clip itself drags that foot, from `ankle` (T, 2, 3), farther than the foot lock would hold it."""
+    way = ankle[begin:end, foot][:, (0, 2)]
+    return bool(np.ptp(way, axis=0).max() > SLIDES)
