@@ -194,7 +194,8 @@ class Scheduler:
             most = STRAY_MIX / np.maximum(stray, 1e-9)
             draft.take_share[0] = np.minimum(draft.take_share[0], most)
         draft.take[needed] = candidates.take[row[needed]]
-        draft.take_share[:, needed] = self._refined(row)[needed]
+        draft.take_share[0, needed] = self._refined(row)[needed]
+        draft.take_share[1, needed] = draft.take_share[0, needed] > 0.5  # arms are of one clip, the nearer: not blurred
 
     def _refined(self, row: Int32) -> Float64:
         """Shares (A,) with which the candidates `row` (A,) end as near as they can, within half a step of T069."""
