@@ -92,6 +92,10 @@ class Interrupts:
         groups = tuple(index for index in range(len(casting.names)) if who[casting.group == index].all())
         self._cues.append(_Cue(step, who, math.ceil(event.measures), groups))
 
+    def figures(self) -> dict[str, int]:
+        """For the status: cues that have acted, dancers who left their step for one, and because of a collision."""
+        return {"cues": self.cues, "cut": self.cutting.cuts - self.avoided, "avoided": self.avoided}
+
     def clear(self) -> None:
         """Forget cues that have not acted yet."""
         self._cues.clear()

@@ -115,6 +115,7 @@ class Status:
             "faults": self.faults,
             "behind": show.scheduler.behind(),
             "carried": show.scheduler.carrying.figures(),
+            "interrupts": show.interrupts.figures(),
             "why": show.why(),
             **{key: tell() for key, tell in self.more.items()},
         }
