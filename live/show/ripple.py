@@ -42,7 +42,7 @@ class Ripple:
             origin = place.mean(axis=0) if self.side == "centre" else np.array(self.point)
             way = np.hypot(*(place - origin).T)
         way = way - way.min()
-        return np.round(self.beats / STEP * way / max(float(way.max()), NARROW)) * STEP
+        return np.asarray(np.round(self.beats / STEP * way / max(float(way.max()), NARROW)) * STEP)
 
 
 def parse_ripple(words: str, beats: float) -> Ripple:

@@ -30,7 +30,7 @@ from live.show.choices import Choices
 from live.show.danced import Danced
 from live.show.dancers import Dancers
 from live.show.echo import Programme
-from live.show.following import follow_leaders
+from live.show.following import choose_following, place_followers
 from live.show.group_motion import GroupMotion
 from live.show.measure import MeasureSpan
 from live.show.patch import Patch
@@ -75,6 +75,7 @@ class Scheduler:
         self._draft = Danced(dancers.graph, count)
         self._asked_from = np.full(count, -1, np.int32)
         self._arguments: tuple[Any, ...] = ()
+        self._following: tuple[Int32, Int32] = np.zeros(0, np.int32), np.zeros(0, np.int32)
         self._pieces: deque[Callable[[], None]] = deque()
         self._seconds = 2.0
         self.take_graph(dancers.graph, Choosing.of(dancers.graph))
@@ -141,8 +142,10 @@ class Scheduler:
                 *[partial(self.aims.ask, index, span.number + 1, self.choices) for index in self.order],
                 self._limit,
                 *[partial(self._choose, slice(row, min(row + AT_A_TIME, count))) for row in range(0, count, AT_A_TIME)],
-                self._follow,
+                self._lead,
+                *[partial(self._follow, slice(row, row + AT_A_TIME)) for row in range(0, count // 2, AT_A_TIME)],
                 partial(self._draw, span.number + 1),
+                self._turn,
             ]
         )
 
@@ -172,11 +175,17 @@ class Scheduler:
     def _choose(self, rows: slice) -> None:
         self.choosing.choose(rows, *self._arguments)
 
-    def _follow(self) -> None:
-        """Followers choose anew by where their leaders' measures, chosen already, will end."""
+    def _lead(self) -> None:
+        """Where leaders' measures, chosen already, will end, says where their followers' should."""
         partners = self._motion.partners
+        self._following = partners.follower, partners.follower
         if len(partners.leader):
-            follow_leaders(partners, self.choosing, self.choices, self.aims.heading, self._arguments)
+            self._following = place_followers(partners, self.choosing, self.choices, self.aims.heading, self._arguments)
+
+    def _follow(self, pairs: slice) -> None:
+        rows, sides = (array[pairs] for array in self._following)
+        if len(rows):
+            choose_following(rows, sides, self.choosing, self.choices, self._arguments)
 
     def _draw(self, measure: int) -> None:
         """What is danced of what was chosen: nodes, and mixtures where they are needed, else the variety's."""
@@ -196,6 +205,14 @@ class Scheduler:
         draft.take[needed] = candidates.take[row[needed]]
         draft.take_share[0, needed] = self._refined(row)[needed]
         draft.take_share[1, needed] = draft.take_share[0, needed] > 0.5  # arms are of one clip, the nearer: not blurred
+
+    def _turn(self) -> None:
+        """How far everybody is turned beyond her measure: headings change no more until the decision."""
+        draft, graph = self._draft, self._dancers.graph
+        yaw = self._arguments[1][:, 2] + graph.edge_transform[np.maximum(self.choices.edge[:, 0], 0), 2]
+        draft.correction[:] = draft.aimed[:] = 0.0
+        most = self.choosing.most[draft.node, 0]
+        draft.correction[:, 2] = np.clip(wrapped(self.aims.heading - yaw - self._own_heading(draft)), -most, most)
 
     def _refined(self, row: Int32) -> Float64:
         """Shares (A,) with which the candidates `row` (A,) end as near as they can, within half a step of T069."""
@@ -224,15 +241,16 @@ class Scheduler:
             for row in changed.tolist():
                 self._choose(slice(row, row + 1))
             self._draw(span.number + 1)
+            self._turn()
         self._take()
         self._arguments = ()
         self.last_target, self.last_heading = self.choices.target.copy(), self.aims.heading.copy()
 
     def _take(self) -> None:
         """Lay down the chosen measures where the dancers will be, and add what they need to end in place."""
-        dancers, graph, limits, choices = self._dancers, self._dancers.graph, self._patch.locomotion, self.choices
+        dancers, graph, choices = self._dancers, self._dancers.graph, self.choices
         coming, edge = dancers.coming, choices.edge[:, 0]
-        axes = dancers.present.end_placement()
+        axes = dancers.present.end_placement()  # where it is by now: the present measure may have been aimed anew
         coming.copy_from(self._draft)
         coming.placement[:] = joined(axes, graph.edge_transform[np.maximum(edge, 0)])
         stuck = edge < 0
@@ -242,18 +260,13 @@ class Scheduler:
         self.detours += int(
             np.count_nonzero((choices.step >= 0) & (graph.library.node_step[coming.node] != choices.step))
         )
-        coming.correction[:] = coming.aimed[:] = 0.0
-        most = np.minimum(math.radians(limits.turn_deg), self.choosing.most[coming.node, 0])
-        off = wrapped(self.aims.heading - self._own_heading(coming))
-        coming.correction[:, 2] = np.clip(off, -most, most)
         self.carrying.settle(choices.target, choices.wish)
 
-    def _own_heading(self, coming: Danced) -> Float64:
-        """Heading that each dancer would end with, or have on the average (T122), if nothing were added, (A,) [rad]."""
+    def _own_heading(self, danced: Danced) -> Float64:
+        """Heading at the end of each measure, or on the average (T122), in its clip's own axes, (A,) [rad]."""
+        own = danced.own_end()[1]
         average = self._dancers.variation.face_average
-        own = coming.own_end()[1]
-        off = self._dancers.graph.node_facing_mean[coming.node] - own
-        return np.asarray(coming.placement[:, 2] + own + average * np.arctan2(np.sin(off), np.cos(off)))
+        return np.asarray(own + average * wrapped(self._dancers.graph.node_facing_mean[danced.node] - own))
 
     # -- what there is to say ------------------------------------------------------------------------------------
 

@@ -40,7 +40,7 @@ _UPPER, _LOWER, _HAND, _FORWARD, _PALM, _GOAL, _REACH, _SHARE, _ROWS = 0, 7, 14,
 
 
 @part
-def _smooth(t: float) -> float:
+def _smooth(t: Any) -> Any:
     """0 below 0, 1 above 1, no slope at both."""
     t = min(max(t, _ZERO), _ONE)
     return t * t * (_THREE - _TWO * t)
