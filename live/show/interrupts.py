@@ -160,8 +160,9 @@ class Interrupts:
             return
         if k == 0:
             self._ways[0] = self._dancers.shown
-        ahead = AHEAD[k] - GLANCE_TICKS * TICK * k  # all moments are counted from the first look
-        self._ways[k + 1] = self._dancers.ahead(span.fraction(timeline.beat_at(time + ahead)))
+        if k == 0 or self._motion.surroundings.obstacle_count:  # dancers among themselves need no second look
+            ahead = AHEAD[k] - GLANCE_TICKS * TICK * k  # all moments are counted from the first look
+            self._ways[k + 1] = self._dancers.ahead(span.fraction(timeline.beat_at(time + ahead)))
         if k < len(AHEAD) - 1:
             return
         around, model = self._motion.surroundings, self._motion.model
