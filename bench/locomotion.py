@@ -12,7 +12,12 @@ from bench._locomotion_figures import Figures
 from bench._locomotion_response import Response, responses
 from bench._locomotion_run import ENGINE, SLIDING, UNCORRECTED, dance, drifting_beats
 from bench._locomotion_scenes import BPM, SCENES, Take, changed, stage
+from bench._motion_clips import WALKS, recordings
 from live.cli.bench import Row
+from live.graph.library import build_library
+from live.graph.motion_graph import build_graph
+from live.motion.mirror import mirror_step
+from live.show.load import RECORDED_M, for_recordings, with_steps_of
 
 Float64 = npt.NDArray[np.float64]
 
@@ -28,6 +33,7 @@ def run(full: bool, shared: Path | None) -> list[Row]:
     for scene in SCENES:
         takes = [Take(scene, seed, seconds) for seed in seeds]
         rows += scene_rows(scene, takes)
+    rows += walk_rows(shared, 30.0 if full else 15.0)
     rows += beat_rows([Take("thrown", seed, seconds) for seed in seeds])
     rows += response_rows(seeds, 8 if full else 4)
     return rows
@@ -66,6 +72,20 @@ def scene_rows(scene: str, takes: list[Take], ways: tuple[str, ...] = NAIVE) -> 
         row("nearest hips", "m", None, "nearest"),
         row("hips beyond the stage's edge", "m", None, "outside"),
     ]
+
+
+def walk_rows(shared: Path | None, seconds: float) -> list[Row]:
+    """The first scene danced with recorded walks, which go forward only: without bars."""
+    folder = shared or Path(__file__).resolve().parents[2] / "shared"
+    clips = [step for material in recordings(folder, WALKS) for step in material.steps]
+    named = {"slide": "m/s", "slide p99": "m/s", "skating": "%", "predicted": "m", "predicted p95": "m", "join": ""}
+    if not clips:
+        return [Row(f"recorded walks: {name} (no recordings here)", None, unit) for name, unit in named.items()]
+    clips += [mirror_step(step) for step in clips]
+    patch = for_recordings(stage().patch, clips)
+    graph = build_graph(build_library(clips), window=0.25, threshold=max(RECORDED_M))
+    found = dance(Take("thrown", 1, seconds), patch=with_steps_of(patch, graph), graph=graph)
+    return [Row(f"recorded walks: {name}", figure(found, name), unit) for name, unit in named.items()]
 
 
 def figure(found: Figures, of: str) -> float | None:

@@ -7,6 +7,7 @@ a name that ends in .jpg, a sheet of stills, four to a beat.
 
 import argparse
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -81,27 +82,30 @@ def plan(scene: str, file: Path, begin: float, end: float) -> None:
     sheet.save(file, quality=88)
 
 
-def film(scene: str, file: Path, begin: float, end: float, size: tuple[int, int], every: int) -> None:
+def film(asked: argparse.Namespace) -> None:
     """Every so many-th picture of the scene: as a film at its own speed, or side by side."""
+    from live.base.stage_view import Camera
     from live.render.headless import OffscreenTarget, create_headless_context
     from live.render.renderer import Renderer
     from live.show.load import scene_of
 
-    ctx = create_headless_context()
+    ctx, size, file, every = create_headless_context(), tuple(asked.size), asked.file, asked.every
     target = OffscreenTarget(ctx, size)
-    renderer = Renderer(ctx, scene_of(stage().patch), size=size)
+    x, z = asked.look
+    camera = Camera((x, 3.0, z + 11.0), (x, 0.8, z), asked.view)
+    renderer = Renderer(ctx, replace(scene_of(stage().patch), camera=camera), size=size)
     pictures: list[Image.Image] = []
     count = 0
 
     def draw(show: Show, view: StageView) -> None:
         nonlocal count
         count += 1
-        if view.time < begin or count % every:
+        if view.time < asked.begin or count % every:
             return
         renderer.draw(view, target.framebuffer)
         pictures.append(Image.fromarray(np.array(target.read())))
 
-    dance(Take(scene, 1, end), watch=draw)
+    dance(Take(asked.scene, 1, asked.end), watch=draw)
     if file.suffix == ".mp4":
         _encode(pictures, file, FPS / every)
     else:
@@ -137,11 +141,13 @@ def main() -> None:
     parser.add_argument("--end", type=float, default=13.4, help="to here [s]")
     parser.add_argument("--size", type=int, nargs=2, default=(640, 360), help="of one picture [pixels]")
     parser.add_argument("--every", type=int, default=8, help="every so many-th picture of 60 a second")
+    parser.add_argument("--look", type=float, nargs=2, default=(0.0, 0.0), help="at this place (x, z) [m]")
+    parser.add_argument("--view", type=float, default=34.0, help="vertical field of view [degrees]")
     asked = parser.parse_args()
     if asked.what == "plan":
         plan(asked.scene, asked.file, asked.begin, asked.end)
     else:
-        film(asked.scene, asked.file, asked.begin, asked.end, tuple(asked.size), asked.every)
+        film(asked)
 
 
 if __name__ == "__main__":
