@@ -24,7 +24,7 @@ STANDS: float = 0.15
 """A group stands if its dancers are not to go even this far [m] in the next measure."""
 HELD_BACK: float = 0.2
 """Nobody is asked for more of what can be corrected than this share beyond her step's reach: the rest is for the
-parting of dancers who meet."""
+parting of dancers who meet. Of a step in place all of it may be."""
 
 
 class Aims:
@@ -110,7 +110,7 @@ class Aims:
         """Ask nobody for more than her step can do, with `bound` (A,) [m] of correction: the predicted agents."""
         change = wrapped(self.heading - choices.heading)
         way = choices.wish - choices.stand
-        reached = self._choosing.ways.limit(self.step, choices.heading, change, way, HELD_BACK * bound)
+        reached = self._choosing.ways.limit(self.step, choices.heading, change, way, HELD_BACK * bound, bound)
         choices.target[:] = choices.stand + reached
         self._motion.partners.gather(choices.target, self.heading)
         choices.step[:] = self.step

@@ -51,8 +51,11 @@ class Ways:
         farthest[-1] = farthest[:-1].max(axis=0)
         return Ways(farthest)
 
-    def limit(self, step: Int32, heading: Float64, change: Float64, way: Float64, more: Float64) -> Float64:
-        """Of the `way` (A, 2) [m] of each dancer as much as her `step` (A,) can go in one measure, and `more` (A,) [m].
+    def limit(
+        self, step: Int32, heading: Float64, change: Float64, way: Float64, more: Float64, least: Float64 | float = 0.0
+    ) -> Float64:
+        """Of the `way` (A, 2) [m] of each dancer as much as her `step` (A,) can go in one measure and `more` (A,)
+        [m], or as much as `least` (A,) [m].
 
         `heading` (A,) [rad] is where she faces at its beginning, `change` (A,) how far she is to turn until its end;
         a step below 0 is any.
@@ -66,7 +69,8 @@ class Ways:
         reach = (1.0 - t) * self.farthest[row, turn, first % DIRECTIONS] + t * self.farthest[
             row, turn, (first + 1) % DIRECTIONS
         ]
-        return np.asarray(way * np.minimum(1.0, (reach + more) / np.maximum(length, 1e-9))[:, None])
+        far = np.maximum(reach + more, least)
+        return np.asarray(way * np.minimum(1.0, far / np.maximum(length, 1e-9))[:, None])
 
 
 def _along(way: Float64, towards: Float64) -> Float64:
