@@ -204,7 +204,9 @@ class Scheduler:
             draft.take_share[0] = np.minimum(draft.take_share[0], most)
         draft.take[needed] = candidates.take[row[needed]]
         draft.take_share[0, needed] = self._refined(row)[needed]
-        draft.take_share[1, needed] = draft.take_share[0, needed] > 0.5  # arms are of one clip, the nearer: not blurred
+        # arms are of one clip, the nearer, so that they are not blurred; or as far of the other as variety has drawn
+        drawn = draft.take_share[1, needed]
+        draft.take_share[1, needed] = np.where(draft.take_share[0, needed] > 0.5, 1.0 - drawn, drawn)
 
     def _turn(self) -> None:
         """How far everybody is turned beyond her measure: headings change no more until the decision."""
