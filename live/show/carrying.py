@@ -40,10 +40,12 @@ IN_HASTE: Final = 1.5
 """Who would touch goes this much faster than others who are carried."""
 TRACE_TICKS: Final = 8
 """Ticks after the decision in which the coming paths are traced."""
+CROWD: Final = 256
+"""So many dancers have little to do with most others: their paths are parted half as often."""
 PUSH_AHEAD: Final = 0.4
 """Who will touch in this time [s] is pushed apart."""
-PUSH_MARGIN: Final = 0.06
-PUSH_STIFFNESS: Final = 18.0
+PUSH_MARGIN: Final = 0.08
+PUSH_STIFFNESS: Final = 24.0
 
 
 class Carrying:
@@ -69,7 +71,7 @@ class Carrying:
         self._begin, self._end = np.zeros((count, 2)), np.zeros((count, 2))
         self._coming_end = np.zeros((count, 2))
         self._plan, self._dodge = np.zeros((count, 2)), np.zeros((count, 2))
-        self._aim, self._aim_speed = np.zeros((count, 2)), np.zeros((count, 2))
+        self._goal, self._aim, self._aim_speed = np.zeros((3, count, 2))
         self._most = np.zeros(count)
         self._traced = 0
         """How many dancers' coming paths are traced."""
@@ -84,6 +86,8 @@ class Carrying:
         """How fast that moves, (A, 2) [m/s]."""
         self.lag: Float64 = np.zeros(count)
         """How far each dancer ended the last measure from her predicted agent [m], shape (A,)."""
+        self._odd = False
+        """Of crowds, paths are parted in every second tick."""
         self._slid, self._stood = np.zeros(count), np.zeros(count)
         self.pushes = 0
         """Ticks times dancers in which feet had to yield so that nobody touched, since the start."""
@@ -137,7 +141,7 @@ class Carrying:
             self._end[:] = present.end_position() - present.correction[:, :2]
         self._node[:] = present.node
         self._begin[:] = self.reference[:] = self.paths.path[:, 0]
-        self._plan[:] = self._aim[:] = present.correction[:, :2]
+        self._plan[:] = self._aim[:] = self._goal[:] = present.correction[:, :2]
         self._dodge[:] = self._aim_speed[:] = 0.0
         self.predicted[:] = self._asked
         self._ahead[:] = self._motion.state.position - self._begin
@@ -157,14 +161,27 @@ class Carrying:
         """One tick at `fraction` of the measure, of which `rate` [1/s] passes; before the dancers' own tick."""
         dancers = self._dancers
         self.parting.there(self._motion.entrances.state == ON)
-        if (self._node != dancers.present.node).any():  # somebody was put into another measure
-            self._traced = 0
-            self.begin_measure(anew=True)
+        self._odd = not self._odd and len(self._node) > CROWD
+        for row in np.flatnonzero(self._node != dancers.present.node).tolist():
+            self._put_elsewhere(row)
         if dancers.decided:
             self._prepare_coming()
         self._re_aim(fraction)
         self._push(fraction, rate)
         self._carry_agents(fraction, rate)
+
+    def _put_elsewhere(self, row: int) -> None:
+        """A dancer was put into another measure in the middle of this one: plan with that."""
+        dancers, one = self._dancers, slice(row, row + 1)
+        present = dancers.present
+        self._trace(self.paths, present, one)
+        self._node[row] = present.node[row]
+        self._begin[row] = self.paths.path[row, 0]
+        self._end[row] = present.end_position()[row] - present.correction[row, :2]
+        self._plan[row] = self._aim[row] = self._goal[row] = present.correction[row, :2]
+        self._dodge[row] = self._aim_speed[row] = 0.0
+        if dancers.decided and self._traced > row:
+            self._trace(self._next, dancers.coming, one)
 
     def _prepare_coming(self) -> None:
         """Trace the coming paths piece by piece, then keep them apart, a round in each tick."""
@@ -177,6 +194,8 @@ class Carrying:
                 give = np.minimum(self._dancers.graph.node_give[coming.node], self._patch.locomotion.correction_m)
                 self._most[:] = np.maximum(give, LEAST_DODGE) if self._carries else 0.0
             return
+        if self._odd:
+            return
         goal = np.ascontiguousarray(coming.correction[:, :2])
         self.parting.part(self._next, goal, coming.aimed, self._most)
         on = self._motion.entrances.state == ON
@@ -186,23 +205,32 @@ class Carrying:
         coming.correction[:, :2] = goal
 
     def _re_aim(self, fraction: float) -> None:
-        """Let corrections follow what agents stray from the plan, and keep the rest of the paths apart."""
+        """Let corrections follow what agents stray from the prediction, and keep the rest of the paths apart."""
         dancers, present = self._dancers, self._dancers.present
         if dancers.decided:
             return
-        wish = self._plan
-        obedience = dancers.variation.obedience[:, None]
+        phase = dancers.phases(fraction)
+        if not self._odd:
+            self._aim_anew(fraction, phase)
+        bend = self._aim_speed + AIM_RATE * (self._aim - self._goal)
+        fall = np.exp(-AIM_RATE * TICK)
+        self._aim[:] = self._goal + fall * (self._aim - self._goal + bend * TICK)
+        self._aim_speed[:] = fall * (self._aim_speed - AIM_RATE * TICK * bend)
+        present.re_aim(self._aim, phase)
+
+    def _aim_anew(self, fraction: float, phase: Float64) -> None:
+        """What corrections shall lead to now: as decided, or as far as agents strayed, or as others leave room."""
+        dancers, present = self._dancers, self._dancers.present
+        obedience = dancers.variation.obedience
+        wish = self._plan.copy()
         if obedience.any():
             stray = self._strayed(min(fraction, 1.0))
-            size = np.hypot(*stray.T)[:, None]
-            stray *= np.maximum(size - DEAF, 0.0) / np.maximum(size, 1e-9)
-            share = FAITHFUL + (1.0 - FAITHFUL) * dancers.variation.obedience
-            wish = self._bounded(present, self._plan + obedience * stray, share)
+            size = np.hypot(stray[:, 0], stray[:, 1])
+            stray *= (obedience * np.maximum(size - DEAF, 0.0) / np.maximum(size, 1e-9))[:, None]
+            wish = self._bounded(present, wish + stray, FAITHFUL + (1.0 - FAITHFUL) * obedience)
             ends = self._end + wish
             on = (self._motion.entrances.state == ON)[:, None]
             wish += np.where(on, np.clip(ends, -self._edge, self._edge) - ends, 0.0)
-        phase = dancers.phases(fraction)
-        wish = wish.copy()
         present.bound_aims(wish, phase, self._most)
         open_ = (wish != present.correction[:, :2]).any(axis=1)
         self.predicted[open_] = (self._asked + wish - self._plan)[open_]  # moved by what they strayed since
@@ -211,11 +239,7 @@ class Carrying:
         self._level(goal, self._end, coming=False)
         present.bound_aims(goal, phase, IN_HASTE * self._most)
         self._dodge[:] = goal - wish
-        bend = self._aim_speed + AIM_RATE * (self._aim - goal)
-        fall = np.exp(-AIM_RATE * TICK)
-        self._aim[:] = goal + fall * (self._aim - goal + bend * TICK)
-        self._aim_speed[:] = fall * (self._aim_speed - AIM_RATE * TICK * bend)
-        present.re_aim(self._aim, phase)
+        self._goal[:] = goal
 
     def _strayed(self, fraction: float) -> Float64:
         """How far agents are from where the prediction had them at `fraction` of the measure, (A, 2) [m].
