@@ -66,7 +66,7 @@ class Headings:
         smooth[known | passing] = newest[known | passing]
         self._raw[1], self._raw[0] = self._raw[0], newest
         self._raw[1, passing] = newest[passing]
-        return smooth
+        return np.asarray(smooth)
 
     def _wanted(
         self, facing: Facing, members: npt.NDArray[np.intp], start: Float64, wish: Float64, last: Float64

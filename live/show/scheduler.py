@@ -226,7 +226,7 @@ class Scheduler:
         way = turn_vectors(way / np.maximum(share, 0.25)[:, None], yaw)  # from the clip's end to the other take's
         off = choices.target - choices.end[:, :2]
         more = (off * way).sum(axis=1) / np.maximum((way**2).sum(axis=1), LEAST_MIX**2)
-        return share + np.clip(more, -HALF_SHARE, HALF_SHARE)
+        return np.asarray(share + np.clip(more, -HALF_SHARE, HALF_SHARE))
 
     # -- the decision --------------------------------------------------------------------------------------------
 

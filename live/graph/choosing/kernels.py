@@ -77,7 +77,8 @@ def end_of(
 def place_cost(distance: float, give: float, weights: Float64) -> float:
     """What it costs to end `distance` [m] off, `give` [m] of which can be corrected: little within it, more beyond."""
     within = min(distance, give)
-    return weights[CORRECTED] * within * within + weights[PLACE] * (distance * distance - within * within)
+    cost: float = weights[CORRECTED] * within * within + weights[PLACE] * (distance * distance - within * within)
+    return cost
 
 
 @part
@@ -90,7 +91,8 @@ def off_place(end: tuple[float, float, float, float], wish: Float64, n: int) -> 
 @part
 def turn_cost(end: tuple[float, float, float, float], weights: Float64) -> float:
     """What is left of the heading, and what is turned, as a cost."""
-    return weights[HEADING] * end[3] * end[3] + weights[TURN] * end[2] * end[2]
+    cost: float = weights[HEADING] * end[3] * end[3] + weights[TURN] * end[2] * end[2]
+    return cost
 
 
 @part
