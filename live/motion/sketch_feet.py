@@ -31,9 +31,9 @@ _GAP: Final = 0.15
 _LEAST: Final = 0.025
 _MOST: Final = 0.12
 """How high a foot is lifted that nobody has told, at least, and at most [m]."""
-_SOON: Final = 0.3
+_SOON: Final = 0.18
 _NEARLY: Final = 0.85
-"""After this share of its swing a foot is at this share of its height."""
+"""So many beats after it leaves the floor, and before it comes down, a foot is at this share of its height."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -190,8 +190,12 @@ def _over_the_floor(stance: Stance, following: Stance, start: Float, end: Float)
     """Beats and heights [m] of a swing from `start` to `end`: up soon, down late: no foot skims the floor."""
     span = following.arrive - stance.leave
     lift = _lift(stance, math.hypot(end[0] - start[0], end[1] - start[1]))
-    soon, late = stance.leave + _SOON * span, following.arrive - _SOON * span
-    return [(soon, _NEARLY * lift), (stance.leave + 0.5 * span, lift), (late, _NEARLY * lift)]
+    soon = min(_SOON, 0.4 * span)
+    return [
+        (stance.leave + soon, _NEARLY * lift),
+        (stance.leave + 0.5 * span, lift),
+        (following.arrive - soon, _NEARLY * lift),
+    ]
 
 
 def _lift(stance: Stance, way: float) -> float:
