@@ -19,8 +19,9 @@ Float64 = npt.NDArray[np.float64]
 SETTLED_S: Final = 8.0
 """So long [s] everybody dances before the packet comes: around an attractor first, which ends in half that time."""
 WATCHED_S: Final = 6.0
+FIRST: Final = 0.001
 COURSE: Final = 0.02
-"""An agent has changed its course when its velocity differs by so much [m/s]."""
+"""An agent begins to change its course when its velocity differs by the first [m/s], plainly has by the second."""
 STEP: Final = 0.05
 """A dancer has when her hips are so far [m] from where they would have been."""
 
@@ -29,6 +30,7 @@ STEP: Final = 0.05
 class Response:
     """Frames to the agents' change of course, beats to the dancers': of the median and of the last agent."""
 
+    first_frames: float
     agent_frames: float
     last_agent_frames: float
     step_beats: float
@@ -82,10 +84,14 @@ def _put(inbox: object, datagram: bytes, now: float) -> None:
 def _compare(plain: tuple[Float64, Float64], other: tuple[Float64, Float64], thrown: float) -> Response:
     first = int(np.ceil(thrown * FPS - 1e-9))
     frames = []
-    for one, two, bar in zip(plain, other, (COURSE, STEP), strict=True):
+    for one, two, bar in ((plain[0], other[0], FIRST), (plain[0], other[0], COURSE), (plain[1], other[1], STEP)):
         differs = np.hypot(*np.moveaxis(two[first:] - one[first:], -1, 0)) > bar
         frames.append(np.where(differs.any(axis=0), differs.argmax(axis=0) + 1.0, np.nan))
-    agent, step = frames[0], (frames[1] - 1.0) / FPS * BPM / 60.0
+    agent, step = frames[1], (frames[2] - 1.0) / FPS * BPM / 60.0
     return Response(
-        float(np.nanmedian(agent)), float(np.nanmax(agent)), float(np.nanmedian(step)), float(np.nanmax(step))
+        float(np.nanmedian(frames[0])),
+        float(np.nanmedian(agent)),
+        float(np.nanmax(agent)),
+        float(np.nanmedian(step)),
+        float(np.nanmax(step)),
     )

@@ -54,7 +54,13 @@ def run(full: bool, shared: Path | None) -> list[Row]:
         median, p99 = (float(v) for v in np.percentile(frames.spent, [50, 99]))
         name = f"{dancers} dancers"
         rows += [
-            Row(f"{name}: frame, median", median, "ms", bar),
+            Row(
+                f"{name}: frame, median",
+                median,
+                "ms",
+                bar,
+                peers={"quickest tenth": float(np.percentile(frames.spent, 10))},
+            ),
             Row(f"{name}: frame, p99 over median", p99 / median, "", 2.0, peers={"p99 [ms]": p99}),
             _against(f"{name}: frame with a measure line, to the others", frames, frames.line),
             _against(f"{name}: frame with a decision, to the others", frames, frames.decision),

@@ -129,7 +129,8 @@ def response_rows(seeds: Iterable[int], moments: int) -> list[Row]:
     """From an attractor's packet to the first change that is seen."""
     found = [each for seed in seeds for each in responses(seed, moments)]
     return [
-        Row("packet to the agents' change of course, median", _worst(found, "agent_frames"), "frames", 2.0),
+        Row("packet to the agents' first change of course (1 mm/s)", _worst(found, "first_frames"), "frames", 2.0),
+        Row("packet to the agents' plain change of course (2 cm/s)", _worst(found, "agent_frames"), "frames"),
         Row("... of the last agent", _worst(found, "last_agent_frames"), "frames"),
         Row("packet to the dancers' change of course, median", _worst(found, "step_beats"), "beats", 5.0),
         Row("... of the last dancer", _worst(found, "last_step_beats"), "beats"),
