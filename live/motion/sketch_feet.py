@@ -31,7 +31,7 @@ _GAP: Final = 0.15
 _LEAST: Final = 0.025
 _MOST: Final = 0.12
 """How high a foot is lifted that nobody has told, at least, and at most [m]."""
-_SOON: Final = 0.18
+_SOON: Final = 0.2
 _NEARLY: Final = 0.85
 """So many beats after it leaves the floor, and before it comes down, a foot is at this share of its height."""
 
