@@ -11,18 +11,16 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.parting.paths.paths import MOMENTS, PathParting, Paths
+from live.agents.parting.paths.paths import PathParting, Paths
 from live.agents.wings.entrances import ON
 from live.clock.ticks import TICK
-from live.graph.placing import take_offset
-from live.motion.editing.time_warp import measure_warp
 from live.motion.shifting.kernels import bound_ways
 from live.motion.shifting.rise import MOST_HELD
-from live.motion.turning.kernels import trace_hips
 from live.show.danced import Danced
 from live.show.dancers import Dancers
 from live.show.group_motion import DANCER_GAP, LEASH, GroupMotion
 from live.show.patch import Patch
+from live.show.tracing import trace
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -137,7 +135,7 @@ class Carrying:
         """A measure begins; `anew` if somebody is not where the coming measure would have had her."""
         present, count = self._dancers.present, len(self._node)
         if anew or self._traced < count or (self._node != present.node).any():
-            self._trace(self.paths, present, slice(0, count))
+            trace(self.paths, self._dancers, present, slice(0, count))
             self._end[:] = present.end_position() - present.correction[:, :2]
         self._node[:] = present.node
         self._begin[:] = self.reference[:] = self.paths.path[:, 0]
@@ -174,21 +172,21 @@ class Carrying:
         """A dancer was put into another measure in the middle of this one: plan with that."""
         dancers, one = self._dancers, slice(row, row + 1)
         present = dancers.present
-        self._trace(self.paths, present, one)
+        trace(self.paths, dancers, present, one)
         self._node[row] = present.node[row]
         self._begin[row] = self.paths.path[row, 0]
         self._end[row] = present.end_position()[row] - present.correction[row, :2]
         self._plan[row] = self._aim[row] = self._goal[row] = present.correction[row, :2]
         self._dodge[row] = self._aim_speed[row] = 0.0
         if dancers.decided and self._traced > row:
-            self._trace(self._next, dancers.coming, one)
+            trace(self._next, dancers, dancers.coming, one)
 
     def _prepare_coming(self) -> None:
         """Trace the coming paths piece by piece, then keep them apart, a round in each tick."""
         coming, count = self._dancers.coming, len(self._node)
         if self._traced < count:
             piece = slice(self._traced, min(self._traced + -(-count // TRACE_TICKS), count))
-            self._trace(self._next, coming, piece)
+            trace(self._next, self._dancers, coming, piece)
             self._traced = piece.stop
             if self._traced == count:
                 give = np.minimum(self._dancers.graph.node_give[coming.node], self._patch.locomotion.correction_m)
@@ -289,32 +287,6 @@ class Carrying:
         late = self._dancers.variation.late > 0.0
         if late.any():
             self.reference[late], self.pace[late] = self._dancers.shown[late], 0.0
-
-    def _trace(self, paths: Paths, danced: Danced, rows: slice) -> None:
-        """Where the hips of dancers `rows` go in the measure `danced`, those who are late in the one before first."""
-        dancers, graph = self._dancers, self._dancers.graph
-        fractions = np.linspace(0.0, 1.0, MOMENTS)[:, None]
-        amplitude, frequency, start, sign = danced.warp[:, rows]
-        phase = measure_warp(fractions, amplitude, frequency, start, sign, graph.window).T
-        late = dancers.variation.late[rows]
-        phase = np.ascontiguousarray(phase - late[:, None])
-        self._trace_one(paths, danced, rows, phase, settled=False)
-        if late.any():
-            before = dancers.present if danced is dancers.coming else dancers.past
-            earlier = np.where((phase < 0.0) & (before.node[rows] >= 0)[:, None], phase + 1.0, -1.0)
-            self._trace_one(paths, before, rows, earlier, settled=True)
-
-    def _trace_one(self, paths: Paths, danced: Danced, rows: slice, phase: Float64, *, settled: bool) -> None:
-        graph = self._dancers.graph
-        library = graph.library
-        shift, turn = take_offset(graph, danced.node[rows], danced.take[rows])
-        trace_hips(
-            paths.path[rows], paths.share[rows], phase, danced.placement[rows], danced.correction[rows],
-            danced.aimed[rows], danced.node[rows], graph.node_turns, graph.node_rise, danced.on_support[rows],
-            library.clip_root, library.node_first, library.node_last, danced.take[rows],
-            np.ascontiguousarray(np.column_stack((shift, turn))), np.ascontiguousarray(danced.take_share[0, rows]),
-            settled,
-        )  # fmt: skip
 
     # -- what it costs -------------------------------------------------------------------------------------------
 
