@@ -37,8 +37,10 @@ AHEAD: Final = (0.4, 0.8)
 performers, of whom no plan knows, at any."""
 GLANCE_TICKS: Final = 2
 """Ticks from one look ahead to the next: everybody is judged at every fourth tick."""
-SLACK: Final = 0.03
-"""Bodies that would only graze each other, by so many metres, are left to the aiming within the measure."""
+GRAZE: Final = 0.03
+"""Things and real performers may be grazed by so many metres before a dancer leaves her step for them."""
+SLACK: Final = 0.12
+"""Dancers whose bodies would meet by less than this [m] are carried and pushed apart, which costs them no step."""
 PLANNED: Final = 2.0
 """Beats before the line from which on the next measure may be planned already."""
 WAY_OUT: Final = 8
@@ -172,8 +174,8 @@ class Interrupts:
         paired = self._motion.partners.of >= 0
         find_threatened(
             self._ways, model.radius, model.responsibility * (self._here & ~paired), self._motion.present,
-            np.argsort(self._ways[0, :, 0]), self._things, np.ascontiguousarray(things[:, 2]), around.obstacle_count,
-            SLACK, self._met,
+            np.argsort(self._ways[0, :, 0]), self._things, things[:, 2] + np.float32(SLACK - GRAZE),
+            around.obstacle_count, SLACK, self._met,
         )  # fmt: skip
         # who was cut is on her way out already; partners stay together, and are carried or pushed out of the way
         self._met[self._dancers.inertia.settling_now | ~self._here | paired] = 0.0
