@@ -1,12 +1,11 @@
 """LookAhead: where the agents will be, by the same steering on a copy, in coarse steps spread over several ticks."""
 
 from collections.abc import Callable, Sequence
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.crowd.advance import Advance
 from live.agents.crowd.model import AgentState
 from live.agents.crowd.surroundings import Surroundings
 from live.agents.wants import Wants
@@ -17,6 +16,15 @@ Ask = Callable[[Wants, AgentState, float], None]
 """Fills the wants of agents in a state at a time [s]; changes nothing else."""
 
 
+class Steer(Protocol):
+    """Advances agents by a step, as `crowd.advance.Advance` does, or as pairs do."""
+
+    def __call__(
+        self, current: AgentState, out: AgentState, *, wants: Wants, surroundings: Surroundings, time: float, dt: float
+    ) -> None:
+        """Read `current`, write `out`, `dt` [s] later."""
+
+
 class LookAhead:
     """A beat before a measure ends its dancers choose their next step by where their agents will stand when the *next*
     measure ends. Running all of it in one tick would make that frame late; so `work` does a few steps at a time.
@@ -25,7 +33,7 @@ class LookAhead:
     STEP: Final = 1.0 / 16.0
     """Seconds of one coarse step."""
 
-    def __init__(self, agent_count: int, advance: Advance, surroundings: Surroundings, ask: Ask) -> None:
+    def __init__(self, agent_count: int, advance: Steer, surroundings: Surroundings, ask: Ask) -> None:
         self._advance, self._surroundings, self._ask = advance, surroundings, ask
         self._wants = Wants(agent_count)
         self._state = AgentState(agent_count)

@@ -62,7 +62,8 @@ class Elements:
         bits = int(self._addressees.bits[dancer])
         for element in reversed(self._field.elements):
             if element.kind in (ATTRACTOR, VOICE) and (element.groups == EVERYBODY or element.groups & bits):
-                return np.mean(np.array(element.points, np.float64), axis=0)
+                middle: npt.NDArray[np.float64] = np.mean(np.array(element.points, np.float64), axis=0)
+                return middle
         return None
 
     def begin_measure(self, measure: int, beat: float, beats_per_measure: int, position: Float32) -> None:

@@ -52,7 +52,9 @@ def test_the_same_as_the_closed_form():
     own = turns.take(node)
     x, z = own.displacement(fraction, correction[:, 2]).T
     c, s = np.cos(placement[:, 2]), np.sin(placement[:, 2])
-    risen = np.array([np.interp(f, np.linspace(0, 1, KNOTS), rise[n, :, 0]) for n, f in zip(node, fraction)])
+    risen = np.array(
+        [np.interp(f, np.linspace(0, 1, KNOTS), rise[n, :, 0]) for n, f in zip(node, fraction, strict=True)]
+    )
     passed = ((risen - aimed[:, 2]) / (1 - aimed[:, 2]))[:, None]
     share = aimed[:, :2] * (1 - passed) + passed * correction[:, :2]
     assert out[:, :2] == pytest.approx(placement[:, :2] + share + np.stack([x * c + z * s, z * c - x * s], axis=1))
