@@ -42,7 +42,7 @@ DANCER_GAP: Final = 0.7
 LEASH: Final = 0.6
 """No agent gets farther than this [m] from her dancer: she is taken along ..."""
 LONG_LEASH: Final = 0.9
-"""... or than this [m] in an evolution, whose plan has taken her dancer's steps into account, and in the wings."""
+"""... or than this [m] on the way in or out; in an evolution she is where the plan has her."""
 HURRY: Final = 1.6
 """In an evolution agents may be faster than the steps reach on the average: they gather speed and lose it again."""
 TAKEN: Final = 0.5
@@ -172,8 +172,9 @@ class GroupMotion:
         self.evolutions.release(self.elements.influence >= TAKEN)
         self._advance(self.state, self._spare, wants=self.wants, surroundings=self.surroundings, time=time, dt=TICK)
         self.state, self._spare = self._spare, self.state
-        free = (self.entrances.state == ON) & (self.wants.firm <= 0.0)
-        self._leash[:] = np.where(free, LEASH, np.where(self.present, LONG_LEASH, np.inf))
+        # in an evolution agents are where the plan has them: that is where their dancers are sent
+        bound = self.present & (self.wants.firm <= 0.0)
+        self._leash[:] = np.where(bound, np.where(self.entrances.state == ON, LEASH, LONG_LEASH), np.inf)
         bind_agents(self.state.position, self.state.velocity, dancer, pace, self._leash)
 
     def _ask_ahead(self, wants: Wants, state: AgentState, time: float) -> None:
