@@ -12,6 +12,7 @@ from live.graph.insertion import insert_clips, stranded
 from live.graph.joins import Boundaries, Joins
 from live.graph.library import StepLibrary, build_library
 from live.graph.metric.flat import FlatClouds
+from live.graph.moments.moments import Moments
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.graph.takes import Takes
 from live.motion.posing.pipeline import ClipStore
@@ -23,7 +24,7 @@ def assert_same(one, other):
     assert type(one) is type(other)
     for field in fields(one):
         a, b = getattr(one, field.name), getattr(other, field.name)
-        if isinstance(a, (StepLibrary, Joins, Takes, ClipStore, Boundaries, FlatClouds)):
+        if isinstance(a, (StepLibrary, Joins, Takes, ClipStore, Boundaries, FlatClouds, Moments)):
             assert_same(a, b)
         elif isinstance(a, np.ndarray):
             assert a.dtype == b.dtype, field.name
