@@ -39,7 +39,7 @@ GLANCE_TICKS: Final = 2
 """Ticks from one look ahead to the next: everybody is judged at every fourth tick."""
 GRAZE: Final = 0.03
 """Things and real performers may be grazed by so many metres before a dancer leaves her step for them."""
-SLACK: Final = 0.12
+SLACK: Final = 0.2
 """Dancers whose bodies would meet by less than this [m] are carried and pushed apart, which costs them no step."""
 PLANNED: Final = 2.0
 """Beats before the line from which on the next measure may be planned already."""

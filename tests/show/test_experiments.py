@@ -96,8 +96,8 @@ def test_tap_reaches_its_three_formations_and_faces_the_public_there(danced):
         standing[line] = hips
     assert np.abs(np.hypot(standing[16][:, 0] / 4.3, (standing[16][:, 1] - 0.2) / 2.6) - 1.0).max() < 0.05  # the ring
     assert len(np.unique(np.round(standing[48][:, 1], 0))) == 3  # the lines
-    for line in (20, 24, 36, 40):
-        assert _degrees(lines[line][2]).max() < 6.0
+    for line in (20, 23, 36, 39):  # at 24 and 40 they set off, in a step that begins up to 7 degrees aside
+        assert _degrees(lines[line][2]).max() < 1.0
     way = lines[30][0] - lines[28][0]
     going = np.hypot(*way.T) > 0.4
     assert going.sum() >= 5
@@ -105,11 +105,11 @@ def test_tap_reaches_its_three_formations_and_faces_the_public_there(danced):
 
 
 def test_contemporary_crosses_the_bar(danced):
-    """T110, T132: after the bar in the middle, in measures 13 to 20, everybody is on the other side."""
+    """T110, T132: after the bar in the middle, in measures 12 to 20, everybody is on the other side."""
     name, _, _, _, _, lines = danced
     if name != "contemporary":
         pytest.skip("the experiment with elements")
-    before, after = lines[12][3][:, 0], lines[20][0][:, 0]
+    before, after = lines[11][3][:, 0], lines[20][0][:, 0]
     assert (np.sign(before) != np.sign(after)).all()
     assert np.abs(after).min() > 0.5
 
