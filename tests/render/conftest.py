@@ -55,6 +55,11 @@ def headless_context() -> moderngl.Context:
 
 @pytest.fixture
 def gl_context(headless_context: moderngl.Context) -> Iterator[moderngl.Context]:
-    """The headless context, current for this test (the window of another one may have been in between)."""
+    """The headless context, current for this test (the window of another one may have been in between).
+
+    moderngl makes the last program current again when it sets a uniform, also if that one was released meanwhile;
+    OpenGL notes an error, which is read here so that no other test takes it for its own.
+    """
     with headless_context:
+        _ = headless_context.error
         yield headless_context

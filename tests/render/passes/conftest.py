@@ -66,6 +66,3 @@ def floor(gl_context: moderngl.Context) -> Iterator[Draw]:
     yield draw
     for thing in (target, texture, frame):
         thing.release()
-    # moderngl makes the last program current again when it sets a uniform, also if that one was released meanwhile;
-    # OpenGL notes an error, which is read here so that no other test finds it
-    assert gl_context.error in ("GL_NO_ERROR", "GL_INVALID_OPERATION")
