@@ -10,6 +10,11 @@ MEMORY: Final = 0.25
 ELSEWHERE: Final = 0.6
 """The grid is left when between on and off the beat there is this share of what is there."""
 
+LONG_MEMORY: Final = 0.02
+USUAL_LOST: Final = 0.45
+"""The grid is left as well when beats have lost this much of what they usually have before off-beats; what is usual
+takes this share of the newest beat (the first beats count alike)."""
+
 SURE: Final = (-1.02, 0.22, 3.5, -3.0, -1.0)
 SURE_OF_LEVEL: Final = 0.84
 """Log-odds that the next beat is right: constant; what is added by each log-odd of the share; by the strength on the
@@ -26,6 +31,7 @@ class Whereabouts:
     """The strongest activations of the last beats, on the beat, off it, and in between.
 
     A network may find the off-beats stronger for a whole song; then nothing lies in between. A new tempo lies anywhere.
+    Who was sure of the beats and finds them between the old ones now has been left by the music: half a beat too many.
     """
 
     def __init__(self) -> None:
@@ -33,6 +39,8 @@ class Whereabouts:
         """On the beat, a quarter after it, half, three quarters: smoothed maxima of each beat."""
         self._quarter = 0
         self._strongest = 0.0
+        self._beats = 0
+        self._usual = 0.0  # strength on the beat less that off it, over a long time
 
     def step(self, phase: float, activation: float) -> None:
         """One frame, `phase` beats after the last beat."""
@@ -41,13 +49,17 @@ class Whereabouts:
             here = self._quarter
             self.strength[here] += MEMORY * (self._strongest - self.strength[here])
             self._quarter, self._strongest = quarter, 0.0
+            if here == 0:
+                self._beats += 1
+                before = self.strength[0] - self.strength[2]
+                self._usual += max(LONG_MEMORY, 1.0 / self._beats) * (before - self._usual)
         self._strongest = max(self._strongest, activation)
 
     @property
     def left(self) -> bool:
         """Whether the music has left the grid."""
         on, first, off, last = self.strength
-        return max(first, last) > ELSEWHERE * max(on, off)
+        return max(first, last) > ELSEWHERE * max(on, off) or on - off < self._usual - USUAL_LOST
 
     def confidence(self, share: float, level_is_set: bool = False) -> float:
         """How likely the next beat is right, 0 to 1; share: of all states, those near the grid."""
