@@ -102,7 +102,7 @@ class Session:
     def _make_news(self) -> News:
         """Tells on the terminal what is refused and what joins: with `--headless` there is no overlay that does."""
         watch, console = self._watch, Console(stderr=True, highlight=False)
-        refusals: list[Callable[[], str]] = [self._osc_refusal, lambda: self.show.refusal]
+        refusals: list[Callable[[], str]] = [self._osc_refusal, lambda: self.show.refusals.words]
         others: list[Callable[[], str]] = [self._audio_problem]
         if self._midi is not None:
             refusals.append(self._midi.refusal)

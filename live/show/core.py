@@ -3,7 +3,6 @@
 The same patch, library, seed and (tick, event) list give bit-identical states, live or replayed.
 """
 
-import hashlib
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -18,28 +17,27 @@ from live.clock.moment import Moment
 from live.clock.ticks import TICK
 from live.control import events
 from live.control.events import ControlEvent
-from live.graph.choosing.choosing import Choosing
-from live.graph.insertion import insert_clips, stranded
-from live.graph.live_sequence import HORIZON, LiveSequence
 from live.graph.motion_graph import MotionGraph
-from live.graph.wanted import parse_sequence
 from live.motion.skeleton import JOINT_COUNT
 from live.motion.step_clip import StepClip
 from live.show.casting import Casting
 from live.show.clock_events import CLOCK_EVENTS, first_seeds, follower_of, tell
 from live.show.dancers import Dancers
-from live.show.echo import Echo
+from live.show.directions import DIRECTIONS, Directions
+from live.show.first_nodes import first_nodes
 from live.show.group_controls import GROUP_EVENTS, GroupControls
 from live.show.group_motion import GroupMotion
 from live.show.interrupts import Interrupts
 from live.show.measure import MeasureSpan
+from live.show.new_steps import NewSteps
 from live.show.patch import Patch
-from live.show.programme import UnknownStep, find_step
 from live.show.programmes import programmes_of
 from live.show.reactions import Reactions
+from live.show.refusals import Refusals
 from live.show.ripple import parse_ripple
 from live.show.scheduler import Scheduler
-from live.show.variation import Variation, Variety, varieties_of
+from live.show.state_hash import hash_of
+from live.show.variation import Variation, varieties_of
 
 FADE_HALFLIFE = 0.06
 """Half-life of a blackout's fade [s]: dark within a fifth of a second, without a flash."""
@@ -77,7 +75,6 @@ class Show:
         self.casting.check()
         self.group = self.casting.group
         self.motion = GroupMotion(patch, self.casting, seed=self.seed)
-        self._group_names = {section.name.casefold(): index for index, section in enumerate(patch.group)}
         beats = patch.clock.beats_per_measure
         self.variation = Variation(
             varieties_of(patch),
@@ -94,20 +91,18 @@ class Show:
         self.interrupts = Interrupts(patch, self.dancers, self.motion, self.scheduler)
         self._controls = GroupControls(patch, self.motion, self.dancers, self.variation)
         self.span = MeasureSpan.at(self.timeline, self.timeline.beat_at(0.0))
-        self._start_dancers()
+        node = first_nodes(graph, self.scheduler, self.group, self.motion.partners.mirrored, self.span.number)
+        self.dancers.start(node, self.state.position.astype(np.float64), self.motion.starting_heading)
+        self.scheduler.aims.headings.begin(self.motion.starting_heading)
         self.reactions = Reactions(patch)
         self.blackout = False
         self.brightness = 1.0
         self.time = 0.0
-        self._reserve = dict(reserve or {})
-        self._offered: dict[str, tuple[MotionGraph, Choosing]] = {}
-        self._next_graph: tuple[MotionGraph, Choosing] | None = None
-        self.asked: int | None = None
-        """The dancer of whom somebody wants to know why she dances what she dances, None for nobody."""
-        self.refused = 0
-        """Events that asked for something the show does not have (a step that is not there)."""
-        self.refusal = ""
-        """The last such event in words, for the operator."""
+        self.refusals = Refusals()
+        self.directions = Directions(
+            patch, self.casting, self.dancers, self.variation, self.scheduler, self.interrupts, self.refusals
+        )
+        self._new_steps = NewSteps(reserve, self.refusals)
         self._begin_measure(self.span.end - self.timeline.beats_per_measure)
 
     @property
@@ -115,32 +110,16 @@ class Show:
         """The agents now."""
         return self.motion.state
 
-    def _start_dancers(self) -> None:
-        """Everybody begins with her group's first step, on the spot if that lets the sequence go on."""
-        graph, library = self.graph, self.graph.library
-        node = np.zeros(len(self.group), np.int32)
-        for index in self.scheduler.order:
-            programme = self.scheduler.programmes[index]
-            entries = graph.entries(programme.wanted(self.span.number, node[self.group == index]))
-            ahead = self.scheduler.foresight.sequence(programme.coming, programme.into)[entries]
-            cost = ahead + 0.1 * np.hypot(*library.node_travel[entries].T)
-            members, side = self.group == index, library.node_side[entries]
-            node[members] = entries[np.argmin(cost)]
-            other = members & self.motion.partners.mirrored
-            node[other] = entries[np.argmin(cost + (side == library.node_side[node[other][:1]].sum()))]
-        self.dancers.start(node, self.state.position.astype(np.float64), self.motion.starting_heading)
-        self.scheduler.aims.headings.begin(self.motion.starting_heading)
-
     # -- events ------------------------------------------------------------------------------------------------
 
     def apply(self, event: ControlEvent) -> bool:
         """Let an event act, from the next tick on; False if it asked for what is not there (which is counted)."""
-        before = self.refused + self.follower.rejected
+        before = self.refusals.count + self.follower.rejected
         if isinstance(event, events.MusicHeard):
             self._hear(event)
         else:
             self._act_on(event)
-        return self.refused + self.follower.rejected == before
+        return self.refusals.count + self.follower.rejected == before
 
     def _hear(self, event: events.MusicHeard) -> None:
         """What the music is like changes what the patch says it changes."""
@@ -153,10 +132,13 @@ class Show:
             try:
                 self._controls.act(event, time=self.time, timeline=self.timeline, span=self.span)
             except PersonError as error:
-                self._refuse(f"{event.source}: {error}")
+                self.refusals.add(f"{event.source}: {error}")
             return
         if isinstance(event, CLOCK_EVENTS):
             self._tell_clock(event)
+            return
+        if isinstance(event, DIRECTIONS):
+            self.directions.act(event)
             return
         match event:
             case events.Clear():
@@ -164,14 +146,8 @@ class Show:
                 self.interrupts.clear()
                 for programme in self.scheduler.programmes:
                     programme.release()
-            case events.CallStep() | events.StepNow():
-                self._call_step(event)
             case events.StepsAdded():
-                self._add_steps(event)
-            case events.SetSequence():
-                self._set_sequence(event)
-            case events.SetMotion() | events.SetFacing() | events.AskWhy():
-                self._set(event)
+                self._new_steps.add(event, self.graph)
             case events.Blackout():
                 self.blackout = event.on
             case events.TicksSkipped():
@@ -180,7 +156,7 @@ class Show:
     def _tell_clock(self, event: ControlEvent) -> None:
         words = tell(self.follower, event)
         if words:
-            self._refuse(f"{event.source}: {words}")
+            self.refusals.add(f"{event.source}: {words}")
 
     def seed_tracker(self, told: Callable[[Seed], None]) -> None:
         """Tell `told`, now and in future, what a tracker of sound should know. Thread: the show's calls it."""
@@ -188,112 +164,18 @@ class Show:
             told(seed)
         self.follower.on_seed = told
 
-    def _call_step(self, event: events.CallStep | events.StepNow) -> None:
-        try:
-            if isinstance(event, events.StepNow):
-                self.interrupts.cue(event)
-                return
-            step = find_step(self.graph, event.name)
-        except (UnknownStep, PersonError) as error:
-            self._refuse(f"{event.source}: {error}")
-            return
-        members = self._members(event.group)
-        if members is None:
-            self._refuse(f"{event.source}: no group is called {event.group!r}")
-            return
-        for index in members:
-            self.scheduler.programmes[index].call(step, measures=event.measures)
-
     def offer(self, library: str, graph: MotionGraph) -> None:
         """Hold a graph ready for the event StepsAdded that names its library's hash. Thread: any."""
-        self._offered[library] = graph, Choosing.of(graph)
-
-    def _add_steps(self, event: events.StepsAdded) -> None:
-        offered = self._offered.pop(event.library, None)
-        if offered is None:  # a replay has no thread that would have joined them
-            keys = event.clips.split("\n")
-            if any(key not in self._reserve for key in keys):
-                self._refuse(f"{event.source}: the new steps are not there any more")
-                return
-            known = self.graph if self._next_graph is None else self._next_graph[0]
-            graph = insert_clips(known, [self._reserve[key] for key in keys])
-            offered = graph, Choosing.of(graph)
-        self._next_graph = offered
+        self._new_steps.offer(library, graph)
 
     def _take_graph(self) -> None:
-        """Dance in the new graph, unless it would leave somebody without a way on."""
-        offered, self._next_graph = self._next_graph, None
-        if offered is None:
+        """Dance in the graph that has grown, if there is one."""
+        grown = self._new_steps.take(self.dancers)
+        if grown is None:
             return
-        graph, choosing = offered
-        if stranded(graph, self.dancers.node).any():
-            self._refuse("library: the new steps would leave dancers without a next step; they wait")
-            return
-        self.graph = graph
-        self.dancers.take_graph(graph)
-        self.scheduler.take_graph(graph, choosing)
-
-    def _set_sequence(self, event: events.SetSequence) -> None:
-        """Change what a group dances, if its dancers can dance it within two measures; else the dance goes on."""
-        members = self._members(event.group)
-        if members is None:
-            self._refuse(f"{event.source}: no group is called {event.group!r}")
-            return
-        try:
-            wanted = parse_sequence(event.steps, self.graph.library)
-        except PersonError as error:
-            self._refuse(f"{event.source}: {error}")
-            return
-        danced = self.dancers.coming if self.dancers.decided else self.dancers.present
-        nodes = danced.node[np.isin(self.group, members)]
-        if LiveSequence(self.graph, []).ask(wanted[: HORIZON + 1], nodes) is None:
-            self._refuse(f"{event.source}: {event.steps!r} cannot be joined from here; live dance says what is missing")
-            return
-        for index in members:
-            programme = self.scheduler.programmes[index]
-            if len(members) == 1 or not isinstance(programme, Echo):  # all together, those who echo go on echoing
-                programme.dance(wanted)
-
-    def _set(self, event: events.SetMotion | events.SetFacing | events.AskWhy) -> None:
-        match event:
-            case events.SetMotion():
-                self._set_motion(event)
-            case events.SetFacing():
-                self._set_facing(event)
-            case events.AskWhy():
-                self.asked = event.dancer - 1 if 1 <= event.dancer <= len(self.group) else None
-
-    def _set_motion(self, event: events.SetMotion) -> None:
-        members = self._members(event.group)
-        if members is None or event.parameter not in Variety.names():
-            self._refuse(f"{event.source}: nothing to set for {event.parameter!r} of group {event.group!r}")
-            return
-        for index in members:
-            self.variation.set(event.parameter, event.value, index)
-
-    def _set_facing(self, event: events.SetFacing) -> None:
-        headings, members = self.scheduler.aims.headings, self._members(event.group)
-        try:
-            facing = headings.parse(event.facing)
-        except PersonError as error:
-            self._refuse(f"{event.source}: {error}")
-            return
-        if members is None:
-            self._refuse(f"{event.source}: no group is called {event.group!r}")
-            return
-        for index in members:
-            headings.set(index, facing)
-
-    def _members(self, name: str) -> list[int] | None:
-        """The groups that a name means, by index: "" and "*" are all; None if there is no such group."""
-        if name in ("", "*"):
-            return list(range(len(self._group_names)))
-        index = self._group_names.get(name.casefold())
-        return None if index is None else [index]
-
-    def _refuse(self, words: str) -> None:
-        self.refused += 1
-        self.refusal = words
+        self.graph, choosing = grown
+        self.dancers.take_graph(self.graph)
+        self.scheduler.take_graph(self.graph, choosing)
 
     # -- time --------------------------------------------------------------------------------------------------
 
@@ -346,7 +228,7 @@ class Show:
         try:
             entered = self.motion.begin_measure(self.span, beat, self.timeline, heading)
         except PersonError as error:  # a score that asks for the impossible in measure 200 stops no show
-            self._refuse(f"score: {error}")
+            self.refusals.add(f"score: {error}")
             entered = np.zeros(0, np.intp)
         if len(entered):
             place = self.state.position[entered].astype(np.float64)
@@ -360,9 +242,8 @@ class Show:
 
     def why(self) -> dict[str, Any] | None:
         """Why the dancer somebody asked about dances what she dances, see `Choices.why`; None for nobody."""
-        if self.asked is None:
-            return None
-        return self.scheduler.choices.why(self.asked, self.scheduler.choosing)
+        asked = self.directions.asked
+        return None if asked is None else self.scheduler.choices.why(asked, self.scheduler.choosing)
 
     # -- what is seen ------------------------------------------------------------------------------------------
 
@@ -384,15 +265,11 @@ class Show:
 
     def state_hash(self) -> str:
         """A short hash over every bit of the agents' and dancers' states and the poses of this tick."""
-        digest = hashlib.blake2b(digest_size=8)
-        dancers = self.dancers
+        dancers, danced = self.dancers, self.dancers.present
         beat = self.timeline.beat_at(self.time)
-        position, rotation = dancers.pose(self.span.fraction(beat), self.time)
-        danced = dancers.present
-        for array in (
+        return hash_of(
             self.state.flat, self.motion.entrances.state, self.group, danced.node, danced.placement, danced.correction,
-            danced.aimed, danced.take, danced.warp, dancers.lock.state, self.variation.phase, position, rotation,
+            danced.aimed, danced.take, danced.warp, dancers.lock.state, self.variation.phase,
+            *dancers.pose(self.span.fraction(beat), self.time),
             np.array([beat, self.timeline.tempo, self.brightness]),
-        ):  # fmt: skip
-            digest.update(np.ascontiguousarray(array).tobytes())
-        return digest.hexdigest()
+        )  # fmt: skip

@@ -88,8 +88,8 @@ class Status:
         rejected = Counter(self._rejected())
         if self.dropped_events:
             rejected["inbox full"] += self.dropped_events
-        if show.refused:
-            rejected["unknown step"] += show.refused
+        if show.refusals.count:
+            rejected["unknown step"] += show.refusals.count
         if show.follower.rejected:
             rejected["impossible beat"] += show.follower.rejected
         return {
@@ -131,7 +131,7 @@ class Status:
         s = self.snapshot(time)
         beats = self._show.timeline.beats_per_measure
         frame, cpu = s["frame_ms"], s["cpu_ms"]["p50"]
-        level, refusal = self._level(), self._refusal() or self._show.refusal
+        level, refusal = self._level(), self._refusal() or self._show.refusals.words
         heard = "" if level is None else f"   input {20.0 * math.log10(max(level, 1e-5)):.0f} dB"
         lines = (
             f"{s['bpm']:.1f} bpm   measure {s['measure']}   beat {s['beat']} of {beats}",

@@ -93,13 +93,13 @@ def test_hands_are_journalled_and_replayed_bit_by_bit(tmp_path):
 def test_what_the_clock_refuses_is_told():
     show = made_show()
     assert not show.apply(events.ChooseSource(time=0.0, source="osc", name="the drummer"))
-    assert "the drummer" in show.refusal
+    assert "the drummer" in show.refusals.words
     assert not show.apply(events.SetMetre(time=0.0, source="osc", beats=1.0))
     for k in range(12):
         run(show, 32)
         heard(show, 0.5 * (k + 1), beat=k % 4, beats_per_measure=4, measure=k // 4)
     assert not show.apply(events.SetTempo(time=show.time, source="key", tempo=90.0))
-    assert "midi" in show.refusal
+    assert "midi" in show.refusals.words
 
 
 def test_the_status_says_who_is_followed_and_what_waits():

@@ -138,7 +138,7 @@ def test_a_called_step_is_danced_for_its_measures_by_everybody():
 def test_an_unknown_step_is_counted_and_changes_nothing():
     show, plain = made_show(), made_show()
     show.apply(at(events.CallStep, show, name="moonwalk"))
-    assert show.refused == 1
+    assert show.refusals.count == 1
     assert run(show, 6) == run(plain, 6)
 
 

@@ -158,7 +158,7 @@ def test_dancers_enter_and_leave_through_gates_at_measure_lines():
     show.fill(view, show.time)
     assert view.present.tolist() == [False, False, *[True] * 9, False]
     assert not show.apply(at(events.Enter, show, count=9.0))
-    assert "only 3 waited" in show.refusal
+    assert "only 3 waited" in show.refusals.words
 
 
 def test_nobody_goes_through_what_stands_on_the_stage_and_real_dancers_are_forgotten():
@@ -195,8 +195,8 @@ def test_nobody_goes_through_what_stands_on_the_stage_and_real_dancers_are_forgo
 def test_what_is_not_there_is_refused_in_words(event, words):
     show = made_show()
     assert not show.apply(event(show))
-    assert words in show.refusal
-    assert show.refused == 1
+    assert words in show.refusals.words
+    assert show.refusals.count == 1
     run(show, 0.5)
 
 
@@ -219,7 +219,7 @@ def test_a_group_that_has_become_empty_is_nobody_and_stops_nothing():
     run(show, 10.0)
     assert show.group.tolist() == [0] * 9
     assert not show.apply(at(events.Evolve, show, formation="line", group="back"))
-    assert "nobody is 'back' now" in show.refusal
+    assert "nobody is 'back' now" in show.refusals.words
 
 
 def test_whoever_comes_back_dances_with_her_own_group():

@@ -26,7 +26,7 @@ def measures(show, count, *, start=None, wish=None, planned=None, known=NOBODY):
 
 
 def face(show, words, group="*"):
-    assert show.apply(events.SetFacing(facing=words, group=group, **STAMP)), show.refusal
+    assert show.apply(events.SetFacing(facing=words, group=group, **STAMP)), show.refusals.words
 
 
 def test_a_turn_of_80_degrees_is_danced_in_three_measures():

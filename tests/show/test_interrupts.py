@@ -122,7 +122,7 @@ def test_what_is_not_there_is_refused_with_words(event, words):
     show = made_show()
     run(show, 1, 64)
     assert not show.apply(event)
-    assert words in show.refusal
+    assert words in show.refusals.words
     run(show, 65, 128)
     assert show.interrupts.cutting.cuts == 0
 

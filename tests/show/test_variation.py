@@ -198,7 +198,7 @@ def test_controls_for_what_is_not_there_are_refused_and_counted():
     show = made_show()
     assert not show.apply(events.SetMotion(parameter="head", value=1.0, group="nobody", **STAMP))
     assert not show.apply(events.SetMotion(parameter="seed", value=1.0, **STAMP))
-    assert show.refused == 2
+    assert show.refusals.count == 2
     assert show.apply(events.SetMotion(parameter="head", value=1.0, group="*", **STAMP))
 
 

@@ -1,0 +1,19 @@
+"""The hash of states differs where any bit does, and nowhere else."""
+
+import numpy as np
+
+from live.show.state_hash import hash_of
+
+
+def test_a_single_bit_changes_it() -> None:
+    state = np.arange(6.0)
+    other = state.copy()
+    other[3] = np.nextafter(other[3], 9.0)
+    assert hash_of(state) == hash_of(state.copy())
+    assert hash_of(state) != hash_of(other)
+    assert hash_of(np.array([0.0])) != hash_of(np.array([-0.0]))
+
+
+def test_rows_that_do_not_lie_together_are_read_as_rows() -> None:
+    wide = np.arange(12, dtype=np.int32).reshape(3, 4)
+    assert hash_of(wide[:, ::2]) == hash_of(np.ascontiguousarray(wide[:, ::2])) != hash_of(wide[:, 1::2])
