@@ -15,11 +15,12 @@ from live.cli.steps_library import RECORDING_THRESHOLD_M, SKETCH_THRESHOLD_M
 from live.graph.assemble import Assembled, assemble
 from live.graph.candidates import find_candidates
 from live.graph.depth_first import SearchTooLong
+from live.graph.followed_path import FollowedPath
 from live.graph.library import StepLibrary, build_library
 from live.graph.missing import Missing, find_missing
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.graph.path import Targets, follow_line, read_path, smoothed
-from live.graph.path_search import FollowedPath, follow_path
+from live.graph.path_search import follow_path
 from live.graph.path_words import path_lacks
 from live.graph.sequence import NoPath, best_start, find_sequence
 from live.graph.specification import Specification, Wanted, specify

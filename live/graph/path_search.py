@@ -12,15 +12,16 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.candidates import Candidates, find_candidates
+from live.graph.followed_path import FollowedPath
 from live.graph.motion_graph import MotionGraph
 from live.graph.path import Targets
 from live.graph.placing import begun, joined, next_axes, turn_vectors, wrapped
+from live.graph.wrong_steps import cost_to_go, wrong_steps
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 
-ANY: Final = -1
 BEAM: Final = 48
 MOST_ROWS: Final = 40_000
 """Candidates weighed for one measure; of more, those whose own clips come nearest, so that any graph is quick."""
@@ -42,30 +43,6 @@ CORRECTED: Final = 0.3
 """A square metre of correction costs this."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class FollowedPath:
-    """What is danced over M measures, and how near to the targets it comes."""
-
-    node: Int32
-    """Shape (M,)."""
-    take: Int32
-    """Node of the other take that is mixed in, NO_TAKE for none, shape (M,)."""
-    share: Float64
-    """How much of it, shape (M,)."""
-    turn: Float64
-    """Turn on the carrying foot in each measure [rad], shape (M,)."""
-    correction: Float64
-    """What moves the hips besides [m], shape (M, 2)."""
-    place: Float64
-    """Where the hips are at the end of each measure [m], shape (M, 2)."""
-    error: Float64
-    """How far that is from the target [m], shape (M,)."""
-    heading_error: Float64
-    """How far the body faces from where it should [rad], absolute, shape (M,)."""
-    wrong: Bool
-    """Measures of another step than the wanted one, shape (M,)."""
-
-
 def follow_path(
     graph: MotionGraph,
     targets: Targets,
@@ -79,7 +56,7 @@ def follow_path(
 ) -> FollowedPath:
     """Dance along `targets` (M measures of `seconds`), beginning at the first of them.
 
-    `wanted` (M,) are steps by index, ANY for no matter which; `fits` (M, N) says more exactly which nodes may be
+    `wanted` (M,) are steps by index, `ANY` for no matter which; `fits` (M, N) says more exactly which nodes may be
     danced when (see `Specification`; with both, what fits both). Where nothing that fits can be reached, something
     else is danced, in as few measures as possible. `correction_m` [m]: by so much the hips may be moved each measure
     beyond what the clips do; held feet hide it as far as legs reach.
@@ -88,40 +65,11 @@ def follow_path(
     count = targets.measures
     if count < 1 or not seconds > 0.0:
         raise ValueError(f"{count} measures of {seconds} s: at least one, longer than 0, expected")
-    wrong = _wrong(graph, count, wanted, fits)
+    wrong = wrong_steps(graph, count, wanted, fits)
     search = _Search(
         graph, candidates if candidates is not None else find_candidates(graph), targets, seconds, correction_m, beam
     )
     return search.run(wrong, cost_to_go(graph, wrong))
-
-
-def _wrong(graph: MotionGraph, count: int, wanted: npt.ArrayLike | None, fits: Bool | None) -> Bool:
-    """Whether each node would be another step than the wanted one, shape (M, N)."""
-    library = graph.library
-    shape = (count, library.node_count)
-    wrong = np.zeros(shape, np.bool_)
-    if wanted is not None:
-        values = np.asarray(wanted, np.int64)
-        if values.shape != (count,):
-            raise ValueError(f"wanted steps of shape {values.shape}, ({count},) expected")
-        wrong |= (values[:, None] != ANY) & (library.node_step[None] != values[:, None])
-    if fits is not None:
-        if fits.shape != shape:
-            raise ValueError(f"fits of shape {fits.shape}, {shape} expected")
-        wrong |= ~fits
-    return wrong
-
-
-def cost_to_go(graph: MotionGraph, wrong: Bool) -> Float64:
-    """The fewest wrong measures, (M, N), after node v is danced in measure n, backwards over all edges; exact."""
-    filled = np.flatnonzero(np.diff(graph.edge_start) > 0)
-    starts = graph.edge_start[filled]
-    left = np.full(wrong.shape, np.inf)
-    left[-1] = 0.0
-    for n in range(len(wrong) - 2, -1, -1):
-        after = left[n + 1] + wrong[n + 1]
-        left[n, filled] = np.minimum.reduceat(after[graph.edge_target], starts)
-    return left
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,9 +7,9 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.candidates import Candidates
+from live.graph.followed_path import FollowedPath
 from live.graph.motion_graph import MotionGraph
 from live.graph.path import Targets
-from live.graph.path_search import FollowedPath
 from live.graph.placing import turn_vectors
 from live.graph.reach import DIRECTIONS, direction_of, reach_of
 

@@ -13,8 +13,9 @@ from live.graph.candidates import find_candidates
 from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
 from live.graph.path import Targets, follow_line, smoothed
-from live.graph.path_search import ANY, WRONG, cost_to_go, follow_path
+from live.graph.path_search import WRONG, follow_path
 from live.graph.takes import NO_TAKE
+from live.graph.wrong_steps import ANY, cost_to_go
 from tests.made_steps import made_clip, made_steps
 from tests.steps_of_the_project import project_steps
 

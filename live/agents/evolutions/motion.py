@@ -6,8 +6,9 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.agents.evolutions.departure import Departure, Draft, Journey
 from live.agents.evolutions.intention import Intention, Procedural, Repertoire
-from live.agents.evolutions.journey import Departure, Draft, Journey, travelling
+from live.agents.evolutions.journey import travelling
 from live.agents.evolutions.locomotion import Float32, Setting
 from live.agents.evolutions.pieces import Pieces
 from live.agents.evolutions.segment import Segment

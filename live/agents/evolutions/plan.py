@@ -11,8 +11,8 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from live.agents.evolutions.departure import Departure
 from live.agents.evolutions.intention import Repertoire
-from live.agents.evolutions.journey import Departure
 from live.agents.evolutions.kernels import track
 from live.agents.evolutions.locomotion import Float32, Setting
 from live.agents.evolutions.motion import Motion
