@@ -1,22 +1,21 @@
 """What `live dance` does: library, graph, the path through it, and the motion."""
 
 import math
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
 from live.base.errors import PersonError
+from live.cli.dance_wanted import SKETCHES, check_attributes, read_clips, read_text, read_wanted
 from live.cli.steps_library import RECORDING_THRESHOLD_M, SKETCH_THRESHOLD_M
 from live.graph.assemble import Assembled, assemble
 from live.graph.candidates import find_candidates
 from live.graph.depth_first import SearchTooLong
 from live.graph.followed_path import FollowedPath
-from live.graph.library import StepLibrary, build_library
+from live.graph.library import StepLibrary
 from live.graph.missing import Missing, find_missing
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.graph.path import Targets, follow_line, read_path, smoothed
@@ -24,20 +23,14 @@ from live.graph.path_search import follow_path
 from live.graph.path_words import path_lacks
 from live.graph.sequence import NoPath, best_start, find_sequence
 from live.graph.specification import Specification, Wanted, specify
-from live.graph.wanted import find_name, known, parse_sequence
-from live.motion.step_clip import StepClip
-from live.show.patch_file import PATCHES
-from live.steps.step_folder import load_folder
+from live.graph.wanted import find_name, known
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
-SKETCHES: Final = "sketches"
 WINDOW_BEATS: Final = 0.75
 MOST_PATH_MEASURES: Final = 3000
 """Longest dance along a path, which takes a twentieth of a second for each measure."""
-MOST_BYTES: Final = 4_000_000
-"""Longest file of a sequence."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,65 +117,6 @@ def put_together(plan: Plan) -> Assembled:
         )
     except ValueError as error:
         raise PersonError(f"--sequence: {error}", "--json alone finds the dance without its motion") from None
-
-
-# -- what is read ------------------------------------------------------------------------------------------------------
-
-
-def read_clips(library: str) -> list[StepClip]:
-    """The steps of a folder, or the project's own."""
-    return load_folder(PATCHES / "steps" if library == SKETCHES else Path(library))
-
-
-def read_text(sequence: str) -> str:
-    """The sequence, out of a file if it begins with @; lines may end where commas are."""
-    if not sequence.startswith("@"):
-        return sequence
-    file = Path(sequence[1:])
-    try:
-        if not file.is_file():
-            what = "that is no file" if file.exists() else "there is no such file"
-            raise PersonError(f"--sequence @{file}: {what}", "after @ give a text file, its lines steps with commas")
-        if os.path.getsize(file) > MOST_BYTES:
-            raise PersonError(f"--sequence @{file}: a file of at most {MOST_BYTES // 1_000_000} MB expected")
-        text = file.read_text(encoding="utf-8")
-    except (OSError, ValueError) as error:
-        words = error.strerror if isinstance(error, OSError) and error.strerror else "it is no text in UTF-8"
-        raise PersonError(f"--sequence {file}: cannot be read: {words}") from None
-    lines = [line.split("#")[0].strip().strip(",") for line in text.splitlines()]
-    return ",".join(line for line in lines if line)
-
-
-def read_wanted(clips: Sequence[StepClip], text: str) -> tuple[StepLibrary, list[Wanted]]:
-    """The library of the metre in which all steps of the sequence are there, and the sequence."""
-    metres = [clip.beats_per_measure for clip in clips]
-    errors: list[PersonError] = []
-    for beats in sorted(set(metres), key=lambda beats: (-metres.count(beats), beats)):
-        library = build_library([clip for clip in clips if clip.beats_per_measure == beats])
-        try:
-            return library, parse_sequence(text, library)
-        except PersonError as error:
-            errors.append(error)
-    if len(errors) == 1:
-        raise errors[0]
-    listed = " and ".join(map(str, sorted(set(metres))))
-    raise PersonError(
-        f"no metre has all of the sequence: {'; '.join(error.message for error in errors)}",
-        f"steps of {listed} beats a measure are there, and a dance has one metre",
-    )
-
-
-def check_attributes(library: StepLibrary, wanted: Sequence[Wanted]) -> None:
-    """PersonError if variations of a wanted step contradict each other: a step transfers the weight or it does not."""
-    for step in sorted({entry.step for entry in wanted if entry.step is not None}):
-        clips = [clip for clip in library.clips if clip.step == library.steps[step]]
-        said = {clip.weight_transfer: clip for clip in reversed(clips)}
-        if len(said) == 2:
-            raise PersonError(
-                f"the step {library.steps[step]!r} contradicts itself: {said[True].clip.name!r} transfers the weight, "
-                f"{said[False].clip.name!r} does not",
-                "write the same weight_transfer for all its variations",
-            )
 
 
 def _headings(asked: Asked) -> "str | tuple[float, ...]":
