@@ -27,6 +27,8 @@ class Danced:
 
     def __init__(self, graph: MotionGraph, count: int) -> None:
         self.graph = graph
+        self.decided = False
+        """Whether the measure of every dancer is chosen."""
         self.node: Int32 = np.full(count, UNDECIDED, np.int32)
         """Node danced, UNDECIDED before it is chosen, shape (A,)."""
         self.placement: Float64 = np.zeros((count, 3))
@@ -50,11 +52,12 @@ class Danced:
         """Take over everything; views into the arrays stay valid."""
         for name in self.ARRAYS:
             getattr(self, name)[:] = getattr(other, name)
+        self.decided = other.decided
 
-    @property
-    def decided(self) -> bool:
-        """Whether the measure of every dancer is chosen."""
-        return bool((self.node >= 0).all())
+    def undecide(self) -> None:
+        """Nobody's measure is chosen any more."""
+        self.node[:] = UNDECIDED
+        self.decided = False
 
     def turned(self, fraction: Float64, out: Float64) -> None:
         """Placements (A, 4) with the corrections' share in them when `fraction` (A,) of the measure has passed."""

@@ -9,7 +9,8 @@ from live.motion.arms.arms import Hands
 from live.motion.contact import TOES_OVER_SOLE
 from live.motion.inertia.inertia import Inertia
 from live.motion.inertia.kernels import LONGEST
-from live.motion.posing.asking.kernels import ask_dancers, standing_feet, warp_phases
+from live.motion.legs.placing.kernels import hold_where_wanted
+from live.motion.posing.asking.kernels import ask_dancers, standing_feet
 from live.motion.posing.foot_lock import LEG_JOINTS, FootLock
 from live.motion.posing.kernels import INTO_NEXT, NEXT, PRESENT
 from live.motion.posing.pipeline import PosePipeline, PoseSkeleton
@@ -51,6 +52,7 @@ class Dancers:
         self._settled = np.full(dancer_count, LONGEST, np.float32)
         self._bare_legs = np.zeros_like(self._legs.position), np.zeros_like(self._legs.rotation)
         self._everybody = np.arange(dancer_count)
+        self._phase = np.zeros(dancer_count)
         self.shown: Float32 = np.zeros((dancer_count, 2), np.float32)
         """Where the hips of each dancer were at the last tick [m], shape (A, 2): what the audience sees."""
 
@@ -76,8 +78,9 @@ class Dancers:
         danced.node[:] = node
         danced.placement[:] = begun(self.graph, node, position, heading)
         danced.correction[:] = danced.aimed[:] = 0.0
-        self.past.node[:] = UNDECIDED
-        self.coming.node[:] = UNDECIDED
+        danced.decided = True
+        self.past.undecide()
+        self.coming.undecide()
         self.shown[:] = position
 
     def place(self, rows: npt.NDArray[np.intp], position: Float64, heading: Float64) -> None:
@@ -126,14 +129,15 @@ class Dancers:
         """The next measure becomes the present one, the present one the past."""
         self.past.copy_from(self.present)
         self.present.copy_from(self.coming)
-        self.coming.node[:] = UNDECIDED
+        self.coming.undecide()
 
     def tick(self, fraction: float, time: float, dt: float) -> None:
         """Follow the feet to the tick at `time` [s], `dt` [s] after the last one (foot lock)."""
         self.inertia.place(time)
-        contact = self.contact(fraction) & (self.variation.lock != 0.0)[:, None]
+        contact = self.contact(fraction)
+        hold_where_wanted(contact, self.variation.lock)
         position, _ = self._legs.run(self.graph.library.leg_store)
-        if self.inertia.settling_now.any():
+        if self.inertia.any_settles:
             contact &= self._landed(position) | ~self.inertia.settling_now[:, None]
         self.shown[:] = position[:, 0, ::2]
         self.lock.tick(position, contact, dt)
@@ -149,8 +153,7 @@ class Dancers:
         self.inertia.place(time)
         pipeline, variation = self._pipeline, self.variation
         pipeline.head[:] = variation.head
-        # once let go, feet still have to swing back
-        pipeline.lock = bool(variation.lock.any()) or float(np.abs(self.lock.state[:, :, :2]).max()) > 1e-3
+        pipeline.lock = variation.locks or self.lock.farthest > 1e-3  # once let go, feet still have to swing back
         if pipeline.lock:
             self.lock.place(pipeline.feet, max(time - self._locked_at, 0.0))
         position, rotation = pipeline.run(self.graph.library.store, out)
@@ -192,7 +195,11 @@ class Dancers:
 
     def _ask(self, fraction: float) -> None:
         """Which samples of which clips, where, how much of each: for everybody at `fraction` of the measure."""
-        present, phase = self.present, self.phases(fraction)
+        present, phase = self.present, self._phase
+        lowest, highest = self.variation.phases(phase, fraction, present.warp)
+        if lowest >= 0.0 and highest <= 1.0:
+            self._fill(self._everybody, present, self.coming, phase, fraction)
+            return
         late = (phase < 0.0) & (self.past.node >= 0)
         early = (phase > 1.0) & self.decided
         self._fill(self._everybody, present, self.coming, np.clip(phase, 0.0, 1.0), fraction)
@@ -203,12 +210,9 @@ class Dancers:
 
     def phases(self, fraction: float) -> Float64:
         """How far each dancer is in the present measure, below 0 in the one before, above 1 in the next one, (A,)."""
-        variation = self.variation
         phase = np.empty(len(self._everybody))
-        warp_phases(phase, fraction, self.present.warp, self.graph.window)
-        if variation.warp_sequence.any():
-            phase = phase + variation.sequence_warp(fraction)
-        return np.maximum(phase - variation.late_at(fraction), -1.0)
+        self.variation.phases(phase, fraction, self.present.warp)
+        return phase
 
     def _fill(
         self, rows: npt.NDArray[np.int64], own: Danced, then: Danced | None, phase: Float64, fraction: float

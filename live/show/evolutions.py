@@ -156,6 +156,11 @@ class Evolutions:
 
     # -- ticks ---------------------------------------------------------------------------------------------------
 
+    @property
+    def running(self) -> bool:
+        """Whether a segment has begun, or is being worked out, that may hold somebody."""
+        return self._plan.running
+
     def work(self) -> None:
         """Do one small piece of what is to be worked out."""
         self._plan.work()

@@ -10,14 +10,14 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.agents.asking.kernels import hold_on_leash, hurry_firm, rest_wants
 from live.agents.crowd.advance import Advance
 from live.agents.crowd.model import AgentModel, AgentState, Steering
 from live.agents.crowd.surroundings import Surroundings
 from live.agents.look_ahead import LookAhead
-from live.agents.parting.kernels import bind_agents
 from live.agents.parting.parting import Parting
 from live.agents.wants import Wants
-from live.agents.wings.entrances import ON, Entrances
+from live.agents.wings.entrances import ENTERING, ON, Entrances
 from live.agents.wings.gate import Gate, wings
 from live.base.stage_view import StageView
 from live.clock.ticks import TICK
@@ -165,17 +165,21 @@ class GroupMotion:
         are on the way through their measure, and `pace` (A, 2) [m/s] how fast they go it."""
         self._now, self._speed = (timeline, span), speed
         self.entrances.settle(self.state.position)
-        self.partners.part(self.entrances.state == ON)
-        self._forget_performers(time)
+        if len(self.partners.leader):
+            self.partners.part(self.entrances.state == ON)
+        if self._performers:
+            self._forget_performers(time)
         self.evolutions.work()
         self._ask(self.wants, self.state, time, ahead=False)
-        self.evolutions.release(self.elements.influence >= TAKEN)
+        if self.evolutions.running:
+            self.evolutions.release(self.elements.influence >= TAKEN)
         self._advance(self.state, self._spare, wants=self.wants, surroundings=self.surroundings, time=time, dt=TICK)
         self.state, self._spare = self._spare, self.state
         # in an evolution agents are where the plan has them: that is where their dancers are sent
-        bound = self.present & (self.wants.firm <= 0.0)
-        self._leash[:] = np.where(bound, np.where(self.entrances.state == ON, LEASH, LONG_LEASH), np.inf)
-        bind_agents(self.state.position, self.state.velocity, dancer, pace, self._leash)
+        hold_on_leash(
+            self.state.position, self.state.velocity, dancer, pace, self.wants.rows,
+            self.entrances.state, ENTERING, ON, LEASH, LONG_LEASH, self._leash,
+        )  # fmt: skip
 
     def _ask_ahead(self, wants: Wants, state: AgentState, time: float) -> None:
         self._ask(wants, state, time, ahead=True)
@@ -186,13 +190,12 @@ class GroupMotion:
             return
         timeline, span = self._now
         beat, size = timeline.beat_at(time), self._beats
-        wants.rest()
-        wants.speed[:] = self._speed
-        wants.separation[:] = STANDING
-        danced = span.danced(beat, size)
-        rate = (span.danced(timeline.beat_at(time + TICK), size) - danced) / TICK
-        self.evolutions.write(wants, state, danced, rate)
-        wants.speed[:] = np.where(wants.firm > 0.0, self._speed * HURRY, self._speed)
+        rest_wants(wants.rows, self._speed, STANDING)
+        if self.evolutions.running:
+            danced = span.danced(beat, size)
+            rate = (span.danced(timeline.beat_at(time + TICK), size) - danced) / TICK
+            self.evolutions.write(wants, state, danced, rate)
+            hurry_firm(wants.rows, self._speed, HURRY)
         if not ahead:
             self.elements.refresh(beat, wants, state)
         self.elements.wish(wants, state, time=time, beat=beat, ahead=ahead)

@@ -194,6 +194,7 @@ class Scheduler:
         edge = choices.edge
         choices.node[:] = np.where(edge < 0, -1, graph.edge_target[np.maximum(edge, 0)])
         draft.node[:] = np.where(edge[:, 0] < 0, dancers.node, choices.node[:, 0])
+        draft.decided = True
         dancers.variation.draw(measure, draft)
         row = np.maximum(choices.candidate[:, 0], 0)
         needed = (choices.candidate[:, 0] >= 0) & (candidates.take[row] != NO_TAKE)

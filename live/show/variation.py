@@ -12,6 +12,7 @@ import numpy.typing as npt
 from live.base.kernels import ease
 from live.graph.takes import NO_TAKE
 from live.motion.editing.time_warp import F_MAX, draw_measure_warps
+from live.motion.posing.asking.kernels import delay_phases
 from live.show.danced import Danced
 from live.show.patch import Patch
 from live.show.ripple import Ripple
@@ -147,6 +148,7 @@ class Variation:
         self._late_before = self.late.copy()
         self._like = self._liked = np.arange(count, dtype=np.int32)
         self._paired: npt.NDArray[np.intp] = np.zeros(0, np.intp)
+        self._even: Float64 = np.zeros(count)
         self.regrouped()
 
     def regrouped(self) -> None:
@@ -154,6 +156,9 @@ class Variation:
         for name in Variety.names():
             values = np.array([getattr(variety, name) for variety in self._varieties], np.float64)
             setattr(self, name, values[self._group])
+        self._drifts = bool(self.warp_sequence.any())
+        self.locks = bool(self.lock.any())
+        """Whether anybody's feet are held."""
 
     # the fields of Variety for each dancer, shape (A,)
     warp_beats: Float64
@@ -249,9 +254,13 @@ class Variation:
 
     # -- lateness on purpose: canon and ripple --------------------------------------------------------------------
 
-    def late_at(self, fraction: float) -> Float64:
-        """Share of a measure by which each dancer is behind on purpose at `fraction` of the present one, (A,)."""
-        return np.asarray(self._late_before + ease(fraction) * (self.late - self._late_before))
+    def phases(self, out: Float64, fraction: float, warp: Float64) -> tuple[float, float]:
+        """How far everybody is in a measure warped by `warp` (4, A) at `fraction` of the present one, into `out` (A,).
+
+        Drift over the sequence and lateness on purpose are in. Returns the lowest and the highest.
+        """
+        ahead = self.sequence_warp(fraction) if self._drifts else self._even
+        return delay_phases(out, fraction, warp, self._window, ahead, self._late_before, self.late)
 
     def delay(self, like: Int32, place: npt.NDArray[np.floating], there: npt.NDArray[np.bool_], danced: Danced) -> None:
         """A measure begins: how late everybody shall be when it ends, by where they are, `place` (A, 2) [m].

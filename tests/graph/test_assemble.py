@@ -49,7 +49,7 @@ def danced_live(graph, path, turns, corrections, takes, shares, start, seconds, 
     dancers = Dancers(graph, variation, 1)
 
     def set_measure(danced, n):
-        danced.node[0] = path[n]
+        danced.node[0], danced.decided = path[n], True
         danced.correction[0] = (*corrections[n], turns[n])
         danced.on_support[0] = 1.0
         danced.take[0] = takes[n]

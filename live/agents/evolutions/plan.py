@@ -125,6 +125,11 @@ class Plan:
 
     # running
 
+    @property
+    def running(self) -> bool:
+        """Whether a segment has begun, or is at work late, that may hold somebody."""
+        return bool(self._motions or self._at_work)
+
     def prepare(
         self, measure: int, positions: npt.ArrayLike, headings: npt.ArrayLike, *, if_known: bool = False
     ) -> None:

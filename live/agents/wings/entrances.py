@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.agents.asking.kernels import any_in, write_presence
 from live.agents.wants import ABSENT, ON_STAGE, PASSING, Wants
 from live.agents.wings.gate import Gate
 
@@ -98,19 +99,18 @@ class Entrances:
 
     def settle(self, position: Float32) -> None:
         """Who has arrived at her place is on the stage from now on; agents at `position` (A, 2) [m]."""
-        rows = np.flatnonzero(self.state == ENTERING)
-        if not len(rows):
+        if not any_in(self.state, ENTERING):
             return
+        rows = np.flatnonzero(self.state == ENTERING)
         way, half = self.goal[rows] - position[rows], self._size
         inside = (np.abs(position[rows]) <= half).all(axis=1)
         self.state[rows[inside & (np.hypot(*way.T) < NEAR)]] = ON
 
     def write(self, wants: Wants, position: Float32) -> None:
         """Presence of everybody, and the way of those who enter or leave (arrive, T082), into `wants`."""
-        wants.presence[:] = _PRESENCE[self.state]
-        rows = np.flatnonzero(wants.presence == PASSING)
-        if not len(rows):
+        if not write_presence(wants.rows, self.state, _PRESENCE, PASSING):
             return
+        rows = np.flatnonzero(wants.presence == PASSING)
         way = self.goal[rows] - position[rows]
         far = np.maximum(np.hypot(*way.T), 1e-6)
         speed = np.minimum(wants.speed[rows], far / ARRIVAL_S)

@@ -4,6 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion.inertia.kernels import COLUMNS, DURATION, LONGEST, keep_difference
+from live.motion.legs.placing.kernels import age_cuts
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -28,10 +29,12 @@ class Inertia:
         """When each dancer was last cut [s], shape (A,)."""
         self.age: Float32 = np.full(dancer_count, LONGEST, np.float32)
         """How long that is ago [s], LONGEST at most, shape (A,); `place` brings it up to date."""
+        self.any_settles = False
+        """Whether at the last `place` somebody still had something of an old motion in her."""
 
     def place(self, time: float) -> None:
         """Let `age` be as at `time` [s]."""
-        np.clip(time - self.began, 0.0, LONGEST, out=self.age, casting="unsafe")
+        self.any_settles = age_cuts(self.age, self.began, time)
 
     @property
     def settling_now(self) -> Bool:

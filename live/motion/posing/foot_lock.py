@@ -12,17 +12,14 @@ from live.motion.forward import forward_kinematics, local_rotations
 from live.motion.legs.kernels import (
     FEET_COLUMNS,
     HELD,
-    LIFT,
     LOCK_COLUMNS,
     SHIFT_X,
     SHIFT_Z,
     SLID,
-    SPEED_X,
-    SPEED_Y,
-    SPEED_Z,
     STOOD,
     follow_feet,
 )
+from live.motion.legs.placing.kernels import farthest_shift, swing_feet
 from live.motion.posing.pipeline import ClipStore, PosePipeline, PoseSkeleton
 from live.motion.skeleton import SOLE_BELOW_ANKLE
 
@@ -44,6 +41,11 @@ class FootLock:
         """Follow the unlocked feet: `leg_position` (A, 9, 3) [m] of LEG_JOINTS, `contact` (A, 2), `dt` [s]."""
         follow_feet(self.state, leg_position, contact, SOLE_BELOW_ANKLE, TOES_OVER_SOLE, dt)
 
+    @property
+    def farthest(self) -> float:
+        """How far any foot is shifted along x or z [m]."""
+        return farthest_shift(self.state)
+
     def held(self) -> npt.NDArray[np.float64]:
         """How far each held foot is from its clip's place, x, z [m], 0 for free ones, shape (A, 2, 2)."""
         shift = self.state[:, :, (SHIFT_X, SHIFT_Z)].astype(np.float64)
@@ -58,11 +60,7 @@ class FootLock:
 
     def place(self, feet: Float32, age: float) -> None:
         """Write what the pose kernels need, (A, 2, 7), `age` [s] after the last tick: free feet have swung on."""
-        feet[:] = self.state[:, :, :FEET_COLUMNS]
-        free = age * (1.0 - self.state[:, :, HELD])
-        feet[:, :, SHIFT_X] += free * self.state[:, :, SPEED_X]
-        feet[:, :, SHIFT_Z] += free * self.state[:, :, SPEED_Z]
-        feet[:, :, LIFT] += free * self.state[:, :, SPEED_Y]
+        swing_feet(feet, self.state, age)
 
 
 def lock_feet(clip: Clip) -> Clip:

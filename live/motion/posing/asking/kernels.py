@@ -26,11 +26,30 @@ def warp_phases(out: Float64, fraction: float, warp: Float64, window: float) -> 
     """Phases (A,) of clips whose measures are warped by `warp` (4, A) at `fraction`: `measure_warp` (T055)."""
     room = 1.0 - window
     for n in range(out.shape[0]):
+        out[n] = fraction
+        if warp[0, n] == 0.0:
+            continue
         f = max(warp[1, n], 0.5 / room)
         begin = min(max(warp[2, n], 0.0), max(room - 0.5 / f, 0.0))
-        out[n] = fraction
         if begin < fraction < begin + 0.5 / f:
             out[n] += warp[3, n] * warp[0, n] * math.sin(2.0 * math.pi * f * (fraction - begin))
+
+
+@kernel("UniTuple(f8,2)(f8[::1], f8, f8[:,::1], f8, f8[::1], f8[::1], f8[::1])")
+def delay_phases(
+    out: Float64, fraction: float, warp: Float64, window: float, ahead: Float64, late_before: Float64, late: Float64
+) -> tuple[float, float]:
+    """Phases (A,) as `warp_phases` has them, `ahead` (A,) by another warp and late on purpose; the lowest and highest.
+
+    Lateness goes from `late_before` (A,) to `late` (A,) through the measure; nobody is more than a measure behind.
+    """
+    warp_phases(out, fraction, warp, window)
+    share, lowest, highest = ease(fraction), np.inf, -np.inf
+    for n in range(out.shape[0]):
+        phase = max(out[n] + ahead[n] - (late_before[n] + share * (late[n] - late_before[n])), -1.0)
+        lowest, highest = min(lowest, phase), max(highest, phase)
+        out[n] = phase
+    return lowest, highest
 
 
 @kernel(

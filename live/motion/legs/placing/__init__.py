@@ -1,0 +1,1 @@
+"""Where held and free feet are between two ticks."""

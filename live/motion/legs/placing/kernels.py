@@ -1,0 +1,54 @@
+"""Where held and free feet are between two ticks, for the pose kernels; and the time since cuts."""
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel
+from live.motion.inertia.kernels import LONGEST
+from live.motion.legs.kernels import FEET_COLUMNS, HELD, LIFT, SHIFT_X, SHIFT_Z, SPEED_X, SPEED_Y, SPEED_Z
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Bool = npt.NDArray[np.bool_]
+
+
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f4)")
+def swing_feet(feet: Float32, lock: Float32, age: float) -> None:
+    """Write `feet` (A, 2, 7) from the foot lock `lock` (A, 2, 12), `age` [s] after its tick: free feet swing on."""
+    for n in range(lock.shape[0]):
+        for side in range(2):
+            row, out = lock[n, side], feet[n, side]
+            for c in range(FEET_COLUMNS):
+                out[c] = row[c]
+            free = age * (np.float32(1.0) - row[HELD])
+            out[SHIFT_X] += free * row[SPEED_X]
+            out[SHIFT_Z] += free * row[SPEED_Z]
+            out[LIFT] += free * row[SPEED_Y]
+
+
+@kernel("f4(f4[:,:,::1])")
+def farthest_shift(lock: Float32) -> float:
+    """How far [m] any foot of the foot lock `lock` (A, 2, 12) is shifted along x or z."""
+    most = np.float32(0.0)
+    for n in range(lock.shape[0]):
+        for side in range(2):
+            most = max(most, max(abs(lock[n, side, SHIFT_X]), abs(lock[n, side, SHIFT_Z])))
+    return most
+
+
+@kernel("b1(f4[::1], f8[::1], f8)")
+def age_cuts(age: Float32, began: Float64, time: float) -> bool:
+    """Let `age` (A,) [s] be the time since cuts that `began` (A,) [s], LONGEST at most; whether any is younger."""
+    young = False
+    for n in range(age.shape[0]):
+        age[n] = min(max(time - began[n], 0.0), LONGEST)
+        young |= age[n] < np.float32(LONGEST)
+    return young
+
+
+@kernel("void(b1[:,::1], f8[::1])")
+def hold_where_wanted(contact: Bool, wanted: Float64) -> None:
+    """Feet of those whose `wanted` (A,) is 0 are never held: their `contact` (A, 2) does not count."""
+    for n in range(contact.shape[0]):
+        if wanted[n] == 0.0:
+            contact[n, 0] = contact[n, 1] = False
