@@ -202,7 +202,8 @@ class Show:
         carrying.tick(fraction, self.timeline.tempo / (60.0 * self.timeline.beats_per_measure))
         self.dancers.tick(fraction, time, TICK)
         partners = self.motion.partners
-        self.dancers.hands.tick(partners.other, partners.hand, TICK, self.timeline.tempo)
+        if len(partners.leader) or self.dancers.hands.held:
+            self.dancers.hands.tick(partners.other, partners.hand, TICK, self.timeline.tempo)
         self.brightness = damper(self.brightness, 0.0 if self.blackout else 1.0, FADE_HALFLIFE, TICK)
         return crossed
 

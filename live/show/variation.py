@@ -157,6 +157,8 @@ class Variation:
             values = np.array([getattr(variety, name) for variety in self._varieties], np.float64)
             setattr(self, name, values[self._group])
         self._drifts = bool(self.warp_sequence.any())
+        self.obeys = bool(self.obedience.any())
+        """Whether anybody is carried elsewhere within the measure."""
         self.locks = bool(self.lock.any())
         """Whether anybody's feet are held."""
 

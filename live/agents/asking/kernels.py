@@ -8,6 +8,7 @@ from live.agents.wants import ALIGNMENT, COHESION, FIRM, PRESENCE, SEPARATION, S
 from live.base.jit import kernel
 
 Float32 = npt.NDArray[np.float32]
+Int32 = npt.NDArray[np.int32]
 Int8 = npt.NDArray[np.int8]
 
 
@@ -39,6 +40,15 @@ def write_presence(rows: Float32, state: Int8, presence: Float32, passing: float
         rows[n, PRESENCE] = presence[state[n]]
         count += rows[n, PRESENCE] == passing
     return count
+
+
+@kernel("b1(i4[::1], i4[::1])")
+def same_indices(one: Int32, other: Int32) -> bool:
+    """Whether two arrays (A,) are the same."""
+    for n in range(one.shape[0]):
+        if one[n] != other[n]:
+            return False
+    return True
 
 
 @kernel("b1(i1[::1], i8)")

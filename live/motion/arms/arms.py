@@ -41,7 +41,8 @@ class Hands:
         self.state: Float32 = np.zeros((2, *shape), np.float32)
         """How far each hold is closed, 0 to 1, and how fast that changes [1/beat], shape (2, A, 2)."""
         self._tempo = 120.0
-        self._held = False  # whether any hold is closed, or moves
+        self.held = False
+        """Whether any hold is closed, or moves."""
 
     def tick(self, other: Int32, hand: Int32, dt: float, tempo: float) -> None:
         """A tick of `dt` [s] later at `tempo` [bpm]; wanted are holds with `other` (A, 2) by `hand` (A, 2, 2).
@@ -50,8 +51,6 @@ class Hands:
         """
         closed, speed = self.state
         self._tempo, beats = tempo, dt * tempo / 60.0
-        if not self._held and not (other >= 0).any():
-            return
         same = (other == self.other) & (hand == self.hand).all(axis=-1)
         if not same.all():
             self._change(other, hand, same)
@@ -64,7 +63,7 @@ class Hands:
         speed[:] = fall * (speed - bend * rate * np.float32(beats))
         rest = (goal == 0.0) & (closed < OPEN) & (speed <= 0.0)
         self.state[:, rest] = 0.0
-        self._held = bool(self.state.any())
+        self.held = bool(self.state.any())
 
     def _change(self, other: Int32, hand: Int32, same: npt.NDArray[np.bool_]) -> None:
         """Take up wanted holds where nothing is held any more, by neither of the two."""
@@ -78,7 +77,7 @@ class Hands:
 
     def pose(self, position: Float32, rotation: Float32, age: float) -> None:
         """Join the hands in poses (A, J, 3) [m] and (A, J, 4), in place, `age` [s] after the last tick."""
-        if not self._held:
+        if not self.held:
             return
         rows, slots = np.nonzero(self.state[0] > 0.0)
         if not len(rows):

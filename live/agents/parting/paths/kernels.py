@@ -11,12 +11,20 @@ from live.base.jit import kernel
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
+Int8 = npt.NDArray[np.int8]
 Int32 = npt.NDArray[np.int32]
 
 LEAST_SHARE = 0.08
 """A correction of which less than this has come in by then changes nothing."""
 AT_ONCE = 0.7
 """Share of what two lack that one round makes good: several pairs want something of the same dancer."""
+
+
+@kernel("void(f4[::1], f4[::1], i1[::1], i8)")
+def leave_out(yields: Float32, responsibility: Float32, state: Int8, there: int) -> None:
+    """Write `yields` (A,): the `responsibility` (A,) of those whose `state` (A,) is `there`, -1 for all others."""
+    for n in range(yields.shape[0]):
+        yields[n] = responsibility[n] if state[n] == there else np.float32(-1.0)
 
 
 @kernel("f8(f4, f8)")
@@ -40,6 +48,26 @@ def walk_paths(path: Float32, share: Float32, goal: Float64, aimed: Float64, pla
         for c in range(2):
             base = (1.0 - t) * path[n, k, c] + t * path[n, k + 1, c]
             out[n, c] = base + aimed[n, c] + w * (goal[n, c] - aimed[n, c])
+
+
+@kernel(
+    "void(f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], f8, f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], f8,"
+    " f4[:,::1], f4[:,::1], f4[:,::1])"
+)
+def walk_on(
+    path: Float32, share: Float32, goal: Float64, aimed: Float64, place: float,
+    later_path: Float32, later_share: Float32, later_goal: Float64, later_aimed: Float64, later_place: float,
+    now: Float32, before: Float32, out: Float32,
+) -> None:  # fmt: skip
+    """Where A dancers who are `now` (A, 2) [m] get, `out` (A, 2) [m], by what paths lead them from `place` to another.
+
+    Each place is on paths of its own, as in `walk_paths`; `before` (A, 2) is room to work in.
+    """
+    walk_paths(path, share, goal, aimed, place, before)
+    walk_paths(later_path, later_share, later_goal, later_aimed, later_place, out)
+    for n in range(out.shape[0]):
+        out[n, 0] += now[n, 0] - before[n, 0]
+        out[n, 1] += now[n, 1] - before[n, 1]
 
 
 @kernel("void(f4[:,:,::1], i8, f4[:,::1], f4[::1])")
@@ -182,10 +210,13 @@ def part_paths(
                     _lead(goal, j, force * other * wj * nx, force * other * wj * nz, most[j])
 
 
-@kernel("void(f8[:,::1], f8[:,::1], f8, f8)")
-def _follow(moved: Float64, speed: Float64, stiffness: float, dt: float) -> None:
-    """Make of what is needed, `moved` (A, 2) [m], the move of this tick: critically damped springs from rest."""
-    fall = math.exp(-stiffness * dt)
+@kernel("b1(f8[:,::1], f8[:,::1], f8, f8)")
+def _follow(moved: Float64, speed: Float64, stiffness: float, dt: float) -> bool:
+    """Make of what is needed, `moved` (A, 2) [m], the move of this tick: critically damped springs from rest.
+
+    Returns whether anybody is moved.
+    """
+    fall, any_moved = math.exp(-stiffness * dt), False
     for n in range(moved.shape[0]):
         for c in range(2):
             need, v = min(max(moved[n, c], -0.4), 0.4), speed[n, c]
@@ -195,9 +226,11 @@ def _follow(moved: Float64, speed: Float64, stiffness: float, dt: float) -> None
             bend = v - stiffness * need
             moved[n, c] = need + fall * (-need + bend * dt)
             speed[n, c] = fall * (v - stiffness * bend * dt)
+            any_moved |= moved[n, c] != 0.0
+    return any_moved
 
 
-@kernel("void(f4[:,::1], f4[:,::1], f4[::1], f4[::1], f8, f8, f8, f8, f8, i8, i4[::1], i4[::1], f8[:,::1], f8[:,::1])")
+@kernel("b1(f4[:,::1], f4[:,::1], f4[::1], f4[::1], f8, f8, f8, f8, f8, i8, i4[::1], i4[::1], f8[:,::1], f8[:,::1])")
 def push_apart(
     now: Float32,
     soon: Float32,
@@ -213,12 +246,12 @@ def push_apart(
     order: Int32,
     speed: Float64,
     moved: Float64,
-) -> None:
+) -> bool:
     """The last resort of one tick `dt` [s]: who touches, or will `soon`, is moved away, whatever her feet do.
 
     `now` and `soon` (A, 2) [m]: where the hips are, and where they will be in a moment; `speed` (A, 2) [m/s] of these
     moves is kept from tick to tick and follows what lacks critically damped, with `stiffness` [1/s]; `moved` (A, 2) [m]
-    is this tick's move. Else as in `part_paths`.
+    is this tick's move; returns whether anybody has one. Else as in `part_paths`.
     """
     columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
     sort_into_cells(soon, half_width, half_depth, NEIGHBOUR_RANGE, cell_start, order)
@@ -257,4 +290,4 @@ def push_apart(
                     moved[i, 1] -= part * own * nz
                     moved[j, 0] += part * other * nx
                     moved[j, 1] += part * other * nz
-    _follow(moved, speed, stiffness, dt)
+    return _follow(moved, speed, stiffness, dt)

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.parting.kernels import NEIGHBOUR_RANGE, cell_count
-from live.agents.parting.paths.kernels import part_paths, push_apart, walk_paths
+from live.agents.parting.paths.kernels import leave_out, part_paths, push_apart, walk_paths
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -58,9 +58,9 @@ class PathParting:
         self.lack: Float32 = np.full(count, -1.0, np.float32)
         """How much each dancer lacked at most [m] in the last round of `part`; below 0 nothing, shape (A,)."""
 
-    def there(self, who: npt.NDArray[np.bool_]) -> None:
-        """Only these dancers, (A,), are there and can be in the way."""
-        self._yields[:] = np.where(who, self._responsibility, np.float32(-1.0))
+    def there(self, state: npt.NDArray[np.int8], there: int) -> None:
+        """Only those dancers whose `state` (A,) is `there` can be in the way."""
+        leave_out(self._yields, self._responsibility, state, there)
 
     def part(self, paths: Paths, goal: Float64, aimed: Float64, most: Float64, *, place: float = 0.0) -> None:
         """One round: change `goal` (A, 2) [m], nobody's beyond `most` (A,) [m], so that the paths stay apart from
@@ -71,10 +71,11 @@ class PathParting:
             self._margin_at_end, *self._stage, self._middle, self._extent, *self._cells[:2], self.lack,
         )  # fmt: skip
 
-    def push(self, now: Float32, soon: Float32, *, margin: float, stiffness: float, dt: float) -> Float64:
-        """The last resort: this tick's moves (A, 2) [m] of those who touch or will at once; see `push_apart`."""
-        push_apart(
+    def push(self, now: Float32, soon: Float32, *, margin: float, stiffness: float, dt: float) -> Float64 | None:
+        """The last resort: this tick's moves (A, 2) [m] of those who touch or will at once, None if nobody moves; see
+        `push_apart`."""
+        pushed = push_apart(
             now, soon, self._radius, self._yields, margin, stiffness, dt, *self._stage, *self._cells,
             self._speed, self._moved,
         )  # fmt: skip
-        return self._moved
+        return self._moved if pushed else None

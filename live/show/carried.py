@@ -1,0 +1,83 @@
+"""Carried: where the present measure takes every dancer, corrections apart and in, and what these shall lead to."""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.parting.paths.paths import Paths
+from live.agents.wings.entrances import ON
+from live.motion.shifting.aiming import kernels as row
+from live.show.danced import Danced
+from live.show.dancers import Dancers
+from live.show.group_motion import GroupMotion
+from live.show.tracing import trace
+
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+LEAST_DODGE: Final = 0.1
+"""Whatever legs give, dancers are carried this far [m] beyond their steps where they would touch."""
+IN_HASTE: Final = 1.5
+"""Who would touch goes this much faster than others who are carried."""
+
+
+class Carried:
+    """Plain arrays over A dancers; those of shape (A, 2) [m] are views of `rows`, which the kernels take."""
+
+    def __init__(self, dancers: Dancers, motion: GroupMotion, edge: tuple[float, float]) -> None:
+        count = len(motion.casting.group)
+        self.dancers, self.motion, self.edge = dancers, motion, edge
+        self.paths = Paths(count)
+        """Where the hips go in the present measure."""
+        self.node: Int32 = np.full(count, -1, np.int32)
+        """Of which node `paths` are."""
+        self.rows: Float64 = np.zeros((row.ROWS, count, 2))
+        self.begin, self.end = self.rows[row.BEGIN], self.rows[row.END]
+        """Where the hips are when the measure begins, and when it ends if it is not corrected."""
+        self.goal = self.rows[row.GOAL]
+        """What corrections shall lead to."""
+        self.predicted = self.rows[row.PREDICTED]
+        """Where each dancer's agent is predicted to be when the present measure ends, as far as steps reach."""
+        self.asked, self.foreseen = self.rows[row.ASKED], self.rows[row.FORESEEN]
+        """The same as it was decided, and as it would be if steps reached everywhere."""
+        self.most, self.hasty = np.zeros(count), np.zeros(count)
+        """How long a correction may become so that nobody touches [m], and how far one may hurry to, (A,)."""
+
+    def allow(self, give: Float64) -> None:
+        """Legs give so much [m], (A,), for what keeps dancers apart."""
+        self.most[:] = np.maximum(give, LEAST_DODGE)
+        self.hasty[:] = IN_HASTE * self.most
+
+    def begin_measure(self, present: Danced, *, traced: bool) -> None:
+        """The measure `present` begins; its paths are known already if they are `traced`."""
+        if not traced or (self.node != present.node).any():
+            trace(self.paths, self.dancers, present, slice(0, len(self.node)))
+            self.end[:] = present.end_position() - present.correction[:, :2]
+        self.node[:] = present.node
+        self.begin[:] = self.paths.path[:, 0]
+        self.rows[[row.PLAN, row.AIM, row.GOAL]] = present.correction[:, :2]
+        self.rows[[row.DODGE, row.AIM_SPEED]] = 0.0
+        self.predicted[:] = self.asked
+        self.rows[row.AHEAD] = self.motion.state.position - self.begin
+
+    def put_elsewhere(self, n: int) -> None:
+        """Dancer `n` was put into another measure in the middle of this one: go on with that."""
+        present, one = self.dancers.present, slice(n, n + 1)
+        trace(self.paths, self.dancers, present, one)
+        self.node[n] = present.node[n]
+        self.begin[n] = self.paths.path[n, 0]
+        self.end[n] = present.end_position()[n] - present.correction[n, :2]
+        self.rows[[row.PLAN, row.AIM, row.GOAL], n] = present.correction[n, :2]
+        self.rows[[row.DODGE, row.AIM_SPEED], n] = 0.0
+
+    def keep_on_stage(self, way: Float64, end: Float64) -> None:
+        """Change the ways (A, 2) [m] added to measures that end at `end` (A, 2) so that nobody leaves the stage."""
+        row.keep_ends(way, end, self.motion.entrances.state, ON, *self.edge)
+
+    def level(self, way: Float64, end: Float64, *, coming: bool) -> None:
+        """Change the ways (A, 2) [m] added to measures that end at `end` (A, 2) so that partners stay together."""
+        if len(self.motion.partners.leader):
+            ends = end + way
+            self.motion.partners.level(ends, coming=coming)
+            way[:] = ends - end

@@ -1,0 +1,75 @@
+"""Coming: the paths of all dancers through the measure that is decided, traced and kept apart until the line."""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.parting.paths.paths import PathParting, Paths
+from live.show.carried import Carried
+from live.show.tracing import trace
+
+Float64 = npt.NDArray[np.float64]
+
+TRACE_TICKS: Final = 8
+"""Ticks after the decision in which the coming paths are traced."""
+
+
+class Coming:
+    """What is known of the measure after the present one; at the line it becomes the present one's `Carried`."""
+
+    def __init__(self, carried: Carried, parting: PathParting, most: float) -> None:
+        """`most` [m]: how far anybody may be carried; 0 and nobody is."""
+        count = len(carried.node)
+        self._carried, self._parting, self._most = carried, parting, most
+        self.paths = Paths(count)
+        self.end: Float64 = np.zeros((count, 2))
+        """Where it ends if it is not corrected [m], (A, 2)."""
+        self.target, self.wish = np.zeros((2, count, 2))
+        """Where dancers are sent, and where their agents are predicted to be [m], (A, 2) each."""
+        self._traced = 0
+        self._goal = np.zeros((count, 2))
+
+    @property
+    def traced(self) -> bool:
+        """Whether all paths are known."""
+        return self._traced >= len(self.end)
+
+    def decided(self, end: Float64, target: Float64, wish: Float64) -> None:
+        """The measure is chosen; see the attributes."""
+        self.end[:], self.target[:], self.wish[:] = end, target, wish
+        self._traced = 0
+
+    def put_elsewhere(self, n: int) -> None:
+        """Dancer `n` was put into another present measure: her coming one begins elsewhere."""
+        if self._traced > n:
+            trace(self.paths, self._carried.dancers, self._carried.dancers.coming, slice(n, n + 1))
+
+    def tick(self, *, part: bool) -> None:
+        """Trace the paths piece by piece; then, where it is time to `part`, keep them apart, a round in each tick."""
+        carried, dancers, count = self._carried, self._carried.dancers, len(self.end)
+        coming = dancers.coming
+        if self._traced < count:
+            piece = slice(self._traced, min(self._traced + -(-count // TRACE_TICKS), count))
+            trace(self.paths, dancers, coming, piece)
+            self._traced = piece.stop
+            if self._traced == count and self._most > 0.0:
+                carried.allow(np.minimum(dancers.graph.node_give[coming.node], self._most))
+            return
+        if not part:
+            return
+        goal = self._goal
+        goal[:] = coming.correction[:, :2]
+        self._parting.part(self.paths, goal, coming.aimed, carried.most)
+        carried.level(goal, self.end, coming=True)
+        carried.keep_on_stage(goal, self.end)
+        coming.correction[:, :2] = goal
+
+    def cross_measure_line(self) -> None:
+        """What was coming is the present one now; paths change places."""
+        carried = self._carried
+        carried.asked[:], carried.foreseen[:] = self.target, self.wish
+        if self.traced:
+            carried.paths, self.paths = self.paths, carried.paths
+            carried.node[:] = carried.dancers.coming.node
+            carried.end[:] = self.end
