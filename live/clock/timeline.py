@@ -49,7 +49,7 @@ class Timeline:
 
     def with_tempo(self, tempo: float, time: float) -> "Timeline":
         """The same beat at `time` [s], another tempo [bpm] from there."""
-        return replace(self, tempo=tempo, beat_origin=self.beat_at(time), time_origin=time)
+        return Timeline(tempo, self.beat_at(time), time, self.beats_per_measure, self.measure_origin)
 
     def with_one_at(self, time: float) -> "Timeline":
         """The beat nearest to `time` [s] becomes a downbeat; the beat position stays, the measure lines move.

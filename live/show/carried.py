@@ -37,7 +37,7 @@ class Carried:
         """Where the hips are when the measure begins, and when it ends if it is not corrected."""
         self.goal = self.rows[row.GOAL]
         """What corrections shall lead to."""
-        self.predicted = self.rows[row.PREDICTED]
+        self.predicted: Float64 = self.rows[row.PREDICTED]
         """Where each dancer's agent is predicted to be when the present measure ends, as far as steps reach."""
         self.asked, self.foreseen = self.rows[row.ASKED], self.rows[row.FORESEEN]
         """The same as it was decided, and as it would be if steps reached everywhere."""

@@ -10,9 +10,8 @@ from live.motion.contact import TOES_OVER_SOLE
 from live.motion.inertia.inertia import Inertia
 from live.motion.inertia.kernels import LONGEST
 from live.motion.legs.placing.kernels import hold_where_wanted
-from live.motion.posing.asking.kernels import ask_dancers, standing_feet
+from live.motion.posing.asking.kernels import ask_dancers, clip_hips, standing_feet
 from live.motion.posing.foot_lock import LEG_JOINTS, FootLock
-from live.motion.posing.kernels import INTO_NEXT, NEXT, PRESENT
 from live.motion.posing.pipeline import PosePipeline, PoseSkeleton
 from live.motion.skeleton import JOINT_COUNT, SOLE_BELOW_ANKLE
 from live.show.danced import UNDECIDED, Danced, turn_vectors
@@ -106,14 +105,9 @@ class Dancers:
     def ahead(self, fraction: float) -> Float64:
         """Where the clips take all hips at `fraction` of the measure [m], time warps and transitions in, (A, 2)."""
         self._ask(fraction)
-        place = self._clip_hips(PRESENT)
-        into = self._pipeline.share[INTO_NEXT][:, None]
-        return place + into * (self._clip_hips(NEXT) - place) if into.any() else place
-
-    def _clip_hips(self, which: int) -> Float64:
-        sample, place = self._pipeline.sample[which].astype(np.int64), self._pipeline.placement[which]
-        root = self.graph.library.clip_root[sample][:, (0, 2)].astype(np.float64)
-        return np.asarray(place[:, :2] + turn_vectors(root, place[:, 2]))
+        pipeline, out = self._pipeline, np.empty((len(self._everybody), 2))
+        clip_hips(out, pipeline.sample, pipeline.placement, pipeline.share, self.graph.library.clip_root)
+        return out
 
     def contact(self, fraction: float) -> Bool:
         """Whether the left and right foot are annotated as on the floor in the clips that are danced, shape (A, 2).

@@ -259,14 +259,16 @@ class GroupMotion:
 
     def show(self, view: StageView) -> None:
         """Copy what is drawn into the snapshot: who is there, elements, obstacles and walls."""
-        view.present[:] = self.present
+        np.greater_equal(self.entrances.state, ENTERING, out=view.present)
         self.elements.show(view)
         around = self.surroundings
         view.wall_count = min(around.wall_count, len(view.wall))
-        view.wall[: view.wall_count] = around.walls[: view.wall_count]
+        if view.wall_count:
+            view.wall[: view.wall_count] = around.walls[: view.wall_count]
         view.obstacle_count = min(around.obstacle_count, len(view.obstacle))
-        view.obstacle[: view.obstacle_count, :3] = around.obstacles[: view.obstacle_count, :3]
-        view.obstacle[: view.obstacle_count, 3] = 1.0
+        if view.obstacle_count:
+            view.obstacle[: view.obstacle_count, :3] = around.obstacles[: view.obstacle_count, :3]
+            view.obstacle[: view.obstacle_count, 3] = 1.0
         if self._performers:
             for row, name in enumerate(around.obstacle_names[: view.obstacle_count]):
                 view.obstacle[row, 3] = not name.startswith(_PERFORMER)

@@ -41,9 +41,7 @@ class Pushing:
             then.path, then.share, danced.correction, danced.aimed, place * last,
             dancers.shown, self._before, self._soon,
         )  # fmt: skip
-        moved = self._parting.push(
-            dancers.shown, self._soon, margin=PUSH_MARGIN, stiffness=PUSH_STIFFNESS, dt=TICK
-        )
+        moved = self._parting.push(dancers.shown, self._soon, margin=PUSH_MARGIN, stiffness=PUSH_STIFFNESS, dt=TICK)
         if moved is not None:
             self._move(moved)
 

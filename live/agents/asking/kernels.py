@@ -45,19 +45,19 @@ def write_presence(rows: Float32, state: Int8, presence: Float32, passing: float
 @kernel("b1(i4[::1], i4[::1])")
 def same_indices(one: Int32, other: Int32) -> bool:
     """Whether two arrays (A,) are the same."""
+    different = False
     for n in range(one.shape[0]):
-        if one[n] != other[n]:
-            return False
-    return True
+        different |= one[n] != other[n]
+    return not different
 
 
 @kernel("b1(i1[::1], i8)")
 def any_in(state: Int8, wanted: int) -> bool:
     """Whether anybody's `state` (A,) is the one `wanted`."""
+    found = False
     for n in range(state.shape[0]):
-        if state[n] == wanted:
-            return True
-    return False
+        found |= state[n] == wanted
+    return found
 
 
 @kernel("void(f4[:,::1], f4[:,::1], f4[:,::1], f4[:,::1], f4[:,::1], i1[::1], i8, i8, f4, f4, f4[::1])")

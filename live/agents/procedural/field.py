@@ -12,26 +12,19 @@ from live.agents.procedural.element_table import ElementTable, Float32, Float64,
 from live.agents.procedural.fair.kernels import AUDIENCES, PLACE_COLUMNS, PLACES, gather
 from live.agents.procedural.kernels import wish_of_all
 from live.agents.procedural.kinds import CROSSING, ELEMENT_CAPACITY, FLOW, GRID, VOICE
+from live.agents.procedural.showing.kernels import show_elements
 from live.agents.procedural.sources.kernels import NEAR_COLUMNS
 from live.agents.procedural.spreading.kernels import CELLS, MESH, fill_cosines
 from live.agents.procedural.table.kernels import (
-    CLOSED,
-    CORNERS,
-    FLOW_KIND,
     HALF_DEPTH,
     HALF_WIDTH,
-    KIND,
     LEVEL,
     NUMBERS,
     PLACE_COUNT,
-    RADIUS,
     SEED,
-    STRENGTH,
     SUM_COLUMNS,
     SWITCHED,
     TIME,
-    X,
-    Z,
 )
 from live.agents.wants import Wants
 from live.base.errors import PersonError
@@ -195,27 +188,12 @@ class ElementField:
 
         Audiences' voices are of kind VOICE. Corners for which there is no room are left out with their element's line.
         """
-        acting = self._table.acting[: len(view.element_kind)]
-        rows, count = self._table.rows[acting], len(acting)
-        view.element_count = count
-        view.element_kind[:count] = rows[:, KIND]
-        view.element_position[:count] = rows[:, (X, Z)]
-        view.element_level[:count] = rows[:, LEVEL]
-        view.element_radius[:count] = rows[:, RADIUS]
-        view.element_strength[:count] = rows[:, STRENGTH]
-        view.element_flow[:count] = rows[:, FLOW_KIND]
-        view.element_corners[:count] = 0
-        used = 0
-        for place in np.flatnonzero(rows[:, CORNERS] > 1.0):
-            corners, closed = int(rows[place, CORNERS]), int(rows[place, CLOSED])
-            end = used + corners + closed
-            if end > len(view.element_corner):
-                continue
-            view.element_corner[used : used + corners] = self._table.vertices[acting[place], :corners]
-            if closed:
-                view.element_corner[end - 1] = view.element_corner[used]
-            view.element_first[place], view.element_corners[place] = used, corners + closed
-            used = end
+        table = self._table
+        view.element_count = show_elements(
+            table.rows, table.active, table.vertices,
+            view.element_kind, view.element_position, view.element_level, view.element_radius, view.element_strength,
+            view.element_flow, view.element_first, view.element_corners, view.element_corner,
+        )  # fmt: skip
 
     def shown(self) -> list[tuple[Element, float]]:
         """The elements that act now with their levels, for pictures that draw lines and regions."""

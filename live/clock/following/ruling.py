@@ -147,7 +147,7 @@ class Ruling:
             self.shift -= wholes_off(off)
         elif abs(off) > ANOTHER_BEAT:
             self.shift -= math.floor(off + 0.5)
-        run.goal = Grid(grid.time, grid.period, grid.number + self.shift)
+        run.goal = Grid(grid.time, grid.period, grid.number + self.shift) if self.shift else grid
         lines = source.lines()
         if lines is not None:
             self._measures.follow(run, lines, self.shift, now)

@@ -29,7 +29,7 @@ def swing_feet(feet: Float32, lock: Float32, age: float) -> None:
 @kernel("f4(f4[:,:,::1])")
 def farthest_shift(lock: Float32) -> float:
     """How far [m] any foot of the foot lock `lock` (A, 2, 12) is shifted along x or z."""
-    most = np.float32(0.0)
+    most: float = np.float32(0.0)  # type: ignore[assignment]
     for n in range(lock.shape[0]):
         for side in range(2):
             most = max(most, max(abs(lock[n, side, SHIFT_X]), abs(lock[n, side, SHIFT_Z])))

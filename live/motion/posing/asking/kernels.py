@@ -176,6 +176,21 @@ def ask_dancers(
         loudness[n] = loud + into * (next_amplitude[0, n] - loud)
 
 
+@kernel("void(f8[:,::1], f8[:,::1], f8[:,:,::1], f4[:,::1], f4[:,::1])")
+def clip_hips(out: Float64, sample: Float64, placement: Float64, share: Float32, root: Float32) -> None:
+    """Where the clips asked for have the hips [m], `out` (A, 2), transitions in, other takes not; `root` (S, 3)."""
+    for n in range(out.shape[0]):
+        k, into = int(sample[PRESENT, n]), share[INTO_NEXT, n]
+        dx, dz = yaw_rotate(root[k, 0], root[k, 2], placement[PRESENT, n, 2])
+        x, z = placement[PRESENT, n, 0] + dx, placement[PRESENT, n, 1] + dz
+        if into > 0.0:
+            k = int(sample[NEXT, n])
+            dx, dz = yaw_rotate(root[k, 0], root[k, 2], placement[NEXT, n, 2])
+            x += into * (placement[NEXT, n, 0] + dx - x)
+            z += into * (placement[NEXT, n, 1] + dz - z)
+        out[n, 0], out[n, 1] = x, z
+
+
 @kernel("void(b1[:,::1], f8[:,::1], f4[:,::1], b1[:,::1])")
 def standing_feet(out: Bool, sample: Float64, share: Float32, contact: Bool) -> None:
     """Which feet (A, 2) the clips asked for have on the floor, by the annotation `contact` (S, 2) of all samples.

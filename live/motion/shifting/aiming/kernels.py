@@ -27,7 +27,7 @@ ROWS = 12
 
 @kernel("void(f8[:,::1], f8[:,::1], i1[::1], i8, f8, f8)")
 def keep_ends(way: Float64, end: Float64, state: Int8, on: int, edge_x: float, edge_z: float) -> None:
-    """Change the `way` (A, 2) [m] of those whose `state` (A,) is `on`, so that `end` + `way` is within the edges [m]."""
+    """Change the `way` (A, 2) [m] of those whose `state` (A,) is `on`: `end` + `way` comes within the edges [m]."""
     for n in range(way.shape[0]):
         if state[n] == on:
             x, z = end[n, 0] + way[n, 0], end[n, 1] + way[n, 1]

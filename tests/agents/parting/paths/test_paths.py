@@ -88,7 +88,7 @@ def test_a_soloist_and_who_is_not_there_are_left_alone():
     paths.path[:] = np.array([[0.0, 0.0], [0.3, 0.0], [0.1, 0.1]], np.float32)[:, None]
     paths.share[:] = np.linspace(0, 1, MOMENTS)
     part = parting(3, responsibility=np.array([0.0, 1.0, 1.0], np.float32))
-    part.there(np.array([True, True, False]))
+    part.there(np.array([3, 3, 0], np.int8), 3)
     for _ in range(10):
         part.part(paths, goal, aimed, np.full(3, 0.6), place=0.5)
     assert not goal[(0, 2), :].any()

@@ -1,0 +1,1 @@
+"""The elements in force as the picture shows them."""
