@@ -23,6 +23,7 @@ Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
+Rows = npt.NDArray[np.int64]
 
 LANDED = 0.03
 """While a cut settles, a foot is held only once it is this near to the floor [m]..."""
@@ -102,11 +103,13 @@ class Dancers:
         danced.turned(np.full(len(root), fraction), place)
         return np.ascontiguousarray(place[:, :2] + turn_vectors(root, place[:, 2]), np.float32)
 
-    def ahead(self, fraction: float) -> Float64:
-        """Where the clips take all hips at `fraction` of the measure [m], time warps and transitions in, (A, 2)."""
-        self._ask(fraction)
-        pipeline, out = self._pipeline, np.empty((len(self._everybody), 2))
-        clip_hips(out, pipeline.sample, pipeline.placement, pipeline.share, self.graph.library.clip_root)
+    def ahead(self, fraction: float, rows: Rows | None = None) -> Float64:
+        """Where the clips take hips at `fraction` of the measure [m], time warps and transitions in: of all dancers,
+        (A, 2), or of those in `rows` (n,) alone, (n, 2)."""
+        self._ask(fraction, rows)
+        rows = self._everybody if rows is None else rows
+        pipeline, out = self._pipeline, np.empty((len(rows), 2))
+        clip_hips(out, rows, pipeline.sample, pipeline.placement, pipeline.share, self.graph.library.clip_root)
         return out
 
     def contact(self, fraction: float) -> Bool:
@@ -166,7 +169,7 @@ class Dancers:
     def unmended(self, rows: Int32, fraction: float, time: float) -> tuple[Float32, Float32]:
         """World positions (n, J, 3) and rotations (n, J, 4) of the dancers `rows` (n,), as `pose`, but before heads are
         turned and feet held: what a cut must not break."""
-        self._ask(fraction)
+        self._ask(fraction, rows.astype(np.int64))
         aside, whole = PosePipeline(len(rows)), self._pipeline
         aside.sample[:], aside.placement[:] = whole.sample[:, rows], whole.placement[:, rows]
         aside.share[:], aside.mean[:] = whole.share[:, rows], whole.mean[:, rows]
@@ -187,20 +190,22 @@ class Dancers:
 
     # -- the question asked of the pose pipeline ---------------------------------------------------------------
 
-    def _ask(self, fraction: float) -> None:
-        """Which samples of which clips, where, how much of each: for everybody at `fraction` of the measure."""
-        present, phase = self.present, self._phase
-        lowest, highest = self.variation.phases(phase, fraction, present.warp)
+    def _ask(self, fraction: float, rows: Rows | None = None) -> None:
+        """Which samples of which clips, where, how much of each, at `fraction` of the measure: for everybody, or for
+        the dancers `rows` (n,) alone."""
+        present, phase = self.present, self._phase if rows is None else np.empty(len(rows))
+        lowest, highest = self.variation.phases(phase, fraction, present.warp, rows)
+        rows = self._everybody if rows is None else rows
         if lowest >= 0.0 and highest <= 1.0:
-            self._fill(self._everybody, present, self.coming, phase, fraction)
+            self._fill(rows, present, self.coming, phase, fraction)
             return
-        late = (phase < 0.0) & (self.past.node >= 0)
+        late = (phase < 0.0) & (self.past.node[rows] >= 0)
         early = (phase > 1.0) & self.decided
-        self._fill(self._everybody, present, self.coming, np.clip(phase, 0.0, 1.0), fraction)
+        self._fill(rows, present, self.coming, np.clip(phase, 0.0, 1.0), fraction)
         if late.any():
-            self._fill(np.flatnonzero(late), self.past, present, phase[late] + 1.0, 1.0)
+            self._fill(rows[late], self.past, present, phase[late] + 1.0, 1.0)
         if early.any():
-            self._fill(np.flatnonzero(early), self.coming, None, phase[early] - 1.0, 0.0)
+            self._fill(rows[early], self.coming, None, phase[early] - 1.0, 0.0)
 
     def phases(self, fraction: float) -> Float64:
         """How far each dancer is in the present measure, below 0 in the one before, above 1 in the next one, (A,)."""

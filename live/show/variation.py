@@ -256,13 +256,18 @@ class Variation:
 
     # -- lateness on purpose: canon and ripple --------------------------------------------------------------------
 
-    def phases(self, out: Float64, fraction: float, warp: Float64) -> tuple[float, float]:
+    def phases(
+        self, out: Float64, fraction: float, warp: Float64, rows: npt.NDArray[np.int64] | None = None
+    ) -> tuple[float, float]:
         """How far everybody is in a measure warped by `warp` (4, A) at `fraction` of the present one, into `out` (A,).
 
-        Drift over the sequence and lateness on purpose are in. Returns the lowest and the highest.
+        Drift over the sequence and lateness on purpose are in. With `rows` (n,) for these alone, into `out` (n,).
+        Returns the lowest and the highest.
         """
-        ahead = self.sequence_warp(fraction) if self._drifts else self._even
-        return delay_phases(out, fraction, warp, self._window, ahead, self._late_before, self.late)
+        ahead, before, late = self.sequence_warp(fraction) if self._drifts else self._even, self._late_before, self.late
+        if rows is not None:
+            warp, ahead, before, late = np.ascontiguousarray(warp[:, rows]), ahead[rows], before[rows], late[rows]
+        return delay_phases(out, fraction, warp, self._window, ahead, before, late)
 
     def delay(self, like: Int32, place: npt.NDArray[np.floating], there: npt.NDArray[np.bool_], danced: Danced) -> None:
         """A measure begins: how late everybody shall be when it ends, by where they are, `place` (A, 2) [m].

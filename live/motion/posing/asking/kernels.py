@@ -176,10 +176,12 @@ def ask_dancers(
         loudness[n] = loud + into * (next_amplitude[0, n] - loud)
 
 
-@kernel("void(f8[:,::1], f8[:,::1], f8[:,:,::1], f4[:,::1], f4[:,::1])")
-def clip_hips(out: Float64, sample: Float64, placement: Float64, share: Float32, root: Float32) -> None:
-    """Where the clips asked for have the hips [m], `out` (A, 2), transitions in, other takes not; `root` (S, 3)."""
-    for n in range(out.shape[0]):
+@kernel("void(f8[:,::1], i8[::1], f8[:,::1], f8[:,:,::1], f4[:,::1], f4[:,::1])")
+def clip_hips(out: Float64, rows: Int64, sample: Float64, placement: Float64, share: Float32, root: Float32) -> None:
+    """Where the clips asked for of the dancers `rows` (n,) have the hips [m], `out` (n, 2): transitions are in, other
+    takes not; `root` (S, 3)."""
+    for i in range(rows.shape[0]):
+        n = rows[i]
         k, into = int(sample[PRESENT, n]), share[INTO_NEXT, n]
         dx, dz = yaw_rotate(root[k, 0], root[k, 2], placement[PRESENT, n, 2])
         x, z = placement[PRESENT, n, 0] + dx, placement[PRESENT, n, 1] + dz
@@ -188,7 +190,7 @@ def clip_hips(out: Float64, sample: Float64, placement: Float64, share: Float32,
             dx, dz = yaw_rotate(root[k, 0], root[k, 2], placement[NEXT, n, 2])
             x += into * (placement[NEXT, n, 0] + dx - x)
             z += into * (placement[NEXT, n, 1] + dz - z)
-        out[n, 0], out[n, 1] = x, z
+        out[i, 0], out[i, 1] = x, z
 
 
 @kernel("void(b1[:,::1], f8[:,::1], f4[:,::1], b1[:,::1])")
