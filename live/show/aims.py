@@ -84,10 +84,11 @@ class Aims:
         """Where everybody should be and face at the end of the next measure; the look-ahead must be finished."""
         present = self._dancers.present
         wish, known, planned = self._motion.ahead()
-        choices.begin(present.end_position(), present.end_heading(), self._motion.present)
+        choices.begin(*present.ends(), self._motion.present)
         choices.wish[:] = wish
         self.heading[:] = self.headings.next(choices.stand, wish, planned, known)
-        self._motion.partners.aim(choices.wish, self.heading, choices.stand, choices.heading, known)
+        if len(self._motion.partners.leader):
+            self._motion.partners.aim(choices.wish, self.heading, choices.stand, choices.heading, known)
 
     def ask(self, index: int, measure: int, choices: Choices) -> None:
         """Which step the dancers of group `index` should dance in `measure`: the group's in turn, or its travel step
@@ -112,5 +113,6 @@ class Aims:
         way = choices.wish - choices.stand
         reached = self._choosing.ways.limit(self.step, choices.heading, change, way, HELD_BACK * bound, bound)
         choices.target[:] = choices.stand + reached
-        self._motion.partners.gather(choices.target, self.heading)
+        if len(self._motion.partners.leader):
+            self._motion.partners.gather(choices.target, self.heading)
         choices.step[:] = self.step

@@ -6,6 +6,7 @@ import numpy.typing as npt
 from live.graph.motion_graph import MotionGraph
 from live.graph.placing import next_axes, own_end, take_placement, turn_vectors
 from live.graph.takes import NO_TAKE
+from live.motion.posing.asking.kernels import same_measures
 from live.motion.shifting.kernels import bound_aims, re_aim_dancers
 from live.motion.turning.kernels import place_dancers
 
@@ -20,6 +21,20 @@ LEAST_LEFT = 0.15
 """Share of the rise that must be left for a correction to be aimed anew: with less it would be a jerk."""
 
 
+class _Ends:
+    """Where the measures of a `Danced` end in their clips' own axes, and what that was worked out of."""
+
+    def __init__(self, danced: "Danced") -> None:
+        self._node, self._take, self._share = danced.node.copy(), danced.take.copy(), danced.take_share[0].copy()
+        self._graph = danced.graph
+        self.hips, self.heading = own_end(self._graph, self._node, self._take, self._share.astype(np.float64))
+
+    def still(self, danced: "Danced") -> bool:
+        """Whether `danced` holds the same measures."""
+        same = same_measures(danced.node, self._node, danced.take, self._take, danced.take_share[0], self._share)
+        return self._graph is danced.graph and same
+
+
 class Danced:
     """Plain arrays over A dancers; `copy_from` replaces them as a whole at a measure line."""
 
@@ -27,6 +42,7 @@ class Danced:
 
     def __init__(self, graph: MotionGraph, count: int) -> None:
         self.graph = graph
+        self._ends: _Ends | None = None
         self.decided = False
         """Whether the measure of every dancer is chosen."""
         self.node: Int32 = np.full(count, UNDECIDED, np.int32)
@@ -52,7 +68,7 @@ class Danced:
         """Take over everything; views into the arrays stay valid."""
         for name in self.ARRAYS:
             getattr(self, name)[:] = getattr(other, name)
-        self.decided = other.decided
+        self.decided, self._ends = other.decided, other._ends
 
     def undecide(self) -> None:
         """Nobody's measure is chosen any more."""
@@ -102,19 +118,24 @@ class Danced:
 
     def own_end(self) -> tuple[Float64, Float64]:
         """Hips (A, 2) [m] and heading (A,) [rad] at the measure's end in the clips' own axes, takes mixed in."""
-        return own_end(self.graph, self.node, self.take, self.take_share[0].astype(np.float64))
+        known = self._ends
+        if known is None or not known.still(self):
+            self._ends = known = _Ends(self)
+        return known.hips, known.heading
 
     def end_placement(self) -> Float64:
         """The axes (x, z, yaw) in which the next clip joins, corrections and takes included, (A, 3)."""
+        return next_axes(self.graph, self.node, *self.ends())
+
+    def ends(self) -> tuple[Float64, Float64]:
+        """Where the hips will be at the measure's end [m], (A, 2), and where the dancers will face [rad], (A,)."""
         out = np.empty((len(self.node), 4))
         self.turned(np.ones(len(self.node)), out)
-        return next_axes(self.graph, self.node, *self._end(out))
+        return self._end(out)
 
     def end_position(self) -> Float64:
         """Where the hips will be at the measure's end [m], shape (A, 2)."""
-        out = np.empty((len(self.node), 4))
-        self.turned(np.ones(len(self.node)), out)
-        return self._end(out)[0]
+        return self.ends()[0]
 
     def begin_heading(self) -> Float64:
         """Where the dancers face when the measure begins [rad], shape (A,)."""
@@ -122,9 +143,7 @@ class Danced:
 
     def end_heading(self) -> Float64:
         """Where the dancers face at the measure's end [rad], shape (A,)."""
-        out = np.empty((len(self.node), 4))
-        self.turned(np.ones(len(self.node)), out)
-        return self._end(out)[1]
+        return self.ends()[1]
 
     def _end(self, placed: Float64) -> tuple[Float64, Float64]:
         """Hips (A, 2) and heading (A,) on the stage at the end, for the placements `placed` (A, 4) there."""

@@ -95,6 +95,8 @@ class Scheduler:
         self._draft.graph = graph
         self.aims.take_graph(graph, choosing)
         self.foresight = self.aims.foresight
+        self._give = np.minimum(graph.node_give, self._patch.locomotion.correction_m)
+        self._usual_give = float(np.median(self._give))
 
     def farthest(self) -> Float64:
         """How far each dancer's steps go in one measure [m]: the farthest of her group's, shape (A,)."""
@@ -156,10 +158,9 @@ class Scheduler:
     def _limit(self) -> None:
         """How far everybody can get, and all that the choice asks for."""
         variation, limits = self._dancers.variation, self._patch.locomotion
-        give = np.minimum(self._dancers.graph.node_give, limits.correction_m)
         share = FAITHFUL + (1.0 - FAITHFUL) * variation.obedience
-        self.choosing.allow(seconds=self._seconds, turn=math.radians(limits.turn_deg), give=give)
-        self.aims.limit(self.choices, share * float(np.median(give)))
+        self.choosing.allow(seconds=self._seconds, turn=math.radians(limits.turn_deg), give=self._give)
+        self.aims.limit(self.choices, share * self._usual_give)
         self._asked_from[:] = self._dancers.node
         self._arguments = (
             self._asked_from,

@@ -139,6 +139,8 @@ class Variation:
         """Phase of each dancer's warp over the sequence when the present measure begins [rad], shape (A,) (T056)."""
         self._amplitude_knots: Float64 = np.zeros((4, count))
         self._frequency_knots: Float64 = np.zeros((4, count))
+        self._drawn: tuple[int | None, Float64] = None, np.zeros((2, count))
+        self._knots_of: int | None = None
         self.measure = 0
         self.ripples = list(ripples or [Ripple()] * len(varieties))
         """What runs over each group."""
@@ -208,8 +210,9 @@ class Variation:
         danced.take_share[1] = np.maximum(danced.take_share[0], takes * (arms < self.arms))
         danced.amplitude[:] = 1.0 + self.amplitude * np.floor(3.0 * amplitude - 1.0)
         slow = self.amplitude_sequence != 0.0
-        danced.amplitude[0, slow] = self._slow_amplitude(measure)[slow]
-        danced.amplitude[1, slow] = self._slow_amplitude(measure + 1)[slow]
+        if slow.any():
+            danced.amplitude[0, slow] = self._slow_amplitude(measure)[slow]
+            danced.amplitude[1, slow] = self._slow_amplitude(measure + 1)[slow]
         danced.amplitude *= 1.0 + self.larger
 
     def _chance(self, purpose: int, measure: int) -> np.random.Generator:
@@ -230,12 +233,21 @@ class Variation:
         """The measure `measure` (from 0) begins: the phase of the sequence's warp goes on, its splines move on."""
         weights = np.array([1.0, 11.0, 11.0, 1.0]) / 24.0  # of a uniform cubic B-spline's integral over one span
         self.phase += 2.0 * np.pi * (weights @ self._frequency_knots)
-        self.measure = measure
-        for n in range(4):
-            chance = self._chance(3, measure + n)
-            amplitude, frequency = chance.uniform(0.0, 1.0, (2, len(self._group)))
-            self._amplitude_knots[n] = amplitude
-            self._frequency_knots[n] = KNOT_LOW + (KNOT_HIGH - KNOT_LOW) * frequency
+        first = 3 if self._knots_of == measure - 1 else 0
+        if first:
+            for knots in (self._amplitude_knots, self._frequency_knots):
+                knots[:-1] = knots[1:]
+        self.measure = self._knots_of = measure
+        for n in range(first, 4):
+            if self._drawn[0] != measure + n:
+                self.foresee(measure + n)
+            self._amplitude_knots[n], self._frequency_knots[n] = self._drawn[1]
+
+    def foresee(self, measure: int) -> None:
+        """Draw ahead what the warp over the sequence needs in `measure` first: three measures before it."""
+        drawn = self._chance(3, measure).uniform(0.0, 1.0, (2, len(self._group)))
+        drawn[1] = KNOT_LOW + (KNOT_HIGH - KNOT_LOW) * drawn[1]
+        self._drawn = measure, drawn
 
     def sequence_warp(self, fraction: float) -> Float64:
         """How far each dancer is ahead (positive) or behind [share of a measure] at `fraction` of it, (A,).
@@ -278,6 +290,8 @@ class Variation:
         self._liked, self._like = self._like, like
         self._paired = np.flatnonzero(np.bincount(like, minlength=len(like))[like] > 1)
         self._late_before[:] = self.late
+        if not (self._late.any() or self.late.any() or any(ripple.beats for ripple in self.ripples)):
+            return
         late = self._late[self._group] * self._beats
         for index, ripple in enumerate(self.ripples):
             rows = np.flatnonzero((self._group == index) & there) if ripple.beats else ()

@@ -87,7 +87,10 @@ class Entrances:
 
         `position` (A, 2) [m] of the agents: those who entered are put where they wait, all others are read only.
         """
-        self.state[(self.state == LEAVING) & self._outside(position)] = WAITING
+        if any_in(self.state, LEAVING):
+            self.state[(self.state == LEAVING) & self._outside(position)] = WAITING
+        if not any_in(self.state, CALLED):
+            return np.zeros(0, np.intp)
         rows = np.flatnonzero(self.state == CALLED)
         for index, gate in enumerate(self.gates):
             through = rows[self._gate[rows] == index]

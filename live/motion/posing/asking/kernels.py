@@ -21,6 +21,17 @@ LOWER, UPPER, INTO_NEXT, NEXT_LOWER, NEXT_UPPER = range(5)
 """Rows of `sample`, `placement` and `share` as in posing/kernels.py."""
 
 
+@kernel("b1(i4[::1], i4[::1], i4[::1], i4[::1], f4[::1], f4[::1])")
+def same_measures(
+    node: Int32, other_node: Int32, take: Int32, other_take: Int32, share: Float32, other_share: Float32
+) -> bool:
+    """Whether A dancers dance the same nodes with the same takes mixed in, all (A,)."""
+    different = False
+    for n in range(node.shape[0]):
+        different |= node[n] != other_node[n] or take[n] != other_take[n] or share[n] != other_share[n]
+    return not different
+
+
 @kernel("void(f8[::1], f8, f8[:,::1], f8)")
 def warp_phases(out: Float64, fraction: float, warp: Float64, window: float) -> None:
     """Phases (A,) of clips whose measures are warped by `warp` (4, A) at `fraction`: `measure_warp` (T055)."""
