@@ -27,7 +27,7 @@ class Coming:
         """Where it ends if it is not corrected [m], (A, 2)."""
         self.target, self.wish = np.zeros((2, count, 2))
         """Where dancers are sent, and where their agents are predicted to be [m], (A, 2) each."""
-        self._traced = 0
+        self._traced, self._fresh = 0, False
         self._goal = np.zeros((count, 2))
 
     @property
@@ -38,7 +38,7 @@ class Coming:
     def decided(self, end: Float64, target: Float64, wish: Float64) -> None:
         """The measure is chosen; see the attributes."""
         self.end[:], self.target[:], self.wish[:] = end, target, wish
-        self._traced = 0
+        self._traced, self._fresh = 0, True
 
     def put_elsewhere(self, n: int) -> None:
         """Dancer `n` was put into another present measure: her coming one begins elsewhere."""
@@ -49,6 +49,9 @@ class Coming:
         """Trace the paths piece by piece; then, where it is time to `part`, keep them apart, a round in each tick."""
         carried, dancers, count = self._carried, self._carried.dancers, len(self.end)
         coming = dancers.coming
+        if self._fresh:  # the tick of the decision has enough to do
+            self._fresh = False
+            return
         if self._traced < count:
             piece = slice(self._traced, min(self._traced + -(-count // TRACE_TICKS), count))
             trace(self.paths, dancers, coming, piece)

@@ -76,7 +76,8 @@ class Scheduler:
         self._asked_from = np.full(count, -1, np.int32)
         self._arguments: tuple[Any, ...] = ()
         self._following: tuple[Int32, Int32] = np.zeros(0, np.int32), np.zeros(0, np.int32)
-        self._pieces: deque[Callable[[], None]] = deque()
+        self._pieces: deque[tuple[int, Callable[[], None]]] = deque()
+        self._left = 0  # what they weigh together: about so many times what a coarse step of looking ahead takes
         self._seconds = 2.0
         self.take_graph(dancers.graph, Choosing.of(dancers.graph))
         self.last_target: Float64 | None = None
@@ -123,9 +124,15 @@ class Scheduler:
             if left > max(LOOK_BEATS, DECIDE_BEATS + 2.0 * TICK) or self._arguments:
                 return
             self._begin(span, timeline, time)
+            return
         ticks = math.ceil((left - DECIDE_BEATS) * 60.0 / timeline.tempo / TICK)
-        for _ in range(math.ceil(len(self._pieces) / max(ticks, 1))):
-            self._pieces.popleft()()
+        share, done = self._left / max(ticks, 1), 0
+        while self._pieces and done < share:
+            weight, piece = self._pieces[0]
+            if done and ticks > 1 and done + weight > 1.5 * share:
+                return  # rather in the next tick than together with others in this one
+            self._do_piece()
+            done += weight
 
     def _begin(self, span: MeasureSpan, timeline: Timeline, time: float) -> None:
         """Begin to plan the measure after `span`."""
@@ -136,20 +143,35 @@ class Scheduler:
         late = np.round(4.0 * self._dancers.variation.late * timeline.beats_per_measure) / 4.0
         self._motion.look(time, seconds, self._dancers.present.end_heading(), late)
         steps = math.ceil((seconds + float(late.max()) * beat) / LookAhead.STEP) + len(np.unique(late))
-        count = len(self._group)
+        count, measure, variation = len(self._group), span.number + 1, self._dancers.variation
         self._pieces.extend(
             [
-                *[partial(self._motion.work, 1)] * steps,
-                self._look,
-                *[partial(self.aims.ask, index, span.number + 1, self.choices) for index in self.order],
-                self._limit,
-                *[partial(self._choose, slice(row, min(row + AT_A_TIME, count))) for row in range(0, count, AT_A_TIME)],
-                self._lead,
-                *[partial(self._follow, slice(row, row + AT_A_TIME)) for row in range(0, count // 2, AT_A_TIME)],
-                partial(self._draw, span.number + 1),
-                self._turn,
+                *[(1, partial(self._motion.work, 1))] * steps,
+                (8, self._look),
+                *[(6, partial(self.aims.ask, index, measure, self.choices)) for index in self.order],
+                (8, self._limit),
+                *[
+                    (2, partial(self._choose, slice(row, min(row + AT_A_TIME, count))))
+                    for row in range(0, count, AT_A_TIME)
+                ],
+                (1, self._lead),
+                *[(2, partial(self._follow, slice(row, row + AT_A_TIME))) for row in self._pairs_by_pieces()],
+                (6, partial(self._vary, measure)),
+                (4, self._mix),
+                (3, self._turn),
+                (2, partial(variation.foresee, measure + 3)),
             ]
         )
+        self._left = sum(weight for weight, _ in self._pieces)
+
+    def _pairs_by_pieces(self) -> range:
+        """Where the pieces begin in which followers choose."""
+        return range(0, len(self._motion.partners.leader), AT_A_TIME)
+
+    def _do_piece(self) -> None:
+        weight, piece = self._pieces.popleft()
+        self._left -= weight
+        piece()
 
     def _look(self) -> None:
         self._motion.work(1 << 20)
@@ -188,15 +210,19 @@ class Scheduler:
         if len(rows):
             choose_following(rows, sides, self.choosing, self.choices, self._arguments)
 
-    def _draw(self, measure: int) -> None:
-        """What is danced of what was chosen: nodes, and mixtures where they are needed, else the variety's."""
+    def _vary(self, measure: int) -> None:
+        """What is danced of what was chosen: nodes, and how each dancer varies them."""
         dancers, choices, draft = self._dancers, self.choices, self._draft
-        graph, candidates = dancers.graph, self.choosing.candidates
-        edge = choices.edge
+        graph, edge = dancers.graph, choices.edge
         choices.node[:] = np.where(edge < 0, -1, graph.edge_target[np.maximum(edge, 0)])
         draft.node[:] = np.where(edge[:, 0] < 0, dancers.node, choices.node[:, 0])
         draft.decided = True
         dancers.variation.draw(measure, draft)
+
+    def _mix(self) -> None:
+        """Mixtures where they are needed, else the variety's."""
+        choices, draft, graph = self.choices, self._draft, self._dancers.graph
+        candidates = self.choosing.candidates
         row = np.maximum(choices.candidate[:, 0], 0)
         needed = (choices.candidate[:, 0] >= 0) & (candidates.take[row] != NO_TAKE)
         if draft.take_share[0].any():
@@ -237,14 +263,15 @@ class Scheduler:
         if not self._pieces and not self._arguments:
             self._begin(span, timeline, time)
         while self._pieces:
-            self._pieces.popleft()()
+            self._do_piece()
         changed = np.flatnonzero(self._asked_from != self._dancers.node)  # who was put into another measure since
         if len(changed):
             self._arguments = (self._dancers.node.copy(), *self._arguments[1:])
             self._arguments[1][changed] = with_direction(self._dancers.present.end_placement())[changed]
             for row in changed.tolist():
                 self._choose(slice(row, row + 1))
-            self._draw(span.number + 1)
+            self._vary(span.number + 1)
+            self._mix()
             self._turn()
         self._take()
         self._arguments = ()
