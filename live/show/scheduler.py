@@ -128,7 +128,7 @@ class Scheduler:
         ticks = math.ceil((left - DECIDE_BEATS) * 60.0 / timeline.tempo / TICK)
         share, done = self._left / max(ticks, 1), 0
         while self._pieces and done < share:
-            weight, piece = self._pieces[0]
+            weight = self._pieces[0][0]
             if done and ticks > 1 and done + weight > 1.5 * share:
                 return  # rather in the next tick than together with others in this one
             self._do_piece()

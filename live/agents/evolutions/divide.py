@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from live.agents.evolutions.kernels import nearest_approach, part_ways, sample_ways, smooth_ways
+from live.agents.evolutions.kernels import part_ways, sample_ways, smooth_ways
 from live.agents.evolutions.locomotion import Float32, Locomotion
+from live.agents.evolutions.meetings.kernels import count_meetings, longest_steps
 from live.agents.evolutions.pieces import Pieces, at_once
 
 LEVELS = 6
@@ -60,6 +61,7 @@ def dividing(
     sample_ways(beats, locomotion.ways, locomotion.times, locomotion.soft, 0, count, sample)
     ways = np.ascontiguousarray(sample.transpose(1, 0, 2))
     offset = np.zeros_like(ways)
+    low = -np.array(half if half is not None else (np.inf, np.inf), np.float32)
     best, fewest = ways.copy(), (yield from _meeting(ways, clear))
     for turn in range(rounds):
         if fewest == 0:
@@ -70,7 +72,7 @@ def dividing(
             smooth_ways(offset)
         ways += offset
         if half is not None:
-            np.clip(ways[:, 1:-1], (-half[0], -half[1]), half, out=ways[:, 1:-1])
+            np.clip(ways[:, 1:-1], low, -low, out=ways[:, 1:-1])
         meeting = yield from _meeting(ways, clear)
         if meeting < fewest:
             best, fewest = ways.copy(), meeting
@@ -80,11 +82,11 @@ def dividing(
 
 def _meeting(ways: Float32, clear: float) -> Pieces[int]:
     """How many pairs come nearer than `clear` [m]."""
-    count = len(ways)
-    distance, when = np.full((count, count), np.inf, np.float32), np.zeros((count, count), np.float32)
-    sample: Float32 = np.ascontiguousarray(ways.transpose(1, 0, 2))
-    rows = max(1, PIECE // max(1, count * len(sample)))
+    count, times = ways.shape[:2]
+    rows, meeting = max(1, PIECE // max(1, count * times)), 0
+    step = np.zeros(count)
+    longest_steps(ways, step)
     for first in range(0, count, rows):
-        nearest_approach(sample, first, min(first + rows, count), distance, when)
+        meeting += count_meetings(ways, step, first, min(first + rows, count), clear)
         yield
-    return int(np.triu(distance < clear, 1).sum())
+    return meeting

@@ -1,0 +1,1 @@
+"""Meetings: how many pairs of dancers come too near to each other on their ways."""

@@ -1,0 +1,31 @@
+"""Pairs who meet are those whose nearest approach is too near, pair by pair, however their ways wind."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from live.agents.evolutions.kernels import nearest_approach
+from live.agents.evolutions.meetings.kernels import count_meetings, longest_steps, meet
+
+COUNT, TIMES = 12, 33
+
+
+def ways_of(seed, speed):
+    chance = np.random.default_rng(seed)
+    start = chance.uniform(-2.0, 2.0, (COUNT, 1, 2))
+    return np.ascontiguousarray(start + np.cumsum(chance.normal(0.0, speed, (COUNT, TIMES, 2)), axis=1), np.float32)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.sampled_from((0.0, 0.01, 0.1, 1.0)), st.floats(0.05, 1.5))
+def test_who_meets_is_who_comes_nearer_than_that(seed, speed, clear):
+    ways, step = ways_of(seed, speed), np.zeros(COUNT)
+    distance, when = np.zeros((2, COUNT, COUNT), np.float32)
+    nearest_approach(np.ascontiguousarray(ways.transpose(1, 0, 2)), 0, COUNT, distance, when)
+    longest_steps(ways, step)
+    near = distance < np.float32(clear)
+    for i in range(COUNT):
+        for j in range(i + 1, COUNT):
+            assert meet(ways, i, j, clear, step[i] + step[j]) == near[i, j]
+    assert count_meetings(ways, step, 0, COUNT, clear) == np.triu(near, 1).sum()
+    assert sum(count_meetings(ways, step, n, n + 3, clear) for n in range(0, COUNT, 3)) == np.triu(near, 1).sum()
