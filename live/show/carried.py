@@ -5,6 +5,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.agents.asking.kernels import same_indices
 from live.agents.parting.paths.paths import Paths
 from live.agents.wings.entrances import ON
 from live.motion.shifting.aiming import kernels as row
@@ -51,13 +52,14 @@ class Carried:
 
     def begin_measure(self, present: Danced, *, traced: bool) -> None:
         """The measure `present` begins; its paths are known already if they are `traced`."""
-        if not traced or (self.node != present.node).any():
+        if not traced or not same_indices(self.node, present.node):
             trace(self.paths, self.dancers, present, slice(0, len(self.node)))
             self.end[:] = present.end_position() - present.correction[:, :2]
         self.node[:] = present.node
         self.begin[:] = self.paths.path[:, 0]
-        self.rows[[row.PLAN, row.AIM, row.GOAL]] = present.correction[:, :2]
-        self.rows[[row.DODGE, row.AIM_SPEED]] = 0.0
+        for place in (row.PLAN, row.AIM, row.GOAL):
+            self.rows[place] = present.correction[:, :2]
+        self.rows[row.DODGE] = self.rows[row.AIM_SPEED] = 0.0
         self.predicted[:] = self.asked
         self.rows[row.AHEAD] = self.motion.state.position - self.begin
 

@@ -14,12 +14,10 @@ import numpy.typing as npt
 from live.agents.asking.kernels import same_indices
 from live.agents.parting.paths.paths import PathParting
 from live.agents.wings.entrances import ON
-from live.motion.shifting.aiming.kernels import carry_agents
-from live.motion.shifting.kernels import bound_ways
+from live.motion.shifting.aiming.kernels import carry_agents, settle_ways
 from live.motion.shifting.rise import MOST_HELD
 from live.show.carried import Carried
 from live.show.coming import Coming
-from live.show.danced import Danced
 from live.show.dancers import Dancers
 from live.show.group_motion import DANCER_GAP, GroupMotion
 from live.show.patch import Patch
@@ -42,7 +40,7 @@ class Carrying:
         count = len(motion.casting.group)
         self._patch, self._dancers, self._motion = patch, dancers, motion
         half = patch.stage.width / 2, patch.stage.depth / 2
-        self._edge = np.array(half)
+        self._edge = half
         self.parting = PathParting(
             motion.model.radius,
             motion.model.responsibility,
@@ -78,32 +76,18 @@ class Carrying:
 
     # -- what a correction may be --------------------------------------------------------------------------------
 
-    def _bounded(self, danced: Danced, way: Float64, share: Float64) -> Float64:
-        """The `way` (A, 2) [m] as far as legs give, `share` (A,) of that."""
-        graph, lock = self._dancers.graph, self._dancers.lock
-        way = np.ascontiguousarray(way)
-        bound_ways(
-            way,
-            danced.placement[:, 2] + 0.5 * danced.correction[:, 2],
-            danced.node,
-            graph.node_gives,
-            graph.node_holds,
-            lock.held(),
-            share,
-            self._patch.locomotion.correction_m,
-            MOST_HELD,
-        )
-        return way
-
     def settle(self, target: Float64, wish: Float64) -> None:
         """Decide how the coming measures, all else of which is written, are corrected to end at `target` (A, 2) [m],
         which is as far as steps reach of the way to `wish` (A, 2) [m], where the agents are predicted to be."""
         coming = self._dancers.coming
         end = coming.end_position()  # turned on the feet that carry, the hips end elsewhere
         share = FAITHFUL + (1.0 - FAITHFUL) * self._dancers.variation.obedience
-        on = (self._motion.entrances.state == ON)[:, None]
-        inside = np.where(on, np.clip(target, -self._edge, self._edge), target)
-        coming.correction[:, :2] = self._bounded(coming, inside - end, share)
+        graph, lock = self._dancers.graph, self._dancers.lock
+        settle_ways(
+            coming.correction, target, end, coming.placement, coming.node, graph.node_gives, graph.node_holds,
+            lock.state, share, self._patch.locomotion.correction_m, MOST_HELD,
+            self._motion.entrances.state, ON, *self._edge,
+        )  # fmt: skip
         self._carried.level(coming.correction[:, :2], end, coming=True)
         self._coming.decided(end, target, wish)
 

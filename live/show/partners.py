@@ -67,6 +67,8 @@ class Partners:
         self.hand: Int32 = np.zeros((count, 2, 2), np.int32)
         """The hands that are to be held, as `Hands.tick` takes them."""
         self._meeting: Bool = np.zeros(count, np.bool_)
+        self._own: Int32 = np.arange(count, dtype=np.int32)
+        self._dance = bool(self._manner.any())  # whether there is any group with partners
         self.offset: Float64 = np.zeros((2, count, 2))
         """From each follower's leader to her [m] when the present and the coming measure end, shape (2, A, 2)."""
 
@@ -84,7 +86,9 @@ class Partners:
 
     def timing(self) -> Int32:
         """Whose timing each dancer has: her leader's or her own, shape (A,)."""
-        like = np.arange(len(self.of), dtype=np.int32)
+        if not len(self.leader):
+            return self._own
+        like = self._own.copy()
         like[self.follower] = self.leader
         return like
 
@@ -102,6 +106,8 @@ class Partners:
 
     def pair(self, there: Bool) -> None:
         """At a measure line: those `there` (A,) who have no partner take one, in the order of their numbers."""
+        if not self._dance:
+            return
         self.part(there)
         self.offset[0] = self.offset[1]
         leaders, followers = [self.leader], [self.follower]

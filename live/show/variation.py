@@ -287,8 +287,9 @@ class Variation:
         `like` (A,) says whose timing each dancer has (partners'), `there` (A,) who is on the stage. Nobody's lateness
         changes faster than the measure `danced` now, with its warp, can take up.
         """
+        if like is not self._like:
+            self._paired = np.flatnonzero(np.bincount(like, minlength=len(like))[like] > 1)
         self._liked, self._like = self._like, like
-        self._paired = np.flatnonzero(np.bincount(like, minlength=len(like))[like] > 1)
         self._late_before[:] = self.late
         if not (self._late.any() or self.late.any() or any(ripple.beats for ripple in self.ripples)):
             return

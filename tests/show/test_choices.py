@@ -59,15 +59,21 @@ def test_planning_is_spread_over_the_ticks_before_the_decision():
     """In no tick is more done than its share; nothing is left for the decision but to lay it down."""
     show = made_show()
     scheduler = show.scheduler
-    left = []
-    run(show, 7.0, lambda: left.append(len(scheduler._pieces)))
+    left, heaviest = [], [0]
+
+    def look():
+        left.append(scheduler._left)
+        heaviest.extend(weight for weight, _ in scheduler._pieces)
+
+    run(show, 7.0, look)
     left = np.array(left)
     done = -np.diff(left)
     begun = left[:-1] > 0
     most = left.max()
     ticks = round(0.75 * 0.5 / TICK)  # three quarters of a beat of 0.5 s
-    assert done[begun].max() <= np.ceil(most / ticks) + 1
+    assert done[begun].max() <= max(max(heaviest), np.ceil(1.5 * most / ticks))
     assert left[np.flatnonzero(done > 0) + 1].min() == 0
+    assert max(heaviest) < 0.2 * most
 
 
 def test_a_stall_plans_the_same_at_once():

@@ -164,7 +164,7 @@ def walked_through(*, careful):
     """The least distance [m] of a real performer, who walks along the front row, to any dancer."""
     show = made_show()
     if not careful:
-        show.interrupts._look_out = lambda *arguments: None
+        show.interrupts._avoiding.tick = lambda *arguments: None
     nearest = []
 
     def each(number):

@@ -15,11 +15,9 @@ from live.motion.legs.kernels import (
     LOCK_COLUMNS,
     SHIFT_X,
     SHIFT_Z,
-    SLID,
-    STOOD,
     follow_feet,
 )
-from live.motion.legs.placing.kernels import farthest_shift, swing_feet
+from live.motion.legs.placing.kernels import farthest_shift, swing_feet, take_slid
 from live.motion.posing.pipeline import ClipStore, PosePipeline, PoseSkeleton
 from live.motion.skeleton import SOLE_BELOW_ANKLE
 
@@ -54,8 +52,8 @@ class FootLock:
     def slid(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """How far each dancer's feet have slid [m] where clips have them on the floor, and how long they stood [s],
         since this was last asked, (A,) each. A leg that does not reach lets its foot slip a little more than that."""
-        slid, stood = (self.state[:, :, column].sum(axis=1, dtype=np.float64) for column in (SLID, STOOD))
-        self.state[:, :, (SLID, STOOD)] = 0.0
+        slid, stood = np.zeros((2, len(self.state)))
+        take_slid(self.state, slid, stood)
         return slid, stood
 
     def place(self, feet: Float32, age: float) -> None:

@@ -5,7 +5,7 @@ import numpy.typing as npt
 
 from live.base.jit import kernel
 from live.motion.inertia.kernels import LONGEST
-from live.motion.legs.kernels import FEET_COLUMNS, HELD, LIFT, SHIFT_X, SHIFT_Z, SPEED_X, SPEED_Y, SPEED_Z
+from live.motion.legs.kernels import FEET_COLUMNS, HELD, LIFT, SHIFT_X, SHIFT_Z, SLID, SPEED_X, SPEED_Y, SPEED_Z, STOOD
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -34,6 +34,16 @@ def farthest_shift(lock: Float32) -> float:
         for side in range(2):
             most = max(most, max(abs(lock[n, side, SHIFT_X]), abs(lock[n, side, SHIFT_Z])))
     return most
+
+
+@kernel("void(f4[:,:,::1], f8[::1], f8[::1])")
+def take_slid(lock: Float32, slid: Float64, stood: Float64) -> None:
+    """Take out of the foot lock how far both feet have `slid` (A,) [m] and for how long they `stood` (A,) [s]."""
+    for n in range(lock.shape[0]):
+        slid[n] = float(lock[n, 0, SLID]) + float(lock[n, 1, SLID])
+        stood[n] = float(lock[n, 0, STOOD]) + float(lock[n, 1, STOOD])
+        for side in range(2):
+            lock[n, side, SLID] = lock[n, side, STOOD] = np.float32(0.0)
 
 
 @kernel("b1(f4[::1], f8[::1], f8)")

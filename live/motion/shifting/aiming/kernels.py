@@ -104,6 +104,45 @@ def limit_wishes(
     keep_ends(rows[WISH], rows[END], state, on, edge_x, edge_z)
 
 
+@kernel(
+    "void(f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], i4[::1], f8[:,::1], f8[:,::1], f4[:,:,::1], f8[::1], f8, f8,"
+    " i1[::1], i8, f8, f8)"
+)
+def settle_ways(
+    correction: Float64,
+    target: Float64,
+    end: Float64,
+    placement: Float64,
+    node: Int32,
+    gives: Float64,
+    holds: Float64,
+    lock: Float32,
+    share: Float64,
+    most: float,
+    most_held: float,
+    state: Int8,
+    on: int,
+    edge_x: float,
+    edge_z: float,
+) -> None:
+    """Write the way of each `correction` (A, 3), as far as legs give, from `end` to `target` (A, 2) [m].
+
+    Those who are `on` the stage are sent no farther than to its edges; arrays else as in `limit_wishes`.
+    """
+    count = node.shape[0]
+    way, yaw, held = np.empty((count, 2)), np.empty(count), np.empty((count, 2, 2))
+    for n in range(count):
+        x, z = target[n, 0], target[n, 1]
+        if state[n] == on:
+            x, z = min(max(x, -edge_x), edge_x), min(max(z, -edge_z), edge_z)
+        way[n, 0], way[n, 1] = x - end[n, 0], z - end[n, 1]
+        yaw[n] = placement[n, 2] + 0.5 * correction[n, 2]
+    held_feet(lock, held)
+    bound_ways(way, yaw, node, gives, holds, held, share, most, most_held)
+    for n in range(count):
+        correction[n, 0], correction[n, 1] = way[n, 0], way[n, 1]
+
+
 @kernel("void(f8[:,:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8[::1], f8)")
 def take_wishes(
     rows: Float64,
