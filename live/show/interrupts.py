@@ -54,6 +54,7 @@ class Interrupts:
         self.cutting = Cutting(dancers)
         self._cues: list[_Cue] = []
         self._half: tuple[int, int] | None = None
+        self._decided = False
         self._step: Int32 = np.full(count, NOTHING, np.int32)  # what must follow a cut that the plan did not know of
         self._unplanned: Bool = np.zeros(count, np.bool_)
         half_stage = patch.stage.width / 2, patch.stage.depth / 2
@@ -84,8 +85,9 @@ class Interrupts:
 
     def tick(self, span: MeasureSpan, timeline: Timeline, time: float) -> None:
         """Cut whoever must leave her step at the tick at `time` [s]."""
-        if self._dancers.decided and self._unplanned.any():
-            self._go_on()
+        if self._decided and self._dancers.decided and self._unplanned.any():
+            self._go_on()  # the tick of the decision has enough to do
+        self._decided = self._dancers.decided
         half = span.number, math.floor(2.0 * timeline.beats_per_measure * span.fraction(timeline.beat_at(time)) + 1e-9)
         if half != self._half:
             self._half = half

@@ -76,8 +76,8 @@ class Scheduler:
         self._asked_from = np.full(count, -1, np.int32)
         self._arguments: tuple[Any, ...] = ()
         self._following: tuple[Int32, Int32] = np.zeros(0, np.int32), np.zeros(0, np.int32)
-        self._pieces: deque[tuple[int, Callable[[], None]]] = deque()
-        self._left = 0  # what they weigh together: about so many times what a coarse step of looking ahead takes
+        self._pieces: deque[tuple[int, Callable[[], object]]] = deque()
+        self._left = 0  # what they weigh together: about so many times half of what a coarse step of looking ahead takes
         self._seconds = 2.0
         self.take_graph(dancers.graph, Choosing.of(dancers.graph))
         self.last_target: Float64 | None = None
@@ -146,19 +146,20 @@ class Scheduler:
         count, measure, variation = len(self._group), span.number + 1, self._dancers.variation
         self._pieces.extend(
             [
-                *[(1, partial(self._motion.work, 1))] * steps,
-                (8, self._look),
-                *[(6, partial(self.aims.ask, index, measure, self.choices)) for index in self.order],
-                (8, self._limit),
+                *[(2, partial(self._motion.work, 1))] * steps,
+                (10, self._look),
+                *[(8, partial(self.aims.ask, index, measure, self.choices)) for index in self.order],
+                (10, self._limit),
                 *[
-                    (2, partial(self._choose, slice(row, min(row + AT_A_TIME, count))))
+                    (4, partial(self._choose, slice(row, min(row + AT_A_TIME, count))))
                     for row in range(0, count, AT_A_TIME)
                 ],
                 (1, self._lead),
-                *[(2, partial(self._follow, slice(row, row + AT_A_TIME))) for row in self._pairs_by_pieces()],
-                (6, partial(self._vary, measure)),
-                (4, self._mix),
-                (3, self._turn),
+                *[(4, partial(self._follow, slice(row, row + AT_A_TIME))) for row in self._pairs_by_pieces()],
+                (2, self._catch_up),
+                (8, partial(self._vary, measure)),
+                (5, self._mix),
+                (5, self._turn),
                 (2, partial(variation.foresee, measure + 3)),
             ]
         )
@@ -209,6 +210,18 @@ class Scheduler:
         rows, sides = (array[pairs] for array in self._following)
         if len(rows):
             choose_following(rows, sides, self.choosing, self.choices, self._arguments)
+
+    def _catch_up(self) -> bool:
+        """Choose anew for those who were put into another measure since they were asked; whether there are any."""
+        node = self._dancers.node
+        changed = np.flatnonzero(self._asked_from != node)
+        if not len(changed):
+            return False
+        self._asked_from[changed] = node[changed]
+        self._arguments[1][changed] = with_direction(self._dancers.present.end_placement())[changed]
+        for row in changed.tolist():
+            self._choose(slice(row, row + 1))
+        return True
 
     def _vary(self, measure: int) -> None:
         """What is danced of what was chosen: nodes, and how each dancer varies them."""
@@ -264,12 +277,7 @@ class Scheduler:
             self._begin(span, timeline, time)
         while self._pieces:
             self._do_piece()
-        changed = np.flatnonzero(self._asked_from != self._dancers.node)  # who was put into another measure since
-        if len(changed):
-            self._arguments = (self._dancers.node.copy(), *self._arguments[1:])
-            self._arguments[1][changed] = with_direction(self._dancers.present.end_placement())[changed]
-            for row in changed.tolist():
-                self._choose(slice(row, row + 1))
+        if self._catch_up():
             self._vary(span.number + 1)
             self._mix()
             self._turn()
