@@ -10,7 +10,7 @@ from live.base.errors import PersonError, named
 from live.base.inbox import Inbox
 from live.clock.following.seed import Seed
 from live.clock.source import Clock
-from live.control.events import ControlEvent, SetLatency
+from live.control.events import ControlEvent, RestartAudio, SetLatency
 from live.control.music_file import Music, MusicFileError, read_music
 from live.show.core import Show
 from live.show.load import LoadedShow
@@ -105,12 +105,26 @@ def _music(path: Path) -> Music:
 
 
 def analysis_for(loaded: LoadedShow, show: Show) -> "MakeAnalysis":
-    """Makes analyses with the patch's tracker, who are told what is set by hand in this show."""
+    """Makes analyses with the patch's tracker, who are told what is set by hand in this show.
+
+    Each takes the place of the one before (a device that came back, another rate, an analysis that failed): what was
+    set by hand holds on.
+    """
     from live.control.audio_analysis import AudioAnalysis
 
     seeds: deque[Seed] = deque(maxlen=64)
     show.seed_tracker(seeds.append)
-    return lambda rate: AudioAnalysis(rate, tracker=loaded.patch.clock.tracker, seeds=seeds, energy=True)
+    former: AudioAnalysis | None = None
+
+    def make(rate: float) -> AudioAnalysis:
+        nonlocal former
+        analysis = AudioAnalysis(rate, tracker=loaded.patch.clock.tracker, seeds=seeds, energy=True)
+        if former is not None:
+            analysis.succeed(former)
+        former = analysis
+        return analysis
+
+    return make
 
 
 def make_audio(
@@ -157,5 +171,9 @@ def make_audio(
     def to_listener(event: ControlEvent) -> None:
         listener.latency = latencies.input
         listener.act(event)
+        if isinstance(event, RestartAudio) and show.follower.on_seed is not None:
+            # by hand is anew: what the tracker was told is void, but for what the patch says
+            show.follower.on_seed(Seed("forget", event.time))
+            show.seed_tracker(show.follower.on_seed)
 
     return listener, to_listener

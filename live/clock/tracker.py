@@ -109,6 +109,10 @@ class Tracker:
         """Nothing is set by hand any more."""
         self.pointer.let_go()
 
+    def obey(self, former: "Tracker") -> None:
+        """Keep tempo and metre that another tracker, whose place this one takes, was told by hand."""
+        self.pointer.obey(former.pointer)
+
     def _hear(self, frame: int) -> BeatEstimate | None:
         hearing, quiet, pointer = self._hearing, self._quiet, self.pointer
         chance = float(hearing.beat[frame])

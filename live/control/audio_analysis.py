@@ -46,11 +46,20 @@ class AudioAnalysis:
         self.tracker, self.note = make_tracker(tracker, sample_rate)
         self.seeds: deque[Seed] = deque(maxlen=64) if seeds is None else seeds
         """What people said by hand and the tracker is to know; taken up, and removed, with the next samples."""
+        self._obeyed = self.tracker if isinstance(self.tracker, Tracker) else None
+        """The tracker that knows what was told by hand: where aubio listens, the one before it."""
         self._source = source
         self._pauses = Pauses()
         self._hearing: Hearing = "sound"
         self._mono = np.zeros(LONGEST, np.float32)
         self._energy = MusicEnergy(sample_rate) if energy else None
+
+    def succeed(self, former: "AudioAnalysis") -> None:
+        """Take the place of another analysis: what its tracker was told by hand holds on."""
+        known = former._obeyed
+        self._obeyed = self.tracker if isinstance(self.tracker, Tracker) else known
+        if isinstance(self.tracker, Tracker) and known is not None:
+            self.tracker.obey(known)
 
     def feed(self, samples: npt.NDArray[np.float32], time_of: TimeOf, now: float | None = None) -> list[ControlEvent]:
         """Analyse the next samples, shape (n, channels), and return the events found in them, oldest first.

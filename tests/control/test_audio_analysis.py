@@ -1,10 +1,15 @@
 """AudioAnalysis: from samples to events with the times of the show."""
 
+from collections import deque
+
 import numpy as np
 import pytest
 
+from live.clock.following.seed import Seed
+from live.clock.tracker import Tracker
 from live.control.audio_analysis import AudioAnalysis
 from live.control.events import BeatHeard, ControlEvent, SourceChanged
+from live.control.trackers import TrackerName
 from tests.clock.clicks import clicks
 
 RATE = 44_100
@@ -64,3 +69,34 @@ def test_nan_in_one_channel_is_no_end() -> None:
     events = analysis.feed(both, lambda position: position)
     assert sum(isinstance(event, BeatHeard) for event in events) > 12
     assert analysis.tracker.bad_samples == len(range(0, sound.size - analysis.tracker.wanted + 1, 5000))
+
+
+def told_by_hand(seeds: deque[Seed]) -> AudioAnalysis:
+    """An analysis that has taken up the seeds."""
+    analysis = AudioAnalysis(RATE, seeds=seeds)
+    analysis.feed(np.zeros((1, 1), np.float32), lambda position: position)
+    return analysis
+
+
+@pytest.mark.parametrize("between", ["network", "aubio"])
+def test_what_was_told_by_hand_outlives_an_analysis_that_is_made_anew(between: TrackerName) -> None:
+    seeds = deque([Seed("metre", 0.0, 3.0), Seed("tempo", 0.0, 63.0)])
+    middle = AudioAnalysis(RATE, tracker=between)
+    middle.succeed(told_by_hand(seeds))
+    last = AudioAnalysis(RATE)
+    last.succeed(middle)
+    sound, _ = clicks(126.0, RATE, 10.0, 0.0)
+    last.feed(sound[:, None], lambda position: position)
+    assert isinstance(last.tracker, Tracker)
+    assert last.tracker.pointer.tempo == pytest.approx(63.0, rel=0.03)  # every second click, as the hand said
+    assert last.tracker.pointer.metre == 3
+
+
+def test_what_was_let_go_is_not_told_again() -> None:
+    former = told_by_hand(deque([Seed("metre", 0.0, 3.0), Seed("tempo", 0.0, 38.0), Seed("forget", 0.0)]))
+    last = AudioAnalysis(RATE)
+    last.succeed(former)
+    sound, _ = clicks(126.0, RATE, 10.0, 0.0)
+    last.feed(sound[:, None], lambda position: position)
+    assert isinstance(last.tracker, Tracker)
+    assert last.tracker.pointer.tempo == pytest.approx(126.0, rel=0.03)

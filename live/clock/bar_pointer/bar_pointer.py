@@ -190,6 +190,15 @@ class BarPointer:
         """Nothing is set by hand any more."""
         self._hand.let_go()
 
+    def obey(self, former: "BarPointer") -> None:
+        """Keep tempo and metre that another pointer was told by hand; where its measures began is nothing to this."""
+        told = former._hand
+        if told.keeps_level:
+            bpm = 60.0 * former.model.frame_rate / told.held_interval
+            self.tap(min(max(bpm, self.model.slowest_bpm), self.model.fastest_bpm))
+        if told.held_metre:
+            self.set_metre(told.held_metre)
+
     def _set_anew(self) -> None:
         self._whole = 1.0
         self._until_survey = 0

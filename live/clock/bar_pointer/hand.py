@@ -57,6 +57,16 @@ class Hand:
         """Whether a tempo was tapped, halved or doubled."""
         return self._middle > 0.0
 
+    @property
+    def held_interval(self) -> float:
+        """The interval [frames] about which the level is held; 0 where nobody has said one."""
+        return self._middle
+
+    @property
+    def held_metre(self) -> int:
+        """Beats of a measure as somebody has set them; 0: as heard."""
+        return self._metre
+
     def tap(self, interval: float) -> None:
         """The tempo is this [frames]: states far from it are given up, and the level is held from now on."""
         take_tempo(self._states, interval)
