@@ -80,9 +80,7 @@ class Run:
     def count_from(self, one_at: float, now: float) -> None:
         """The measures begin where the music's known first downbeat was, counted back along the goal."""
         before = self.timeline
-        straight = replace(
-            before, tempo=self.goal.tempo, beat_origin=float(self.goal.number), time_origin=self.goal.time
-        )
+        straight = replace(before, beat_origin=self.goal.beat_at(one_at), time_origin=one_at)
         self.timeline = replace(before, measure_origin=straight.with_one_at(one_at).measure_origin)
         if self.timeline != before:
             self._announce(Jump(now, self.beat(now), self.beat(now), "first downbeat"))

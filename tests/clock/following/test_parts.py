@@ -142,3 +142,9 @@ def test_a_leap_goes_forward_by_less_than_a_beat_to_the_goals_place_in_the_beat(
 def test_what_nobody_can_mean_is_not_plausible(said: Said) -> None:
     assert not said.plausible(10.0)
     assert Said(10.1, 0.5, 0.5, 3, 4, 17).plausible(10.0)
+
+
+def test_a_first_downbeat_is_counted_back_along_beats_slower_than_any_timeline() -> None:
+    run = Run(Timeline(tempo=20.0, beats_per_measure=4), Grid(10.0, 3.9, 5))
+    run.count_from(2.2, 10.0)  # two beats back: beat 3
+    assert (run.timeline.measure_origin - 3.0) % 4.0 == 0.0
