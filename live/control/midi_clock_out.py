@@ -50,6 +50,10 @@ class MidiClockOut:
         self.name = name
         self.connected = ""
         self.problem = ""
+        self.failed = 0
+        """Pulses that could not be placed ..."""
+        self.failure = ""
+        """... and why, in words."""
         self.sent = 0
         """Pulses sent."""
         self.late: deque[float] = deque(maxlen=2048)
@@ -92,6 +96,8 @@ class MidiClockOut:
             "port": self.connected or self.name,
             "problem": self.problem,
             "pulses": self.sent,
+            "failed": self.failed,
+            "failure": self.failure,
             "late_p99_ms": round(1e3 * late[int(0.99 * (len(late) - 1))], 3) if late else None,
         }
 
@@ -99,7 +105,13 @@ class MidiClockOut:
         self._near = NEAR if hurry() else NEAR_POLITE
         try:
             while not self._stop.is_set():
-                self._step()
+                try:
+                    self._step()
+                except Exception as error:  # a pulse that cannot be placed is left out, the next ones come
+                    self.failed += 1
+                    self.failure = f"{type(error).__name__}: {error}"
+                    self._schedule = PulseSchedule()
+                    self._stop.wait(NAP)
         finally:
             if self._port is not None:
                 self._send((bytes((STOP,)),))

@@ -71,16 +71,24 @@ class MidiClockProcess:
         if process is None or timeline is self._told:
             return
         if process.poll() is not None:
-            self._facts = {**self._facts, "problem": "the sender ended unexpectedly"}
+            self._facts = {**self._facts, "problem": self.problem or "the sender ended unexpectedly"}
             if self._clock.now() - self._started_at > RESTART_AFTER:
-                self._close(process)
-                self.start()
+                self._started_at = self._clock.now()
+                self._start_again(process)
             return
         assert process.stdin is not None
         values = (timeline.tempo, timeline.beat_origin, timeline.time_origin, timeline.beats_per_measure)
         with contextlib.suppress(OSError):  # full, or just ended: the next one counts
             os.write(process.stdin.fileno(), TIMELINE.pack(*values, timeline.measure_origin))
             self._told = timeline
+
+    def _start_again(self, ended: "subprocess.Popen[bytes]") -> None:
+        """In place of the process that has ended; a system that has no room for one now is asked again later."""
+        self._close(ended)
+        try:
+            self.start()
+        except OSError as error:
+            self._facts = {**self._facts, "problem": f"the sender cannot be started: {error.strerror or error}"}
 
     def stop(self) -> None:
         """End the song and the process."""

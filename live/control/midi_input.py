@@ -60,7 +60,7 @@ class MidiInput:
         self.dropped = 0
         """Messages that waited too long."""
         self.failed = 0
-        """Messages that a decoder failed at ..."""
+        """Messages, and looks at the time, that a decoder failed at ..."""
         self.failure = ""
         """... and the last failure in words."""
         self.last_rejection: Rejection | None = None
@@ -141,8 +141,18 @@ class MidiInput:
         try:
             self.decode(message, time)
         except Exception as error:
-            self.failed += 1
-            self.failure = f"{bytes(message[:8]).hex(' ')}: {type(error).__name__}: {error}"
+            self._fail(" ".join(f"{byte:02x}" for byte in message[:8]), error)
+
+    def _fail(self, where: str, error: Exception) -> None:
+        self.failed += 1
+        self.failure = f"{where}: {type(error).__name__}: {error}"
+
+    def _look_safely(self, now: float) -> None:
+        """Look; a decoder that fails at it is counted, and its port is listened to on."""
+        try:
+            self.look(now)
+        except Exception as error:
+            self._fail("nothing came", error)
 
     def look(self, now: float) -> None:
         """What is known at `now` because nothing came."""
@@ -162,7 +172,7 @@ class MidiInput:
                     time, message = self._arrived.get(timeout=WAITS)
                     self._decode_safely(message, time)
                 now = self._clock.now()
-                self.look(now)
+                self._look_safely(now)
                 if now >= due:
                     due = now + RETRY
                     self._care(now)

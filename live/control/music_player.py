@@ -25,6 +25,9 @@ STAMPS: Final = 512
 CATCH_UP: Final = 1.0
 """A stall longer than this [s] is not analysed afterwards, but left out."""
 
+ANEW_AFTER: Final = 1.0
+"""Seconds after a failure of the analysis until it is begun anew."""
+
 
 class MusicPlayer:
     """Plays through a sound output if there is one, else silently by the clock; events are the same either way.
@@ -61,6 +64,10 @@ class MusicPlayer:
         self._one_at = one_at
         self.output_problem = ""
         """Why the music is not heard; empty if it is."""
+        self.crashes = 0
+        """How often the analysis failed and was begun anew ..."""
+        self.failure = ""
+        """... and the last failure in words."""
         self.ended = False
         """Whether the music is over (never, if it loops)."""
         self._device = self._find(output)
@@ -75,6 +82,7 @@ class MusicPlayer:
         self._make_analysis = analysis
         self._analysis = analysis(music.sample_rate)
         self._skipped = 0
+        self._anew_at: float | None = None
 
     @property
     def audible(self) -> bool:
@@ -94,6 +102,8 @@ class MusicPlayer:
             "state": "open" if self.audible else "unheard",
             "latency_ms": round(1000.0 * self._delay, 2),
             "problem": self.output_problem,
+            "crashes": self.crashes,
+            "failure": self.failure,
         }
 
     def start(self) -> None:
@@ -168,7 +178,7 @@ class MusicPlayer:
             while not self._stop.wait(POLL):
                 now = self._clock.now()
                 self._follow_output(now)
-                self._analyse(now)
+                self._analyse_safely(now)
         finally:
             self._close()
 
@@ -193,12 +203,24 @@ class MusicPlayer:
             for state in ("lost", "found"):
                 self._inbox.put(SourceChanged(time=now, source="audio", state=state, detail=self.output_problem))
 
+    def _analyse_safely(self, now: float) -> None:
+        """Analyse; when that fails the music plays on, and what is heard a second later is analysed anew."""
+        if self._anew_at is not None and now < self._anew_at:
+            return
+        try:
+            self._analyse(now)
+        except Exception as error:
+            self.crashes += 1
+            self.failure = f"the analysis failed: {type(error).__name__}: {error}"
+            self._anew_at = now + ANEW_AFTER
+
     def _analyse(self, now: float) -> None:
         if self.ended:
             return
         rate = self._music.sample_rate
         wanted = int(self.position(now) * rate)
-        if wanted - self._fed > CATCH_UP * rate:
+        if wanted - self._fed > CATCH_UP * rate or self._anew_at is not None:
+            self._anew_at = None
             self._fed = self._skipped = wanted
             self._analysis = self._make_analysis(rate)
         if wanted <= self._fed:

@@ -1,8 +1,10 @@
 """The process that sends MIDI clock: it starts, tells, ends with the show and is started again."""
 
+import subprocess
+
 import pytest
 
-from live.clock.source import SystemClock
+from live.clock.source import ManualClock, SystemClock
 from live.clock.timeline import Timeline
 from live.control import midi_clock_process
 from live.control.midi_clock_process import MidiClockProcess
@@ -31,3 +33,23 @@ def test_a_sender_without_its_port_says_so_and_comes_back_when_it_is_killed(monk
         sends.stop()
     assert second is not None
     assert second.poll() is not None
+
+
+def test_a_system_that_has_no_room_for_a_process_ends_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = ManualClock()
+    ended = subprocess.Popen(["true"], stdin=subprocess.PIPE)
+    ended.wait()
+    sends = MidiClockProcess("no such port", clock)
+    sends._process = ended
+    tried: list[float] = []
+
+    def refuse(*_: object, **__: object) -> None:
+        tried.append(clock.now())
+        raise OSError(12, "Cannot allocate memory")
+
+    monkeypatch.setattr(midi_clock_process.subprocess, "Popen", refuse)
+    for _ in range(100):
+        clock.advance(0.1)
+        sends.follow(Timeline(tempo=120.0))
+    assert 2 <= len(tried) <= 5  # now and then, not in every frame
+    assert sends.problem

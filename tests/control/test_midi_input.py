@@ -101,6 +101,24 @@ def test_what_no_decoder_foresaw_is_counted_and_told(monkeypatch: pytest.MonkeyP
     assert (listens.facts()["bad"], listens.facts()["failure"]) == (1, "f8: ZeroDivisionError: no beats")
 
 
+def test_a_look_that_fails_does_not_end_the_listening(monkeypatch: pytest.MonkeyPatch) -> None:
+    port = FakePort("box")
+    listens = MidiInput("box", Inbox(), ManualClock(), open_by_name=lambda _: cast(OpenPort, port))
+
+    def fail(_now: float) -> None:
+        raise ZeroDivisionError("no beats")
+
+    monkeypatch.setattr(listens, "look", fail)
+    listens.start()
+    try:
+        assert wait_for(lambda: listens.failed >= 2, 5.0)
+        port.receive([0xF8])
+        assert wait_for(lambda: listens.messages == 1, 5.0)
+    finally:
+        listens.stop()
+    assert listens.facts()["failure"] == "nothing came: ZeroDivisionError: no beats"
+
+
 def test_ports_are_matched_by_lasting_names() -> None:
     names = ["Through:Port 14:0", "Launchkey MIDI 1 24:0", "Launchkey MIDI 2 24:1"]
     assert match_port("launchkey midi 1", names) == "Launchkey MIDI 1 24:0"

@@ -1,11 +1,14 @@
 """MusicPlayer: follows what it plays, heard or unheard."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from live.base.inbox import Inbox
 from live.clock.source import SystemClock
 from live.control import music_player
+from live.control.audio_analysis import AudioAnalysis
 from live.control.audio_device import AudioInput
 from live.control.events import BeatHeard, ControlEvent, One, SourceChanged
 from live.control.music_file import Music, OfflineMusic
@@ -64,6 +67,38 @@ def test_the_end_of_the_music_is_told() -> None:
     last = inbox.drain()[-1]
     assert isinstance(last, SourceChanged)
     assert (last.state, last.detail) == ("silent", "the music is over")
+
+
+def test_an_analysis_that_fails_is_begun_anew_while_the_music_plays_on() -> None:
+    made: list[AudioAnalysis] = []
+
+    class Breaks(AudioAnalysis):
+        def feed(self, *arguments: Any) -> list[ControlEvent]:
+            if self is made[0] and self.tracker.position > 1.0:
+                raise ArithmeticError("a bug in the tracker")
+            return super().feed(*arguments)
+
+    def make(rate: float) -> AudioAnalysis:
+        made.append(Breaks(rate))
+        return made[-1]
+
+    inbox: Inbox[ControlEvent] = Inbox()
+    player = MusicPlayer(music_of(120.0, 20.0), inbox, SteppingClock(), output=False, analysis=make)
+    player.start()
+    beats: list[float] = []
+    try:
+        assert wait_for(
+            lambda: (
+                bool(beats.extend(e.beat_time for e in inbox.drain() if isinstance(e, BeatHeard))) or len(beats) > 8
+            ),
+            15.0,
+        )
+    finally:
+        player.stop()
+    assert (player.crashes, len(made)) == (1, 2)
+    assert player.facts()["failure"] == "the analysis failed: ArithmeticError: a bug in the tracker"
+    off = (np.array(beats[3:]) - player._begin) * 2.0
+    assert np.median(np.abs(off - np.round(off))) < 0.05
 
 
 def test_without_portaudio_the_music_runs_unheard(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,47 @@
+"""The sender of MIDI clock on a port made by hand."""
+
+from typing import cast
+
+import pytest
+
+from live.clock.pulse_schedule import Due
+from live.clock.source import SystemClock
+from live.clock.timeline import Timeline
+from live.control.midi_clock_out import MidiClockOut
+from live.control.midi_ports import OpenPort
+from tests.control.waiting import wait_for
+
+
+class FakePort:
+    """Keeps what is sent."""
+
+    name = "synth"
+    there = True
+
+    def __init__(self) -> None:
+        self.sent: list[bytes] = []
+
+    def send(self, message: bytes) -> None:
+        self.sent.append(message)
+
+    def close(self) -> None: ...
+
+
+def test_a_pulse_that_cannot_be_placed_does_not_end_the_sending(monkeypatch: pytest.MonkeyPatch) -> None:
+    port = FakePort()
+    sends = MidiClockOut("synth", SystemClock(), open_by_name=lambda _: cast(OpenPort, port))
+
+    def fail(_timeline: Timeline, _now: float) -> Due:
+        raise OverflowError("no such pulse")
+
+    monkeypatch.setattr(sends._schedule, "due", fail)
+    sends.follow(Timeline(tempo=240.0))
+    sends.start()
+    try:
+        assert wait_for(lambda: sends.sent >= 24, 10.0)
+    finally:
+        sends.stop()
+    assert sends.problem == ""
+    assert sends.facts()["failed"] == 1
+    assert sends.facts()["failure"] == "OverflowError: no such pulse"
+    assert port.sent.count(b"\xf8") >= 24
