@@ -1,16 +1,17 @@
 """AudioInput: a sound device that is listened to, and goes on being listened to whatever happens to it."""
 
 import threading
+from collections import deque
 from typing import Any, Final
 
-from live.base.errors import PersonError
 from live.base.inbox import Inbox
 from live.clock.source import Clock
 from live.control.audio_analysis import AudioAnalysis, MakeAnalysis
+from live.control.audio_choice import AudioChoice
 from live.control.channels import Channels
 from live.control.events import ChooseAudio, ControlEvent, RestartAudio, SourceChanged
 from live.control.listening import Listening, open_device
-from live.control.sound_devices import SoundDevice, find_device, refresh
+from live.control.sound_devices import SoundDevice, refresh
 
 LOST_AFTER: Final = 0.5
 """Seconds without a callback after which the device counts as lost."""
@@ -28,6 +29,9 @@ HUNG_AFTER: Final = 10.0
 """A thread that has not come round for so many seconds hangs in the sound system; a restart leaves it behind."""
 
 POLL: Final = 0.010
+
+ASKED_MOST: Final = 16
+"""Changes of the device that may wait for the thread."""
 
 METER_FALL: Final = 0.95
 """Share of the level that is left with the next block: it falls by 20 dB in half a second."""
@@ -57,8 +61,7 @@ class AudioInput:
         `analysis` makes what listens, for a sample rate. Raises SoundUnavailable or UnknownDevice, and PersonError if
         the device lacks the channels.
         """
-        self.device: SoundDevice = find_device(device)
-        self.channels = channels
+        self._choice = AudioChoice.of(device, channels)
         self.latency = latency
         self.reopened = 0
         """How often the device was opened again."""
@@ -66,16 +69,15 @@ class AudioInput:
         """How often the analysis failed and was begun anew."""
         self.problem = ""
         """What is wrong with the sound now, in words; empty if nothing is."""
-        missing = channels.missing(self.device.channels)
-        if missing:
-            raise PersonError(f"{self.device.name}: {missing}", "choose others, see `live devices`")
+        self.failure = ""
+        """How the analysis failed last, in words."""
         self._inbox = inbox
         self._clock = clock
         self._source = source
         self._analysis: MakeAnalysis = analysis or (lambda rate: AudioAnalysis(rate, source))
         self._stop = threading.Event()
         self._listening: Listening | None = None
-        self._asked: RestartAudio | ChooseAudio | None = None
+        self._asked: deque[RestartAudio | ChooseAudio] = deque(maxlen=ASKED_MOST)
         self._level = 0.0
         self._bad_before = 0
         self._lost = False
@@ -84,6 +86,16 @@ class AudioInput:
         self._thread: threading.Thread | None = None
 
     # -- any thread ----------------------------------------------------------------------------------------------
+
+    @property
+    def device(self) -> SoundDevice:
+        """The device that is listened to, or waited for. Thread: any."""
+        return self._choice.device
+
+    @property
+    def channels(self) -> Channels:
+        """Those that are wished of it. Thread: any."""
+        return self._choice.channels
 
     @property
     def level(self) -> float:
@@ -108,6 +120,7 @@ class AudioInput:
             "level": round(self._level, 5),
             "reopened": self.reopened,
             "crashes": self.crashes,
+            "failure": self.failure,
             "bad_samples": self.bad_samples,
             "overrun": 0 if listening is None else listening.ring.overrun,
             "problem": self.problem,
@@ -117,7 +130,7 @@ class AudioInput:
         """Take up RestartAudio and ChooseAudio; other events concern others. Thread: any."""
         if not isinstance(event, RestartAudio | ChooseAudio):
             return
-        self._asked = event
+        self._asked.append(event)
         if self._thread is not None and self._clock.now() - self._round_at > HUNG_AFTER:
             self._listening = None  # its stream belongs to the thread that hangs, and is left behind with it
             self._begin_thread()
@@ -158,7 +171,7 @@ class AudioInput:
             self._work(now)
         except Exception as error:  # whatever fails in here, the listening goes on
             self.crashes += 1
-            self.problem = f"the analysis failed: {type(error).__name__}: {error}"
+            self.failure = self.problem = f"the analysis failed: {type(error).__name__}: {error}"
             again, self._crashed_at = now - self._crashed_at < CRASHES_APART, now
             if self._listening is None or again:
                 self._lose(now, self.problem)
@@ -166,9 +179,8 @@ class AudioInput:
                 self._listening.begin_analysis(self._listening.ring.read_frames)
 
     def _work(self, now: float) -> None:
-        asked, self._asked = self._asked, None
-        if asked is not None:
-            self._change(asked, now)
+        if self._asked:
+            self._change(now)
         listening = self._listening
         if listening is None:
             if now - self._alive_at >= RETRY:
@@ -184,6 +196,8 @@ class AudioInput:
             for event in listening.events(self.latency, now):
                 self._inbox.put(event)
             self._level = max(listening.analysis.tracker.level, self._level * METER_FALL)
+            if self.problem and self.problem == self.failure and now - self._crashed_at > CRASHES_APART:
+                self.problem = listening.missing  # it has gone well since
         if now - self._alive_at > self._patience:
             self._lose(now, self.device.name)
 
@@ -195,8 +209,9 @@ class AudioInput:
         self._close()
         self._alive_at = now
 
-    def _open(self) -> None:
-        stop = self._stop
+    def _open(self, stop: threading.Event | None = None) -> None:
+        """`stop`: that of the thread that opens, as it was before the sound system was asked anything."""
+        stop = self._stop if stop is None else stop
         listening = open_device(self.device, self.channels, self._clock, self._analysis)
         if stop is not self._stop:  # this thread hung for so long that another one listens now
             listening.close()
@@ -213,35 +228,33 @@ class AudioInput:
 
     def _try_again(self, now: float) -> None:
         """Look for the device by its name and open it; whatever goes wrong, there is another time."""
-        self._alive_at = now
+        self._alive_at, stop = now, self._stop
         try:
             refresh()
-            self.device = find_device(self.device.name)
-            self._open()
+            again = self._choice.again()
+            if stop is not self._stop:
+                return
+            self._choice = again
+            self._open(stop)
         except Exception as error:  # the sound system is coming and going: no error of its may end the listening
-            self._listening = None
             self.problem = str(error)
             return
         self.reopened += 1
 
-    def _change(self, asked: RestartAudio | ChooseAudio, now: float) -> None:
-        """Close the device and open it again, or another; if that one is not there, the one that was."""
+    def _change(self, now: float) -> None:
+        """Close the device and open it again, or what was chosen; if that cannot be, what there was."""
         self._lose(now, "opened anew by hand")
-        before = self.device, self.channels
-        refusal = ""
-        if isinstance(asked, ChooseAudio):
+        device = channels = refusal = ""
+        while self._asked:
+            asked = self._asked.popleft()
+            if isinstance(asked, ChooseAudio):  # device and channels may come one by one
+                device, channels = asked.device or device, asked.channels or channels
+        if device or channels:
             try:
-                if asked.channels:
-                    self.channels = Channels.of(asked.channels)
                 refresh()
-                if asked.device:
-                    self.device = find_device(asked.device)
-                missing = self.channels.missing(self.device.channels)
-                if missing:
-                    raise PersonError(f"{self.device.name}: {missing}")
+                self._choice = self._choice.other(device, channels)
             except Exception as error:
                 refusal = str(error)
-                self.device, self.channels = before
         self._try_again(now)
         self.problem = refusal or self.problem
 

@@ -14,7 +14,7 @@ from live.clock.source import Clock
 from live.clock.timeline import Timeline
 from live.control.channels import Channels
 from live.control.click_track import ClickTrack, Float32
-from live.control.sound_devices import SoundDevice, close_stream, find_device, open_stream, refresh
+from live.control.sound_devices import SoundDevice, close_stream, find_again, find_device, open_stream, refresh
 
 MakeVoices = Callable[[int], tuple[Float32, Float32]]
 """For a sample rate [Hz]: the sound of a measure's first beat, and that of the others."""
@@ -221,11 +221,11 @@ class ClickOutput:
         self._alive_at = now
         try:
             refresh()
-            self.device = find_device(self.device.name, "output")
+            self.device = find_again(self.device, "output")
             self.open()
         except Exception as error:  # the sound system is coming and going: no error of its may end the click
             self._stream = None
             self.problem = str(error)
             return
-        self.problem = ""
+        self.problem = self._wanted.missing(self.device.channels)
         self.reopened += 1

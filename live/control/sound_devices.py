@@ -91,11 +91,7 @@ def find_device(text: str | int | None, kind: str = "input") -> SoundDevice:
         chosen = [device for device in devices if device.index == int(text)]
     else:
         wanted = text.strip().casefold()
-        chosen = (
-            [device for device in devices if device.name.casefold() == wanted]
-            or [device for device in devices if lasting_name(device.name) == lasting_name(text) != ""]
-            or [device for device in devices if wanted and wanted in device.name.casefold()]
-        )
+        chosen = _called(devices, text) or [device for device in devices if wanted and wanted in device.name.casefold()]
     if chosen:
         return chosen[0]
     asked = f"no sound {kind}" if text is None else f"no sound {kind} {text!r}"
@@ -103,6 +99,25 @@ def find_device(text: str | int | None, kind: str = "input") -> SoundDevice:
         raise UnknownDevice(f"{asked}: this machine has no sound {kind} at all; plug one in, or play a music file")
     listed = "; ".join(f"{device.index}: {device.name}" for device in devices)
     raise UnknownDevice(f"{asked}; there are: {listed} (a part of the name is enough)")
+
+
+def find_again(lost: SoundDevice, kind: str = "input") -> SoundDevice:
+    """The same device after it was away: its whole name, on whichever card, in its own sound system if several have it.
+
+    Never one whose name merely contains it: that is another device. Raises UnknownDevice while it is not there.
+    """
+    chosen = _called(_list(kind), lost.name)
+    if not chosen:
+        raise UnknownDevice(f"{lost.name} is not there")
+    return next((device for device in chosen if device.host == lost.host), chosen[0])
+
+
+def _called(devices: list[SoundDevice], name: str) -> list[SoundDevice]:
+    """Those of exactly this name, else those of the same name on another card."""
+    wanted = name.strip().casefold()
+    return [device for device in devices if device.name.casefold() == wanted] or [
+        device for device in devices if lasting_name(device.name) == lasting_name(name) != ""
+    ]
 
 
 def refresh() -> bool:

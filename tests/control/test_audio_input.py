@@ -1,5 +1,6 @@
 """AudioInput on devices made by hand: lost, changed, wrong in every way, and never the end of the show."""
 
+import threading
 from collections.abc import Callable
 from typing import Any
 
@@ -208,7 +209,8 @@ def test_an_analysis_that_fails_is_begun_anew_and_counted(sound: FakeSound, monk
     desk = Desk(sound, analysis=Breaks)
     desk.feed(music(48_000.0), 10.0)
     assert desk.input.crashes == 1
-    assert "ArithmeticError: a bug in the tracker" in desk.input.problem
+    assert desk.input.facts()["failure"] == "the analysis failed: ArithmeticError: a bug in the tracker"
+    assert desk.input.problem == "", "it has gone well for long"
     assert "lost" not in desk.changes
     assert off_the_grid(desk.beats[3:], 0.0) < 0.012
 
@@ -245,6 +247,32 @@ def test_another_device_while_it_runs(sound: FakeSound) -> None:
     desk.feed(music(44_100.0, 3, 4), 8.0)
     assert desk.beats
     assert desk.input.problem == ""
+
+
+def test_device_and_channels_chosen_one_by_one_are_both_taken(sound: FakeSound) -> None:
+    desk = Desk(sound)
+    sound.devices = [*sound.devices, SoundDevice(7, "Zoom H4n", "ALSA", 4, 44_100.0, False)]
+    for words in ({"device": "zoom"}, {"channels": "4"}):  # two messages of one bundle
+        desk.input.act(ChooseAudio(time=0.0, source="osc", **words))
+    desk.turn()
+    assert (desk.input.device.name, str(desk.input.channels)) == ("Zoom H4n", "4")
+    assert len(sound.streams) == 2
+
+
+def test_a_thread_that_comes_back_after_another_took_its_place_opens_nothing(
+    sound: FakeSound, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    desk = Desk(sound)
+    desk.feed(silence(), 1.0)
+    sound.wait(1.0, desk.turn)
+
+    def hang() -> bool:  # meanwhile somebody restarts the listening
+        desk.input._stop = threading.Event()
+        return True
+
+    monkeypatch.setattr("live.control.audio_device.refresh", hang)
+    sound.wait(2.5, desk.turn)
+    assert len(sound.streams) == 1
 
 
 @pytest.mark.parametrize(

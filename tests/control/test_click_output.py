@@ -162,6 +162,7 @@ def test_an_output_that_goes_away_is_opened_again(monkeypatch: pytest.MonkeyPatc
         return Stream()
 
     monkeypatch.setattr(click_output, "find_device", lambda *_: SoundDevice(0, "drummer", "ALSA", 2, 48_000.0, True))
+    monkeypatch.setattr(click_output, "find_again", lambda *_: SoundDevice(0, "drummer", "ALSA", 2, 48_000.0, True))
     monkeypatch.setattr(click_output, "open_stream", open_stream)
     monkeypatch.setattr(click_output, "close_stream", lambda stream: None)
     monkeypatch.setattr(click_output, "refresh", lambda: True)

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from live.control import sound_devices
-from live.control.sound_devices import SoundDevice, SoundUnavailable, UnknownDevice, find_device
+from live.control.sound_devices import SoundDevice, SoundUnavailable, UnknownDevice, find_again, find_device
 
 DEVICES = [
     SoundDevice(0, "HDA Intel: ALC295 (hw:0,0)", "ALSA", 2, 44_100.0, False),
@@ -27,6 +27,20 @@ def three(monkeypatch: pytest.MonkeyPatch) -> None:
 )
 def test_a_device_is_found(text: str | int | None, index: int) -> None:
     assert find_device(text).index == index
+
+
+def test_a_device_that_was_away_is_never_mistaken_for_one_whose_name_contains_its_own(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    own = SoundDevice(3, "USB Pulse", "ALSA", 2, 48_000.0, True)
+    there = [DEVICES[2], SoundDevice(1, "usb pulse", "JACK", 2, 48_000.0, False)]
+    monkeypatch.setattr(sound_devices, "_list", lambda kind: there[:1])
+    with pytest.raises(UnknownDevice, match="USB Pulse is not there"):
+        find_again(own)
+    monkeypatch.setattr(sound_devices, "_list", lambda kind: there)
+    assert find_again(own).index == 1
+    there.append(SoundDevice(5, "USB Pulse", "ALSA", 2, 48_000.0, False))
+    assert find_again(own).index == 5  # in its own sound system
 
 
 @pytest.mark.usefixtures("three")
