@@ -8,18 +8,13 @@ import aubio
 import numpy as np
 
 from live.clock.estimate import BeatEstimate, Samples
+from live.clock.quiet import SILENT_AFTER, SILENT_LEVEL
 
 HOP: Final = 0.0116
 """Wanted step of the analysis [s]; the hop is the power of two of samples that comes nearest."""
 
 EARLY: Final = 0.0029
 """aubio names beats this much too early [s]: mean over clicks at 80 to 160 bpm, equal at 22 to 192 kHz."""
-
-SILENT_LEVEL: Final = 10.0 ** (-55.0 / 20.0)
-"""Below this level (RMS, full scale = 1) nothing is played: -55 dB lies over the noise of a line input."""
-
-SILENT_AFTER: Final = 1.2
-"""Seconds below `SILENT_LEVEL` that make a silence; clicks at 60 bpm are none."""
 
 RESTART_AFTER: Final = 2.0
 """Seconds of silence after which the tracker forgets the music before."""

@@ -5,7 +5,7 @@ from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
-from live.clock.announcer import BIAS, LEAD, Announcer
+from live.clock.announcer import BIAS, LATEST, LEAD, Announcer
 from live.clock.estimate import BeatEstimate
 
 HOP = 0.0116
@@ -40,12 +40,11 @@ def test_each_beat_is_named_once_and_ahead_with_its_number() -> None:
 
 
 def test_a_beat_that_moves_while_it_is_ahead_is_corrected() -> None:
-    found = run(lambda t: 0.2 if t < 5.0 - 0.3 + 0.14 else 0.215)
-    corrected = [beat for beat in found if not math.isnan(beat.replaces)]
-    assert len(corrected) <= 1
-    for beat in corrected:
-        assert beat.heard < beat.replaces
-        assert abs(beat.position - beat.replaces - 0.015) < 1e-6
+    found = run(lambda t: 0.2 if t < 4.62 else 0.215)  # the beat at 4.7 s has just been named
+    (beat,) = (beat for beat in found if not math.isnan(beat.replaces))
+    assert beat.heard < beat.replaces
+    assert abs(beat.replaces - (4.7 + BIAS)) < 1e-6
+    assert abs(beat.position - beat.replaces - 0.015) < 1e-6
 
 
 def test_beats_never_come_too_near_whatever_the_grid_does() -> None:
@@ -56,7 +55,9 @@ def test_beats_never_come_too_near_whatever_the_grid_does() -> None:
 
 
 def test_a_beat_that_was_overlooked_is_still_named_if_it_has_just_passed() -> None:
-    found = run(lambda t: 0.2 if t < 3.0 else -0.04)  # beats at 3.2 become beats at 2.96, 3.46
-    late = [beat for beat in found if beat.heard > beat.position]
-    assert len(late) <= 1
-    assert all(beat.heard - beat.position < 0.05 for beat in late)
+    found = run(lambda t: 0.2 if t < 2.957 else -0.045)  # beats at 2.7, 3.2 become beats at 2.955, 3.455
+    (late,) = (beat for beat in found if beat.heard > beat.position)
+    assert abs(late.position - (2.955 + BIAS)) < 1e-6
+    assert late.heard - late.position <= LATEST
+    gone = run(lambda t: 0.2 if t < 3.0 else -0.045)  # here it is too long past
+    assert all(beat.heard < beat.position for beat in gone)

@@ -105,8 +105,8 @@ def test_an_accent_on_the_off_beat_does_not_move_a_grid_that_is_sure() -> None:
     assert np.max(np.abs(late)) < 0.03
 
 
-def test_thirty_minutes_of_one_groove_without_a_slip() -> None:
-    """Half an hour in steps of 20 beats: where it stands after them follows from what it does in one of them."""
+def test_a_minute_of_one_groove_without_a_slip() -> None:
+    """No beat too many or too few, and no drift (half an hour of sound: bench/_long_groove.py)."""
     heard = groove(121.3, 4, 60.0, doubt=0.2)
     followed = follow(BarPointer(), heard)
     steps = np.diff(followed.time[followed.time > 8.0 * RATE]) / (60.0 * RATE / 121.3)

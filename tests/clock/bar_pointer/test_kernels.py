@@ -91,6 +91,6 @@ def test_shares_sum_to_one_after_each_survey_and_are_never_negative() -> None:
     for frame in range(9):
         pointer.step(0.9 if frame == 4 else 0.02, 0.01)
         if frame % 3 == 0:
-            assert float(pointer._states.share.sum()) == pytest.approx(1.0, abs=0.5)
+            assert float(pointer._states.share.sum()) == pytest.approx(1.0, abs=1e-3)
     assert np.all(pointer._states.share >= 0.0)
     assert 0.0 <= pointer.share <= 1.0 + 1e-6
