@@ -54,6 +54,11 @@ class AudioAnalysis:
         self._mono = np.zeros(LONGEST, np.float32)
         self._energy = MusicEnergy(sample_rate) if energy else None
 
+    def know_one(self, position: float) -> None:
+        """A measure begins at `position` [s of the sound]: so says the music's score, before anything is heard."""
+        if isinstance(self.tracker, Tracker):
+            self.tracker.one(position)
+
     def succeed(self, former: "AudioAnalysis") -> None:
         """Take the place of another analysis: what its tracker was told by hand holds on."""
         known = former._obeyed

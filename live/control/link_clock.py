@@ -78,8 +78,3 @@ class LinkClock:
         link, offset, _ = self._readings[-1]
         at = micros * 1e-6
         return at + offset + self._rate * (at - link)
-
-    def micros_at(self, time: float) -> int:
-        """Link's microseconds at `time` [s of the show]."""
-        link, offset, _ = self._readings[-1]
-        return round((link + (time - link - offset) / (1.0 + self._rate)) * 1e6)

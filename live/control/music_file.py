@@ -134,6 +134,8 @@ class OfflineMusic:
         self._fed = 0
         self._ended = False
         self._analysis = analysis(music.sample_rate)
+        if one_at is not None:
+            self._analysis.know_one(one_at)
 
     @property
     def ended(self) -> bool:

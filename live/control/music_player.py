@@ -81,6 +81,8 @@ class MusicPlayer:
         self._begin = self._alive_at = self._reported = 0.0
         self._make_analysis = analysis
         self._analysis = analysis(music.sample_rate)
+        if one_at is not None:
+            self._analysis.know_one(one_at)
         self._skipped = 0
         self._anew_at: float | None = None
 

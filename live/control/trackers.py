@@ -1,6 +1,6 @@
 """Which tracker listens: our network under the bar pointer, or aubio."""
 
-from typing import Final, Literal
+from typing import Literal
 
 from live.clock.aubio_tracker import AubioTracker
 from live.clock.hearing.network import Network
@@ -8,7 +8,6 @@ from live.clock.tracker import Tracker
 from live.control.beat_network import beat_weights
 
 TrackerName = Literal["network", "aubio"]
-TRACKERS: Final[tuple[TrackerName, ...]] = ("network", "aubio")
 
 
 def make_tracker(name: TrackerName, sample_rate: float) -> tuple[Tracker | AubioTracker, str]:

@@ -1,5 +1,6 @@
 """What events of the clock tell the follower."""
 
+import math
 from typing import Final
 
 from live.clock.follow import TimelineFollower
@@ -30,14 +31,15 @@ def follower_of(patch: Patch, tempo: float | None) -> TimelineFollower:
 
 
 def first_seeds(patch: Patch, follower: TimelineFollower, known: bool) -> list[Seed]:
-    """What a tracker of sound should know before it hears anything; `known`: the patch's own music is played."""
+    """What a tracker of sound should know before it hears anything; `known`: the patch's own music is played.
+
+    Where that music's first downbeat lies, its player says in seconds of the sound: nobody knows yet when it is heard.
+    """
     seeds = []
     if not patch.clock.follow_metre:
         seeds.append(Seed("metre", 0.0, float(follower.timeline.beats_per_measure)))
     if known and patch.music.bpm is not None:
-        seeds.append(Seed("tempo", patch.music.one_at_s or 0.0, patch.music.bpm))
-        if patch.music.one_at_s is not None:
-            seeds.append(Seed("one", patch.music.one_at_s))
+        seeds.append(Seed("tempo", math.nan, patch.music.bpm))
     return seeds
 
 

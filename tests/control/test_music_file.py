@@ -1,6 +1,8 @@
 """Music files: read, refused with a reason, and followed offline."""
 
+import math
 import wave
+from collections import deque
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -8,8 +10,10 @@ import numpy as np
 import pytest
 
 from live.clock.follow import TimelineFollower
+from live.clock.following.seed import Seed
 from live.clock.ticks import TICK
 from live.control import music_file
+from live.control.audio_analysis import AudioAnalysis
 from live.control.events import BeatHeard, ControlEvent, One, SourceChanged
 from live.control.music_file import Music, MusicFileError, OfflineMusic, read_music
 from tests.clock.clicks import clicks
@@ -177,3 +181,17 @@ def test_music_may_begin_later() -> None:
     later = OfflineMusic(music, begin=10.0).events_until(18.0)
     assert [event.time + 10.0 for event in now] == pytest.approx([event.time for event in later])
     assert OfflineMusic(music, begin=10.0).events_until(9.0) == []
+
+
+def test_a_known_one_is_known_to_the_tracker_in_the_time_of_the_sound() -> None:
+    """Clicks without accents: only who is told can number them; the show's time says nothing of the music's."""
+    music = music_of(100.0, 12.0, 0.25)
+    offline = OfflineMusic(music, begin=2.3, one_at=0.25 + 2 * 0.6, analysis=in_four)
+    beats = [event for event in offline.events_until(14.0) if isinstance(event, BeatHeard)]
+    after = [(round((event.beat_time - 2.3 - 0.25) / 0.6) - 2, event) for event in beats if event.beat_time > 4.5]
+    assert len(after) > 10
+    assert all((event.beat, event.beats_per_measure) == (number % 4, 4) for number, event in after)
+
+
+def in_four(rate: float) -> AudioAnalysis:
+    return AudioAnalysis(rate, seeds=deque([Seed("metre", 0.0, 4.0), Seed("tempo", math.nan, 100.0)]))

@@ -94,8 +94,3 @@ class States:
                 if abs(self.length[nearest] - wanted) <= 1.0:
                     partner[k, way] = nearest
         return partner.reshape(-1)
-
-
-def beats_since_line() -> tuple[int, ...]:
-    """For each slot, how many beats after its measure line it begins."""
-    return tuple(beat for beats in METRES for beat in range(beats)) + (0,) * (SLOTS - FIRST_SLOT[-1] - METRES[-1])

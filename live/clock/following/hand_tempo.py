@@ -62,9 +62,12 @@ class HandTempo(HandReach):
             self._run.freeze(self._now if math.isfinite(self._now) else time)
 
     def count_in(self, measures: float, time: float) -> None:
-        """So many measures are counted, then comes the one: from the next beat, or after a measure of taps."""
+        """So many measures are counted, then comes the one: from the next beat, or after a measure of taps.
+
+        From the next beat where somebody knows it: a source, or the hand that holds it.
+        """
         if not self._plausible(time) or not self._bounded(measures, 16.0):
             return
         self._counting.arm(max(round(measures), 0), time)
-        if not self._unsure() and not self._ruling.held:
+        if self._ruling.held or not self._unsure():
             self._count(math.floor(self._run.beat(max(time, self._now))) + 1)

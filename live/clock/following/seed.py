@@ -10,8 +10,9 @@ Kind = Literal["tempo", "one", "scale", "metre", "forget"]
 class Seed:
     """One hint, for whoever tracks the sound.
 
-    tempo: `value` bpm, with a beat at `time`; one: a downbeat at `time`; scale: from now on `value` times as many
-    beats; metre: measures have `value` beats; forget: the hand's hints are void (the operator restarted the sound).
+    tempo: `value` bpm, with a beat at `time` (NaN: nobody says where); one: a downbeat at `time`; scale: from now on
+    `value` times as many beats; metre: measures have `value` beats; forget: the hand's hints are void (the operator
+    restarted the sound).
     """
 
     kind: Kind

@@ -197,6 +197,21 @@ def test_a_count_in_while_a_band_plays_begins_with_its_next_beat() -> None:
     assert line_off(hall, first) < 0.05
 
 
+def test_a_count_in_while_the_beat_is_held_begins_with_its_next_beat() -> None:
+    music, hall = band()
+    hall.follower.hold(True, hall.now)
+    hall.players.clear()
+    hall.until(hall.now + 3.1)
+    hall.follower.count_in(1.0, hall.now)
+    first = hall.follower.timeline.time_at(math.floor(hall.follower.timeline.beat_at(hall.now)) + 1)
+    hall.until(first + 0.02)
+    assert hall.follower.counting_in == 4
+    hall.until(first + 4.0 * music.period(0) + 0.1)
+    assert hall.follower.counting_in == 0
+    assert line_off(hall, first) < 0.02
+    assert hall.follower.state == "held"
+
+
 def test_taps_and_tempo_do_not_contradict_a_clock_but_are_told() -> None:
     _, hall = band(120.0, "midi", per_beat=4)
     told: list[Seed] = []
