@@ -51,7 +51,7 @@ def test_unheard_music_is_followed_by_the_clock() -> None:
     assert player.output_problem
     begin = player._begin
     beats = [event.beat_time - begin for event in events if isinstance(event, BeatHeard)]
-    offline = [e.beat_time for e in OfflineMusic(music).events_until(60.0) if isinstance(e, BeatHeard)]
+    offline = [e.beat_time for e in OfflineMusic(music, one_at=0.5).events_until(60.0) if isinstance(e, BeatHeard)]
     assert [event.time - begin for event in events if isinstance(event, One)] == [pytest.approx(0.5)]
     assert beats == pytest.approx(offline[: len(beats)], abs=1e-6)
 

@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from live.clock.bar_pointer.model import FIRST_SLOT, METRES, REACH, SLOTS, Float32, Model
+from live.clock.bar_pointer.model import METRES, REACH, SLOTS, Float32, Model
 
 BINS: Final = 24
 """Phase bins of a beat, as in kernels.py."""
