@@ -4,17 +4,15 @@ from typing import Final
 
 import numpy as np
 
+from live.clock.bar_pointer.evidence import likelihoods
 from live.clock.bar_pointer.hand import Hand, interval_of
 from live.clock.bar_pointer.kernels import advance, fence, leap, observe, refine, rescale, search, tally
-from live.clock.bar_pointer.model import FIRST_SLOT, METRES, SLOTS, Float32, Model, slot_metre
+from live.clock.bar_pointer.model import Model
 from live.clock.bar_pointer.passed_beats import PassedBeats
+from live.clock.bar_pointer.place import Place
 from live.clock.bar_pointer.states import States
 from live.clock.bar_pointer.whereabouts import Whereabouts
 
-_PLACE: Final = tuple(slot_metre(slot) for slot in range(SLOTS - 1))
-_NEXT: Final = tuple(first + (b + 1) % n for n, first in zip(METRES, FIRST_SLOT, strict=True) for b in range(n))
-_PREVIOUS: Final = tuple(first + (b - 1) % n for n, first in zip(METRES, FIRST_SLOT, strict=True) for b in range(n))
-_BEFORE, _AFTER = np.array(_PREVIOUS), np.array(_NEXT)
 _SIDE_BINS: Final = 2
 
 SURVEY: Final = 3
@@ -35,7 +33,6 @@ class BarPointer:
         self._window = np.array(self.model.window, np.float32)
         self._no_births = np.zeros(self._states.count, np.float32)
         self._found = np.zeros(4)
-        self._slots = np.zeros(SLOTS)
         self.clear()
 
     def clear(self) -> None:
@@ -45,11 +42,9 @@ class BarPointer:
         self._challenged = 0
         self._anew = True
         self._whole = 1.0  # the sum of all states
-        self._slots[:] = 0.0
         self._passed = PassedBeats()
         self._whereabouts = Whereabouts()
-        self._place = 0.0  # how far the window of the present beat is past, 0 to 1 beat
-        self._slot = FIRST_SLOT[METRES.index(4)]
+        self._place = Place()
         self.interval = 0.0
         """Frames from beat to beat; 0 before the first frame."""
         self.share = 0.0
@@ -74,7 +69,7 @@ class BarPointer:
     @property
     def since_beat(self) -> float:
         """Frames from the last beat to the last frame."""
-        since = self._place * self.interval - self.model.centre
+        since = self._place.since(self.interval, self.model.centre)
         return since if since >= 0.0 else since + self.interval
 
     @property
@@ -85,13 +80,12 @@ class BarPointer:
     @property
     def metre(self) -> int:
         """Beats of a measure."""
-        return _PLACE[self._slot][0]
+        return self._place.metre
 
     @property
     def beat(self) -> int:
         """Which beat of its measure the last beat was, from 0."""
-        past = self._place * self.interval >= self.model.centre
-        return _PLACE[self._slot if past else _PREVIOUS[self._slot]][1]
+        return self._place.beat(past=self._place.since(self.interval, self.model.centre) >= 0.0)
 
     def step(self, beat: float, downbeat: float, listening: bool = True) -> None:
         """One frame: the chance of a beat, and of a downbeat (never more), 0 to 1.
@@ -107,7 +101,8 @@ class BarPointer:
                 np.float32(hand.line_change), self._whole,
             )  # fmt: skip
             self._whole += leap(*ring, states.partner, states.slot_share, hand.leap)
-            self._whole += observe(*ring, self._window, *self._likelihoods(beat, downbeat))
+            said = likelihoods(self.model, beat, downbeat, hand.downbeat_range, hand.downbeat_sharpness)
+            self._whole += observe(*ring, self._window, *said)
         else:
             self._whole = advance(
                 *ring, states.still, states.same_metre, self._no_births, states.slot_share, states.leaving,
@@ -116,7 +111,7 @@ class BarPointer:
             self._passed.rest()
             self.interval = self._passed.interval
         if self.interval > 0.0:
-            self._move(1.0 / self.interval)
+            self._place.move(1.0 / self.interval)
         if not listening:
             return
         self._whereabouts.step(self.since_beat / self.interval if self.interval > 0.0 else 0.0, beat)
@@ -146,7 +141,8 @@ class BarPointer:
         """
         if factor not in (0.5, 2.0):
             raise ValueError(f"the tempo times {factor}: 2 or 0.5 expected")
-        if self.interval > 0.0 and self._hand.scale(factor, self.interval, self._place * self.interval, self._slot):
+        place = self._place
+        if self.interval > 0.0 and self._hand.scale(factor, self.interval, place.into * self.interval, place.slot):
             self._set_anew()
 
     def hold(self, age: float) -> None:
@@ -157,12 +153,8 @@ class BarPointer:
         kept = self._passed.before(age)
         if kept is None or self.interval <= 0.0:
             return
-        since, self.interval, self._slot, self._slots[:] = kept
-        beats = (since + self.model.centre) / self.interval
-        self._place = 0.0
-        for _ in range(int(beats)):
-            self._move(1.0)
-        self._move(beats - int(beats))
+        since, self.interval, slot, shares = kept
+        self._place.begin(slot, shares, (since + self.model.centre) / self.interval)
 
     def resume(self, doubt: float) -> None:
         """After a long silence: the grid as it ran on is believed, but for a share `doubt` of all that is possible.
@@ -170,7 +162,7 @@ class BarPointer:
         (The states themselves have drifted apart: a frame more or less for each beat.)
         """
         if self.interval > 0.0:
-            self._states.gather(self.interval, self._place, _kept(self._slots, self._slot), doubt)
+            self._states.gather(self.interval, self._place.into, self._place.kept(), doubt)
         else:
             self._states.fill()
         self._whole = 1.0
@@ -205,30 +197,13 @@ class BarPointer:
         self._anew = True
         self._whereabouts = Whereabouts()
 
-    def _likelihoods(self, beat: float, downbeat: float) -> tuple[np.float32, np.float32, np.float32, np.float32]:
-        """How much likelier the frame is with a plain beat, a downbeat, the middle of a measure, and between beats."""
-        model = self.model
-        beat = min(max(beat, 1e-4), 1.0 - 1e-4)
-        least, most = self._hand.downbeat_range
-        first = min(max(downbeat / beat, least), most)
-        low, high = model.ratio_min, model.ratio_max
-        odds = beat / (1.0 - beat) * (1.0 - model.beat_share) / model.beat_share
-        any_beat = min(max(odds**model.sharpness, low), high)
-        usual = model.downbeat_share
-        sharp = self._hand.downbeat_sharpness
-        other = any_beat * ((1.0 - first) / (1.0 - usual)) ** sharp
-        one = any_beat * (first / usual) ** sharp
-        between = any_beat**model.half_beat
-        middle = model.middle_share * one + (1.0 - model.middle_share) * other
-        return np.float32(other), np.float32(one), np.float32(middle), np.float32(between)
-
     def _survey(self) -> bool:
         """Bring all states to the sum 1, and look where most of them are. True if the grid is left for that place."""
         states, model, found = self._states, self.model, self._found
         self._until_survey = SURVEY - 1
         anew, self._anew = self._anew or self.interval == 0.0, False
         if self._hand.keeps_phase and not anew and not self._whereabouts.left:
-            fence(states.share, states.head, states.offset, states.length, self.interval, self._place)
+            fence(states.share, states.head, states.offset, states.length, self.interval, self._place.into)
         total = tally(states.share, states.head, states.offset, states.length, states.histogram)
         if total <= 0.0:  # all that was believed is given up
             states.fill()
@@ -236,8 +211,8 @@ class BarPointer:
         rescale(states.flat, np.float32(1.0 / total))
         self._whole = 1.0
         search(
-            states.histogram, states.length, states.near, states.boxes, self.interval, self._place, model.near_tempo,
-            _SIDE_BINS, found,
+            states.histogram, states.length, states.near, states.boxes, self.interval, self._place.into,
+            model.near_tempo, _SIDE_BINS, found,
         )  # fmt: skip
         self.rival, near = float(found[2]) / total, float(found[3]) / total
         self._challenged = self._challenged + 1 if self.rival > model.switch_ratio * near else 0
@@ -245,47 +220,26 @@ class BarPointer:
             self._hand.drift(self.interval)
             return False
         self.jumps += self.interval > 0.0
-        self.interval, self._place = float(found[0]), float(found[1])
+        self.interval, self._place.into = float(found[0]), float(found[1])
         self._challenged = 0
         return True
 
     def _follow(self, switched: bool) -> None:
         """Move the grid onto the mean of the states near it, and take the beat of the measure that most of them say."""
-        states, model, found = self._states, self.model, self._found
+        states, model, found, place = self._states, self.model, self._found, self._place
         refine(
-            states.share, states.head, states.offset, states.length, self.interval, self._place, model.near_tempo,
-            model.near_phase, found, self._slots,
+            states.share, states.head, states.offset, states.length, self.interval, place.into, model.near_tempo,
+            model.near_phase, found, place.shares,
         )  # fmt: skip
         if self._until_survey == SURVEY - 1:
             self.share = float(found[2])
         if found[2] <= 0.0:
             return
-        best = int(np.argmax(self._slots))
-        if switched or self._slots[best] > model.line_ratio * self._slots[self._slot]:
-            self._slot = best
-        self.slot_share = float(self._slots[self._slot])
+        best = int(np.argmax(place.shares))
+        if switched or place.shares[best] > model.line_ratio * place.shares[place.slot]:
+            place.slot = best
+        self.slot_share = float(place.shares[place.slot])
         self.interval = float(found[0])
-        self._move(float(found[1]))
-        since = self._place * self.interval - model.centre
-        self._passed.step(since, self.interval, self._slot, self._slots, anew=switched)
-
-    def _move(self, beats: float) -> None:
-        self._place += beats
-        if self._place >= 1.0:
-            self._place -= 1.0
-            self._slot = _NEXT[self._slot]
-            self._slots[:-1] = self._slots[_BEFORE]
-        elif self._place < 0.0:
-            self._place += 1.0
-            self._slot = _PREVIOUS[self._slot]
-            self._slots[:-1] = self._slots[_AFTER]
-
-
-def _kept(slots: "np.typing.NDArray[np.float64]", slot: int) -> Float32:
-    """What the grid's states say about metre and beat, as if of the beat `slot`, shape (SLOTS,), sum 1."""
-    share = np.asarray(slots, np.float32)
-    total = float(share.sum())
-    if total <= 0.0:
-        share = np.zeros(SLOTS, np.float32)
-        share[slot] = total = 1.0
-    return share / np.float32(total)
+        place.move(float(found[1]))
+        since = place.since(self.interval, model.centre)
+        self._passed.step(since, self.interval, place.slot, place.shares, anew=switched)

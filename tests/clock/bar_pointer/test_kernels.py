@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from live.clock.bar_pointer.bar_pointer import BarPointer
+from live.clock.bar_pointer.evidence import likelihoods
+from live.clock.bar_pointer.hand import FREE_RANGE
 from live.clock.bar_pointer.model import METRES, REACH, SLOTS, WINDOW, Model, slot_metre
 
 State = tuple[int, int, int, int]  # interval, position, metre, beat
@@ -72,7 +74,8 @@ def test_the_kernels_are_the_forward_algorithm(birth: float) -> None:
     pointer, slow = BarPointer(model), SlowFilter(model)
     for beat, downbeat in frames:
         pointer.step(beat, downbeat)
-        slow.step(*(float(value) for value in pointer._likelihoods(beat, downbeat)))
+        said = likelihoods(model, beat, downbeat, FREE_RANGE, model.downbeat_sharpness)
+        slow.step(*(float(value) for value in said))
     states = pointer._states
     positions = states.positions().astype(int)
     found = {
