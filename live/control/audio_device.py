@@ -11,6 +11,7 @@ from live.control.audio_choice import AudioChoice
 from live.control.channels import Channels
 from live.control.events import ChooseAudio, ControlEvent, RestartAudio, SourceChanged
 from live.control.listening import Listening, open_device
+from live.control.rounds import Rounds
 from live.control.sound_devices import SoundDevice, refresh
 
 LOST_AFTER: Final = 0.5
@@ -24,11 +25,6 @@ RETRY: Final = 2.0
 
 CRASHES_APART: Final = 5.0
 """When the analysis fails twice within so many seconds the device is closed and opened again."""
-
-HUNG_AFTER: Final = 10.0
-"""A thread that has not come round for so many seconds hangs in the sound system; a restart leaves it behind."""
-
-POLL: Final = 0.010
 
 ASKED_MOST: Final = 16
 """Changes of the device that may wait for the thread."""
@@ -75,15 +71,14 @@ class AudioInput:
         self._clock = clock
         self._source = source
         self._analysis: MakeAnalysis = analysis or (lambda rate: AudioAnalysis(rate, source))
-        self._stop = threading.Event()
         self._listening: Listening | None = None
         self._asked: deque[RestartAudio | ChooseAudio] = deque(maxlen=ASKED_MOST)
         self._level = 0.0
         self._bad_before = 0
         self._lost = False
-        self._alive_at = self._patience = self._round_at = 0.0
+        self._alive_at = self._patience = 0.0
         self._crashed_at = -CRASHES_APART
-        self._thread: threading.Thread | None = None
+        self._rounds = Rounds("audio analysis", clock, self.turn, self._close)
 
     # -- any thread ----------------------------------------------------------------------------------------------
 
@@ -131,52 +126,41 @@ class AudioInput:
         if not isinstance(event, RestartAudio | ChooseAudio):
             return
         self._asked.append(event)
-        if self._thread is not None and self._clock.now() - self._round_at > HUNG_AFTER:
+        if self._rounds.hangs:
             self._listening = None  # its stream belongs to the thread that hangs, and is left behind with it
-            self._begin_thread()
+            self._rounds.begin()
 
     def start(self) -> None:
         """Open the device and begin to listen; raises sounddevice.PortAudioError if it refuses now."""
-        self._open()
-        self._begin_thread()
+        self._open(self._rounds.mine)
+        self._rounds.begin()
 
     def stop(self) -> None:
         """End; a device that hangs is left to its thread after two seconds."""
-        self._stop.set()
-        if self._thread is not None:
-            self._thread.join(timeout=2.0)
-            self._thread = None
-
-    def _begin_thread(self) -> None:
-        self._stop.set()
-        self._stop = threading.Event()
-        self._round_at = self._clock.now()
-        self._thread = threading.Thread(target=self._run, args=(self._stop,), name="audio analysis", daemon=True)
-        self._thread.start()
+        self._rounds.stop()
 
     # -- the thread that listens ---------------------------------------------------------------------------------
 
-    def _run(self, stop: threading.Event) -> None:
-        try:
-            while not stop.wait(POLL):
-                self.turn()
-        finally:
-            if stop is self._stop:
-                self._close()
-
     def turn(self) -> None:
         """One round: what was asked, what was heard, what is lost. Never raises. Thread: the one that listens."""
-        now = self._round_at = self._clock.now()
+        now = self._clock.now()
         try:
             self._work(now)
         except Exception as error:  # whatever fails in here, the listening goes on
-            self.crashes += 1
-            self.failure = self.problem = f"the analysis failed: {type(error).__name__}: {error}"
-            again, self._crashed_at = now - self._crashed_at < CRASHES_APART, now
-            if self._listening is None or again:
-                self._lose(now, self.problem)
-            else:
+            self._begin_anew(error, now)
+
+    def _begin_anew(self, error: Exception, now: float) -> None:
+        """The analysis failed: another one, or if that soon fails as well, the device from the beginning."""
+        self.crashes += 1
+        self.failure = self.problem = f"the analysis failed: {type(error).__name__}: {error}"
+        again, self._crashed_at = now - self._crashed_at < CRASHES_APART, now
+        if self._listening is not None and not again:
+            try:
                 self._listening.begin_analysis(self._listening.ring.read_frames)
+                return
+            except Exception as refusal:  # there is no other
+                self.failure = self.problem = f"the analysis cannot be begun: {type(refusal).__name__}: {refusal}"
+        self._lose(now, self.problem)
 
     def _work(self, now: float) -> None:
         if self._asked:
@@ -209,11 +193,10 @@ class AudioInput:
         self._close()
         self._alive_at = now
 
-    def _open(self, stop: threading.Event | None = None) -> None:
-        """`stop`: that of the thread that opens, as it was before the sound system was asked anything."""
-        stop = self._stop if stop is None else stop
+    def _open(self, mine: threading.Event) -> None:
+        """`mine` of the rounds, as it was before the sound system was asked anything."""
         listening = open_device(self.device, self.channels, self._clock, self._analysis)
-        if stop is not self._stop:  # this thread hung for so long that another one listens now
+        if mine is not self._rounds.mine:  # this thread hung for so long that another one listens now
             listening.close()
             return
         self._listening = listening
@@ -228,14 +211,14 @@ class AudioInput:
 
     def _try_again(self, now: float) -> None:
         """Look for the device by its name and open it; whatever goes wrong, there is another time."""
-        self._alive_at, stop = now, self._stop
+        self._alive_at, mine = now, self._rounds.mine
         try:
             refresh()
             again = self._choice.again()
-            if stop is not self._stop:
+            if mine is not self._rounds.mine:
                 return
             self._choice = again
-            self._open(stop)
+            self._open(mine)
         except Exception as error:  # the sound system is coming and going: no error of its may end the listening
             self.problem = str(error)
             return

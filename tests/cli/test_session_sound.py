@@ -53,7 +53,7 @@ def test_a_restart_by_hand_lets_go_but_for_what_the_patch_says(monkeypatch: pyte
     show, inbox = Shown(), cast("Inbox[ControlEvent]", Inbox())
     source, tell = make_audio(Sound(device="stage box"), LOADED, cast(Any, show), Latencies(), inbox, system.clock)
     assert isinstance(source, AudioInput)
-    source._open()
+    source._open(source._rounds.mine)
     assert source._listening is not None
     show.follower.on_seed(Seed("tempo", 1.0, 60.0))
     assert told(source._listening.analysis)[0] > 0.0

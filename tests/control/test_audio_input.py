@@ -29,7 +29,7 @@ class Desk:
         self.sound = sound
         self.inbox: Inbox[ControlEvent] = Inbox()
         self.input = AudioInput(None, self.inbox, sound.clock, **options)
-        self.input._open()
+        self.input._open(self.input._rounds.mine)
         self.events: list[ControlEvent] = []
 
     def turn(self) -> None:
@@ -215,6 +215,27 @@ def test_an_analysis_that_fails_is_begun_anew_and_counted(sound: FakeSound, monk
     assert off_the_grid(desk.beats[3:], 0.0) < 0.012
 
 
+def test_an_analysis_that_cannot_even_be_begun_leaves_the_source_lost(sound: FakeSound) -> None:
+    made: list[AudioAnalysis] = []
+
+    class Once(AudioAnalysis):
+        def feed(self, *arguments: Any) -> list[ControlEvent]:
+            raise ArithmeticError("a bug in the tracker")
+
+    def make(rate: float) -> AudioAnalysis:
+        if made:
+            raise MemoryError("no room")
+        made.append(Once(rate))
+        return made[0]
+
+    desk = Desk(sound, analysis=make)
+    desk.feed(music(48_000.0), 1.0)
+    assert desk.changes == ["lost"]
+    assert desk.input.problem == "the analysis cannot be begun: MemoryError: no room"
+    sound.wait(5.0, desk.turn)
+    assert desk.input.problem == "no room"  # asked again now and then
+
+
 def test_one_that_always_fails_leaves_the_source_lost_and_the_show_alone(
     sound: FakeSound, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -267,7 +288,7 @@ def test_a_thread_that_comes_back_after_another_took_its_place_opens_nothing(
     sound.wait(1.0, desk.turn)
 
     def hang() -> bool:  # meanwhile somebody restarts the listening
-        desk.input._stop = threading.Event()
+        desk.input._rounds.mine = threading.Event()
         return True
 
     monkeypatch.setattr("live.control.audio_device.refresh", hang)
@@ -294,13 +315,13 @@ def test_a_choice_that_cannot_be_leaves_the_device_there_is(
 
 def test_a_thread_that_hangs_in_the_sound_system_is_left_behind(sound: FakeSound) -> None:
     desk = Desk(sound)
-    desk.input._begin_thread()
-    hung = desk.input._thread
+    desk.input._rounds.begin()
+    hung = desk.input._rounds.thread
     sound.clock.advance(60.0)
-    desk.input._round_at = 0.0  # it has not come round since then
+    desk.input._rounds.round_at = 0.0  # it has not come round since then
     desk.input.act(RestartAudio(time=60.0, source="key"))
     try:
-        assert desk.input._thread is not hung
+        assert desk.input._rounds.thread is not hung
     finally:
         desk.input.stop()
     assert hung is not None
