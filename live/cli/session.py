@@ -2,7 +2,6 @@
 
 import contextlib
 import gc
-from collections import Counter
 from collections.abc import Callable, Iterator
 
 import psutil
@@ -13,7 +12,7 @@ from live.base.inbox import Inbox
 from live.cli.click_part import make_click
 from live.cli.link_part import make_link
 from live.cli.midi_part import make_midi
-from live.cli.news import News
+from live.cli.session_news import osc_rejected, session_news
 from live.cli.session_sound import AudioSource, Sound, choose_sound, make_audio
 from live.cli.wish import Wish
 from live.clock.source import SystemClock
@@ -71,7 +70,7 @@ class Session:
         self._audio, self._tell_audio = make_audio(sound, loaded, show, self.latencies, self.inbox, self.clock)
         self.status = Status(
             show,
-            rejected=self._rejected,
+            rejected=lambda: osc_rejected(self.osc),
             memory=resident_megabytes(),
             level=lambda: getattr(self._audio, "level", None),
             refusal=lambda: self.news.refused,
@@ -96,44 +95,9 @@ class Session:
         if self._midi is not None:
             self.status.more["midi"] = self._midi.status
         self._watch = self._make_watch()
-        self.news = self._make_news()
+        listens = self._audio if sound.device is not None else None
+        self.news = session_news(show, self.osc, listens, self._midi, self._watch)
         self._status_file: StatusFile | None = None
-
-    def _make_news(self) -> News:
-        """Tells on the terminal what is refused and what joins: with `--headless` there is no overlay that does."""
-        watch, console = self._watch, Console(stderr=True, highlight=False)
-        refusals: list[Callable[[], str]] = [self._osc_refusal, lambda: self.show.refusals.words]
-        others: list[Callable[[], str]] = [self._audio_problem]
-        if self._midi is not None:
-            refusals.append(self._midi.refusal)
-            others.append(self._midi.problem)
-        if watch is not None:
-            refusals.append(lambda: watch.problem)
-            others.append(lambda: watch.joined)
-
-        def say(line: str) -> None:
-            console.print(line, style="yellow", soft_wrap=True, markup=False)
-
-        return News(refusals, others, say)
-
-    def _audio_problem(self) -> str:
-        """What is wrong with the device that is listened to."""
-        listens = self._audio is not None and self.sound.device is not None
-        problem = str(self._audio.facts()["problem"]) if listens and self._audio is not None else ""
-        return f"sound: {problem}" if problem else ""
-
-    def _osc_refusal(self) -> str:
-        """The last refusal of OSC: of a packet that was not understood the reason, of a control all that is known."""
-        rejection = self.osc.last_rejection
-        if rejection is None:
-            return ""
-        return str(rejection) if rejection.address else f"an OSC packet: {rejection.reason}"
-
-    def _rejected(self) -> Counter[str]:
-        counts = Counter({str(reason): count for reason, count in self.osc.rejected.as_dict().items()})
-        if self.osc.lost:
-            counts["lost before it was read"] = self.osc.lost
-        return counts
 
     def _open_journal(self) -> None:
         """Begin the journal, last of all: a start that is refused leaves an old one of its name where it is."""

@@ -1,0 +1,62 @@
+"""What the parts of a running show have to tell: what was refused, what is wrong, what has joined."""
+
+from collections import Counter
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+
+from live.cli.news import News
+from live.control.osc import OscInput
+from live.show.core import Show
+from live.show.library_watch import LibraryWatch
+
+if TYPE_CHECKING:
+    from live.cli.midi_part import OnMidi
+    from live.cli.session_sound import AudioSource
+
+
+def session_news(
+    show: Show, osc: OscInput, listens: "AudioSource | None", midi: "OnMidi | None", watch: LibraryWatch | None
+) -> News:
+    """Tells on the terminal what is refused and what joins: with `--headless` there is no overlay that does.
+
+    `listens`: a device that is listened to, if there is one.
+    """
+    console = Console(stderr=True, highlight=False)
+    refusals: list[Callable[[], str]] = [lambda: osc_refusal(osc), lambda: show.refusals.words]
+    others: list[Callable[[], str]] = []
+    if listens is not None:
+        others.append(lambda: _audio_problem(listens))
+    if midi is not None:
+        refusals.append(midi.refusal)
+        others.append(midi.problem)
+    if watch is not None:
+        refusals.append(lambda: watch.problem)
+        others.append(lambda: watch.joined)
+
+    def say(line: str) -> None:
+        console.print(line, style="yellow", soft_wrap=True, markup=False)
+
+    return News(refusals, others, say)
+
+
+def osc_refusal(osc: OscInput) -> str:
+    """The last refusal of OSC: of a packet that was not understood the reason, of a control all that is known."""
+    rejection = osc.last_rejection
+    if rejection is None:
+        return ""
+    return str(rejection) if rejection.address else f"an OSC packet: {rejection.reason}"
+
+
+def osc_rejected(osc: OscInput) -> Counter[str]:
+    """How much was refused, by reason, and what was lost before anybody read it."""
+    counts = Counter({str(reason): count for reason, count in osc.rejected.as_dict().items()})
+    if osc.lost:
+        counts["lost before it was read"] = osc.lost
+    return counts
+
+
+def _audio_problem(listens: "AudioSource") -> str:
+    problem = str(listens.facts()["problem"])
+    return f"sound: {problem}" if problem else ""

@@ -1,0 +1,32 @@
+"""What the parts of a show tell an operator who has no overlay."""
+
+from collections import Counter
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from live.cli.session_news import osc_rejected, session_news
+
+
+def test_refusals_and_problems_of_all_parts_are_told_once(capsys: pytest.CaptureFixture[str]) -> None:
+    show = SimpleNamespace(refusals=SimpleNamespace(words=""))
+    osc = SimpleNamespace(last_rejection=None)
+    listens = SimpleNamespace(facts=lambda: {"problem": problem})
+    problem = ""
+    news = session_news(cast(Any, show), cast(Any, osc), cast(Any, listens), None, None)
+    news.look()
+    assert capsys.readouterr().err == ""
+    problem = "stage box is not there"
+    osc.last_rejection = SimpleNamespace(address="", reason="too long")
+    news.look()
+    news.look()
+    told = capsys.readouterr().err
+    assert told.count("sound: stage box is not there") == 1
+    assert told.count("an OSC packet: too long") == 1
+    assert news.refused == "an OSC packet: too long"
+
+
+def test_what_osc_refused_is_counted_with_what_was_lost() -> None:
+    osc = SimpleNamespace(rejected=SimpleNamespace(as_dict=lambda: {"range": 2}), lost=3)
+    assert osc_rejected(cast(Any, osc)) == Counter({"range": 2, "lost before it was read": 3})
