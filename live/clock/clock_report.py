@@ -12,6 +12,9 @@ from live.clock.midi_clock import ClockBeat, ClockState, MidiClock, News
 POLL: Final = 0.1
 """Seconds between two looks for what did not come."""
 
+LOOKS: Final = 100
+"""After so many looks in vain no more of them finds anything new, however long a recording pauses."""
+
 SETTLED: Final = 8
 """Beats after a start or jump from which on tempo and phase are held against their bars."""
 
@@ -84,9 +87,13 @@ def replay(messages: Iterable[tuple[float, Sequence[int]]], *, beats_per_measure
     news: list[News] = []
     looked, pulses, time = 0.0, 0, 0.0
     for time, message in messages:
-        while looked + POLL < time:
+        for _ in range(LOOKS):
+            if looked + POLL >= time:
+                break
             looked += POLL
             news += clock.advance(looked)
+        else:
+            looked = max(looked, time - POLL)
         news += clock.receive(message, time)
         pulses += bool(message) and message[0] == 0xF8
     states = tuple(item for item in news if isinstance(item, ClockState))

@@ -181,7 +181,7 @@ class AudioInput:
                 self._inbox.put(event)
             self._level = max(listening.analysis.tracker.level, self._level * METER_FALL)
             if self.problem and self.problem == self.failure and now - self._crashed_at > CRASHES_APART:
-                self.problem = listening.missing  # it has gone well since
+                self.problem = listening.problem  # it has gone well since
         if now - self._alive_at > self._patience:
             self._lose(now, self.device.name)
 
@@ -200,7 +200,7 @@ class AudioInput:
             listening.close()
             return
         self._listening = listening
-        self.problem = listening.missing
+        self.problem = listening.problem
         self._alive_at = self._clock.now()
         self._patience = FIRST_SOUND
 

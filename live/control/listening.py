@@ -93,6 +93,11 @@ class Listening:
         assert refusal is not None
         raise refusal
 
+    @property
+    def problem(self) -> str:
+        """What is not as it was wished, in words: channels that are missing, another tracker; empty if nothing is."""
+        return "; ".join(words for words in (self.missing, self.analysis.note) if words)
+
     def callback(self, ring: Ring) -> Callable[[npt.NDArray[np.float32], int, Any, Any], None]:
         """What the sound system calls: it copies and stamps, and nothing else."""
         now = self._clock.now

@@ -106,6 +106,7 @@ class MusicPlayer:
             "problem": self.output_problem,
             "crashes": self.crashes,
             "failure": self.failure,
+            "note": self._analysis.note,
         }
 
     def start(self) -> None:

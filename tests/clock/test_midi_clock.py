@@ -178,3 +178,19 @@ def test_times_that_go_back_and_floods_do_no_harm() -> None:
 def test_the_same_stream_gives_the_same_beats() -> None:
     stream = make_stream(steady(133.0), seconds=6.0, kind="exponential", jitter=0.003, seed=7)
     assert replay(stream.events).beats == replay(stream.events).beats
+
+
+def test_a_recording_that_pauses_for_weeks_is_replayed_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Stamps may count from the machine's start, and somebody may have left the recording on."""
+    looks: list[float] = []
+    real = MidiClock.advance
+
+    def advance(self: MidiClock, now: float) -> list[News]:
+        looks.append(now)
+        return real(self, now)
+
+    monkeypatch.setattr(MidiClock, "advance", advance)
+    report = replay([(begin + n * 0.02, (0xF8,)) for begin in (5e6, 9e6) for n in range(60)])
+    assert len(looks) < 300
+    assert [state.state for state in report.states] == ["found", "lost", "found"]
+    assert report.states[1].time == pytest.approx(5e6 + 59 * 0.02 + 0.5, abs=0.2)

@@ -84,6 +84,11 @@ def test_beats_lie_on_the_clicks_at_any_rate_and_block(sound: FakeSound, rate: f
     assert off_the_grid(desk.beats[3:], -0.030) < 0.012
 
 
+def test_another_tracker_than_was_asked_for_is_told(sound: FakeSound) -> None:
+    sound.plug(sound.devices[0], sample_rate=11_025.0)  # the network needs more
+    assert "aubio listens instead" in Desk(sound).input.facts()["problem"]
+
+
 def test_one_channel_of_32_is_heard(sound: FakeSound) -> None:
     desk = Desk(sound, channels=Channels.of("17"))
     assert sound.streams[-1].options["channels"] == 17

@@ -3,10 +3,14 @@
 from importlib.resources import files
 
 import numpy as np
+import pytest
 
+from live.clock.aubio_tracker import AubioTracker
 from live.clock.hearing.hearing import Hearing
 from live.clock.hearing.network import Network
+from live.control import beat_network
 from live.control.beat_network import beat_weights
+from live.control.trackers import make_tracker
 from tests.clock.clicks import groove
 
 RATE = 44_100
@@ -14,6 +18,33 @@ RATE = 44_100
 
 def test_the_weights_are_small() -> None:
     assert len(files("live.clock.hearing").joinpath("weights.npz").read_bytes()) <= 1_000_000
+
+
+@pytest.mark.parametrize("cut", [0, 3, 1000, -30, "middle"])
+def test_where_the_weights_are_damaged_aubio_listens_and_says_so(
+    monkeypatch: pytest.MonkeyPatch, cut: int | str
+) -> None:
+    data = bytearray(files("live.clock.hearing").joinpath("weights.npz").read_bytes())
+    if isinstance(cut, int):
+        del data[cut:]
+    else:
+        data[len(data) // 2] ^= 0xFF
+
+    class Damaged:
+        def joinpath(self, _name: str) -> "Damaged":
+            return self
+
+        def read_bytes(self) -> bytes:
+            return bytes(data)
+
+    monkeypatch.setattr(beat_network, "files", lambda _: Damaged())
+    beat_weights.cache_clear()
+    try:
+        tracker, note = make_tracker("network", RATE)
+    finally:
+        beat_weights.cache_clear()
+    assert isinstance(tracker, AubioTracker)
+    assert "the beat network's weights cannot be read" in note
 
 
 def test_the_network_hears_the_beats_of_a_groove() -> None:
