@@ -177,10 +177,13 @@ class ClickOutput:
             self._close()
 
     def turn(self) -> None:
-        """One round: where the samples are, whether the output is still there. Thread: the click's own."""
+        """One round: where the samples are, whether the output is still there; never raises. Thread: the click's own."""
         now = self._clock.now()
         if self._stream is not None:
-            self._watch(now)
+            try:
+                self._watch(now)
+            except Exception as error:  # the output is opened anew, the click's thread goes on
+                self._lose(now, f"the click failed: {type(error).__name__}: {error}")
         elif now - self._alive_at >= RETRY:
             self._try_again(now)
 
@@ -195,9 +198,7 @@ class ClickOutput:
             self._place_samples()
         patience = LOST_AFTER if now - self._opened_at > FIRST_SOUND else FIRST_SOUND
         if now - self._alive_at > patience:
-            self._close()
-            self._alive_at = now
-            self.problem = f"{self.device.name} went away"
+            self._lose(now, f"{self.device.name} went away")
 
     def _place_samples(self) -> None:
         """Say when samples are handed over, once that is known."""
@@ -210,6 +211,10 @@ class ClickOutput:
         if self._place is not None or min((asked - since) / self._rate, self._alive_at - then) >= SETTLED:
             step = (self._line.time_of(asked + self._rate) - handed_over) / self._rate
             self._place = (handed_over - asked * step, step)
+
+    def _lose(self, now: float, why: str) -> None:
+        self.problem, self._alive_at = why, now
+        self._close()
 
     def _close(self) -> None:
         if self._stream is not None:

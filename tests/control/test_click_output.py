@@ -162,6 +162,12 @@ def test_an_output_that_goes_away_is_opened_again(monkeypatch: pytest.MonkeyPatc
         return Stream()
 
     monkeypatch.setattr(click_output, "find_device", lambda *_: SoundDevice(0, "drummer", "ALSA", 2, 48_000.0, True))
+
+    def fail(_now: float) -> None:
+        failed.append(click.reopened)
+        raise ArithmeticError("no line")
+
+    failed: list[int] = []
     monkeypatch.setattr(click_output, "find_again", lambda *_: SoundDevice(0, "drummer", "ALSA", 2, 48_000.0, True))
     monkeypatch.setattr(click_output, "open_stream", open_stream)
     monkeypatch.setattr(click_output, "close_stream", lambda stream: None)
@@ -173,6 +179,9 @@ def test_an_output_that_goes_away_is_opened_again(monkeypatch: pytest.MonkeyPatc
     try:
         assert wait_for(lambda: click.problem == "Invalid device", 5.0)
         assert wait_for(lambda: click.reopened >= 1, 5.0)
+        monkeypatch.setattr(click, "_watch", fail)
+        assert wait_for(lambda: len(set(failed)) >= 2, 5.0), "a failure is no end: it is opened anew, and fails again"
+        assert click.problem in ("", "the click failed: ArithmeticError: no line")
         assert (click.delay, click.facts()["device"]) == (0.02, "drummer")
         click.later = 0.005
         assert click.delay == pytest.approx(0.025)

@@ -18,7 +18,7 @@ whole = st.integers(-2, 13)
 names = st.sampled_from(HEARD)
 nobody = st.just("audio")
 kinds = st.one_of(
-    st.tuples(st.just("play"), names, st.floats(30.0, 300.0), st.floats(0.5, 6.0), whole),
+    st.tuples(st.just("play"), names, st.floats(15.5, 399.0), st.floats(0.5, 6.0), whole),
     st.tuples(st.just("start"), names, st.floats(30.0, 300.0), st.floats(0.5, 4.0), st.integers(0, 8)),
     st.tuples(st.just("count"), st.just("midi"), st.floats(30.0, 300.0), st.floats(0.5, 4.0), st.just(-1)),
     st.tuples(st.just("wait"), nobody, st.just(0.0), st.floats(0.0, 4.0), whole),
