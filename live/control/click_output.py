@@ -177,7 +177,7 @@ class ClickOutput:
             self._close()
 
     def turn(self) -> None:
-        """One round: where the samples are, whether the output is still there; never raises. Thread: the click's own."""
+        """One round, which never raises: where the samples are, whether the output is there. Thread: the click's."""
         now = self._clock.now()
         if self._stream is not None:
             try:
