@@ -75,18 +75,24 @@ def _timeline_file(path: Path) -> "TimelineFile":
 
 
 def _stream(ear: "Ear") -> None:
-    """Blocks from standard input until it ends; each line is flushed."""
+    """Blocks from standard input until it ends; each line is flushed. PersonError where they cannot be written."""
     import numpy as np
 
+    from live.base.errors import PersonError
     from live.cli.beats_heard import lines_of
 
     source, out = sys.stdin.buffer, sys.stdout
     while data := source.read(BLOCK * 4):
         samples = np.frombuffer(bytearray(data[: len(data) - len(data) % 4]), "<f4")  # kernels take what can be written
         text = "".join(lines_of(beat) for beat in ear.feed(samples))
-        if text:
-            out.write(text)
-            out.flush()
+        try:
+            if text:
+                out.write(text)
+                out.flush()
+        except BrokenPipeError:  # who read has enough
+            raise
+        except OSError as error:
+            raise PersonError(f"the beats cannot be written ({error.strerror or error})") from None
 
 
 def _file(

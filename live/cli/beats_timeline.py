@@ -1,5 +1,7 @@
 """The dancers' clock over what is heard: the show's own follower, run offline, written 64 times a second as CSV."""
 
+import contextlib
+from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Final, TextIO
@@ -19,12 +21,11 @@ class TimelineFile:
     """Tells a TimelineFollower what a tracker named and writes where its beats are. A context manager."""
 
     def __init__(self, path: Path) -> None:
-        """PersonError if the file cannot be written."""
-        try:
+        """PersonError if the file cannot be written, now or later (the disk is full)."""
+        self._path = path
+        with self._writable():
             self._out: TextIO = path.open("w", encoding="ascii")
-        except OSError as error:
-            raise PersonError(f"--timeline {path} cannot be written ({error.strerror or error})") from None
-        self._out.write(HEADING)
+            self._out.write(HEADING)
         self._follower = TimelineFollower(follow_metre=True)
         self._ticks = 0
         self._pauses = Pauses()
@@ -34,7 +35,15 @@ class TimelineFile:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        self._out.close()
+        with self._writable():
+            self._out.close()
+
+    @contextlib.contextmanager
+    def _writable(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            raise PersonError(f"--timeline {self._path} cannot be written ({error.strerror or error})") from None
 
     def one(self, time: float) -> None:
         """Somebody pressed "this is the one" at `time` [s]."""
@@ -65,9 +74,10 @@ class TimelineFile:
         while self._ticks / RATE < until:
             time = self._ticks / RATE
             timeline = self._follower.advance(time)
-            self._out.write(
-                f"{time:.6f},{timeline.beat_at(time):.5f},{timeline.measure_at(time) + 1},"
-                f"{timeline.phase_at(time):.5f},{self._follower.tempo:.3f},{self._follower.confidence:.3f},"
-                f"{self._follower.state}\n"
-            )
+            with self._writable():
+                self._out.write(
+                    f"{time:.6f},{timeline.beat_at(time):.5f},{timeline.measure_at(time) + 1},"
+                    f"{timeline.phase_at(time):.5f},{self._follower.tempo:.3f},{self._follower.confidence:.3f},"
+                    f"{self._follower.state}\n"
+                )
             self._ticks += 1

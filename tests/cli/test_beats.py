@@ -89,3 +89,18 @@ def test_mistakes_are_told_in_a_line(arguments: tuple[str, ...], words: str) -> 
     assert result.returncode == 2
     assert words in result.stderr
     assert "Traceback" not in result.stderr
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
+def test_a_full_disk_is_one_line(music: Path) -> None:
+    result = run_live("beats", str(music), "--tracker", "aubio", "--timeline", "/dev/full")
+    assert result.returncode == 2
+    assert "--timeline /dev/full cannot be written (No space left on device)" in result.stderr
+    sound = clicks(120, RATE, 6.0)[0].astype("<f4").tobytes()
+    with open("/dev/full", "w", encoding="ascii") as full:
+        beats = subprocess.run(
+            [sys.executable, "-m", "live", "beats", "--stdin"],
+            input=sound, stdout=full, stderr=subprocess.PIPE, timeout=120, check=False,
+        )  # fmt: skip
+    assert b"the beats cannot be written (No space left on device)" in beats.stderr
+    assert b"Traceback" not in beats.stderr
