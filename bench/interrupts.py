@@ -107,7 +107,7 @@ def run_through(*, careful: bool) -> tuple[float, float]:
     """How long dancers are within 0.5 m of somebody who runs to and fro among them [s], and how near [m]."""
     show = Show(stage().patch, stage().graph, seed=1)
     if not careful:
-        show.interrupts._look_out = lambda *arguments: None  # type: ignore[method-assign]
+        show.interrupts._avoiding.tick = lambda *arguments: None  # type: ignore[method-assign]
     within, nearest = 0.0, np.inf
     for number in range(1, int(16.0 * RATE)):
         now = number * TICK

@@ -77,7 +77,7 @@ class Scheduler:
         self._arguments: tuple[Any, ...] = ()
         self._following: tuple[Int32, Int32] = np.zeros(0, np.int32), np.zeros(0, np.int32)
         self._pieces: deque[tuple[int, Callable[[], object]]] = deque()
-        self._left = 0  # what they weigh together: about so many times half of what a coarse step of looking ahead takes
+        self._left = 0  # what they weigh together, in halves of what a coarse step of looking ahead takes
         self._seconds = 2.0
         self.take_graph(dancers.graph, Choosing.of(dancers.graph))
         self.last_target: Float64 | None = None

@@ -133,7 +133,7 @@ def test_nothing_is_kept_of_a_block() -> None:
         energy.feed(block)
     tracemalloc.start()
     try:
-        for _ in range(50):
+        for _ in range(1000):  # until what Python keeps for reuse has been made anew under the eyes of tracemalloc
             energy.feed(block)
         before = tracemalloc.get_traced_memory()[0]
         tracemalloc.reset_peak()
