@@ -136,7 +136,7 @@ def test_nothing_jumps_in_the_app_when_somebody_joins(network: Network) -> None:
     assert answer["step"] < 0.01
     assert answer["jumps"] == 0
     assert answer["tempo"] == pytest.approx(103.0, abs=0.01)
-    sync_within(app, hut, 0.5, key="phase")
+    sync_within(app, hut, 1.0, key="phase")
 
 
 def test_starts_and_stops_are_shared(network: Network) -> None:
