@@ -41,6 +41,8 @@ SET_CAPACITY: Final = 64
 """Obstacles, and walls, drawn at most."""
 GUIDE_CAPACITY: Final = 8192
 """Strokes of the operator's guides drawn at most."""
+FLOOR_MARGIN: Final = 2.5
+"""How far the floor's map of shadows and elements reaches beyond the scene's stage [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,6 +123,8 @@ class StageView:
     """Beats into the measure."""
     beats_per_measure: int = 4
     tempo: float = 120.0
+    stage_size: tuple[float, float] = (0.0, 0.0)
+    """Width and depth of the stage now [m]; 0: as in the scene."""
     brightness: float = 1.0
     """1 = full light, 0 = blackout."""
     overlay: tuple[str, ...] = ()

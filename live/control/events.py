@@ -35,6 +35,7 @@ from live.control.group_events import (
     Release,
     RemoveObstacle,
     SetRipple,
+    SetStage,
     Travel,
 )
 
@@ -76,6 +77,7 @@ __all__ = [
     "SetMotion",
     "SetRipple",
     "SetSequence",
+    "SetStage",
     "SetTempo",
     "ShiftBeats",
     "SourceChanged",

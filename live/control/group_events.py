@@ -120,6 +120,14 @@ class RemoveObstacle(ControlEvent):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SetStage(ControlEvent):
+    """The stage becomes `width` by `depth` [m]: dancers outside come in."""
+
+    width: float
+    depth: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Performer(ControlEvent):
     """A real dancer is at (x, z) [m]."""
 

@@ -6,12 +6,12 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from live.base.stage_view import Camera, Colour, Scene, StageView
+from live.base.stage_view import FLOOR_MARGIN, Camera, Colour, Scene, StageView
 from live.render.camera import view_matrix, world_to_clip
 from live.render.shader import FRAME_BINDING
 
-FLOOR_MARGIN: Final = 2.5
-"""How far the floor's map of shadows and elements reaches beyond the stage [m]."""
+BORDER_SHOWN: Final = 0.4
+"""The border of a stage that is so much [m] larger or smaller than the scene's is drawn in full."""
 WALL_BEHIND: Final = 3.0
 """How far behind the stage the back wall stands [m]."""
 
@@ -28,6 +28,7 @@ _BLOCK: Final = np.dtype(
         ("background", "f4", 4),
         ("floor_colour", "f4", 4),
         ("stage", "f4", 4),
+        ("edge", "f4", 4),
         ("picture", "f4", 4),
     ]
 )
@@ -58,7 +59,7 @@ class FrameBlock:
         camera, look, data = scene.camera, scene.look, self._data
         data["world_to_clip"] = world_to_clip(camera, size).T  # GLSL reads columns
         self._fit_rays(camera, size)
-        width, depth = scene.stage_size
+        width, depth = self._stage_size = scene.stage_size
         front = max(float(np.hypot(camera.eye[1], camera.eye[2] - 0.5 * depth)) - 0.5, 0.0)
         data["eye"] = (*camera.eye, front)
         light = -_unit(look.key_direction)
@@ -89,6 +90,9 @@ class FrameBlock:
         self._data["key_direction"][3] = pulse * downbeat
         self._data["key_light"][3] = min(max(view.brightness, 0.0), 1.0)
         self._data["floor_colour"][3] = phase
+        width, depth = view.stage_size if view.stage_size[0] > 0.0 else self._stage_size
+        changed = max(abs(width - self._stage_size[0]), abs(depth - self._stage_size[1]))
+        self._data["edge"] = (0.5 * width, 0.5 * depth, min(changed / BORDER_SHOWN, 1.0), 0.0)
         self._buffer.write(self._data)
         self._buffer.bind_to_uniform_block(FRAME_BINDING)
 

@@ -5,10 +5,10 @@ from typing import Final
 import moderngl
 import numpy as np
 
-from live.base.stage_view import PATH, Scene, StageView
+from live.base.stage_view import FLOOR_MARGIN, PATH, Scene, StageView
 from live.render.camera import covered, view_matrix, world_to_clip
 from live.render.crowd import Crowd
-from live.render.frame import FLOOR_MARGIN, WALL_BEHIND, FrameBlock
+from live.render.frame import WALL_BEHIND, FrameBlock
 from live.render.passes.backdrop_pass import BackdropPass
 from live.render.passes.dancer_pass import DancerPass
 from live.render.passes.film_pass import FilmPass

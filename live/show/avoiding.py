@@ -54,12 +54,10 @@ GAIN: Final = 0.06
 class Avoiding:
     """The collisions ahead of one show; call `tick` once a tick."""
 
-    def __init__(
-        self, half_stage: tuple[float, float], dancers: Dancers, motion: GroupMotion, cutting: Cutting, cut: Cut
-    ) -> None:
-        """`half_stage` [m]: half width and half depth; `cutting` knows where one may go on, `cut` does it."""
+    def __init__(self, dancers: Dancers, motion: GroupMotion, cutting: Cutting, cut: Cut) -> None:
+        """`cutting` knows where one may go on, `cut` does it."""
         count = len(motion.casting.group)
-        self._half_stage = np.array(half_stage)
+        self._half_stage = motion.floor.half  # always as it is now
         self._dancers, self._motion, self._cutting, self._cut = dancers, motion, cutting, cut
         self._ways: Float64 = np.zeros((len(AHEAD) + 1, count, 2))
         self._things: Float64 = np.zeros((len(AHEAD) + 1, len(motion.surroundings.obstacles), 2))

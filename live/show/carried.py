@@ -26,9 +26,9 @@ IN_HASTE: Final = 1.5
 class Carried:
     """Plain arrays over A dancers; those of shape (A, 2) [m] are views of `rows`, which the kernels take."""
 
-    def __init__(self, dancers: Dancers, motion: GroupMotion, edge: tuple[float, float]) -> None:
+    def __init__(self, dancers: Dancers, motion: GroupMotion) -> None:
         count = len(motion.casting.group)
-        self.dancers, self.motion, self.edge = dancers, motion, edge
+        self.dancers, self.motion = dancers, motion
         self.paths = Paths(count)
         """Where the hips go in the present measure."""
         self.node: Int32 = np.full(count, -1, np.int32)
@@ -42,6 +42,9 @@ class Carried:
         """Where each dancer's agent is predicted to be when the present measure ends, as far as steps reach."""
         self.asked, self.foreseen = self.rows[row.ASKED], self.rows[row.FORESEEN]
         """The same as it was decided, and as it would be if steps reached everywhere."""
+        self.room: Float64 = np.tile(motion.floor.half, (count, 1))
+        """How far to each side of the centre the present measure may end [m], (A, 2): who began it outside, because the
+        stage has become smaller, may still be there, but no farther out."""
         self.most, self.hasty = np.zeros(count), np.zeros(count)
         """How long a correction may become so that nobody touches [m], and how far one may hurry to, (A,)."""
 
@@ -73,9 +76,9 @@ class Carried:
         self.rows[[row.PLAN, row.AIM, row.GOAL], n] = present.correction[n, :2]
         self.rows[[row.DODGE, row.AIM_SPEED], n] = 0.0
 
-    def keep_on_stage(self, way: Float64, end: Float64) -> None:
-        """Change the ways (A, 2) [m] added to measures that end at `end` (A, 2) so that nobody leaves the stage."""
-        row.keep_ends(way, end, self.motion.entrances.state, ON, *self.edge)
+    def keep_on_stage(self, way: Float64, end: Float64, room: Float64) -> None:
+        """Change the ways (A, 2) [m] from `end` (A, 2) so that nobody on the stage leaves her `room` (A, 2) of it."""
+        row.keep_ends(way, end, self.motion.entrances.state, ON, room)
 
     def level(self, way: Float64, end: Float64, *, coming: bool) -> None:
         """Change the ways (A, 2) [m] added to measures that end at `end` (A, 2) so that partners stay together."""

@@ -40,7 +40,6 @@ class Carrying:
         count = len(motion.casting.group)
         self._patch, self._dancers, self._motion = patch, dancers, motion
         half = patch.stage.width / 2, patch.stage.depth / 2
-        self._edge = half
         self.parting = PathParting(
             motion.model.radius,
             motion.model.responsibility,
@@ -50,7 +49,7 @@ class Carrying:
             seed=motion.model.seed,
         )
         most = patch.locomotion.correction_m
-        self._carried = Carried(dancers, motion, half)
+        self._carried = Carried(dancers, motion)
         self._coming = Coming(self._carried, self.parting, most)
         self._re_aiming = ReAiming(self._carried, self.parting, most)
         self._pushing = Pushing(self._carried, self._coming, self.parting) if most > 0.0 else None
@@ -86,7 +85,7 @@ class Carrying:
         settle_ways(
             coming.correction, target, end, coming.placement, coming.node, graph.node_gives, graph.node_holds,
             lock.state, share, self._patch.locomotion.correction_m, MOST_HELD,
-            self._motion.entrances.state, ON, *self._edge,
+            self._motion.entrances.state, ON, *self._motion.floor.half.tolist(),
         )  # fmt: skip
         self._carried.level(coming.correction[:, :2], end, coming=True)
         self._coming.decided(end, target, wish)

@@ -27,7 +27,8 @@ class Casting:
         """Group of each dancer, shape (A,): whose steps she dances and whose colour she wears."""
         self.group[: sum(sizes)] = np.repeat(np.arange(len(sizes)), sizes)
         self.names = tuple(section.name.casefold() for section in patch.group)
-        self._half = (patch.stage.width / 2, patch.stage.depth / 2)
+        self.half = (patch.stage.width / 2, patch.stage.depth / 2)
+        """Half the stage's width and depth [m], for words that name places on it."""
         self._own: list[set[str]] = [set() for _ in range(count)]
         begin = 0
         for section, size in zip(patch.group, sizes, strict=True):
@@ -44,7 +45,7 @@ class Casting:
         """Raise a PersonError if a selection of the patch names nobody there is, or itself."""
         for name in self._named:
             with named(f"selections: {name}"):
-                selection(name, self.roster, np.zeros((len(self.group), 2)), self._half)
+                selection(name, self.roster, np.zeros((len(self.group), 2)), self.half)
 
     def _made(self) -> Roster:
         words = (frozenset({*own, self.names[g]}) for own, g in zip(self._own, self.group.tolist(), strict=True))
@@ -71,7 +72,7 @@ class Casting:
         index = self.index_of(words)
         if index is not None:
             return np.asarray(self.group == index)
-        return selection(words.casefold(), self.roster, position, self._half)
+        return selection(words.casefold(), self.roster, position, self.half)
 
     def means_places(self, words: str) -> bool:
         """Whether who is meant depends on where the dancers stand; words that were selected once already."""

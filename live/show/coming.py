@@ -27,6 +27,8 @@ class Coming:
         """Where it ends if it is not corrected [m], (A, 2)."""
         self.target, self.wish = np.zeros((2, count, 2))
         """Where dancers are sent, and where their agents are predicted to be [m], (A, 2) each."""
+        self.room: Float64 = carried.room.copy()
+        """As in `Carried`, of the coming measure."""
         self._traced, self._fresh = 0, False
         self._goal = np.zeros((count, 2))
 
@@ -38,6 +40,8 @@ class Coming:
     def decided(self, end: Float64, target: Float64, wish: Float64) -> None:
         """The measure is chosen; see the attributes."""
         self.end[:], self.target[:], self.wish[:] = end, target, wish
+        begin = self._carried.dancers.present.end_position()
+        self.room[:] = np.maximum(self._carried.motion.floor.half, np.abs(begin))
         self._traced, self._fresh = 0, True
 
     def put_elsewhere(self, n: int) -> None:
@@ -65,13 +69,13 @@ class Coming:
         goal[:] = coming.correction[:, :2]
         self._parting.part(self.paths, goal, coming.aimed, carried.most)
         carried.level(goal, self.end, coming=True)
-        carried.keep_on_stage(goal, self.end)
+        carried.keep_on_stage(goal, self.end, self.room)
         coming.correction[:, :2] = goal
 
     def cross_measure_line(self) -> None:
         """What was coming is the present one now; paths change places."""
         carried = self._carried
-        carried.asked[:], carried.foreseen[:] = self.target, self.wish
+        carried.asked[:], carried.foreseen[:], carried.room[:] = self.target, self.wish, self.room
         if self.traced:
             carried.paths, self.paths = self.paths, carried.paths
             carried.node[:] = carried.dancers.coming.node

@@ -272,5 +272,6 @@ class Show:
             self.state.flat, self.motion.entrances.state, self.group, danced.node, danced.placement, danced.correction,
             danced.aimed, danced.take, danced.warp, dancers.lock.state, self.variation.phase,
             *dancers.pose(self.span.fraction(beat), self.time),
+            self.motion.floor.half, self.motion.floor.border,
             np.array([beat, self.timeline.tempo, self.brightness]),
         )  # fmt: skip

@@ -139,6 +139,10 @@ class Elements:
         """Dancers have changed their groups."""
         self._addressees.regrouped(position)
 
+    def resize(self, half_width: float, half_depth: float) -> None:
+        """The stage's half sizes [m] are these from now on."""
+        self._field.resize(half_width, half_depth)
+
     # -- each tick -----------------------------------------------------------------------------------------------
 
     def refresh(self, beat: float, wants: Wants, state: AgentState) -> None:

@@ -142,6 +142,18 @@ class Evolutions:
             if isinstance(motion.intention, Hold | Evolve) and motion.intention.formation == formation.name:
                 self._plan.add(replace(motion.segment, start=max(measure + 1, 0), later=0.0))
 
+    def resize(self, half: tuple[float, float], fitting: Float64 | None, *, measure: int) -> None:
+        """The stage has these half sizes [m] within `measure`; formations have `fitting` (2,) [m], None: their room.
+
+        Whoever is in one, or on the way there, goes to its new places.
+        """
+        self._plan.resize(half)
+        if not self._formations.fit(fitting):
+            return
+        for motion in self._plan.motions:
+            if isinstance(motion.intention, Hold | Evolve):
+                self._plan.add(replace(motion.segment, start=max(measure + 1, 0), later=0.0))
+
     def release(self, who: Bool) -> None:
         """What these dancers (A,) have now is over."""
         self._plan.release(who)

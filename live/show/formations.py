@@ -2,7 +2,7 @@
 
 from collections import OrderedDict
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -17,6 +17,8 @@ from live.show.sections.group import GroupSection
 
 Float64 = npt.NDArray[np.float64]
 
+BODY: Final = 0.3
+"""Room [m] around each place of a formation that is fitted to a smaller stage."""
 KEPT: Final = 64
 """Counts for which a formation's places are kept."""
 
@@ -29,6 +31,8 @@ class NamedFormation:
     spec: FormationSpec
     seed: int
     _made: "OrderedDict[int, Places]"
+    half: Float64 | None = None
+    """Half sizes [m] of the stage that it has to be fitted to, (2,); None: it stands as it is."""
 
     @staticmethod
     def of(name: str, spec: FormationSpec, seed: int) -> "NamedFormation":
@@ -37,13 +41,26 @@ class NamedFormation:
         return NamedFormation(name, spec, seed, OrderedDict())
 
     def made(self, count: int) -> Places:
-        """The places for `count` dancers."""
+        """The places for `count` dancers: made smaller, and moved, as far as a stage that shrank asks for it."""
         if count not in self._made:
             formation = formation_of(self.spec, count, self.seed)
             self._made[count] = Places(self.name, formation.slots, formation.heading, formation.marks)
             if len(self._made) > KEPT:
                 self._made.popitem(last=False)
-        return self._made[count]
+        places = self._made[count]
+        return places if self.half is None else replace(places, slots=fitted(places.slots, self.half))
+
+
+def fitted(slots: npt.NDArray[np.floating], half: Float64) -> Float64:
+    """The `slots` (S, 2) [m], no larger and no farther out than fits a stage of these half sizes [m] with bodies."""
+    edge = np.maximum(half - BODY, 0.0)
+    if not len(slots):
+        return np.asarray(slots, np.float64)
+    low, high = slots.min(axis=0), slots.max(axis=0)
+    middle, reach = 0.5 * (low + high), 0.5 * (high - low)
+    factor = min(1.0, float((edge / np.maximum(reach, 1e-9)).min()))
+    room = np.maximum(edge - factor * reach, 0.0)
+    return np.asarray(np.clip(middle, -room, room) + factor * (slots - middle))
 
 
 class Formations:
@@ -54,6 +71,7 @@ class Formations:
         self._seed = seed
         self._named = {spec.name.casefold(): NamedFormation.of(spec.name, spec, seed) for spec in specs}
         self._said: OrderedDict[str, NamedFormation] = OrderedDict()
+        self._half: Float64 | None = None
 
     def find(self, words: str, *, live: bool = False) -> NamedFormation:
         """The formation of this name, or the one that the words say; PersonError with what there is.
@@ -74,6 +92,7 @@ class Formations:
                 names = ", ".join(formation.name for formation in self._named.values())
                 raise PersonError(f"{error}", f"formations of this show: {names}" if names else None) from None
             self._said[words] = NamedFormation.of(words, spec, self._seed)
+            self._said[words].half = self._half
             if len(self._said) > KEPT:
                 self._said.popitem(last=False)
         return self._said[words]
@@ -83,8 +102,18 @@ class Formations:
         if name.casefold().strip() not in self._named and len(self._named) >= 2000:
             raise PersonError("more formations than anybody can dance", "change one of those there are")
         formation = NamedFormation.of(name, self.find(words, live=True).spec, self._seed)
+        formation.half = self._half
         self._named[name.casefold().strip()] = formation
         return formation
+
+    def fit(self, half: Float64 | None) -> bool:
+        """Let all fit a stage of these half sizes [m], (2,), or (None) be as they were made; False: they are."""
+        if half is None and self._half is None:
+            return False
+        self._half = half
+        for formation in (*self._named.values(), *self._said.values()):
+            formation.half = half
+        return True
 
     def warm(self, counts: set[int]) -> None:
         """Make all named ones for so many dancers, so that nothing is made while a show runs."""
@@ -101,8 +130,6 @@ class Formations:
         if folded in self._named:
             spec = self._named[folded].spec
         else:
-            from dataclasses import replace
-
             spec = replace(spec_from_words(section.formation), centre=section.centre, size=section.size)
         places = formation_of(spec, section.dancers, self._seed).slots
         missing = section.dancers - len(places)

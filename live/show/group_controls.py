@@ -21,7 +21,8 @@ ELEMENT_EVENTS = (events.Attract, events.Repel, events.Spread, events.Voice, eve
 SEGMENT_EVENTS = (events.Evolve, events.Travel, events.Pause)
 GROUP_EVENTS = (
     *ELEMENT_EVENTS, *SEGMENT_EVENTS, events.DefineFormation, events.Release, events.Regroup, events.SetRipple,
-    events.Enter, events.Leave, events.PlaceObstacle, events.PlaceWall, events.RemoveObstacle, events.Performer,
+    events.Enter, events.Leave, events.SetStage, events.PlaceObstacle, events.PlaceWall, events.RemoveObstacle,
+    events.Performer,
 )  # fmt: skip
 """The events that `act` takes."""
 
@@ -63,6 +64,8 @@ class GroupControls:
                 self._enter(event)
             case events.Leave():
                 self._leave(event)
+            case events.SetStage():
+                motion.resize(event.width, event.depth, measure=span.number, beat=beat, beats_per_measure=size)
             case _:
                 self._furnish(event)
 

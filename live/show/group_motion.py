@@ -17,7 +17,7 @@ from live.agents.crowd.surroundings import Surroundings
 from live.agents.look_ahead import LookAhead
 from live.agents.parting.parting import Parting
 from live.agents.wants import Wants
-from live.agents.wings.entrances import ENTERING, ON, Entrances
+from live.agents.wings.entrances import ENTERING, ON, WAITING, Entrances
 from live.agents.wings.gate import Gate, wings
 from live.base.stage_view import StageView
 from live.clock.ticks import TICK
@@ -26,6 +26,7 @@ from live.control.events import Performer
 from live.show.casting import Casting
 from live.show.elements import Elements
 from live.show.evolutions import Evolutions
+from live.show.floor import Floor
 from live.show.measure import MeasureSpan
 from live.show.pair_steering import PairSteering
 from live.show.partners import Partners
@@ -57,9 +58,8 @@ _PERFORMER: Final = "performer "
 """Real dancers' names among the obstacles begin so."""
 
 
-def gates_of(patch: Patch) -> tuple[Gate, ...]:
-    """The gates of a patch; the usual wings if it names none."""
-    half_width, half_depth = patch.stage.width / 2, patch.stage.depth / 2
+def gates_of(patch: Patch, half_width: float, half_depth: float) -> tuple[Gate, ...]:
+    """The gates of a patch on a stage of these half sizes [m]; the usual wings if it names none."""
     named = tuple(
         Gate.at_edge(gate.name, gate.at, gate.width, half_width=half_width, half_depth=half_depth)
         for gate in patch.gate
@@ -88,7 +88,7 @@ class GroupMotion:
         """Everybody stands in her group's formation; PersonError for one that cannot be."""
         count = len(casting.group)
         half = (patch.stage.width / 2, patch.stage.depth / 2)
-        self.casting = casting
+        self._patch, self.casting = patch, casting
         self._seed = seed
         self._beats = patch.clock.beats_per_measure  # of a danced measure in plans, whatever the metre becomes live
         self._half = np.array(half, np.float32)
@@ -96,7 +96,8 @@ class GroupMotion:
         radius = np.array([section.radius for section in patch.group], np.float32)[casting.group]
         responsibility = np.where(casting.soloists, 0.0, 1.0).astype(np.float32)
         self.model = AgentModel(radius, responsibility, steering, seed)
-        self.gates = gates_of(patch)
+        self.floor = Floor(patch.stage)
+        self.gates = gates_of(patch, *half)
         self.entrances = Entrances(count, patch.dancer_count, self.gates, half)
         self.surroundings = Surroundings()
         for item in patch.obstacle:
@@ -164,6 +165,7 @@ class GroupMotion:
         """Advance by one tick; `speed` (A,) [m/s]: what the dancers' steps can follow, `dancer` (A, 2) [m]: where they
         are on the way through their measure, and `pace` (A, 2) [m/s] how fast they go it."""
         self._now, self._speed = (timeline, span), speed
+        self.floor.tick(timeline.beat_at(time))
         self.entrances.settle(self.state.position)
         if len(self.partners.leader):
             self.partners.part(self.entrances.state == ON)
@@ -234,9 +236,25 @@ class GroupMotion:
             known, planned, facing = self.evolutions.target((span.number + 2) * self._beats + beats)
             rows &= known & (self.elements.influence < TAKEN) & ~self.entrances.passing
             place[rows], heading[rows], held[rows] = planned[rows], facing[rows], True
+        if self.floor.fitting is not None:  # plans may have been made for a larger stage
+            on = self.entrances.state == ON
+            place[on] = np.clip(place[on], -self.floor.half, self.floor.half)
         return place, held, heading
 
     # -- live ----------------------------------------------------------------------------------------------------
+
+    def resize(self, width: float, depth: float, *, measure: int, beat: float, beats_per_measure: float) -> None:
+        """The stage is `width` by `depth` [m] from `beat` of `measure` on; PersonError if it cannot be."""
+        there = int(np.count_nonzero(self.entrances.state != WAITING))
+        if not self.floor.resize(width, depth, dancers=there, beat=beat, beats_per_measure=beats_per_measure):
+            return
+        half = width / 2, depth / 2
+        self.gates = gates_of(self._patch, *half)
+        self.entrances.resize(self.gates, half)
+        self.casting.half = half
+        self._advance.resize(*half)
+        self.elements.resize(*half)
+        self.evolutions.resize(half, self.floor.fitting, measure=measure)
 
     def track(self, event: Performer) -> bool:
         """Take up where a real dancer is; False if there are too many obstacles already."""
@@ -260,6 +278,7 @@ class GroupMotion:
     def show(self, view: StageView) -> None:
         """Copy what is drawn into the snapshot: who is there, elements, obstacles and walls."""
         np.greater_equal(self.entrances.state, ENTERING, out=view.present)
+        view.stage_size = float(2.0 * self.floor.border[0]), float(2.0 * self.floor.border[1])
         self.elements.show(view)
         around = self.surroundings
         view.wall_count = min(around.wall_count, len(view.wall))

@@ -57,8 +57,7 @@ class Interrupts:
         self._decided = False
         self._step: Int32 = np.full(count, NOTHING, np.int32)  # what must follow a cut that the plan did not know of
         self._unplanned: Bool = np.zeros(count, np.bool_)
-        half_stage = patch.stage.width / 2, patch.stage.depth / 2
-        self._avoiding = Avoiding(half_stage, dancers, motion, self.cutting, self._cut)
+        self._avoiding = Avoiding(dancers, motion, self.cutting, self._cut)
         self.cues = 0
         """How many cues have acted."""
 

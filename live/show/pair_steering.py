@@ -24,6 +24,10 @@ class PairSteering:
     def __init__(self, advance: Advance, partners: Partners) -> None:
         self._advance, self._partners = advance, partners
 
+    def resize(self, half_width: float, half_depth: float) -> None:
+        """The stage's half sizes [m] are these from now on."""
+        self._advance.resize(half_width, half_depth)
+
     def __call__(
         self,
         current: AgentState,

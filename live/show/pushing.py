@@ -49,6 +49,7 @@ class Pushing:
         """Everybody's measures, and all that is known of them, lie elsewhere by `moved` (A, 2) [m]."""
         carried, coming, dancers = self._carried, self._coming, self._carried.dancers
         carried.motion.partners.move(moved, dancers.shown)
+        carried.keep_on_stage(moved, dancers.shown.astype(np.float64), np.maximum(carried.room, np.abs(dancers.shown)))
         moved[np.abs(moved) < 1e-7] = 0.0
         self.count += int(np.count_nonzero(moved.any(axis=1)))
         for danced in dancers.measures():

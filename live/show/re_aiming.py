@@ -61,7 +61,7 @@ class ReAiming:
             limit_wishes(
                 rows, present.placement, present.correction, present.node, graph.node_gives, graph.node_holds,
                 dancers.lock.state, FAITHFUL + (1.0 - FAITHFUL) * variation.obedience, self._most, MOST_HELD,
-                state, ON, *carried.edge,
+                state, ON, carried.room,
             )  # fmt: skip
         else:
             rows[WISH] = rows[PLAN]
@@ -69,4 +69,5 @@ class ReAiming:
         take_wishes(rows, *led, carried.most, LEAST_LEFT)
         self._parting.part(carried.paths, carried.goal, present.aimed, carried.most, place=fraction)
         carried.level(carried.goal, carried.end, coming=False)
+        carried.keep_on_stage(carried.goal, carried.end, carried.room)
         take_goals(rows, *led, carried.hasty, LEAST_LEFT)

@@ -384,6 +384,7 @@ def group_controls():
         "/dance/obstacle": (["sff", "box", "1", "2"], events.PlaceObstacle(name="box", x=1.0, z=2.0, **STAMP)),
         "/dance/wall": (["sffff", "w", "0", "1", "2", "3"], events.PlaceWall(name="w", x=0, z=1, x2=2, z2=3, **STAMP)),
         "/dance/obstacle/remove": (["s", "box"], events.RemoveObstacle(name="box", **STAMP)),
+        "/dance/stage": (["ff", "8", "5.5"], events.SetStage(width=8.0, depth=5.5, **STAMP)),
         "/dance/performer": (["sff", "Ana", "1", "2"], events.Performer(name="Ana", x=1.0, z=2.0, **STAMP)),
     }
 

@@ -74,6 +74,18 @@ class Seen:
 
     def judge(self, *, staying=None):
         """Everything that has to hold; `staying`: of whom the edge of the stage is asked (else of all present)."""
+        half = np.array([self.show.patch.stage.width, self.show.patch.stage.depth]) / 2
+        beyond, there = self.beyond(half), np.array(self.there)
+        beyond = beyond if staying is None else beyond[:, staying]
+        assert beyond[there if staying is None else there[:, staying]].max() < BODY
+        self.judge_motion()
+
+    def beyond(self, half):
+        """How far the hips are beyond the edges of a stage of these half sizes [m], (T, A)."""
+        return (np.abs(np.array(self.positions)[:, :, 0][..., (0, 2)]) - half).max(axis=-1)
+
+    def judge_motion(self):
+        """What has to hold wherever the edges are: feet stay planted, nobody is put elsewhere."""
         position, there = np.array(self.positions), np.array(self.there)
         assert np.isfinite(position).all()
         assert np.isfinite(self.show.state.position).all()
@@ -81,10 +93,6 @@ class Seen:
         assert slide.size > 1000
         assert slide.mean() <= 0.03
         assert np.percentile(slide, 99) <= 0.15
-        half = np.array([self.show.patch.stage.width, self.show.patch.stage.depth]) / 2
-        beyond = (np.abs(position[:, :, 0][..., (0, 2)]) - half).max(axis=-1)
-        beyond = beyond if staying is None else beyond[:, staying]
-        assert beyond[there if staying is None else there[:, staying]].max() < BODY
         jumped = np.linalg.norm(np.diff(position[:, :, 0], axis=0), axis=-1) / TICK
         assert jumped[there[1:] & there[:-1]].max() < 5.0  # m/s, at 240 bpm: hips go, they are not put elsewhere
 
@@ -162,6 +170,75 @@ def test_walls_close_in_around_dancers(show):
     seen.judge()
     ends = seen.positions[-1][seen.there[-1], 0, 0]
     assert np.abs(ends).max() < 3.0 + BODY
+
+
+def resized(show, width, depth):
+    return show.apply(events.SetStage(time=show.time, source="test", width=width, depth=depth))
+
+
+@pytest.mark.parametrize("formation", [False, True])
+def test_the_stage_shrinks_while_all_dance(show, formation):
+    """Who is outside walks in, with planted feet, and whoever has come in is never outside again."""
+    seen = Seen(show)
+    show.apply(events.Spread(time=0.0, source="test"))
+    if formation:
+        show.apply(events.Evolve(time=0.0, source="test", formation="circle", measures=2.0))
+    seen.run(6.0)
+    half = np.array([2.5, 1.8])
+    assert np.count_nonzero(seen.beyond(half)[-1][seen.there[-1]] > 0.3) >= 5
+    assert resized(show, *(2.0 * half))
+    begun = len(seen.positions)
+    borders = []
+    seen.run(13.0, lambda tick: borders.append(show.motion.floor.border.copy()))
+    seen.judge_motion()
+    steps = np.abs(np.diff(borders, axis=0)).max(axis=1)
+    assert steps.max() < 1.0 * TICK  # m/s: it comes gently
+    np.testing.assert_array_equal(borders[-1], half)
+    arrived = begun + int((steps > 0.0).nonzero()[0].max()) + 2
+    there = seen.there[-1]
+    inside = np.maximum.accumulate(seen.beyond(half)[arrived:, there] <= 0.0, axis=0)
+    assert inside[-1].all()
+    assert seen.beyond(half)[arrived:, there][inside].max() < BODY
+    assert seen.beyond(half)[begun + round(8.0 / TICK) :, there].max() < BODY
+    assert (np.abs(show.state.position[there]) <= half + 1e-4).all()
+
+
+def test_the_stage_shrinks_and_grows_again_and_again(show):
+    """Sizes that change faster than anybody can walk: all stay within the largest of them."""
+    chance, seen = np.random.default_rng(4), Seen(show)
+    show.apply(events.Spread(time=0.0, source="test", measures=16.0))
+
+    def act(tick):
+        if tick % 16 == 0:
+            assert resized(show, *(float(v) for v in chance.uniform((4.0, 3.0), (12.9, 9.9))))
+
+    seen.run(10.0, act)
+    seen.judge_motion()
+    assert seen.beyond(show.motion.floor.largest)[np.array(seen.there)].max() < BODY
+
+
+def test_a_resized_stage_is_replayed_bit_for_bit_and_one_that_cannot_be_changes_nothing(loaded):
+    """Too large, too narrow, no room for all: refused and counted; the dance goes on as if nothing had been asked."""
+    shows = [Show(loaded.patch, loaded.graph) for _ in range(3)]
+    for tick in range(1, 400):
+        for number, show in enumerate(shows):
+            if tick == 100 and number < 2:
+                assert resized(show, 6.0, 4.0)
+            if tick == 150 and number == 0:
+                for size in ((13.1, 6.0), (9.0, 10.1), (1.9, 6.0), (3.0, 3.0), (math.nan, 5.0), (5.0, math.inf)):
+                    assert not resized(show, *size)
+            show.tick(tick * TICK)
+    assert shows[0].refused == 6
+    assert "stage cannot be" in shows[0].refusal
+    assert shows[0].state_hash() == shows[1].state_hash() != shows[2].state_hash()
+
+
+def test_a_stage_may_have_its_own_size_again(show):
+    assert resized(show, 5.0, 4.0)
+    assert resized(show, 9.0, 6.0)
+    np.testing.assert_array_equal(show.motion.floor.half, [4.5, 3.0])
+    assert show.motion.floor.fitting is None
+    assert [gate.x for gate in show.motion.gates][:2] == [-4.5, 4.5]
 
 
 def test_a_measure_of_a_second_and_a_long_one(loaded):

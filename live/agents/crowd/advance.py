@@ -13,10 +13,16 @@ class Advance:
 
     def __init__(self, model: AgentModel) -> None:
         count = model.agent_count
+        self._agent_count = count
         of_agents = np.stack([model.radius, model.responsibility], 1, dtype=np.float32)
         self._fixed = np.concatenate([of_agents.ravel(), model.steering.vector()])
         self._rows = np.zeros((ROWS, count + SPARE_COLUMNS), np.float32)
         self._numbers = np.zeros(NUMBERS * (count + SPARE_COLUMNS) + CELL_ROWS * (8 * count + 258), np.int32)
+
+    def resize(self, half_width: float, half_depth: float) -> None:
+        """The stage's half sizes [m] are these from now on; whoever is outside goes in."""
+        begin = 2 * self._agent_count
+        self._fixed[begin : begin + 2] = half_width, half_depth
 
     def __call__(
         self,

@@ -107,6 +107,11 @@ class Plan:
         self._entries.append(_Entry(segment, np.zeros(self.roster.count, np.bool_)))
         self._coming.pop(segment.start, None)
 
+    def resize(self, half: tuple[float, float]) -> None:
+        """Half the stage's width and depth [m] are these for whatever begins from now on."""
+        self._half = half
+        self._coming.clear()
+
     def forget(self, measure: int) -> None:
         """Forget the segments of measures before `measure`: a show that lasts hours adds them again and again."""
         self._entries = [entry for entry in self._entries if entry.segment.start >= measure]

@@ -39,6 +39,13 @@ class ElementTable:
         self._serial = 0
         self._slot_use: list[int] = [0] * SLOTS
 
+    def resize(self, half_width: float, half_depth: float) -> None:
+        """The stage's half sizes [m] are these from now on: drawn flows are laid over it anew."""
+        self._half = (half_width, half_depth)
+        for row, element in enumerate(self.elements):
+            if element.kind == FLOW and element.flow == DRAWN and self.rows[row, column.SLOT] >= 0.0:
+                self.grids[int(self.rows[row, column.SLOT])] = grid_along(element.points, *self._half)
+
     def __len__(self) -> int:
         return len(self.elements)
 

@@ -73,14 +73,20 @@ class ElementField:
         self._density: Float64 = np.zeros(capacity)
         self._numbers: Float64 = np.zeros(NUMBERS)
         self._numbers[SEED] = seed
-        self._numbers[HALF_WIDTH], self._numbers[HALF_DEPTH] = half_width, half_depth
         self._numbers[SWITCHED] = combine == "switched"
-        self._area = np.array([-half_width, half_width, -half_depth, half_depth], np.float64)
+        self._area: Float64 = np.zeros(4)
+        self.resize(half_width, half_depth)
         self._mesh: Float32 = np.zeros((3, MESH, MESH), np.float32)
         self._cosines: Float32 = np.zeros((2, MESH + 1, MESH, MESH), np.float32)
         fill_cosines(self._cosines)
         self._start = np.zeros(CELLS * CELLS + 1, np.int32)
         self._order = np.zeros((2, agent_count), np.int32)
+
+    def resize(self, half_width: float, half_depth: float) -> None:
+        """The stage's half sizes [m] are these from now on."""
+        self._numbers[HALF_WIDTH], self._numbers[HALF_DEPTH] = half_width, half_depth
+        self._area[:] = -half_width, half_width, -half_depth, half_depth
+        self._table.resize(half_width, half_depth)
 
     # -- elements come, move and go ----------------------------------------------------------------------------
 

@@ -39,6 +39,19 @@ class Entrances:
         """Where those who enter or leave go [m], shape (A, 2)."""
         self._gate = np.zeros(agent_count, np.int32)
         self._size = size
+        self._beyond = np.tile(np.array(size, np.float32), (agent_count, 1))  # of those who leave
+
+    def resize(self, gates: tuple[Gate, ...], size: tuple[float, float]) -> None:
+        """The stage's half sizes [m] and its gates, in the same order, are these from now on.
+
+        Who is on her way out goes to where she was going, who is on her way in no farther than the new edge lets her.
+        """
+        if len(gates) != len(self.gates):
+            raise ValueError("a stage keeps its gates")
+        self.gates, self._size = gates, size
+        rows = self.state == ENTERING
+        edge = np.maximum(np.array(size, np.float32) - np.float32(0.8), np.float32(0.5) * np.array(size, np.float32))
+        self.goal[rows] = np.clip(self.goal[rows], -edge, edge)
 
     @property
     def present(self) -> Bool:
@@ -77,6 +90,7 @@ class Entrances:
             away = [math.hypot(g.x - position[row, 0], g.z - position[row, 1]) for g in self.gates]
             self._gate[row] = int(np.argmin(away)) if gate is None else gate
         self.state[rows] = LEAVING
+        self._beyond[rows] = self._size
         for index, gate_ in enumerate(self.gates):
             through = rows[self._gate[rows] == index]
             self.goal[through] = gate_.places(len(through))
@@ -121,7 +135,7 @@ class Entrances:
         wants.firm[rows] = 0.5
 
     def _outside(self, position: Float32) -> Bool:
-        return np.asarray((np.abs(position[:, 0]) > self._size[0]) | (np.abs(position[:, 1]) > self._size[1]))
+        return np.asarray((np.abs(position) > self._beyond).any(axis=1))
 
     def _open_place(self, row: int, position: Float32) -> tuple[float, float]:
         """The most open place of the stage, nearer ones first: not closer than needed to anybody's place or goal."""

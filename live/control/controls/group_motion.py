@@ -80,6 +80,15 @@ GROUP_CONTROLS: Final = (
         "/dance/obstacle/remove", events.RemoveObstacle, (_NAME,), "Takes away what has this name.", "operator",
     ),
     Control(
+        "/dance/stage", events.SetStage,
+        (
+            Argument("width", "float", "from side to side", "m", 2, 400),
+            Argument("depth", "float", "from back to front", "m", 2, 400),
+        ),
+        "Makes the stage larger or smaller about its centre: its border moves there within two measures, dancers "
+        "outside walk in. At most 4 m more than the patch's each way, and not twice as much.", "operator",
+    ),
+    Control(
         "/dance/performer", events.Performer, (_NAME, X, Z),
         "Where a real dancer is, as often as she is tracked: virtual ones give way; forgotten after two seconds.",
         "musician",

@@ -14,7 +14,7 @@ flat in int everywhere;
 out vec4 light;
 
 float on_stage() {
-    vec2 beyond = max(abs(place) - stage.xy, 0.0);
+    vec2 beyond = max(abs(place) - edge.xy, 0.0);
     return 1.0 - smoothstep(0.0, 0.9, length(beyond));
 }
 

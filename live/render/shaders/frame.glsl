@@ -11,6 +11,7 @@ layout(std140) uniform Frame {
     vec4 background;      // rgb, w: haze [1/m]
     vec4 floor_colour;    // rgb, w: phase of the beat, 0 to 1
     vec4 stage;           // half width, half depth [m], half width and half depth of the floor map [m]
+    vec4 edge;            // half width, half depth of the stage now [m], 0 to 1: how far that is not the scene's
     vec4 picture;         // width, height [pixels], 1 / width, 1 / height
 };
 
@@ -19,7 +20,7 @@ vec3 square3(vec3 x) { return x * x; }
 
 // How much of the key light reaches a place on the stage: a wide wash with soft edges.
 float key_pool(vec2 place) {
-    vec2 at = place / (stage.xy + vec2(0.6, 0.9));
+    vec2 at = place / (edge.xy + vec2(0.6, 0.9));
     float reach = dot(at, at);
     return 1.0 / (1.0 + reach * reach * 0.55);
 }

@@ -25,14 +25,17 @@ what her agent strayed since."""
 ROWS = 12
 
 
-@kernel("void(f8[:,::1], f8[:,::1], i1[::1], i8, f8, f8)")
-def keep_ends(way: Float64, end: Float64, state: Int8, on: int, edge_x: float, edge_z: float) -> None:
-    """Change the `way` (A, 2) [m] of those whose `state` (A,) is `on`: `end` + `way` comes within the edges [m]."""
+@kernel("void(f8[:,::1], f8[:,::1], i1[::1], i8, f8[:,::1])")
+def keep_ends(way: Float64, end: Float64, state: Int8, on: int, room: Float64) -> None:
+    """Change the `way` (A, 2) [m] of those whose `state` (A,) is `on`.
+
+    `end` + `way` comes within their `room` (A, 2) [m] to each side of the centre.
+    """
     for n in range(way.shape[0]):
         if state[n] == on:
             x, z = end[n, 0] + way[n, 0], end[n, 1] + way[n, 1]
-            way[n, 0] += min(max(x, -edge_x), edge_x) - x
-            way[n, 1] += min(max(z, -edge_z), edge_z) - z
+            way[n, 0] += min(max(x, -room[n, 0]), room[n, 0]) - x
+            way[n, 1] += min(max(z, -room[n, 1]), room[n, 1]) - z
 
 
 @kernel("void(f8[:,:,::1], f4[:,::1], f8[::1], f8[::1], f8, f8, f8)")
@@ -73,7 +76,7 @@ def held_feet(lock: Float32, held: Float64) -> None:
 
 @kernel(
     "void(f8[:,:,::1], f8[:,::1], f8[:,::1], i4[::1], f8[:,::1], f8[:,::1], f4[:,:,::1], f8[::1], f8, f8,"
-    " i1[::1], i8, f8, f8)"
+    " i1[::1], i8, f8[:,::1])"
 )
 def limit_wishes(
     rows: Float64,
@@ -88,20 +91,19 @@ def limit_wishes(
     most_held: float,
     state: Int8,
     on: int,
-    edge_x: float,
-    edge_z: float,
+    room: Float64,
 ) -> None:
     """Shorten wishes to what legs give, as `bound_ways` does, and keep those who are `on` the stage on it.
 
     `placement` and `correction` (A, 3) of the clips danced, `lock` (A, 2, 12) of the feet, `share` (A,) and the rest as
-    there; `state` (A,) and the edges as in `keep_ends`.
+    there; `state` (A,) and `room` (A, 2) as in `keep_ends`.
     """
     yaw, held = np.empty(node.shape[0]), np.empty((node.shape[0], 2, 2))
     for n in range(node.shape[0]):
         yaw[n] = placement[n, 2] + 0.5 * correction[n, 2]
     held_feet(lock, held)
     bound_ways(rows[WISH], yaw, node, gives, holds, held, share, most, most_held)
-    keep_ends(rows[WISH], rows[END], state, on, edge_x, edge_z)
+    keep_ends(rows[WISH], rows[END], state, on, room)
 
 
 @kernel(
