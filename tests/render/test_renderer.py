@@ -266,3 +266,26 @@ def test_golden(
     view.element_level[:3] = (1.0, 0.8, 0.9)
     view.beat = view.phase = 2.25
     golden(draw(view, quality=quality), name)
+
+
+@pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
+def test_a_stage_that_became_smaller_is_dark_beyond_its_border(draw: Draw, quality: Quality) -> None:
+    """And lighter than it was where it grew; the scene's own size is as if nothing had been said."""
+    plain = draw(empty(), quality=quality).astype(int)
+    view = empty()
+    view.stage_size = (10.0, 8.0)
+    np.testing.assert_array_equal(draw(view, quality=quality), plain)
+    floor = {
+        "inside": np.array([[0.0, 0.0, 0.5], [1.2, 0.0, 1.0], [-1.2, 0.0, 0.0]]),
+        "left out": np.array([[3.2, 0.0, 0.0], [-3.2, 0.0, 1.0], [0.3, 0.0, 3.2]]),
+    }
+    at = {name: pixel_of(Camera(), SIZE, place).astype(int) for name, place in floor.items()}
+    view.stage_size = (5.0, 4.0)
+    small = draw(view, quality=quality).astype(int)
+    view.stage_size = (12.0, 11.0)
+    large = draw(view, quality=quality).astype(int)
+    for x, y in at["left out"]:
+        assert small[y, x].sum() < 0.7 * plain[y, x].sum()
+        assert large[y, x].sum() >= plain[y, x].sum()
+    for x, y in at["inside"]:
+        assert small[y, x].sum() > 0.6 * plain[y, x].sum()
