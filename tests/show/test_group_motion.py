@@ -52,3 +52,21 @@ def test_elements_obstacles_and_walls_come_into_the_snapshot():
     show.apply(events.RemoveObstacle(time=show.time, source="test", name="plinth"))
     show.fill(view, show.time)
     assert view.obstacle[: view.obstacle_count, 3].tolist() == [0.0]
+
+
+def test_agents_change_their_course_within_two_ticks_of_an_attractor_and_without_a_jolt():
+    shows = made_show(), made_show()
+    velocities = []
+    for tick in range(1, 400):
+        if tick == 300:
+            shows[1].apply(events.Attract(time=shows[1].time, source="test", x=5.0, z=-2.0, measures=2.0))
+        for show in shows:
+            show.tick(tick * TICK)
+        velocities.append([show.state.velocity.astype(np.float64) for show in shows])
+    plain, thrown = np.array(velocities).transpose(1, 0, 2, 3)
+    np.testing.assert_array_equal(plain[:299], thrown[:299])
+    changed = np.hypot(*(thrown - plain).transpose(2, 0, 1))
+    assert np.median(changed[300]) > 0.001  # m/s: the second tick with it
+    bends = np.hypot(*np.diff(thrown[299:330], axis=0).transpose(2, 0, 1)) / TICK
+    assert bends.max() < 6.0  # m/s², and less than a quarter of it at once: accelerations lag
+    assert np.hypot(*(thrown[299] - plain[299]).T).max() / TICK < 1.5

@@ -23,10 +23,11 @@ from live.agents.procedural.kinds import (
     UNIFORM,
     VOICE,
 )
+from live.agents.procedural.table.kernels import faded_in
 from live.base.errors import PersonError
 
 FADE_BEATS: Final = 1.0
-"""Beats over which an element fades in after its start and out before its end."""
+"""Beats over which an element fades in after its start (most of it at once) and out before its end (evenly)."""
 FARTHEST: Final = 1000.0
 """No element lies farther than this [m] from the middle of the stage."""
 Points = tuple[tuple[float, float], ...]
@@ -130,7 +131,7 @@ class Element:
         into, left = beat - self.start_beat, self.end_beat - beat
         if into < 0.0 or left <= 0.0:
             return 0.0
-        return min(1.0, into / FADE_BEATS, left / FADE_BEATS)
+        return float(min(faded_in(into / FADE_BEATS), left / FADE_BEATS))
 
     def moved(self, dx: float, dz: float) -> "Element":
         """The same element, (dx, dz) [m] farther."""

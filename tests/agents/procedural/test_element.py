@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from live.agents.procedural.element import Element, line_length, line_through, rectangle
@@ -11,12 +12,19 @@ from live.base.errors import PersonError
 
 def test_an_element_fades_over_a_beat_at_both_ends():
     element = Element(ATTRACTOR, start_beat=8.0, end_beat=16.0)
-    assert [element.level(b) for b in (7.9, 8.0, 8.5, 9.0, 12.0, 15.5, 16.0)] == [0, 0, 0.5, 1, 1, 0.5, 0]
+    assert [element.level(b) for b in (7.9, 8.0, 9.0, 12.0, 15.5, 16.0)] == [0, 0, 1, 1, 0.5, 0]
+    coming = np.array([element.level(8.0 + into) for into in np.linspace(0.0, 1.0, 101)])
+    slope = np.diff(coming) / 0.01
+    assert (slope > 0.0).all()
+    assert (np.diff(slope) < 0.0).all()  # most of it comes at once ...
+    assert 3.8 < slope[0] < 4.0  # ... but not all
+    assert slope[-1] < 0.01
 
 
 def test_an_element_that_is_ended_fades_from_the_level_it_has():
     element = Element(ATTRACTOR, start_beat=8.0, end_beat=16.0).ending(8.25)
-    assert [element.level(b) for b in (8.25, 8.375, 8.5, 9.0)] == [0.25, 0.125, 0.0, 0.0]
+    begun = 1.0 - 0.75**4
+    assert [element.level(b) for b in (8.25, 8.375, 8.25 + begun, 9.0)] == pytest.approx([begun, begun - 0.125, 0, 0])
     late = Element(ATTRACTOR, start_beat=8.0, end_beat=16.0)
     assert late.ending(15.9) is late  # it is fading out already
     endless = Element(ATTRACTOR).ending(100.0)

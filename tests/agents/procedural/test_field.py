@@ -60,7 +60,7 @@ def test_without_elements_a_plan_stays_as_it_is():
 def test_an_element_takes_over_from_the_plan_as_it_fades_in():
     stage = MadeStage([[0, 0]], Element(ATTRACTOR, ((4.0, 0.0),), start_beat=8.0))
     full = 1.0 - np.exp(-4.0 / 1.2)
-    for beat, level in ((8.0, 0.0), (8.25, 0.25), (8.75, 0.75), (9.0, 1.0)):
+    for beat, level in ((8.0, 0.0), (8.25, 1.0 - 0.75**4), (8.75, 1.0 - 0.25**4), (9.0, 1.0)):
         wish = stage.wish(beat, planned=(0.0, 1.0))
         assert wish[0] == pytest.approx([level * full, (1.0 - level) / SPEED], abs=1e-5)
         assert stage.wants.firm[0] == pytest.approx(1.0 - level)
@@ -186,7 +186,7 @@ def test_the_snapshot_shows_kind_place_and_level():
     assert view.element_count == 2
     assert view.element_kind[:2].tolist() == [ATTRACTOR, SPREADER]
     assert view.element_position[0].tolist() == [1.0, 2.0]
-    assert view.element_level[:2].tolist() == [0.5, 1.0]
+    assert view.element_level[:2].tolist() == [0.9375, 1.0]  # after half of the fade
 
 
 def test_the_snapshot_has_room_for_so_many_corners_and_leaves_out_whole_lines():

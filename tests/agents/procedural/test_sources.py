@@ -73,8 +73,9 @@ def test_a_fading_nearest_source_hands_over_to_the_next():
     elements = Element(ATTRACTOR, ((1.0, 0.0),), start_beat=8.0), Element(ATTRACTOR, ((-3.0, 0.0),))
     stage = MadeStage([[0, 0]], *elements)
     near, far = 1.0 - np.exp(-1.0 / 1.2), -(1.0 - np.exp(-3.0 / 1.2))
-    for level in (0.0, 0.25, 0.5, 1.0):
-        assert stage.wish(8.0 + level)[0, 0] == pytest.approx(level * near + (1.0 - level) * far, abs=1e-5)
+    for into in (0.0, 0.25, 0.5, 1.0):
+        level = elements[0].level(8.0 + into)
+        assert stage.wish(8.0 + into)[0, 0] == pytest.approx(level * near + (1.0 - level) * far, abs=1e-5)
 
 
 def test_on_the_source_itself_repelled_agents_part_by_seeded_chance():

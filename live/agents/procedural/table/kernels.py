@@ -91,6 +91,17 @@ def company(table: Float64, masks: UInt64, active: Int32, wants: Float32, groups
         wants[i, WANTS_COHESION] = max(wants[i, WANTS_COHESION], cohere)
 
 
+@kernel("f8(f8)")
+def faded_in(share: float) -> float:
+    """How far an element has faded in, 0 to 1, when this share of the fade is over.
+
+    Its slope begins at once, so that agents change their course within two frames, and ends at 0: there is no corner,
+    and as agents' accelerations lag, no jolt.
+    """
+    rest = max(1.0 - share, 0.0) ** 2
+    return 1.0 - rest * rest
+
+
 @kernel("i8(f8[:,::1],i8,f8,f8,i4[::1])")
 def refresh_table(table: Float64, count: int, beat: float, fade: float, active: Int32) -> int:
     """Set every row's level at `beat` and list those that act, by kind; returns how many have ended.
@@ -107,7 +118,7 @@ def refresh_table(table: Float64, count: int, beat: float, fade: float, active: 
         if left <= 0.0:
             ended += 1
         elif into > 0.0:
-            level = min(1.0, into / fade, left / fade)
+            level = min(faded_in(into / fade), left / fade)
         table[row, LEVEL] = level
         if level > 0.0:
             active[int(table[row, KIND]) + 1] += 1
