@@ -3,6 +3,7 @@
 Nobody is put anywhere: agents are bent to the new edges, and dancers come after them with the steps that they have.
 """
 
+import math
 from typing import Final
 
 import numpy as np
@@ -38,7 +39,7 @@ class Floor:
         lasts."""
         self.border: Float64 = self._patch.copy()
         """The same of what is seen."""
-        self._from, self._began, self._ends = self._patch.copy(), 0.0, 0.0
+        self._from, self._began, self._ends = self._patch.copy(), -math.inf, -math.inf
 
     @property
     def largest(self) -> Float64:

@@ -88,3 +88,12 @@ def test_formations_are_made_smaller_only_where_they_do_not_fit():
         np.testing.assert_allclose(ratio, ratio[0])
         assert ratio[0] <= 1.0 + 1e-9
     np.testing.assert_allclose(fitted(slots * 0.01, half), slots * 0.01)
+
+
+def test_beats_before_the_first_one_count_as_well():
+    stage = floor()
+    stage.tick(-4.0)
+    np.testing.assert_array_equal(stage.border, [4.5, 3.0])
+    resize(stage, 5.0, 4.0, beat=-4.0)
+    stage.tick(-4.0)
+    np.testing.assert_array_equal(stage.border, [4.5, 3.0])
