@@ -1,4 +1,7 @@
-"""CPU time of a frame without drawing: ticks, steering, planning, poses; 50, 200, 1,000 and 4,000 dancers."""
+"""CPU time of a frame without drawing: ticks, steering, planning, poses; 50, 200, 1,000 and 4,000 dancers.
+
+And with bad input (`_hostile.py`): no frame may be late.
+"""
 
 import gc
 import time
@@ -10,6 +13,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from bench import _hostile as hostile
 from bench._show import crowd
 from live.base.inbox import Inbox
 from live.cli.bench import Row
@@ -68,7 +72,7 @@ def run(full: bool, shared: Path | None) -> list[Row]:
         ]
     each = [float(np.median(found[dancers].spent)) / dancers for dancers in (1000, 4000)]
     rows.append(Row("a dancer of 4000 : one of 1000", each[1] / each[0], "", 1.3))
-    return rows
+    return [*rows, *hostile.rows(loaded, 60.0 if full else 12.0)]
 
 
 def _against(name: str, frames: Frames, which: npt.NDArray[np.bool_]) -> Row:

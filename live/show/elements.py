@@ -8,13 +8,13 @@ import numpy.typing as npt
 from live.agents.crowd.model import AgentState
 from live.agents.procedural.element import Element
 from live.agents.procedural.field import ElementField
-from live.agents.procedural.kinds import ATTRACTOR, EVERYBODY, VOICE
+from live.agents.procedural.kinds import ATTRACTOR, EVERYBODY, KIND_NAMES, VOICE
 from live.agents.wants import Wants
 from live.base.errors import PersonError, named
 from live.base.stage_view import StageView
 from live.control import events
 from live.show.addressees import Addressees
-from live.show.casting import Casting
+from live.show.casting import EVERYONE, Casting
 from live.show.elements_of import ElementEvent, Placing, placing_of_event, placing_of_section
 from live.show.patch import Patch
 from live.show.score import Score
@@ -100,13 +100,12 @@ class Elements:
 
     @staticmethod
     def _kind(placing: Placing) -> int:
-        probe = placing.element(groups=EVERYBODY, target_group=-1, source="", start=0.0, beats_per_measure=4)
-        return VOICE if placing.fair else probe.kind
+        return VOICE if placing.fair else KIND_NAMES[placing.kind]
 
     def _made(self, placing: Placing, source: str, start: float, beats_per_measure: int, position: Float32) -> Element:
         if placing.dancer >= len(self._addressees.bits):
             raise PersonError(f"no dancer has the number {placing.whom}", f"there are {len(self._addressees.bits)}")
-        used = self._used()
+        used = 0 if placing.group.strip() in EVERYONE and not placing.whom else self._used()
         groups = self._addressees.mask(placing.group, position, used)
         target = -1
         if placing.whom and placing.dancer < 0:

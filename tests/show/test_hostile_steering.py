@@ -228,8 +228,8 @@ def test_a_resized_stage_is_replayed_bit_for_bit_and_one_that_cannot_be_changes_
                 for size in ((13.1, 6.0), (9.0, 10.1), (1.9, 6.0), (3.0, 3.0), (math.nan, 5.0), (5.0, math.inf)):
                     assert not resized(show, *size)
             show.tick(tick * TICK)
-    assert shows[0].refused == 6
-    assert "stage cannot be" in shows[0].refusal
+    assert shows[0].refusals.count == 6
+    assert "stage cannot be" in shows[0].refusals.last
     assert shows[0].state_hash() == shows[1].state_hash() != shows[2].state_hash()
 
 

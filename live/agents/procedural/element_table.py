@@ -27,9 +27,13 @@ class ElementTable:
     def __init__(self, capacity: int, *, half_width: float, half_depth: float, separation: float) -> None:
         """`capacity` elements at most; half sizes of the stage [m]; the usual `separation` [m]."""
         self.elements: list[Element] = []
-        self.rows: Float64 = np.zeros((capacity, column.COLUMNS))
-        self.masks: UInt64 = np.zeros(capacity, np.uint64)
-        self.vertices: Float32 = np.zeros((capacity, VERTEX_COUNT, 2), np.float32)
+        # twice the room, over which the window of the rows slides: so the oldest gives way without moving the others
+        self._all_rows: Float64 = np.zeros((2 * capacity, column.COLUMNS))
+        self._all_masks: UInt64 = np.zeros(2 * capacity, np.uint64)
+        self._all_vertices: Float32 = np.zeros((2 * capacity, VERTEX_COUNT, 2), np.float32)
+        self._first = 0
+        self._serials: dict[int, int] = {}  # by the elements' identity
+        self._fair = 0
         self.grids: Float32 = np.zeros((SLOTS, GRID_ROWS, GRID_COLUMNS, 2), np.float32)
         self.active: Int32 = np.zeros(KIND_COUNT + 1 + capacity, np.int32)
         """Where each kind begins, and the rows that act, sorted by kind: see `refresh_table`."""
@@ -38,6 +42,20 @@ class ElementTable:
         self._capacity = capacity
         self._serial = 0
         self._slot_use: list[int] = [0] * SLOTS
+        self._slide(0)
+
+    def _slide(self, first: int) -> None:
+        self._first, window = first, slice(first, first + self._capacity)
+        self.rows: Float64 = self._all_rows[window]
+        self.masks: UInt64 = self._all_masks[window]
+        self.vertices: Float32 = self._all_vertices[window]
+
+    def row_of(self, element: Element) -> int | None:
+        """Where this very element is; None if it is not in force."""
+        serial = self._serials.get(id(element))
+        if serial is None:
+            return None
+        return int(np.searchsorted(self.rows[: len(self.elements), column.SERIAL], serial))  # rows keep their order
 
     def resize(self, half_width: float, half_depth: float) -> None:
         """The stage's half sizes [m] are these from now on: drawn flows are laid over it anew."""
@@ -55,13 +73,15 @@ class ElementTable:
         False if a voice found only elements of the show itself, which it does not push out.
         """
         if len(self.elements) >= self._capacity:
-            place = next((row for row, old in enumerate(self.elements) if old.fair), None)
+            place = next((row for row, old in enumerate(self.elements) if old.fair), None) if self._fair else None
             if place is None and element.fair:
                 return False
             self.remove(place or 0)
         row = len(self.elements)
         self.elements.append(element)
         self._serial += 1
+        self._serials[id(element)] = self._serial
+        self._fair += element.fair
         self.rows[row, column.SERIAL] = self._serial
         self.rows[row, column.SLOT] = -1.0
         self._write(row, element)
@@ -73,6 +93,8 @@ class ElementTable:
         """Put `element` into the place of another; it keeps its number, so a crossing is not danced again."""
         old = self.elements[row]
         self.elements[row] = element
+        self._serials[id(element)] = self._serials.pop(id(old))
+        self._fair += element.fair - old.fair
         self._write(row, element)
         if element.kind == FLOW and element.flow == DRAWN and element.points != old.points:
             self._take_slot(row, grid_along(element.points, *self._half))
@@ -101,8 +123,9 @@ class ElementTable:
             column.X: element.x,
             column.Z: element.z,
         }
+        own = self.rows[row]
         for place, value in values.items():
-            self.rows[row, place] = value
+            own[place] = value
         self.masks[row] = element.groups
 
     def _take_slot(self, row: int, grid: Float32) -> None:
@@ -122,9 +145,18 @@ class ElementTable:
         if self.rows[row, column.SLOT] >= 0.0:
             self._slot_use[int(self.rows[row, column.SLOT])] = 0
         last = len(self.elements)
+        self._fair -= self.elements[row].fair
+        del self._serials[id(self.elements[row])]
+        del self.elements[row]
+        if row == 0 and self._first < self._capacity:
+            self._slide(self._first + 1)
+            return
         for array in (self.rows, self.masks, self.vertices):
             array[row : last - 1] = array[row + 1 : last]
-        del self.elements[row]
+        if row == 0:  # the window has come to the end of its room
+            for array in (self._all_rows, self._all_masks, self._all_vertices):
+                array[: last - 1] = array[self._first : self._first + last - 1]
+            self._slide(0)
 
     def refresh(self, beat: float) -> None:
         """Set levels and the list of who acts at `beat`; rows that have ended go."""

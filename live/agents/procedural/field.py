@@ -111,13 +111,13 @@ class ElementField:
 
         If `old` is no longer in force, `new` begins for itself.
         """
-        for row, element in enumerate(self._table.elements):
-            if element is old:
-                moved = replace(new, start_beat=min(old.start_beat, new.start_beat))
-                self._table.replace(row, moved)
-                return moved
-        self.add(new)
-        return new
+        row = self._table.row_of(old)
+        if row is None:
+            self.add(new)
+            return new
+        moved = replace(new, start_beat=min(old.start_beat, new.start_beat))
+        self._table.replace(row, moved)
+        return moved
 
     def end(self, beat: float, *, source: str | None = None, kind: int | None = None, groups: int | None = None) -> int:
         """Let the elements that fit all that is given fade out from `beat` on, from the level they have.

@@ -1,0 +1,64 @@
+"""The rows of elements against a plain list: whoever comes, moves, ends or gives way, the rows stay in their order."""
+
+import numpy as np
+
+from live.agents.procedural.element import Element
+from live.agents.procedural.element_table import ElementTable
+from live.agents.procedural.kinds import ATTRACTOR, PATH
+from live.agents.procedural.table.kernels import CORNERS, END, SERIAL, X
+
+CAPACITY = 12
+
+
+def made(chance, number):
+    x = float(chance.uniform(-5.0, 5.0))
+    if chance.random() < 0.2:
+        return Element(PATH, ((x, 0.0), (x + 1.0, 2.0), (0.0, 3.0)), end_beat=100.0 + number)
+    return Element(ATTRACTOR, ((x, 1.0),), end_beat=100.0 + number, fair=bool(chance.random() < 0.4))
+
+
+def check(table, elements, serials):
+    assert table.elements == elements
+    rows = table.rows[: len(elements)]
+    np.testing.assert_array_equal(rows[:, SERIAL], serials)
+    np.testing.assert_array_equal(rows[:, X], [element.x for element in elements])
+    np.testing.assert_array_equal(rows[:, END], [element.end_beat for element in elements])
+    np.testing.assert_array_equal(rows[:, CORNERS], [len(element.points) for element in elements])
+    for row, element in enumerate(elements):
+        np.testing.assert_array_equal(table.vertices[row, : len(element.points)], np.float32(element.points))
+        assert table.row_of(element) == row
+
+
+def test_rows_keep_their_order_whoever_gives_way():
+    chance = np.random.default_rng(8)
+    table = ElementTable(CAPACITY, half_width=6.0, half_depth=4.0, separation=1.0)
+    elements, serials, number, gone = [], [], 0, []
+    for round_ in range(800):
+        what = chance.random()
+        new = made(chance, round_)
+        if what < 0.7:
+            place = None
+            if len(elements) == CAPACITY:
+                fair = [row for row, old in enumerate(elements) if old.fair]
+                place = fair[0] if fair else None if new.fair else 0
+            taken = len(elements) < CAPACITY or place is not None
+            assert table.add(new) is taken
+            if taken:
+                if place is not None:
+                    gone.append(elements.pop(place))
+                    del serials[place]
+                number += 1
+                elements.append(new)
+                serials.append(number)
+        elif elements and what < 0.85:
+            row = int(chance.integers(len(elements)))
+            table.replace(row, new)
+            elements[row] = new
+        elif elements:
+            row = int(chance.integers(len(elements))) if chance.random() < 0.5 else 0
+            table.remove(row)
+            gone.append(elements.pop(row))
+            del serials[row]
+        check(table, elements, serials)
+    assert number > 300
+    assert all(table.row_of(element) is None for element in gone)
