@@ -47,6 +47,7 @@ class Carrying:
             half_width=half[0],
             half_depth=half[1],
             seed=motion.model.seed,
+            surroundings=motion.surroundings,
         )
         most = patch.locomotion.correction_m
         self._carried = Carried(dancers, motion)

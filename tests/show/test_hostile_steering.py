@@ -172,6 +172,36 @@ def test_walls_close_in_around_dancers(show):
     assert np.abs(ends).max() < 3.0 + BODY
 
 
+def test_nobody_is_carried_through_a_wall_or_far_into_an_obstacle(loaded):
+    """Obedient dancers are sent to and fro past both; beside it what happened if corrections knew nothing of them."""
+    depths = []
+    for blind in (False, True):
+        show = Show(loaded.patch, loaded.graph, seed=7)
+        if blind:
+            show.scheduler.carrying.parting._surroundings = None
+        show.variation.set("obedience", 1.0, 0)
+        seen = Seen(show)
+        seen.run(1.0)
+        show.apply(events.PlaceObstacle(time=show.time, source="test", name="box", x=0.0, z=0.0, radius=0.7))
+        show.apply(events.PlaceWall(time=show.time, source="test", name="wall", x=-2.0, z=-2.5, x2=-2.0, z2=0.5))
+        seen.run(4.0)
+        begun = len(seen.positions)
+        for x, z in ((3.0, 1.0), (-3.5, -1.0), (3.0, 0.3), (-3.5, 1.0)):
+            show.apply(events.Attract(time=show.time, source="test", x=x, z=z, measures=2.0))
+            seen.run(4.4)
+        hips = np.array(seen.positions)[begun:, :12, 0][..., (0, 2)]
+        into_box = 0.7 + 0.25 - np.hypot(*np.moveaxis(hips, -1, 0))
+        beside = (hips[..., 1] > -2.5) & (hips[..., 1] < 0.5)
+        into_wall = np.where(beside, 0.25 - np.abs(hips[..., 0] + 2.0), 0.0)
+        depths.append((np.maximum(into_box, 0.0).mean(), np.maximum(into_wall, 0.0).mean()))
+        if not blind:
+            seen.judge()
+            left = hips[..., 0] < -2.0
+            assert not ((left[1:] != left[:-1]) & beside[1:]).any()
+            assert (into_box > 0.05).mean() < 0.005
+    assert (np.array(depths[0]) < 0.6 * np.array(depths[1])).all()
+
+
 def resized(show, width, depth):
     return show.apply(events.SetStage(time=show.time, source="test", width=width, depth=depth))
 

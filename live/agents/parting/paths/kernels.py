@@ -134,7 +134,7 @@ def nearest_of(
 
 
 @kernel("void(f8[:,::1], i8, f8, f8, f8)")
-def _lead(goal: Float64, n: int, dx: float, dz: float, most: float) -> None:
+def lead_goal(goal: Float64, n: int, dx: float, dz: float, most: float) -> None:
     """Change one goal by (dx, dz) [m]; it gets no longer than `most` [m], nor longer than it was if it was longer."""
     before = math.sqrt(goal[n, 0] * goal[n, 0] + goal[n, 1] * goal[n, 1])
     goal[n, 0] += dx
@@ -206,8 +206,8 @@ def part_paths(
                         own = other = np.float32(1.0)
                     wi, wj = (wi if wi > LEAST_SHARE else 0.0), (wj if wj > LEAST_SHARE else 0.0)
                     force = AT_ONCE * short / max(own * wi * wi + other * wj * wj, 0.05)
-                    _lead(goal, i, -force * own * wi * nx, -force * own * wi * nz, most[i])
-                    _lead(goal, j, force * other * wj * nx, force * other * wj * nz, most[j])
+                    lead_goal(goal, i, -force * own * wi * nx, -force * own * wi * nz, most[i])
+                    lead_goal(goal, j, force * other * wj * nx, force * other * wj * nz, most[j])
 
 
 @kernel("b1(f8[:,::1], f8[:,::1], f8, f8)")

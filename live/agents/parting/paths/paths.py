@@ -5,6 +5,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.agents.crowd.surroundings import Surroundings
+from live.agents.parting.clearing.kernels import clear_moves, clear_paths
 from live.agents.parting.kernels import NEIGHBOUR_RANGE, cell_count
 from live.agents.parting.paths.kernels import leave_out, part_paths, push_apart, walk_paths
 
@@ -43,13 +45,16 @@ class PathParting:
         half_width: float,
         half_depth: float,
         seed: int,
+        surroundings: Surroundings | None = None,
     ) -> None:
         """`radius` (A,) [m] of bodies, `responsibility` (A,) 0 for whom others give way to; `gap_at_end` [m]: how far
-        apart two dancers of usual size shall end a measure; half the stage's sizes [m]."""
+        apart two dancers of usual size shall end a measure; half the stage's sizes [m]; into `surroundings` nobody is
+        carried."""
         count = len(radius)
         self._radius, self._responsibility = radius, responsibility
         self._margin_at_end = max(gap_at_end - 2.0 * float(np.median(radius)), MARGIN)
         self._stage = half_width, half_depth, seed
+        self._surroundings = surroundings
         cells = cell_count(2.0 * half_width, NEIGHBOUR_RANGE) * cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
         self._cells = np.zeros(cells + 1, np.int32), np.zeros(count, np.int32)
         self._middle, self._extent = np.zeros((count, 2), np.float32), np.zeros(count, np.float32)
@@ -70,6 +75,12 @@ class PathParting:
             paths.path, paths.share, goal, aimed, first, self._radius, self._yields, most, MARGIN,
             self._margin_at_end, *self._stage, self._middle, self._extent, *self._cells[:2], self.lack,
         )  # fmt: skip
+        things = self._surroundings
+        if things is not None and things.wall_count + things.obstacle_count:
+            clear_paths(
+                paths.path, paths.share, goal, aimed, first, self._radius, self._yields, most, things.walls,
+                things.wall_count, things.obstacles, things.obstacle_count,
+            )  # fmt: skip
 
     def push(self, now: Float32, soon: Float32, *, margin: float, stiffness: float, dt: float) -> Float64 | None:
         """The last resort: this tick's moves (A, 2) [m] of those who touch or will at once, None if nobody moves; see
@@ -78,4 +89,9 @@ class PathParting:
             now, soon, self._radius, self._yields, margin, stiffness, dt, *self._stage, *self._cells,
             self._speed, self._moved,
         )  # fmt: skip
+        things = self._surroundings
+        if pushed and things is not None and things.wall_count + things.obstacle_count:
+            clear_moves(
+                now, self._moved, self._radius, things.walls, things.wall_count, things.obstacles, things.obstacle_count
+            )
         return self._moved if pushed else None

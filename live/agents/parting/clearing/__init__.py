@@ -1,0 +1,1 @@
+"""What stands on the stage keeps out whoever is carried beyond her step."""

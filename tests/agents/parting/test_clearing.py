@@ -1,0 +1,110 @@
+"""Corrections lead nobody into walls and obstacles; brute force judges."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from live.agents.crowd.surroundings import Surroundings
+from live.agents.parting.paths.paths import MOMENTS, PathParting, Paths
+
+RADIUS = 0.25
+
+
+def things(*, walls=(), obstacles=()):
+    made = Surroundings()
+    for number, wall in enumerate(walls):
+        assert made.put_wall(f"wall {number}", *wall)
+    for number, obstacle in enumerate(obstacles):
+        assert made.put_obstacle(f"thing {number}", *obstacle)
+    return made
+
+
+def parting(count, surroundings):
+    radius, weights = np.full(count, RADIUS, np.float32), np.ones(count, np.float32)
+    return PathParting(
+        radius, weights, gap_at_end=0.7, half_width=6.0, half_depth=4.0, seed=1, surroundings=surroundings
+    )
+
+
+def straight(*ways):
+    """Paths from the first to the second place of each way."""
+    paths, at = Paths(len(ways)), np.linspace(0.0, 1.0, MOMENTS)
+    for dancer, (begin, end) in enumerate(np.array(ways)):
+        paths.path[dancer] = begin + at[:, None] * (end - begin)
+    paths.share[:] = np.clip(2.0 * at - 0.3, 0.0, 1.0)
+    return paths
+
+
+def walked(paths, goal):
+    """Places on the way, (T, A, 2)."""
+    aimed, found = np.zeros((len(goal), 3)), []
+    for place in np.linspace(0.0, 1.0, 200):
+        out = np.zeros((len(goal), 2), np.float32)
+        paths.walk(place, goal, aimed, out)
+        found.append(out)
+    return np.array(found)
+
+
+def parted(paths, surroundings, most, goal=None):
+    goal = np.zeros((len(paths.path), 2)) if goal is None else goal
+    part = parting(len(goal), surroundings)
+    for _ in range(25):
+        part.part(paths, goal, np.zeros((len(goal), 3)), np.full(len(goal), most))
+    return goal
+
+
+def test_who_would_graze_an_obstacle_is_led_around_it():
+    paths = straight([(-1.5, 0.0), (1.5, 0.0)])
+    around = things(obstacles=[(0.5, -0.3, 0.2)])
+    assert np.hypot(*(walked(paths, np.zeros((1, 2)))[:, 0] - (0.5, -0.3)).T).min() < 0.31
+    goal = parted(paths, around, 0.35)
+    assert goal[0, 1] > 0.1
+    assert np.hypot(*(walked(paths, goal)[:, 0] - (0.5, -0.3)).T).min() > 0.2 + RADIUS - 0.02
+
+
+def test_who_would_end_in_a_wall_stops_before_it():
+    paths = straight([(0.0, 0.0), (1.9, 0.0)], [(3.0, 1.0), (2.2, 1.0)])
+    goal = parted(paths, things(walls=[(2.0, -3.0, 2.0, 3.0)]), 0.35)
+    ends = walked(paths, goal)[-1]
+    assert ends[0, 0] == pytest.approx(2.0 - RADIUS, abs=0.02)
+    assert ends[1, 0] == pytest.approx(2.0 + RADIUS, abs=0.02)  # each stays on her side
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 8))
+def test_the_correction_makes_it_no_worse_than_the_step_alone(seed, count):
+    """Whatever was asked for, who is clear without a correction is clear with hers, as far as it may be changed."""
+    chance = np.random.default_rng(seed)
+    middle = chance.uniform((-5, -3), (5, 3))
+    around = things(obstacles=[(*middle, 0.4)])
+    begin = middle + 1.6 * _units(chance, count)
+    paths = straight(*zip(begin, begin + 0.8 * _units(chance, count), strict=True))
+    clear = _distance(walked(paths, np.zeros((count, 2))), middle) >= 0.4 + RADIUS + 0.02
+    asked = 0.3 * _units(chance, count)
+    for dancer in np.flatnonzero(clear):
+        alone = straight((begin[dancer], paths.path[dancer, -1]))  # nobody else in her way
+        goal = parted(alone, around, 0.35, asked[dancer : dancer + 1].copy())
+        assert _distance(walked(alone, goal), middle)[0] > 0.4 + RADIUS - 0.03
+        assert np.hypot(*goal[0]) <= 0.35 + 1e-9
+
+
+def _units(chance, count):
+    angle = chance.uniform(0.0, 2.0 * np.pi, count)
+    return np.stack([np.sin(angle), np.cos(angle)], 1)
+
+
+def _distance(ways, middle):
+    return np.hypot(*(ways - middle).transpose(2, 0, 1)).min(axis=0)
+
+
+def test_nobody_is_pushed_into_a_wall():
+    """Two overlap, one of them has a wall behind her: she stays before it, and they come apart all the same."""
+    around = things(walls=[(1.0, -3.0, 1.0, 3.0)])
+    part, place = parting(2, around), np.array([[0.7, 0.0], [0.4, 0.0]], np.float32)
+    for _ in range(200):
+        moved = part.push(place, place, margin=0.05, stiffness=24.0, dt=1 / 64)
+        assert np.hypot(*moved.T).max() < 0.05
+        place += moved.astype(np.float32)
+        assert place[0, 0] <= 1.0 - RADIUS + 1e-4
+    assert place[0, 0] - place[1, 0] > 2.0 * RADIUS - 0.02
