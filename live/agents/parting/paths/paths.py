@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.crowd.surroundings import Surroundings
-from live.agents.parting.clearing.kernels import clear_moves, clear_paths
 from live.agents.parting.kernels import NEIGHBOUR_RANGE, cell_count
+from live.agents.parting.paths.clearing.kernels import clear_moves, clear_paths
 from live.agents.parting.paths.kernels import leave_out, part_paths, push_apart, walk_paths
 
 Float32 = npt.NDArray[np.float32]
