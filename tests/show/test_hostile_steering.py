@@ -259,7 +259,7 @@ def test_a_resized_stage_is_replayed_bit_for_bit_and_one_that_cannot_be_changes_
                     assert not resized(show, *size)
             show.tick(tick * TICK)
     assert shows[0].refusals.count == 6
-    assert "stage cannot be" in shows[0].refusals.last
+    assert "stage cannot be" in shows[0].refusals.words
     assert shows[0].state_hash() == shows[1].state_hash() != shows[2].state_hash()
 
 
