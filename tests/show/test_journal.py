@@ -31,6 +31,7 @@ def recorded(path, seconds=17.0, fps=50):
         600: events.Spread(time=12.0, source="osc"),
         620: events.SetMotion(time=12.4, source="osc", parameter="warp_beats", value=0.4, group="*"),
         640: events.SetMotion(time=12.8, source="osc", parameter="warp_sequence", value=1.0, group="front"),
+        650: events.SetStage(time=13.0, source="osc", width=9.7, depth=7.0),
         660: events.SetMotion(time=13.2, source="osc", parameter="mix", value=0.7, group="*"),
     }
     for frame in range(1, round(seconds * fps) + 1):
@@ -54,6 +55,13 @@ def test_a_replay_is_bit_identical(tmp_path):
     assert result.measures >= 7
     assert result.differences == ()
     assert fresh.state_hash() == show.state_hash()
+
+
+def test_every_event_that_there_is_can_be_read_again():
+    # by name: a dataclass with slots is made twice
+    kinds = {kind.__name__ for kind in events.ControlEvent.__subclasses__() if kind.__module__.startswith("live.")}
+    assert len(kinds) > 40
+    assert kinds == set(events.EVENT_TYPES)
 
 
 def test_a_changed_event_is_found(tmp_path):
