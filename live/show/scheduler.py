@@ -39,6 +39,9 @@ Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
+Piece = tuple[float, Callable[[], object]]
+"""A piece of the planning, after what it weighs."""
+
 LOOK_BEATS: Final = 1.75
 """Beats before the measure line at which the look-ahead begins."""
 DECIDE_BEATS: Final = 1.0
@@ -76,8 +79,8 @@ class Scheduler:
         self._asked_from = np.full(count, -1, np.int32)
         self._arguments: tuple[Any, ...] = ()
         self._following: tuple[Int32, Int32] = np.zeros(0, np.int32), np.zeros(0, np.int32)
-        self._pieces: deque[tuple[int, Callable[[], object]]] = deque()
-        self._left = 0  # what they weigh together, in halves of what a coarse step of looking ahead takes
+        self._pieces: deque[Piece] = deque()
+        self._left = 0.0  # what they weigh together
         self._seconds = 2.0
         self.take_graph(dancers.graph, Choosing.of(dancers.graph))
         self.last_target: Float64 | None = None
@@ -126,7 +129,7 @@ class Scheduler:
             self._begin(span, timeline, time)
             return
         ticks = math.ceil((left - DECIDE_BEATS) * 60.0 / timeline.tempo / TICK)
-        share, done = self._left / max(ticks, 1), 0
+        share, done = self._left / max(ticks, 1), 0.0
         while self._pieces and done < share:
             weight = self._pieces[0][0]
             if done and ticks > 1 and done + weight > 1.5 * share:
@@ -143,27 +146,30 @@ class Scheduler:
         late = np.round(4.0 * self._dancers.variation.late * timeline.beats_per_measure) / 4.0
         self._motion.look(time, seconds, self._dancers.present.end_heading(), late)
         steps = math.ceil((seconds + float(late.max()) * beat) / LookAhead.STEP) + len(np.unique(late))
-        count, measure, variation = len(self._group), span.number + 1, self._dancers.variation
-        self._pieces.extend(
-            [
-                *[(2, partial(self._motion.work, 1))] * steps,
-                (10, self._look),
-                *[(8, partial(self.aims.ask, index, measure, self.choices)) for index in self.order],
-                (10, self._limit),
-                *[
-                    (4, partial(self._choose, slice(row, min(row + AT_A_TIME, count))))
-                    for row in range(0, count, AT_A_TIME)
-                ],
-                (1, self._lead),
-                *[(4, partial(self._follow, slice(row, row + AT_A_TIME))) for row in self._pairs_by_pieces()],
-                (2, self._catch_up),
-                (8, partial(self._vary, measure)),
-                (5, self._mix),
-                (5, self._turn),
-                (2, partial(variation.foresee, measure + 3)),
-            ]
-        )
+        self._pieces.extend(self._planned(steps, span.number + 1))
         self._left = sum(weight for weight, _ in self._pieces)
+
+    def _planned(self, steps: int, measure: int) -> list[Piece]:
+        """The pieces of the planning of `measure`, with so many coarse `steps` of looking ahead.
+
+        What they weigh is what they take, in about hundredths of a millisecond: something, and something per dancer.
+        """
+        count, variation = len(self._group), self._dancers.variation
+        rows = [slice(row, min(row + AT_A_TIME, count)) for row in range(0, count, AT_A_TIME)]
+        return [
+            *[(3 + 0.055 * count, partial(self._motion.work, 1))] * steps,
+            (40 + 0.2 * count, self._look),
+            *[(45 + 0.04 * count, partial(self.aims.ask, index, measure, self.choices)) for index in self.order],
+            (40 + 0.15 * count, self._limit),
+            *[(45, partial(self._choose, some)) for some in rows],
+            (2, self._lead),
+            *[(45, partial(self._follow, slice(row, row + AT_A_TIME))) for row in self._pairs_by_pieces()],
+            (5, self._catch_up),
+            (33 + 0.05 * count, partial(self._vary, measure)),
+            (17 + 0.03 * count, self._mix),
+            (18 + 0.04 * count, self._turn),
+            (6, partial(variation.foresee, measure + 3)),
+        ]
 
     def _pairs_by_pieces(self) -> range:
         """Where the pieces begin in which followers choose."""

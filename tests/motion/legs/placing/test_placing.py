@@ -1,0 +1,69 @@
+"""Feet between two ticks, and the time since cuts: the same as said in arrays at once."""
+
+import numpy as np
+
+from live.motion.inertia.kernels import LONGEST
+from live.motion.legs.kernels import (
+    FEET_COLUMNS,
+    HELD,
+    LIFT,
+    LOCK_COLUMNS,
+    SHIFT_X,
+    SHIFT_Z,
+    SLID,
+    SPEED_X,
+    SPEED_Y,
+    SPEED_Z,
+    STOOD,
+)
+from live.motion.legs.placing.kernels import age_cuts, farthest_shift, hold_where_wanted, swing_feet, take_slid
+
+COUNT = 30
+
+
+def locked(seed=3):
+    chance = np.random.default_rng(seed)
+    lock = chance.normal(0.0, 1.0, (COUNT, 2, LOCK_COLUMNS)).astype(np.float32)
+    lock[:, :, HELD] = chance.integers(0, 2, (COUNT, 2))
+    return lock
+
+
+def test_free_feet_swing_on_and_held_ones_stay():
+    lock, feet = locked(), np.zeros((COUNT, 2, FEET_COLUMNS), np.float32)
+    swing_feet(feet, lock, 0.01)
+    expected = lock[:, :, :FEET_COLUMNS].copy()
+    free = lock[:, :, HELD] == 0.0
+    for place, speed in ((SHIFT_X, SPEED_X), (SHIFT_Z, SPEED_Z), (LIFT, SPEED_Y)):
+        expected[free, place] += np.float32(0.01) * lock[free, speed]
+    np.testing.assert_array_equal(feet, expected)
+    assert 0 < free.sum() < free.size
+
+
+def test_the_farthest_shift_is_that_of_any_foot():
+    lock = locked()
+    assert farthest_shift(lock) == np.abs(lock[:, :, (SHIFT_X, SHIFT_Z)]).max()
+
+
+def test_what_has_slid_is_told_once():
+    lock = np.abs(locked())
+    before = lock.copy()
+    slid, stood = np.zeros((2, COUNT))
+    take_slid(lock, slid, stood)
+    np.testing.assert_allclose(slid, before[:, :, SLID].sum(axis=1), rtol=1e-6)
+    np.testing.assert_allclose(stood, before[:, :, STOOD].sum(axis=1), rtol=1e-6)
+    take_slid(lock, slid, stood)
+    assert not slid.any() and not stood.any()
+
+
+def test_cuts_grow_old_and_are_forgotten():
+    age, began = np.zeros(3, np.float32), np.array([1.0, -np.inf, 1.3])
+    assert age_cuts(age, began, 1.35)
+    np.testing.assert_allclose(age, [0.35, LONGEST, 0.05], atol=1e-6)
+    assert not age_cuts(age, began, 3.0)
+
+
+def test_only_feet_that_shall_be_held_count():
+    contact = np.ones((COUNT, 2), np.bool_)
+    wanted = np.arange(COUNT) % 2.0
+    hold_where_wanted(contact, wanted)
+    np.testing.assert_array_equal(contact, np.repeat((wanted > 0.0)[:, None], 2, axis=1))

@@ -1,0 +1,81 @@
+"""What agents stray re-aims corrections: the same as said in arrays at once."""
+
+import numpy as np
+
+from live.motion.shifting.aiming.kernels import (
+    AHEAD,
+    AIM,
+    AIM_SPEED,
+    BEGIN,
+    END,
+    FORESEEN,
+    GOAL,
+    PLAN,
+    ROWS,
+    WISH,
+    carry_agents,
+    follow_goals,
+    keep_ends,
+    stray_wishes,
+)
+from live.motion.shifting.kernels import KNOTS
+
+COUNT = 50
+
+
+def drawn(seed=5):
+    chance = np.random.default_rng(seed)
+    return chance, chance.normal(0.0, 0.5, (ROWS, COUNT, 2))
+
+
+def test_who_strays_is_followed_as_far_as_she_obeys():
+    chance, rows = drawn()
+    position = chance.normal(0.0, 1.0, (COUNT, 2)).astype(np.float32)
+    obedience, late = chance.uniform(0.0, 1.0, COUNT), np.where(np.arange(COUNT) % 5 == 0, 0.1, 0.0)
+    stray_wishes(rows, position, obedience, late, 0.3, 0.08, 0.6)
+    plan = rows[END] + rows[PLAN]
+    even = rows[BEGIN] + 0.3 * (plan - rows[BEGIN])
+    foreseen = 0.7 * rows[AHEAD] + 0.3 * (rows[FORESEEN] - plan)
+    foreseen *= np.minimum(1.0, 0.6 / np.linalg.norm(foreseen, axis=1))[:, None]
+    stray = position - even - foreseen
+    size = np.linalg.norm(stray, axis=1)
+    expected = stray * (obedience * np.maximum(size - 0.08, 0.0) / size * (late == 0.0))[:, None]
+    np.testing.assert_allclose(rows[WISH] - rows[PLAN], expected, atol=1e-9)
+
+
+def test_ends_stay_on_the_stage_of_those_who_are_there():
+    chance, _ = drawn()
+    end, way = chance.uniform(-8.0, 8.0, (COUNT, 2)), chance.normal(0.0, 1.0, (COUNT, 2))
+    state, before = (np.arange(COUNT) % 2).astype(np.int8), way.copy()
+    keep_ends(way, end, state, 1, 6.0, 4.0)
+    there = state == 1
+    np.testing.assert_allclose((end + way)[there], np.clip(end + before, (-6.0, -4.0), (6.0, 4.0))[there], atol=1e-12)
+    np.testing.assert_array_equal(way[~there], before[~there])
+
+
+def test_aims_come_to_their_goals_without_passing_them():
+    _, rows = drawn()
+    rows[AIM], rows[AIM_SPEED], rows[GOAL] = 0.0, 0.0, 0.3
+    rise = np.zeros((1, KNOTS, 2))
+    rise[0] = np.column_stack([np.linspace(0.0, 1.0, KNOTS), np.ones(KNOTS)])
+    correction, aimed, phase = np.zeros((COUNT, 3)), np.zeros((COUNT, 3)), np.zeros(COUNT)
+    way = []
+    for _ in range(64):
+        follow_goals(rows, correction, aimed, phase, np.zeros(COUNT, np.int32), rise, 14.0, 1.0 / 64.0, 0.15)
+        way.append(correction[:, 0].copy())
+    way = np.array(way)
+    assert (np.diff(way, axis=0) > 0.0).all() and way.max() <= 0.3
+    np.testing.assert_allclose(way[-1], 0.3 * (1.0 - 15.0 * np.exp(-14.0)), atol=1e-9)  # critically damped, after 1 s
+
+
+def test_agents_are_bound_to_an_even_way_or_to_who_is_late():
+    chance, rows = drawn()
+    correction, shown = chance.normal(0.0, 0.2, (COUNT, 3)), chance.normal(0.0, 1.0, (COUNT, 2)).astype(np.float32)
+    late = np.where(np.arange(COUNT) % 3 == 0, 0.2, 0.0)
+    reference, pace = np.zeros((2, COUNT, 2), np.float32)
+    carry_agents(reference, pace, rows, correction, 0.25, 0.5, late, shown)
+    way, on_time = rows[END] + correction[:, :2] - rows[BEGIN], late == 0.0
+    np.testing.assert_allclose(reference[on_time], (rows[BEGIN] + 0.25 * way)[on_time], atol=1e-6)
+    np.testing.assert_allclose(pace[on_time], 0.5 * way[on_time], atol=1e-6)
+    np.testing.assert_array_equal(reference[~on_time], shown[~on_time])
+    assert not pace[~on_time].any()
