@@ -16,11 +16,18 @@ from live.show.tracing import trace
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
+Int64 = npt.NDArray[np.int64]
 
 LEAST_DODGE: Final = 0.1
 """Whatever legs give, dancers are carried this far [m] beyond their steps where they would touch."""
 IN_HASTE: Final = 1.5
 """Who would touch goes this much faster than others who are carried."""
+
+
+def runs(who: Int64) -> list[slice]:
+    """Indices `who` (n,), in rising order, as runs of neighbours."""
+    parts = np.split(who, np.flatnonzero(np.diff(who) > 1) + 1)
+    return [slice(int(part[0]), int(part[-1]) + 1) for part in parts if len(part)]
 
 
 class Carried:
@@ -66,15 +73,17 @@ class Carried:
         self.predicted[:] = self.asked
         self.rows[row.AHEAD] = self.motion.state.position - self.begin
 
-    def put_elsewhere(self, n: int) -> None:
-        """Dancer `n` was put into another measure in the middle of this one: go on with that."""
-        present, one = self.dancers.present, slice(n, n + 1)
-        trace(self.paths, self.dancers, present, one)
-        self.node[n] = present.node[n]
-        self.begin[n] = self.paths.path[n, 0]
-        self.end[n] = present.end_position()[n] - present.correction[n, :2]
-        self.rows[[row.PLAN, row.AIM, row.GOAL], n] = present.correction[n, :2]
-        self.rows[[row.DODGE, row.AIM_SPEED], n] = 0.0
+    def put_elsewhere(self, who: Int64) -> None:
+        """The dancers `who` (n,) were put into other measures in the middle of this one: go on with those."""
+        present = self.dancers.present
+        for some in runs(who):
+            trace(self.paths, self.dancers, present, some)
+        self.node[who] = present.node[who]
+        self.begin[who] = self.paths.path[who, 0]
+        self.end[who] = present.end_position()[who] - present.correction[who, :2]
+        for place in (row.PLAN, row.AIM, row.GOAL):
+            self.rows[place, who] = present.correction[who, :2]
+        self.rows[row.DODGE, who] = self.rows[row.AIM_SPEED, who] = 0.0
 
     def keep_on_stage(self, way: Float64, end: Float64, room: Float64) -> None:
         """Change the ways (A, 2) [m] from `end` (A, 2) so that nobody on the stage leaves her `room` (A, 2) of it."""

@@ -111,10 +111,10 @@ class Carrying:
         self.parting.there(self._motion.entrances.state, ON)
         self._odd = not self._odd and len(carried.node) > CROWD
         if not same_indices(carried.node, dancers.present.node):
-            for row in np.flatnonzero(carried.node != dancers.present.node).tolist():
-                carried.put_elsewhere(row)
-                if dancers.decided:
-                    self._coming.put_elsewhere(row)
+            who = np.flatnonzero(carried.node != dancers.present.node)
+            carried.put_elsewhere(who)
+            if dancers.decided:
+                self._coming.put_elsewhere(who)
         if dancers.decided:
             self._coming.tick(part=not self._odd)
         self._re_aiming.tick(fraction, aim=not self._odd)

@@ -6,10 +6,11 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.parting.paths.paths import PathParting, Paths
-from live.show.carried import Carried
+from live.show.carried import Carried, runs
 from live.show.tracing import trace
 
 Float64 = npt.NDArray[np.float64]
+Int64 = npt.NDArray[np.int64]
 
 TRACE_TICKS: Final = 8
 """Ticks after the decision in which the coming paths are traced."""
@@ -44,10 +45,10 @@ class Coming:
         self.room[:] = np.maximum(self._carried.motion.floor.half, np.abs(begin))
         self._traced, self._fresh = 0, True
 
-    def put_elsewhere(self, n: int) -> None:
-        """Dancer `n` was put into another present measure: her coming one begins elsewhere."""
-        if self._traced > n:
-            trace(self.paths, self._carried.dancers, self._carried.dancers.coming, slice(n, n + 1))
+    def put_elsewhere(self, who: Int64) -> None:
+        """The dancers `who` (n,) were put into other present measures: their coming ones begin elsewhere."""
+        for some in runs(who[who < self._traced]):
+            trace(self.paths, self._carried.dancers, self._carried.dancers.coming, some)
 
     def tick(self, *, part: bool) -> None:
         """Trace the paths piece by piece; then, where it is time to `part`, keep them apart, a round in each tick."""

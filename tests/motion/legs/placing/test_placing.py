@@ -52,7 +52,8 @@ def test_what_has_slid_is_told_once():
     np.testing.assert_allclose(slid, before[:, :, SLID].sum(axis=1), rtol=1e-6)
     np.testing.assert_allclose(stood, before[:, :, STOOD].sum(axis=1), rtol=1e-6)
     take_slid(lock, slid, stood)
-    assert not slid.any() and not stood.any()
+    assert not slid.any()
+    assert not stood.any()
 
 
 def test_cuts_grow_old_and_are_forgotten():

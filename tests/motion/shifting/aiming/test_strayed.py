@@ -64,7 +64,8 @@ def test_aims_come_to_their_goals_without_passing_them():
         follow_goals(rows, correction, aimed, phase, np.zeros(COUNT, np.int32), rise, 14.0, 1.0 / 64.0, 0.15)
         way.append(correction[:, 0].copy())
     way = np.array(way)
-    assert (np.diff(way, axis=0) > 0.0).all() and way.max() <= 0.3
+    assert (np.diff(way, axis=0) > 0.0).all()
+    assert way.max() <= 0.3
     np.testing.assert_allclose(way[-1], 0.3 * (1.0 - 15.0 * np.exp(-14.0)), atol=1e-9)  # critically damped, after 1 s
 
 
