@@ -232,6 +232,13 @@ def swap_pairs(start: Float64, slots: Float64, slot: Int32, section: Int32, firs
     return swapped
 
 
+@kernel("void(f8[:,::1], f4[:,:,::1], f4[:,:,::1], i8, i8)")
+def _locate(place: Float64, sample: Float32, offset: Float32, d: int, k: int) -> None:
+    """Where dancer `d` is at time `k` as shifted so far, x and z [m] into `place` (2, D)."""
+    place[0, d] = sample[d, k, 0] + offset[d, k, 0]
+    place[1, d] = sample[d, k, 1] + offset[d, k, 1]
+
+
 @kernel("i8(f4[:,:,::1], f4[:,:,::1], f8, f8, f8, i8)")
 def part_ways(sample: Float32, offset: Float32, clear: float, excess: float, freedom: float, seed: int) -> int:
     """Divide and conquer (T101, Schulz 2011, 4.3.2): offsets (D, K, 2) that part ways that meet at the same time.
@@ -249,14 +256,19 @@ def part_ways(sample: Float32, offset: Float32, clear: float, excess: float, fre
             offset[d, k, 0] = 0.0
             offset[d, k, 1] = 0.0
     parted = 0
+    place, surely = np.empty((2, count)), clear * clear + 1e-3  # to leave out at once who is surely far enough away
     half = (knots - 1) // 2
     while half >= 1:
         for k in range(half, knots - 1, 2 * half):
             for d in range(count):
                 for axis in range(2):
                     offset[d, k, axis] = 0.5 * (offset[d, k - half, axis] + offset[d, k + half, axis])
+                _locate(place, sample, offset, d, k)
             for i in range(count):
                 for j in range(i + 1, count):
+                    x, z = place[0, j] - place[0, i], place[1, j] - place[1, i]
+                    if x * x + z * z > surely:
+                        continue
                     x = float(sample[j, k, 0]) + offset[j, k, 0] - sample[i, k, 0] - offset[i, k, 0]
                     z = float(sample[j, k, 1]) + offset[j, k, 1] - sample[i, k, 1] - offset[i, k, 1]
                     square = x * x + z * z
@@ -278,6 +290,8 @@ def part_ways(sample: Float32, offset: Float32, clear: float, excess: float, fre
                     offset[j, k, 1] += shift * uz
                     offset[i, k, 0] -= shift * ux
                     offset[i, k, 1] -= shift * uz
+                    _locate(place, sample, offset, i, k)
+                    _locate(place, sample, offset, j, k)
         half //= 2
     return parted
 

@@ -3,8 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.inertia.kernels import COLUMNS, DURATION, LONGEST, keep_difference
-from live.motion.legs.placing.kernels import age_cuts
+from live.motion.inertia.kernels import COLUMNS, DURATION, LONGEST, age_cuts, keep_difference
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]

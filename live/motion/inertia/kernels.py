@@ -169,3 +169,13 @@ def keep_difference(
             settling[n, joints, c] = away
             settling[n, joints, 3 + c] = (away - (before_position[1, k, 0, c] - after_position[1, k, 0, c])) / dt
         settling[n, joints, DURATION] = fading_time(settling[n, joints])
+
+
+@kernel("b1(f4[::1], f8[::1], f8)")
+def age_cuts(age: Float32, began: Float64, time: float) -> bool:
+    """Let `age` (A,) [s] be the time since cuts that `began` (A,) [s], LONGEST at most; whether any is younger."""
+    young = False
+    for n in range(age.shape[0]):
+        age[n] = min(max(time - began[n], 0.0), LONGEST)
+        young |= age[n] < np.float32(LONGEST)
+    return young

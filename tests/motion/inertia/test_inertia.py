@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from live.motion import quaternion
 from live.motion.inertia.inertia import Inertia
-from live.motion.inertia.kernels import LONGEST, SHORTEST
+from live.motion.inertia.kernels import LONGEST, SHORTEST, age_cuts
 from live.motion.posing.kernels import PRESENT
 from live.motion.posing.pipeline import ClipStore, PosePipeline, PoseSkeleton
 from live.motion.skeleton import JOINT_COUNT
@@ -202,3 +202,10 @@ def test_the_legs_alone_keep_the_same_differences():
     legs.watched = joints
     store = ClipStore.of(cut.store.root, cut.store.rotation[:, joints])
     assert legs.run(store)[0] == pytest.approx(whole[:, joints], abs=1e-6)
+
+
+def test_cuts_grow_old_and_are_forgotten():
+    age, began = np.zeros(3, np.float32), np.array([1.0, -np.inf, 1.3])
+    assert age_cuts(age, began, 1.35)
+    np.testing.assert_allclose(age, [0.35, LONGEST, 0.05], atol=1e-6)
+    assert not age_cuts(age, began, 3.0)

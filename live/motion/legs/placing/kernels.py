@@ -1,10 +1,9 @@
-"""Where held and free feet are between two ticks, for the pose kernels; and the time since cuts."""
+"""Where held and free feet are between two ticks, for the pose kernels."""
 
 import numpy as np
 import numpy.typing as npt
 
 from live.base.jit import kernel
-from live.motion.inertia.kernels import LONGEST
 from live.motion.legs.kernels import FEET_COLUMNS, HELD, LIFT, SHIFT_X, SHIFT_Z, SLID, SPEED_X, SPEED_Y, SPEED_Z, STOOD
 
 Float32 = npt.NDArray[np.float32]
@@ -44,16 +43,6 @@ def take_slid(lock: Float32, slid: Float64, stood: Float64) -> None:
         stood[n] = float(lock[n, 0, STOOD]) + float(lock[n, 1, STOOD])
         for side in range(2):
             lock[n, side, SLID] = lock[n, side, STOOD] = np.float32(0.0)
-
-
-@kernel("b1(f4[::1], f8[::1], f8)")
-def age_cuts(age: Float32, began: Float64, time: float) -> bool:
-    """Let `age` (A,) [s] be the time since cuts that `began` (A,) [s], LONGEST at most; whether any is younger."""
-    young = False
-    for n in range(age.shape[0]):
-        age[n] = min(max(time - began[n], 0.0), LONGEST)
-        young |= age[n] < np.float32(LONGEST)
-    return young
 
 
 @kernel("void(b1[:,::1], f8[::1])")

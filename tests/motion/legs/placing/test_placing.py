@@ -1,8 +1,7 @@
-"""Feet between two ticks, and the time since cuts: the same as said in arrays at once."""
+"""Feet between two ticks: the same as said in arrays at once."""
 
 import numpy as np
 
-from live.motion.inertia.kernels import LONGEST
 from live.motion.legs.kernels import (
     FEET_COLUMNS,
     HELD,
@@ -16,7 +15,7 @@ from live.motion.legs.kernels import (
     SPEED_Z,
     STOOD,
 )
-from live.motion.legs.placing.kernels import age_cuts, farthest_shift, hold_where_wanted, swing_feet, take_slid
+from live.motion.legs.placing.kernels import farthest_shift, hold_where_wanted, swing_feet, take_slid
 
 COUNT = 30
 
@@ -54,13 +53,6 @@ def test_what_has_slid_is_told_once():
     take_slid(lock, slid, stood)
     assert not slid.any()
     assert not stood.any()
-
-
-def test_cuts_grow_old_and_are_forgotten():
-    age, began = np.zeros(3, np.float32), np.array([1.0, -np.inf, 1.3])
-    assert age_cuts(age, began, 1.35)
-    np.testing.assert_allclose(age, [0.35, LONGEST, 0.05], atol=1e-6)
-    assert not age_cuts(age, began, 3.0)
 
 
 def test_only_feet_that_shall_be_held_count():
