@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.agents.parting.kernels import bind_agents
+from live.agents.parting.paths.kernels import walk_on
 from live.agents.parting.paths.paths import MARGIN, MOMENTS, PathParting, Paths
 
 RADIUS = 0.25
@@ -127,3 +128,18 @@ def test_agents_are_bound_and_taken_along(seed):
     assert (velocity[near] == asked[near]).all()
     out = ((velocity - pace) * away).sum(axis=1)[~near]
     assert (out <= 1e-5).all()  # none goes on away from her dancer
+
+
+def test_whoever_walks_on_is_moved_by_the_way_between_two_places():
+    now_paths, then_paths = crossing(6, 1), crossing(6, 2)
+    chance = np.random.default_rng(3)
+    goals, aimed = chance.normal(0.0, 0.2, (2, 6, 3)), np.zeros((6, 3))
+    now, out, room = chance.normal(0.0, 1.0, (6, 2)).astype(np.float32), *np.zeros((2, 6, 2), np.float32)
+    walk_on(
+        now_paths.path, now_paths.share, goals[0], aimed, 4.3,
+        then_paths.path, then_paths.share, goals[1], aimed, 9.8, now, room, out,
+    )  # fmt: skip
+    was, will = np.zeros((2, 6, 2), np.float32)
+    now_paths.walk(4.3 / (MOMENTS - 1), goals[0], aimed, was)
+    then_paths.walk(9.8 / (MOMENTS - 1), goals[1], aimed, will)
+    np.testing.assert_allclose(out, now + will - was, atol=1e-5)

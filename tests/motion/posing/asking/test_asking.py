@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.graph.placing import take_placement, transition_weight
+from live.graph.placing import take_placement, transition_weight, turn_vectors
 from live.motion.editing.time_warp import draw_measure_warps, measure_warp
 from live.motion.posing.asking.kernels import (
     INTO_NEXT,
@@ -14,6 +14,8 @@ from live.motion.posing.asking.kernels import (
     PRESENT,
     PRESENT_TAKE,
     ask_dancers,
+    clip_hips,
+    delay_phases,
     standing_feet,
     warp_phases,
 )
@@ -103,3 +105,47 @@ def test_feet_stand_where_all_clips_have_them_stand():
     out = np.empty((4, 2), np.bool_)
     standing_feet(out, sample, share, contact)
     np.testing.assert_array_equal(out, [[1, 0], [0, 1], [0, 1], [0, 1]])
+
+
+def test_phases_are_drifting_and_late_on_purpose_but_by_a_measure_at_most():
+    chance = np.random.default_rng(6)
+    warps = draw_measure_warps(chance, COUNT, window=0.2)
+    table = np.array([warps.amplitude, warps.frequency, warps.start, warps.sign])
+    ahead, before, late = chance.uniform(-0.1, 0.1, COUNT), *chance.uniform(0.0, 1.3, (2, COUNT))
+    out = np.empty(COUNT)
+    for fraction in (0.0, 0.3, 1.0):
+        lowest, highest = delay_phases(out, fraction, table, 0.2, ahead, before, late)
+        share = float(transition_weight(fraction))
+        expected = measure_warp(fraction, *table, 0.2) + ahead - (1.0 - share) * before - share * late
+        np.testing.assert_allclose(out, np.maximum(expected, -1.0), atol=1e-12)
+        assert (lowest, highest) == (out.min(), out.max())
+
+
+def test_hips_are_those_of_the_clips_for_whoever_is_asked():
+    chance, pipeline, samples = np.random.default_rng(7), PosePipeline(COUNT), 50
+    root = chance.normal(size=(samples, 3)).astype(np.float32)
+    pipeline.sample[:] = chance.uniform(0.0, samples - 1.0, pipeline.sample.shape)
+    pipeline.placement[:] = chance.normal(size=pipeline.placement.shape)
+    pipeline.share[INTO_NEXT] = np.maximum(chance.uniform(-1.0, 1.0, COUNT), 0.0)
+
+    def place(which, rows):
+        hips = root[pipeline.sample[which, rows].astype(int)][:, ::2].astype(float)
+        lies = pipeline.placement[which, rows]
+        return lies[:, :2] + turn_vectors(hips, lies[:, 2])
+
+    for rows in (np.arange(COUNT), np.array([3, 17, 20])):
+        out = np.empty((len(rows), 2))
+        clip_hips(out, rows, pipeline.sample, pipeline.placement, pipeline.share, root)
+        into = pipeline.share[INTO_NEXT, rows][:, None]
+        np.testing.assert_allclose(out, (1.0 - into) * place(PRESENT, rows) + into * place(NEXT, rows), atol=1e-6)
+
+
+def test_ends_are_worked_out_anew_when_measures_change():
+    one = danced(3)
+    before = one.own_end()[0].copy()
+    one.node[4] = (one.node[4] + 1) % GRAPH.library.node_count
+    fresh = danced(3)
+    fresh.copy_from(one)
+    fresh._ends = None
+    np.testing.assert_array_equal(one.own_end()[0], fresh.own_end()[0])
+    assert (one.own_end()[0] != before).any(axis=1).sum() == 1
