@@ -17,6 +17,9 @@ PATIENCE: Final = 96
 """How often work may still be done after a segment has begun: at once a tick for a second and a half."""
 PAIRS: Final = 2500
 """Pairs of dancers that are looked at in about half a millisecond."""
+SEATED: Final = 60
+"""While it is not known yet who goes where, a small piece is done at a time for each so many dancers: else the largest
+groups would not know it when the measure begins."""
 
 
 class Motion:
@@ -85,7 +88,9 @@ class Motion:
         self._left -= late
         if self._left < 0:
             self._pieces = None
-        for _ in range(max(1, PAIRS // max(len(self.who), 1) ** 2)):
+        count = max(len(self.who), 1)
+        seating = 0 if self.usable else count // SEATED
+        for _ in range(max(1, PAIRS // count**2, seating)):
             self.work()
 
     def start_from(self, position: npt.NDArray[np.floating]) -> None:

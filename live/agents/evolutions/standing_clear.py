@@ -14,6 +14,8 @@ def clear_places(
     The sides and the back of the stage come first, as near to the dancers as may be; if the edges are full, the next
     row inwards. If the whole stage is full, rows go on beyond its sides.
     """
+    if count <= 0:
+        return np.zeros((0, 2))
     taken = np.asarray(slots, np.float64).reshape(-1, 2)
     dancers = np.asarray(start, np.float64).reshape(-1, 2)
     found: list[Float64] = []
