@@ -23,17 +23,23 @@ def clear_places(
         candidates = _ring(ring, half, gap)
         for fixed in (taken, *found):
             if len(fixed) and len(candidates):
-                distance = np.hypot(*np.moveaxis(candidates[:, None] - fixed[None], -1, 0)).min(axis=1)
-                candidates = candidates[distance >= gap - 1e-6]
+                candidates = candidates[_nearest(candidates, fixed) >= gap - 1e-6]
         if len(candidates):
             near = np.zeros(len(candidates))
             if len(dancers):
-                near = np.hypot(*np.moveaxis(candidates[:, None] - dancers[None], -1, 0)).min(axis=1)
+                near = _nearest(candidates, dancers)
             wanted = count - sum(map(len, found))
             found.append(candidates[np.argsort(near, kind="stable")[:wanted]])
         if sum(map(len, found)) >= count:
             break
     return np.concatenate([*found, np.zeros((0, 2))])[:count]
+
+
+def _nearest(places: Float64, others: Float64) -> Float64:
+    """How far each of `places` (n, 2) is from the nearest of `others` (m, 2) [m], (n,)."""
+    x, z = np.ascontiguousarray(others.T)
+    square = np.subtract.outer(places[:, 0], x) ** 2 + np.subtract.outer(places[:, 1], z) ** 2
+    return np.asarray(np.sqrt(square.min(axis=1)))
 
 
 def _ring(ring: int, half: tuple[float, float], gap: float) -> Float64:
