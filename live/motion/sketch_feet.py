@@ -34,6 +34,12 @@ _MOST: Final = 0.12
 _SOON: Final = 0.2
 _NEARLY: Final = 0.85
 """So many beats after it leaves the floor, and before it comes down, a foot is at this share of its height."""
+_LOW: Final = 0.05
+"""A foot lower than this [m] seems to slide where it moves over the floor."""
+_NEAR: Final = 0.01
+"""It is no farther than this [m] from where it stood or will stand."""
+_STRAIGHT: Final = 0.35
+"""Straight up, and straight down, take so much of the half of a swing at most, or of the way to a key in the air."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,26 +137,23 @@ def track(
     ball = world.copy()
     ball[:, 0] += BALL_FORWARD * np.sin(world[:, 2])
     ball[:, 1] += BALL_FORWARD * np.cos(world[:, 2])
-    times, ground_times, places, ground, heights = [], [], [], [], []
+    up = _heights(own, world)
+    times, ground_times, places, ground = [], [], [], []
+    landed = 0.0
     for index, stance in enumerate(own):
-        for at in (stance.arrive, min(stance.leave, ALWAYS)):
-            times.append(at)
-            ground_times.append(at)
-            places.append(ball[index])
-            ground.append(ball[index])
-            heights.append((at, 0.0))
-        if index + 1 == len(own):
-            break
-        if stance.air:
-            above = _in_the_air(path, stance, own[index + 1], side)
-            times.extend(above[:, 0])
-            places.extend(above[:, 1:])
-            heights.extend((key.beat, key.amounts["up"]) for key in stance.air)
-        else:
-            heights.extend(_over_the_floor(stance, own[index + 1], world[index], world[index + 1]))
+        following = own[index + 1] if index + 1 < len(own) else None
+        above = _in_the_air(path, stance, following, side) if following and stance.air else np.zeros((0, 4))
+        lifted = landing = 0.0
+        if following:
+            ends = (stance.leave, *ball[index, :2]), *above[:, :3], (following.arrive, *ball[index + 1, :2])
+            lifted, landing = _over_its_place(up, np.array(ends), stance.leave, following.arrive)
+        times += [stance.arrive - landed, min(stance.leave, ALWAYS) + lifted, *above[:, 0]]
+        ground_times += [stance.arrive, min(stance.leave, ALWAYS)]
+        places += [ball[index], ball[index], *above[:, 1:]]
+        ground += [ball[index], ball[index]]
+        landed = landing
     way = through(np.array(times), np.array(places), beats)
     stand = through(np.array(ground_times), np.array(ground), beats)
-    up = np.array(heights)
     pivot, heel, firm = _pivot(path, own, beats), _heel(own, world, beats, leaps), _firm(own, beats, plain=0.0)
     behind = BALL_FORWARD - 0.09 * firm * np.minimum(heel / math.radians(20.0), 1.0)
     yaw = stand[:, 2] + pivot
@@ -168,6 +171,39 @@ def track(
         firm=firm,
         free=1.0 - _firm(own, beats, plain=1.0),
     )
+
+
+def _heights(own: list[Stance], world: Float) -> Float:
+    """Beats and heights of the sole [m] through all stances and swings, (K, 2)."""
+    heights = []
+    for index, stance in enumerate(own):
+        heights += [(stance.arrive, 0.0), (min(stance.leave, ALWAYS), 0.0)]
+        if stance.air:
+            heights += [(key.beat, key.amounts["up"]) for key in stance.air]
+        elif index + 1 < len(own):
+            heights += _over_the_floor(stance, own[index + 1], world[index], world[index + 1])
+    return np.array(heights)
+
+
+def _over_its_place(up: Float, ways: Float, leave: float, arrive: float) -> tuple[float, float]:
+    """For how many beats a foot goes straight up before it sets out, and straight down when it has got there.
+
+    So long that it is within _NEAR of its place as long as it is low: a foot that goes ahead over the floor skates
+    (GMD). `up` (K, 2) as `_heights` says; `ways` (M, 3) beat, x and z [m] on its way from where it leaves to where it
+    arrives. One that is led through the air low sets out at once.
+    """
+    middle = 0.5 * (leave + arrive)
+    straight = []
+    for here, there in ((ways[0], ways[1]), (ways[-1], ways[-2])):
+        span = abs((there[0] if len(ways) > 2 else middle) - here[0])
+        at = np.linspace(0.0, span, 65)
+        high = through(up[:, 0], up[:, 1], here[0] + np.copysign(at, middle - here[0])) >= _LOW
+        low = at[int(np.argmax(high))]
+        # a curve that leaves its key flat is at 3 u² of its way when u of its time has passed, or less
+        near = math.sqrt(_NEAR / 3.0 / max(math.hypot(*(there - here)[1:]), _NEAR))
+        near *= span if len(ways) > 2 else 2.0 * span
+        straight.append(min(max(low - near, 0.0), _STRAIGHT * span))
+    return straight[0], straight[1]
 
 
 def _in_the_air(path: Path, stance: Stance, following: Stance, side: float) -> Float:
