@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from live.graph.storage.kernels import one_sign
 from live.graph.storage.mean_poses import mean_poses
-from live.motion.posing.foot_lock import LEG_JOINTS
+from live.motion.posing.foot_lock import LEG_JOINTS, foot_heights
 from live.motion.posing.pipeline import ClipStore
 from live.motion.step_clip import StepClip
 
@@ -32,6 +32,8 @@ class StepLibrary:
     """Local rotations of all clips, shape (S, J, 4)."""
     clip_contact: Bool
     """Left and right foot on the floor, shape (S, 2)."""
+    clip_height: Float32
+    """Soles of the left and right foot over the floor [m], shape (S, 2)."""
     store: ClipStore
     """The same clips, and the mean pose of each node, as the pose pipeline reads them."""
     leg_store: ClipStore
@@ -117,6 +119,7 @@ def build_library(clips: Sequence[StepClip]) -> StepLibrary:
     one_sign(rotation, starts)
     node = np.array(rows, np.float64).T
     begins, ends = np.ascontiguousarray(node[4]), np.ascontiguousarray(node[5])
+    legs = ClipStore.of(root, rotation[:, LEG_JOINTS])
     mean = mean_poses(rotation, begins.astype(np.int64), ends.astype(np.int64))
     return StepLibrary(
         steps=tuple(steps),
@@ -124,8 +127,9 @@ def build_library(clips: Sequence[StepClip]) -> StepLibrary:
         clip_root=root,
         clip_rotation=rotation,
         clip_contact=np.concatenate([clip.clip.contact for clip in clips]),
+        clip_height=foot_heights(legs),
         store=ClipStore.of(root, rotation, mean),
-        leg_store=ClipStore.of(root, rotation[:, LEG_JOINTS]),
+        leg_store=legs,
         node_clip=node[0].astype(np.int32),
         node_step=node[1].astype(np.int32),
         node_measure=node[2].astype(np.int32),
@@ -166,6 +170,7 @@ def joined_library(first: StepLibrary, second: StepLibrary) -> StepLibrary:
         clip_root=root,
         clip_rotation=rotation,
         clip_contact=both("clip_contact"),
+        clip_height=both("clip_height"),
         store=ClipStore(root, rotation, np.concatenate([first.store.mean, second.store.mean])),
         leg_store=ClipStore(root, legs, first.leg_store.mean),
         node_clip=both("node_clip", len(first.clips)),

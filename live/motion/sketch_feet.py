@@ -36,7 +36,7 @@ _NEARLY: Final = 0.85
 """So many beats after it leaves the floor, and before it comes down, a foot is at this share of its height."""
 _LOW: Final = 0.05
 """A foot lower than this [m] seems to slide where it moves over the floor."""
-_NEAR: Final = 0.01
+_NEAR: Final = 0.005
 """It is no farther than this [m] from where it stood or will stand."""
 _STRAIGHT: Final = 0.35
 """Straight up, and straight down, take so much of the half of a swing at most, or of the way to a key in the air."""

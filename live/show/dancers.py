@@ -10,7 +10,7 @@ from live.motion.contact import TOES_OVER_SOLE
 from live.motion.inertia.inertia import Inertia
 from live.motion.inertia.kernels import LONGEST
 from live.motion.legs.placing.kernels import hold_where_wanted
-from live.motion.posing.asking.kernels import ask_dancers, clip_hips, standing_feet
+from live.motion.posing.asking.kernels import ask_dancers, clear_feet, clip_hips, standing_feet
 from live.motion.posing.foot_lock import LEG_JOINTS, FootLock
 from live.motion.posing.pipeline import PosePipeline, PoseSkeleton
 from live.motion.skeleton import JOINT_COUNT, SOLE_BELOW_ANKLE
@@ -153,6 +153,7 @@ class Dancers:
         pipeline.lock = variation.locks or self.lock.farthest > 1e-3  # once let go, feet still have to swing back
         if pipeline.lock:
             self.lock.place(pipeline.feet, max(time - self._locked_at, 0.0))
+            clear_feet(pipeline.feet, pipeline.sample, pipeline.share, self.graph.library.clip_height)
         position, rotation = pipeline.run(self.graph.library.store, out)
         self.hands.pose(position, rotation, max(time - self._locked_at, 0.0))
         return position, rotation

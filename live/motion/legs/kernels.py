@@ -34,7 +34,10 @@ SHIFT_X, SHIFT_Z, FROM_X, FROM_Z, TOES, HELD, LIFT, SPEED_X, SPEED_Z, SPEED_Y, S
 that point is the toes (the rest is the ankle), 1 while the foot is held and 0 while it is free, how far it is lifted
 [m] so that it stood on the floor when it was held; and, the lock's own business, speeds of the shift and the lift
 [m/s], how far it has slid [m] while its clip had it on the floor, and for how long that was [s]."""
-FEET_COLUMNS, LOCK_COLUMNS = 7, 12
+FOLLOWED_COLUMNS, LOCK_COLUMNS = 7, 12
+CLEAR, ROUND, FEET_COLUMNS = 7, 8, 9
+"""Of these the first seven say where a foot shall be, with two more for the picture: how high [m] it should be lifted
+at least, because one of the clips that are blended has it in the air, and over how many [m] that begins softly."""
 UNLOCK: Any = np.float32(0.2)
 GRAB: Any = np.float32(0.08)
 JUMP: Any = np.float32(0.5)
@@ -90,7 +93,8 @@ def _aim(
     """Where the ankle shall be, rows _GOAL.. of `leg` [m].
 
     A held foot's carrying point stays where it was at the last tick; a free one keeps its (vanishing) shift and lift.
-    No sole goes below the floor.
+    No sole goes below the floor, or below
+    what is CLEAR of it.
     """
     for i in range(BLOCK):
         row = feet[min(start + i, stop - 1), side]
@@ -105,7 +109,9 @@ def _aim(
         scale = FARTHEST / math.sqrt(max(dx * dx + dz * dz, FARTHEST * FARTHEST))
         low = min(ay - sole, leg[_TOES + 5, i] - toes_over_sole)
         leg[_GOAL, i] = ax + dx * scale
-        leg[_GOAL + 1, i] = ay + max(max(-low, _ZERO), (_ONE - asked[HELD, i]) * asked[LIFT, i])
+        clear = asked[CLEAR, i] - low
+        clear = _HALF * (clear + math.sqrt(clear * clear + asked[ROUND, i] * asked[ROUND, i]))
+        leg[_GOAL + 1, i] = ay + max(clear, (_ONE - asked[HELD, i]) * asked[LIFT, i])
         leg[_GOAL + 2, i] = az + dz * scale
 
 
@@ -185,7 +191,7 @@ def stand_legs(
 ) -> None:
     """Foot lock of a block: feet to their places, the hips a little down where a leg is too short.
 
-    `feet` (A, 2, 7) says where; `legs` (8,) are hip, knee, ankle and toes of the left and the right leg; `sole` and
+    `feet` (A, 2, 9) says where; `legs` (8,) are hip, knee, ankle and toes of the left and the right leg; `sole` and
     `toes_over_sole` [m] the heights of ankle and toe joint of a standing foot. Unlock radius, length buffer and
     two-bone legs as in Holden's Motion-Matching; no branch and no trigonometry, so that blocks run at full width.
     """

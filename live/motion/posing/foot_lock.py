@@ -10,7 +10,7 @@ from live.motion.clip import Clip
 from live.motion.contact import TOES_OVER_SOLE
 from live.motion.forward import forward_kinematics, local_rotations
 from live.motion.legs.kernels import (
-    FEET_COLUMNS,
+    FOLLOWED_COLUMNS,
     HELD,
     LOCK_COLUMNS,
     SHIFT_X,
@@ -57,8 +57,17 @@ class FootLock:
         return slid, stood
 
     def place(self, feet: Float32, age: float) -> None:
-        """Write what the pose kernels need, (A, 2, 7), `age` [s] after the last tick: free feet have swung on."""
+        """Write what the pose kernels need, (A, 2, 9), `age` [s] after the last tick: free feet have swung on."""
         swing_feet(feet, self.state, age)
+
+
+def foot_heights(store: ClipStore) -> Float32:
+    """How high the soles of both feet are over the floor [m] at all samples of legs alone, (S, 2): heel or ball."""
+    pipeline = PosePipeline(len(store.root), PoseSkeleton.legs_only()[0])
+    pipeline.sample[0] = np.arange(len(store.root))
+    position, _ = pipeline.run(store)
+    sole = np.minimum(position[:, 3::4, 1] - SOLE_BELOW_ANKLE, position[:, 4::4, 1] - TOES_OVER_SOLE)
+    return np.ascontiguousarray(np.maximum(sole, 0.0), np.float32)
 
 
 def lock_feet(clip: Clip) -> Clip:
@@ -72,7 +81,7 @@ def lock_feet(clip: Clip) -> Clip:
     pipeline = PosePipeline(count)
     for sample in range(count):
         lock.tick(legs[sample : sample + 1], contact[sample : sample + 1], 1.0 / clip.sample_rate)
-        pipeline.feet[sample] = lock.state[0, :, :FEET_COLUMNS]
+        pipeline.feet[sample, :, :FOLLOWED_COLUMNS] = lock.state[0, :, :FOLLOWED_COLUMNS]
     pipeline.feet[:, :, HELD] = 0.0  # the shifts are already those of their own samples
     pipeline.sample[0] = np.arange(count)
     pipeline.lock = True

@@ -157,7 +157,7 @@ def pose_dancers(
     `clip_rotation` (S, J, 4); `mean_rotation` (N, J, 4) each node's mean pose; `sample` (4, A) fractional samples and
     `placement` (4, A, 4) x, z [m], yaw of path and body [rad] of the clips PRESENT .. NEXT_TAKE; `share` (5, A) LOWER
     .. NEXT_UPPER; `mean` (2, A) nodes of the mean poses; `amplitude` (A,) about 1; `head` (A,) how far the head turns
-    to the public; `feet` (A, 2, 7) as in legs/kernels.py (TOES below 0: leave the legs as they are); `settling`, `age`
+    to the public; `feet` (A, 2, 9) as in legs/kernels.py (TOES below 0: leave the legs as they are); `settling`, `age`
     (A,) [s] and `watched` (J,) as in inertia/kernels.py. `soles`: heights [m] of ankle and toe joint of a standing
     foot.
     """

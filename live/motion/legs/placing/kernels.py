@@ -4,7 +4,18 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.jit import kernel
-from live.motion.legs.kernels import FEET_COLUMNS, HELD, LIFT, SHIFT_X, SHIFT_Z, SLID, SPEED_X, SPEED_Y, SPEED_Z, STOOD
+from live.motion.legs.kernels import (
+    FOLLOWED_COLUMNS,
+    HELD,
+    LIFT,
+    SHIFT_X,
+    SHIFT_Z,
+    SLID,
+    SPEED_X,
+    SPEED_Y,
+    SPEED_Z,
+    STOOD,
+)
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -13,11 +24,11 @@ Bool = npt.NDArray[np.bool_]
 
 @kernel("void(f4[:,:,::1], f4[:,:,::1], f4)")
 def swing_feet(feet: Float32, lock: Float32, age: float) -> None:
-    """Write `feet` (A, 2, 7) from the foot lock `lock` (A, 2, 12), `age` [s] after its tick: free feet swing on."""
+    """Write `feet` (A, 2, 9) from the foot lock `lock` (A, 2, 12), `age` [s] after its tick: free feet swing on."""
     for n in range(lock.shape[0]):
         for side in range(2):
             row, out = lock[n, side], feet[n, side]
-            for c in range(FEET_COLUMNS):
+            for c in range(FOLLOWED_COLUMNS):
                 out[c] = row[c]
             free = age * (np.float32(1.0) - row[HELD])
             out[SHIFT_X] += free * row[SPEED_X]

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from live.base.jit import kernel
 from live.base.kernels import ease
 from live.motion.kernels import yaw_rotate
+from live.motion.legs.kernels import CLEAR, ROUND
 from live.motion.turning.kernels import placed
 
 Float32 = npt.NDArray[np.float32]
@@ -19,6 +20,12 @@ Bool = npt.NDArray[np.bool_]
 PRESENT, PRESENT_TAKE, NEXT, NEXT_TAKE = range(4)
 LOWER, UPPER, INTO_NEXT, NEXT_LOWER, NEXT_UPPER = range(5)
 """Rows of `sample`, `placement` and `share` as in posing/kernels.py."""
+CLEARED = 0.08
+"""A foot is never asked to be clear of the floor by more than this [m], gently less from half of it on."""
+MINOR = 0.15
+"""A clip with a smaller share than this in a pose counts less for where its feet should be clear of the floor."""
+SOFT = 0.3
+"""That begins over this part of the height."""
 
 
 @kernel("b1(i4[::1], i4[::1], i4[::1], i4[::1], f4[::1], f4[::1])")
@@ -219,3 +226,34 @@ def standing_feet(out: Bool, sample: Float64, share: Float32, contact: Bool) -> 
             if share[LOWER, n] > 0.0:
                 stands = stands and contact[other, foot]
             out[n, foot] = (stands or into >= 1.0) and (contact[coming, foot] or into <= 0.0)
+
+
+@kernel("void(f4[:,:,::1], f8[:,::1], f4[:,::1], f4[:,::1])")
+def clear_feet(feet: Float32, sample: Float64, share: Float32, height: Float32) -> None:
+    """Where clips are mixed or blended: how high feet must be not to skate; columns CLEAR and ROUND of `feet` (A, 2, 9).
+
+    The mean of a foot that stands and one that swings is dragged over the floor at a part of the swing's height. So a
+    foot is as high as the clip that has it highest, up to CLEARED, by the `height` (S, 2) [m] of all samples' soles;
+    clips alone are left as they are, and where all have it on the floor it stands.
+    """
+    weight = np.empty(4)
+    for n in range(feet.shape[0]):
+        into, lower, coming = share[INTO_NEXT, n], share[LOWER, n], share[NEXT_LOWER, n] * (share[INTO_NEXT, n] > 0.0)
+        weight[PRESENT], weight[PRESENT_TAKE] = (1.0 - into) * (1.0 - lower), (1.0 - into) * lower
+        weight[NEXT], weight[NEXT_TAKE] = into * (1.0 - coming), into * coming
+        mixed = ease((1.0 - weight.max()) / MINOR)
+        for foot in range(2):
+            feet[n, foot, CLEAR] = feet[n, foot, ROUND] = 0.0
+            if mixed == 0.0:
+                continue
+            total = 0.0
+            for k in range(4):
+                if weight[k] <= 0.0:
+                    continue
+                low = math.floor(sample[k, n])
+                part, high = sample[k, n] - low, min(low + 1, height.shape[0] - 1)
+                up = height[low, foot] + part * (height[high, foot] - height[low, foot])
+                up *= ease(weight[k] / MINOR) / math.sqrt(1.0 + (up / CLEARED) ** 2)
+                total += up * up * up * up
+            feet[n, foot, CLEAR] = math.sqrt(math.sqrt(total))
+            feet[n, foot, ROUND] = SOFT * mixed * feet[n, foot, CLEAR]
