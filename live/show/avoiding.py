@@ -47,6 +47,8 @@ MARGIN: Final = 0.15
 """Room [m] that a way out should leave to everybody; what is missing, at the worst and on the average, is trouble..."""
 CLOSE: Final = 6.0
 """... of which a metre counts as so many metres between bodies."""
+WAY: Final = 1.0
+"""A metre between where a way out ends and where the dancer was sent counts as so many metres between bodies."""
 GAIN: Final = 0.06
 """A step is left only if that is worth so many metres of trouble."""
 
@@ -54,11 +56,15 @@ GAIN: Final = 0.06
 class Avoiding:
     """The collisions ahead of one show; call `tick` once a tick."""
 
-    def __init__(self, dancers: Dancers, motion: GroupMotion, cutting: Cutting, cut: Cut) -> None:
-        """`cutting` knows where one may go on, `cut` does it."""
+    def __init__(
+        self, dancers: Dancers, motion: GroupMotion, sent: Callable[[], Float64], cutting: Cutting, cut: Cut
+    ) -> None:
+        """`sent` tells where everybody should end the measure, (A, 2) [m]; `cutting` knows where one may go on, `cut`
+        does it."""
         count = len(motion.casting.group)
         self._half_stage = motion.floor.half  # always as it is now
-        self._dancers, self._motion, self._cutting, self._cut = dancers, motion, cutting, cut
+        self._dancers, self._motion, self._sent = dancers, motion, sent
+        self._cutting, self._cut = cutting, cut
         self._ways: Float64 = np.zeros((len(AHEAD) + 1, count, 2))
         self._things: Float64 = np.zeros((len(AHEAD) + 1, len(motion.surroundings.obstacles), 2))
         self._tick = -1
@@ -119,7 +125,9 @@ class Avoiding:
         others = self._others(row, who, out[:, 1:], timeline.tempo)
         trouble, stays = self._trouble(moment, nodes, others), _trouble_of(out[:, :1], others)[0]
         cost = self._cutting.distances(moment, nodes)[0] + CLOSE * trouble
-        cost += CLOSE * np.hypot(*np.maximum(np.abs(self._ends(moment, nodes)) - self._half_stage, 0.0).T)
+        ends = self._ends(moment, nodes)
+        cost += CLOSE * np.hypot(*np.maximum(np.abs(ends) - self._half_stage, 0.0).T)
+        cost += WAY * np.hypot(*(ends - self._sent()[row]).T)
         best = int(np.argmin(cost))
         if trouble[best] < stays - GAIN:
             self._cut(moment, nodes[best : best + 1], span, timeline)

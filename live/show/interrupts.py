@@ -57,7 +57,7 @@ class Interrupts:
         self._decided = False
         self._step: Int32 = np.full(count, NOTHING, np.int32)  # what must follow a cut that the plan did not know of
         self._unplanned: Bool = np.zeros(count, np.bool_)
-        self._avoiding = Avoiding(dancers, motion, self.cutting, self._cut)
+        self._avoiding = Avoiding(dancers, motion, self._sent, self.cutting, self._cut)
         self.cues = 0
         """How many cues have acted."""
 
@@ -65,6 +65,10 @@ class Interrupts:
     def avoided(self) -> int:
         """How often a dancer has left her step because of a collision."""
         return self._avoiding.count
+
+    def _sent(self) -> Float64:
+        """Where everybody should end the present measure, (A, 2) [m]."""
+        return self._scheduler.carrying.predicted
 
     def cue(self, event: StepNow) -> None:
         """Take up a cue; UnknownStep for a step that is not there, PersonError for words that mean nobody."""
