@@ -50,4 +50,6 @@ def test_a_joined_library_reads_the_same_samples():
     assert np.array_equal(joined.clip_rotation, whole.clip_rotation)
     assert joined.store.rotation is joined.clip_rotation
     assert np.array_equal(joined.leg_store.rotation, whole.leg_store.rotation)
+    assert np.array_equal(joined.clip_height, whole.clip_height)
+    assert joined.clip_height.shape == joined.clip_contact.shape
     assert joined.store.mean == pytest.approx(whole.store.mean, abs=1e-6)

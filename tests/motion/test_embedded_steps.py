@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from live.motion.quality.feet import skates
 from live.motion.skeleton import SKELETON
 from live.motion.sketch import parse_sketch
 from live.motion.sketch_clip import step_clips
@@ -53,6 +54,32 @@ def test_planted_feet_do_not_slide_and_soles_stay_above_the_floor(own: list[Step
         assert slide(step) < 0.001, step.clip.name
         for side in SIDES:
             assert min(point[:, 1].min() for point in soles(step, side)) > -0.01, step.clip.name
+
+
+def test_no_foot_skims_the_floor_on_its_way(own: list[StepClip]) -> None:
+    """Whose ball is lower than 5 cm is where it stood or will stand, but for steps that brush the floor on purpose."""
+    low, near = 0.05, 0.03
+    for step in own:
+        if step.step in {"tap", "turn"}:
+            continue
+        for index, side in enumerate(SIDES):
+            ball, contact = soles(step, side)[1], step.clip.contact[:, index]
+            stands = np.flatnonzero(contact)
+            at = np.arange(len(ball))
+            after = stands[np.minimum(np.searchsorted(stands, at), len(stands) - 1)]
+            before = stands[np.maximum(np.searchsorted(stands, at, side="right") - 1, 0)]
+            away = [np.hypot(*(ball[near_by] - ball)[:, (0, 2)].T) for near_by in (before, after)]
+            skims = ~contact & (ball[:, 1] < low) & (at > stands[0]) & (at < stands[-1])
+            assert np.minimum(*away)[skims].max(initial=0.0) < near, (step.clip.name, side)
+
+
+@pytest.mark.parametrize("bpm", [70.0, 112.0, 130.0])
+def test_steps_do_not_skate(own: list[StepClip], bpm: float) -> None:
+    for step in own:
+        if step.step in {"tap", "turn"}:
+            continue
+        rate = step.clip.sample_rate * bpm / step.bpm
+        assert skates(joints(step)[0], rate).mean() <= 0.01, step.clip.name
 
 
 def test_no_joint_turns_over_between_two_samples(own: list[StepClip]) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.motion.legs.kernels import FEET_COLUMNS, LENGTH_BUFFER, LIFT, PELVIS_DROP, SHIFT_Z
+from live.motion.legs.kernels import CLEAR, FEET_COLUMNS, LENGTH_BUFFER, LIFT, PELVIS_DROP, ROUND, SHIFT_Z
 from live.motion.posing.foot_lock import LEG_JOINTS, FootLock
 from live.motion.posing.pipeline import ClipStore, PosePipeline
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
@@ -12,7 +12,7 @@ HIP, KNEE, ANKLE, TOES = (SKELETON.index(name) for name in ("leftUpperLeg", "lef
 LEG = float(np.linalg.norm(SKELETON.offsets[KNEE]) + np.linalg.norm(SKELETON.offsets[ANKLE]))
 
 
-def posed(shift, height=0.0, lift=None):
+def posed(shift, height=0.0, lift=None, clear=None):
     """Joints (T, J, 3) of somebody standing with bent knees, her left foot asked to be `shift` (T,) [m] behind."""
     count = len(shift)
     rotation = np.zeros((1, SKELETON.joint_count, 4), np.float32)
@@ -30,6 +30,8 @@ def posed(shift, height=0.0, lift=None):
     pipeline.feet[:, 0, SHIFT_Z] = -shift
     if lift is not None:
         pipeline.feet[:, 0, LIFT] = lift
+    if clear is not None:
+        pipeline.feet[:, 0, CLEAR], pipeline.feet[:, 0, ROUND] = clear, 0.3 * clear
     return pipeline.run(ClipStore.of(root, rotation))[0].astype(float), root
 
 
@@ -82,3 +84,15 @@ def test_a_lifted_foot_stays_lifted_and_its_lift_fades():
     assert heights[-1] == pytest.approx(-0.02 + 0.6 * dt * 30, abs=2e-3)
     assert min(heights) > -1e-6
     assert lock.state.shape[2] > FEET_COLUMNS
+
+
+def test_a_foot_is_clear_of_the_floor_and_softly_so():
+    """As high as asked or a little higher, from standing as from below; one that is high enough is hardly moved."""
+    clear = np.linspace(0.0, 0.06, 121)
+    for height in (0.0, -0.02, 0.05, 0.2):
+        position, _ = posed(np.zeros(121), height=height, clear=clear)
+        sole = position[:, ANKLE, 1] - SOLE_BELOW_ANKLE
+        assert (sole > np.maximum(clear, height) - 1e-4).all()
+        assert (sole < np.maximum(clear, height) + 0.15 * clear + 1e-4).all()
+        assert np.abs(np.diff(sole, n=2)).max() < 1e-3
+        assert sole[0] == pytest.approx(max(height, 0.0), abs=1e-4)

@@ -230,7 +230,7 @@ def standing_feet(out: Bool, sample: Float64, share: Float32, contact: Bool) -> 
 
 @kernel("void(f4[:,:,::1], f8[:,::1], f4[:,::1], f4[:,::1])")
 def clear_feet(feet: Float32, sample: Float64, share: Float32, height: Float32) -> None:
-    """Where clips are mixed or blended: how high feet must be not to skate; columns CLEAR and ROUND of `feet` (A, 2, 9).
+    """How high feet must be where clips are mixed or blended: columns CLEAR and ROUND of `feet` (A, 2, 9).
 
     The mean of a foot that stands and one that swings is dragged over the floor at a part of the swing's height. So a
     foot is as high as the clip that has it highest, up to CLEARED, by the `height` (S, 2) [m] of all samples' soles;

@@ -5,7 +5,9 @@ import pytest
 
 from live.graph.placing import take_placement, transition_weight, turn_vectors
 from live.motion.editing.time_warp import draw_measure_warps, measure_warp
+from live.motion.legs.kernels import CLEAR, FEET_COLUMNS, ROUND
 from live.motion.posing.asking.kernels import (
+    CLEARED,
     INTO_NEXT,
     LOWER,
     NEXT,
@@ -14,6 +16,7 @@ from live.motion.posing.asking.kernels import (
     PRESENT,
     PRESENT_TAKE,
     ask_dancers,
+    clear_feet,
     clip_hips,
     delay_phases,
     standing_feet,
@@ -149,3 +152,58 @@ def test_ends_are_worked_out_anew_when_measures_change():
     fresh._ends = None
     np.testing.assert_array_equal(one.own_end()[0], fresh.own_end()[0])
     assert (one.own_end()[0] != before).any(axis=1).sum() == 1
+
+
+def cleared(shares, heights):
+    """CLEAR and ROUND (A,) of a foot that the clips of all dancers have at `heights` (4,) [m], with `shares` (5, A)."""
+    count = shares.shape[1]
+    feet = np.full((count, 2, FEET_COLUMNS), 7.0, np.float32)
+    sample = np.tile(np.arange(4.0)[:, None], (1, count))
+    clear_feet(feet, sample, shares.astype(np.float32), np.repeat(np.float32(heights)[:, None], 2, axis=1))
+    np.testing.assert_array_equal(feet[:, :, :CLEAR], 7.0)
+    np.testing.assert_array_equal(feet[:, 0], feet[:, 1])
+    return feet[:, 0, CLEAR], feet[:, 0, ROUND]
+
+
+def test_feet_of_clips_alone_are_left_as_they_are_and_standing_feet_stand():
+    share = np.zeros((5, 3))
+    share[INTO_NEXT] = 0.0, 1.0, 0.5
+    share[NEXT_LOWER, 0] = 0.5  # of a clip that is not danced yet
+    for heights in ([0.1, 0.2, 0.03, 0.2], [0.0, 0.3, 0.0, 0.3]):
+        clear, soft = cleared(share[:, :2] if heights[0] else share, heights)
+        np.testing.assert_array_equal(clear * soft, 0.0)
+        np.testing.assert_array_equal(soft, 0.0)
+    clear, _ = cleared(share, [0.0, 0.3, 0.0, 0.3])
+    np.testing.assert_array_equal(clear, 0.0)
+
+
+def test_in_a_blend_a_foot_is_as_high_as_the_clip_that_has_it_highest():
+    share = np.zeros((5, 101))
+    share[INTO_NEXT] = np.linspace(0.0, 1.0, 101)
+    for heights in ([0.03, 0.0, 0.0, 0.0], [0.0, 0.0, 0.03, 0.0], [0.3, 0.0, 0.01, 0.0]):
+        clear, soft = cleared(share, heights)
+        blended = (1.0 - share[INTO_NEXT]) * heights[0] + share[INTO_NEXT] * heights[2]
+        highest = max(heights) / np.sqrt(1.0 + (max(heights) / CLEARED) ** 2)
+        assert clear.max() <= 1.2 * highest
+        assert soft[0] == soft[-1] == 0.0
+        middle = slice(15, 86)
+        assert (clear[middle] > 0.99 * np.minimum(highest, blended[middle])).all()
+        assert clear[middle] == pytest.approx(highest, rel=0.02)
+        lifted = clear - blended  # as the legs do it
+        lifted = blended + 0.5 * (lifted + np.sqrt(lifted * lifted + soft * soft))
+        assert lifted[0] == pytest.approx(heights[0], abs=1e-6)
+        assert lifted[-1] == pytest.approx(heights[2], abs=1e-6)
+        assert np.abs(np.diff(lifted)).max() < 0.15 * max(heights)  # it is lifted, it does not jump
+
+
+def test_mixed_takes_count_by_their_share():
+    share = np.zeros((5, 3))
+    share[LOWER] = 0.0, 0.5, 1.0
+    clear, soft = cleared(share, [0.0, 0.04, 0.0, 0.0])
+    assert soft[0] == soft[2] == 0.0
+    assert clear[1] == pytest.approx(0.04 / np.sqrt(1.25), rel=1e-5)
+    coming = np.zeros((5, 2))
+    coming[INTO_NEXT], coming[NEXT_LOWER] = 0.5, (0.0, 0.5)
+    clear, _ = cleared(coming, [0.0, 0.0, 0.0, 0.04])
+    assert clear[0] == 0.0
+    assert clear[1] == pytest.approx(0.04 / np.sqrt(1.25), rel=1e-5)
