@@ -102,6 +102,8 @@ class Cutting:
         after = moment.look(dancers)
         dancers.inertia.begin(rows, moment.body, after, self._parents, time=moment.time, dt=moment.dt)
         dancers.inertia.place(moment.time)
+        way = (moment.body[0][0] - after[0][0])[:, list(ANKLES)][..., (0, 2)]
+        dancers.landing.begin(rows, np.hypot(way[..., 0], way[..., 1]))
         self.cuts += len(rows)
 
     def _laid(self, moment: Moment, node: Int32) -> Float64:

@@ -9,6 +9,7 @@ from live.motion.arms.arms import Hands
 from live.motion.contact import TOES_OVER_SOLE
 from live.motion.inertia.inertia import Inertia
 from live.motion.inertia.kernels import LONGEST
+from live.motion.inertia.landing import Landing
 from live.motion.legs.placing.kernels import hold_where_wanted
 from live.motion.posing.asking.kernels import ask_dancers, clear_feet, clip_hips, standing_feet
 from live.motion.posing.foot_lock import LEG_JOINTS, FootLock
@@ -26,9 +27,8 @@ Bool = npt.NDArray[np.bool_]
 Rows = npt.NDArray[np.int64]
 
 LANDED = 0.03
-"""While a cut settles, a foot is held only once it is this near to the floor [m]..."""
-ARRIVED = 0.12
-"""... and to where its clip has it [m]: held farther from there, it would soon have to let go and slide."""
+"""While a cut settles, a foot is held only once it is this near to the floor [m] and near to where its clip has it: held
+farther from there, it would soon have to let go and slide."""
 
 
 class Dancers:
@@ -48,6 +48,7 @@ class Dancers:
         self.inertia = Inertia(dancer_count, JOINT_COUNT)
         for pipeline in (self._pipeline, self._legs):
             pipeline.settling, pipeline.age = self.inertia.settling, self.inertia.age
+        self.landing = Landing(dancer_count)
         self._legs.watched = LEG_JOINTS
         self._settled = np.full(dancer_count, LONGEST, np.float32)
         self._bare_legs = np.zeros_like(self._legs.position), np.zeros_like(self._legs.rotation)
@@ -154,6 +155,8 @@ class Dancers:
         if pipeline.lock:
             self.lock.place(pipeline.feet, max(time - self._locked_at, 0.0))
             clear_feet(pipeline.feet, pipeline.sample, pipeline.share, self.graph.library.clip_height)
+            if self.inertia.settling_now.any():
+                self.landing.clear(pipeline.feet, self.inertia.age)
         position, rotation = pipeline.run(self.graph.library.store, out)
         self.hands.pose(position, rotation, max(time - self._locked_at, 0.0))
         return position, rotation
@@ -165,7 +168,7 @@ class Dancers:
         there, _ = self._legs.run(self.graph.library.leg_store, self._bare_legs)
         self._legs.age = self.inertia.age
         away = position[:, 3::4] - there[:, 3::4]
-        return np.asarray(low & (np.hypot(away[..., 0], away[..., 2]) < ARRIVED))
+        return np.asarray(low & self.landing.near(np.hypot(away[..., 0], away[..., 2])))
 
     def unmended(self, rows: Int32, fraction: float, time: float) -> tuple[Float32, Float32]:
         """World positions (n, J, 3) and rotations (n, J, 4) of the dancers `rows` (n,), as `pose`, but before heads are
