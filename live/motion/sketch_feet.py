@@ -36,7 +36,7 @@ _NEARLY: Final = 0.85
 """So many beats after it leaves the floor, and before it comes down, a foot is at this share of its height."""
 _LOW: Final = 0.05
 """A foot lower than this [m] seems to slide where it moves over the floor."""
-_NEAR: Final = 0.005
+_NEAR: Final = 0.018
 """It is no farther than this [m] from where it stood or will stand."""
 _STRAIGHT: Final = 0.35
 """Straight up, and straight down, take so much of the half of a swing at most, or of the way to a key in the air."""
@@ -236,7 +236,7 @@ def _over_the_floor(stance: Stance, following: Stance, start: Float, end: Float)
 
 def _lift(stance: Stance, way: float) -> float:
     """How high a foot is lifted that goes `way` [m]: as told, but over 5 cm where it goes fast (GMD's skating)."""
-    return max(_LEAST if stance.lift is None else stance.lift, min(0.5 * way, 0.07 + 0.08 * way, _MOST))
+    return max(_LEAST if stance.lift is None else stance.lift, min(0.5 * way, 0.055 + 0.08 * way, _MOST))
 
 
 def _pivot(path: Path, own: list[Stance], beats: Float) -> Float:

@@ -19,7 +19,7 @@ ARRIVED: Final = 0.05
 """One that is on its way is held where it is nearer than this [m] to its new place."""
 HIGHEST: Final = 0.06
 """Others are lifted so far [m]."""
-UP: Final = 0.07
+UP: Final = 0.1
 DOWN: Final = (0.22, 0.36)
 """It is up within so many seconds, and comes down between these."""
 
