@@ -22,7 +22,7 @@ LOWER, UPPER, INTO_NEXT, NEXT_LOWER, NEXT_UPPER = range(5)
 """Rows of `sample`, `placement` and `share` as in posing/kernels.py."""
 CLEARED = 0.08
 """A foot is never asked to be clear of the floor by more than this [m], gently less from half of it on."""
-MINOR = 0.15
+MINOR = 0.25
 """A clip with a smaller share than this in a pose counts less for where its feet should be clear of the floor."""
 SOFT = 0.3
 """That begins over this part of the height."""
