@@ -256,7 +256,9 @@ class Show:
         """Fill the snapshot for `time` [s]: poses at the exact beat, at most a tick after the last one."""
         beat = self.timeline.beat_at(time)
         fraction = self.span.fraction(beat)
-        self.dancers.pose(fraction, time, out=(view.joint_position, view.joint_rotation))
+        # a picture beyond the line, which the next tick crosses, is danced on: bodies do not wait for the tick
+        on = max(beat - self.span.end, 0.0) / self.timeline.beats_per_measure
+        self.dancers.pose(fraction + on, time, out=(view.joint_position, view.joint_rotation))
         self.motion.show(view)
         view.group[:] = self.group
         view.time, view.beat, view.tempo = time, beat, self.follower.tempo
