@@ -6,6 +6,7 @@ import pytest
 from live.base.stage_view import ATTRACTOR, SPREADER
 from live.clock.ticks import TICK
 from live.control import events
+from live.motion.skeleton import SKELETON
 from live.show.core import Show
 from live.show.patch_file import parse_patch
 from tests.show.made_show import GRAPH, made_show
@@ -121,6 +122,27 @@ def test_poses_are_continuous_in_time():
             fastest = max(fastest, float(moved))
         before = view.joint_position.copy()
     assert fastest < 9.0
+
+
+def test_a_picture_between_the_line_and_the_tick_that_crosses_it_is_danced_on():
+    """The same moment, drawn a tick before the line is crossed and right after: nobody waits for the tick."""
+    show, other = made_show(), None
+    show.apply(at(events.SetTempo, show, tempo=113.0))
+    apart, view = [], show.view()
+    for tick in range(1, round(30.0 / TICK)):
+        before = show.time
+        beyond = show.timeline.beat_at(before + TICK) - show.span.end
+        line = beyond > 0.01 and show.timeline.beat_at(before) < show.span.end
+        at_tick = before + TICK * (1.0 - 1e-6)
+        if line:
+            show.fill(view, at_tick)
+            other = view.joint_position.copy()
+        show.tick(tick * TICK)
+        if line:
+            show.fill(view, at_tick)
+            apart.append(np.abs(view.joint_position - other)[:, SKELETON.index("leftUpperArm")].max())
+    assert len(apart) >= 3
+    assert max(apart) < 3e-4
 
 
 def test_a_called_step_is_danced_for_its_measures_by_everybody():

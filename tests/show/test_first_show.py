@@ -71,7 +71,7 @@ def test_joins_are_as_smooth_as_the_steps_and_beats_are_measured_both_ways(dance
     _, _, figures = danced
     assert 0.2 < figures["join_velocity_ratio"] <= 1.0
     assert 0.2 < figures["join_acceleration_ratio"] <= 1.2
-    assert 0.0 < figures["skating_ratio"] < 0.3
+    assert 0.0 < figures["skating_ratio"] < 0.01
     assert 0.0 < figures["beat_offset_ms"]["kinematic"]["median"] < 300.0
     assert 0.2 < figures["beat_alignment"]["music"] < 1.0
     assert 0.2 < figures["beat_alignment"]["kinematic"] < 1.0
