@@ -155,7 +155,7 @@ class Dancers:
         if pipeline.lock:
             self.lock.place(pipeline.feet, max(time - self._locked_at, 0.0))
             clear_feet(pipeline.feet, pipeline.sample, pipeline.share, self.graph.library.clip_height)
-            if self.inertia.settling_now.any():
+            if self.inertia.any_settles:
                 self.landing.clear(pipeline.feet, self.inertia.age)
         position, rotation = pipeline.run(self.graph.library.store, out)
         self.hands.pose(position, rotation, max(time - self._locked_at, 0.0))
