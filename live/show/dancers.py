@@ -27,8 +27,8 @@ Bool = npt.NDArray[np.bool_]
 Rows = npt.NDArray[np.int64]
 
 LANDED = 0.03
-"""While a cut settles, a foot is held only once it is this near to the floor [m] and near to where its clip has it: held
-farther from there, it would soon have to let go and slide."""
+"""While a cut settles, a foot is held only once it is this near to the floor [m], and near to where its clip has it:
+held farther from there, it would soon have to let go and slide."""
 
 
 class Dancers:

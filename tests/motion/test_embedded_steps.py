@@ -79,7 +79,8 @@ def test_steps_do_not_skate(own: list[StepClip], bpm: float) -> None:
         if step.step in {"tap", "turn"}:
             continue
         rate = step.clip.sample_rate * bpm / step.bpm
-        assert skates(joints(step)[0], rate).mean() <= 0.01, step.clip.name
+        # one frame of a measure at the fastest: samba has a fifth of a beat for 40 cm; all others skate in none
+        assert skates(joints(step)[0], rate).mean() <= (0.015 if step.step == "samba" else 0.0), step.clip.name
 
 
 def test_no_joint_turns_over_between_two_samples(own: list[StepClip]) -> None:
