@@ -9,7 +9,7 @@ from live.motion.arms.arms import Hands
 from live.motion.contact import TOES_OVER_SOLE
 from live.motion.inertia.inertia import Inertia
 from live.motion.inertia.kernels import LONGEST
-from live.motion.inertia.landing import Landing
+from live.motion.legs.landing import Landing
 from live.motion.legs.placing.kernels import hold_where_wanted
 from live.motion.posing.asking.kernels import ask_dancers, clear_feet, clip_hips, standing_feet
 from live.motion.posing.foot_lock import LEG_JOINTS, FootLock

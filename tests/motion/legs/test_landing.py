@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from live.motion.inertia.kernels import LONGEST
-from live.motion.inertia.landing import ARRIVED, HIGHEST, STAYS, Landing
 from live.motion.legs.kernels import CLEAR, FEET_COLUMNS, ROUND
+from live.motion.legs.landing import ARRIVED, HIGHEST, STAYS, Landing
 
 
 def lifts(landing, age):
