@@ -15,7 +15,7 @@ Float64 = npt.NDArray[np.float64]
 
 PUSH_AHEAD: Final = 0.4
 """Who will touch in this time [s] is pushed apart."""
-PUSH_MARGIN: Final = 0.08
+PUSH_MARGIN: Final = 0.085
 PUSH_STIFFNESS: Final = 24.0
 
 
