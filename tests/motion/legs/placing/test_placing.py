@@ -3,7 +3,7 @@
 import numpy as np
 
 from live.motion.legs.kernels import (
-    FEET_COLUMNS,
+    FOLLOWED_COLUMNS,
     HELD,
     LIFT,
     LOCK_COLUMNS,
@@ -28,9 +28,9 @@ def locked(seed=3):
 
 
 def test_free_feet_swing_on_and_held_ones_stay():
-    lock, feet = locked(), np.zeros((COUNT, 2, FEET_COLUMNS), np.float32)
+    lock, feet = locked(), np.zeros((COUNT, 2, FOLLOWED_COLUMNS), np.float32)
     swing_feet(feet, lock, 0.01)
-    expected = lock[:, :, :FEET_COLUMNS].copy()
+    expected = lock[:, :, :FOLLOWED_COLUMNS].copy()
     free = lock[:, :, HELD] == 0.0
     for place, speed in ((SHIFT_X, SPEED_X), (SHIFT_Z, SPEED_Z), (LIFT, SPEED_Y)):
         expected[free, place] += np.float32(0.01) * lock[free, speed]
