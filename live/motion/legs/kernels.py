@@ -93,8 +93,7 @@ def _aim(
     """Where the ankle shall be, rows _GOAL.. of `leg` [m].
 
     A held foot's carrying point stays where it was at the last tick; a free one keeps its (vanishing) shift and lift.
-    No sole goes below the floor, or below
-    what is CLEAR of it.
+    No sole goes below the floor, or lower than CLEAR of it.
     """
     for i in range(BLOCK):
         row = feet[min(start + i, stop - 1), side]

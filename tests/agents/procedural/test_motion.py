@@ -123,8 +123,9 @@ def test_a_closed_path_is_danced_round_and_an_open_one_to_its_end():
 def test_a_flock_hands_its_weights_to_the_neighbour_pass_and_wanderers_keep_moving():
     stage = MadeStage([[0, 0]], Element(FLOCK, alignment=0.7, cohesion=0.3, start_beat=7.5))
     stage.wish(8.0)
-    assert stage.wants.alignment[0] == pytest.approx(0.35)
-    assert stage.wants.cohesion[0] == pytest.approx(0.15)
+    faded = 1.0 - 0.5**4  # half a beat after its start
+    assert stage.wants.alignment[0] == pytest.approx(0.7 * faded)
+    assert stage.wants.cohesion[0] == pytest.approx(0.3 * faded)
     wander = MadeStage([[0, 0], [3, 1]], Element(WANDER, start_beat=-9.0))
     kept = wander.run(20.0)
     assert np.hypot(*np.diff(kept[16:], axis=0).T).mean() / 0.125 > 0.8

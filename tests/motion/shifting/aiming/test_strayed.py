@@ -47,7 +47,8 @@ def test_ends_stay_on_the_stage_of_those_who_are_there():
     chance, _ = drawn()
     end, way = chance.uniform(-8.0, 8.0, (COUNT, 2)), chance.normal(0.0, 1.0, (COUNT, 2))
     state, before = (np.arange(COUNT) % 2).astype(np.int8), way.copy()
-    keep_ends(way, end, state, 1, 6.0, 4.0)
+    room = np.tile([6.0, 4.0], (COUNT, 1))
+    keep_ends(way, end, state, 1, room)
     there = state == 1
     np.testing.assert_allclose((end + way)[there], np.clip(end + before, (-6.0, -4.0), (6.0, 4.0))[there], atol=1e-12)
     np.testing.assert_array_equal(way[~there], before[~there])
