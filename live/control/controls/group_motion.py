@@ -85,8 +85,8 @@ GROUP_CONTROLS: Final = (
             Argument("width", "float", "from side to side", "m", 2, 400),
             Argument("depth", "float", "from back to front", "m", 2, 400),
         ),
-        "Makes the stage larger or smaller about its centre: its border moves there within two measures, dancers "
-        "outside walk in. At most 4 m more than the patch's each way, and not twice as much.", "operator",
+        "Makes the stage larger or smaller about its centre: its border moves there in two measures or more, dancers "
+        "outside walk in. At most 4 m more than the patch's each way, and at most twice as much.", "operator",
     ),
     Control(
         "/dance/performer", events.Performer, (_NAME, X, Z),
