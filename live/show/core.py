@@ -18,7 +18,6 @@ from live.clock.ticks import TICK
 from live.control import events
 from live.control.events import ControlEvent
 from live.graph.motion_graph import MotionGraph
-from live.motion.skeleton import JOINT_COUNT
 from live.motion.step_clip import StepClip
 from live.show.casting import Casting
 from live.show.clock_events import CLOCK_EVENTS, first_seeds, follower_of, tell
@@ -34,10 +33,9 @@ from live.show.patch import Patch
 from live.show.programmes import programmes_of
 from live.show.reactions import Reactions
 from live.show.refusals import Refusals
-from live.show.ripple import parse_ripple
 from live.show.scheduler import Scheduler
-from live.show.state_hash import hash_of
-from live.show.variation import Variation, varieties_of
+from live.show.seen import Seen
+from live.show.variation import Variation
 
 FADE_HALFLIFE = 0.06
 """Half-life of a blackout's fade [s]: dark within a fifth of a second, without a flash."""
@@ -75,16 +73,7 @@ class Show:
         self.casting.check()
         self.group = self.casting.group
         self.motion = GroupMotion(patch, self.casting, seed=self.seed)
-        beats = patch.clock.beats_per_measure
-        self.variation = Variation(
-            varieties_of(patch),
-            self.group,
-            seed=self.seed,
-            beats_per_measure=beats,
-            window=graph.window,
-            late=tuple(float(section.beats_later % beats) for section in patch.group),
-            ripples=tuple(parse_ripple(section.ripple, section.ripple_beats) for section in patch.group),
-        )
+        self.variation = Variation.of(patch, self.group, seed=self.seed, window=graph.window)
         self.dancers = Dancers(graph, self.variation, len(self.group))
         programmes = programmes_of(patch, graph, self.seed)
         self.scheduler = Scheduler(patch, self.dancers, self.motion, programmes, self.group)
@@ -102,6 +91,7 @@ class Show:
         self.directions = Directions(
             patch, self.casting, self.dancers, self.variation, self.scheduler, self.interrupts, self.refusals
         )
+        self._seen = Seen(self.dancers, self.motion, self.group)
         self._new_steps = NewSteps(reserve, self.refusals)
         self._begin_measure(self.span.end - self.timeline.beats_per_measure)
 
@@ -250,30 +240,13 @@ class Show:
 
     def view(self) -> StageView:
         """An empty drawing snapshot of the right size, to be filled each frame."""
-        return StageView.allocate(len(self.group), JOINT_COUNT)
+        return self._seen.view()
 
     def fill(self, view: StageView, time: float) -> None:
         """Fill the snapshot for `time` [s]: poses at the exact beat, at most a tick after the last one."""
-        beat = self.timeline.beat_at(time)
-        fraction = self.span.fraction(beat)
-        # a picture beyond the line, which the next tick crosses, is danced on: bodies do not wait for the tick
-        on = max(beat - self.span.end, 0.0) / self.timeline.beats_per_measure
-        self.dancers.pose(fraction + on, time, out=(view.joint_position, view.joint_rotation))
-        self.motion.show(view)
-        view.group[:] = self.group
-        view.time, view.beat, view.tempo = time, beat, self.follower.tempo
-        view.measure, view.beats_per_measure = self.span.number, self.timeline.beats_per_measure
-        view.phase = fraction * self.timeline.beats_per_measure
-        view.brightness = self.brightness
+        tempo, brightness = self.follower.tempo, self.brightness
+        self._seen.fill(view, time, self.timeline, self.span, tempo=tempo, brightness=brightness)
 
     def state_hash(self) -> str:
         """A short hash over every bit of the agents' and dancers' states and the poses of this tick."""
-        dancers, danced = self.dancers, self.dancers.present
-        beat = self.timeline.beat_at(self.time)
-        return hash_of(
-            self.state.flat, self.motion.entrances.state, self.group, danced.node, danced.placement, danced.correction,
-            danced.aimed, danced.take, danced.warp, dancers.lock.state, self.variation.phase,
-            *dancers.pose(self.span.fraction(beat), self.time),
-            self.motion.floor.half, self.motion.floor.border,
-            np.array([beat, self.timeline.tempo, self.brightness]),
-        )  # fmt: skip
+        return self._seen.state_hash(self.time, self.timeline, self.span, brightness=self.brightness)

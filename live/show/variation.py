@@ -15,7 +15,7 @@ from live.motion.editing.time_warp import F_MAX, draw_measure_warps
 from live.motion.posing.asking.kernels import delay_phases
 from live.show.danced import Danced
 from live.show.patch import Patch
-from live.show.ripple import Ripple
+from live.show.ripple import Ripple, parse_ripple
 from live.show.sections.motion import MotionSection
 
 Float64 = npt.NDArray[np.float64]
@@ -152,6 +152,20 @@ class Variation:
         self._paired: npt.NDArray[np.intp] = np.zeros(0, np.intp)
         self._even: Float64 = np.zeros(count)
         self.regrouped()
+
+    @classmethod
+    def of(cls, patch: Patch, group: Int32, *, seed: int, window: float) -> "Variation":
+        """What a patch says of its groups; `group` (A,) as in the constructor."""
+        beats = patch.clock.beats_per_measure
+        return cls(
+            varieties_of(patch),
+            group,
+            seed=seed,
+            beats_per_measure=beats,
+            window=window,
+            late=tuple(float(section.beats_later % beats) for section in patch.group),
+            ripples=tuple(parse_ripple(section.ripple, section.ripple_beats) for section in patch.group),
+        )
 
     def regrouped(self) -> None:
         """Take up which group everybody is in, and what the groups want."""

@@ -1,0 +1,54 @@
+"""Seen: what is drawn of a show, and the hash over all that can be seen of it, at one moment."""
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.stage_view import StageView
+from live.clock.timeline import Timeline
+from live.motion.skeleton import JOINT_COUNT
+from live.show.dancers import Dancers
+from live.show.group_motion import GroupMotion
+from live.show.measure import MeasureSpan
+from live.show.state_hash import hash_of
+
+Int32 = npt.NDArray[np.int32]
+
+
+class Seen:
+    """Reads the dancers and agents of one show, and changes nothing."""
+
+    def __init__(self, dancers: Dancers, motion: GroupMotion, group: Int32) -> None:
+        """`group` (A,) is shared with the show."""
+        self._dancers, self._motion, self._group = dancers, motion, group
+
+    def view(self) -> StageView:
+        """An empty drawing snapshot of the right size, to be filled each frame."""
+        return StageView.allocate(len(self._group), JOINT_COUNT)
+
+    def fill(
+        self, view: StageView, time: float, timeline: Timeline, span: MeasureSpan, *, tempo: float, brightness: float
+    ) -> None:
+        """Fill the snapshot for `time` [s]: poses at the exact beat, at most a tick after the last one."""
+        beat = timeline.beat_at(time)
+        fraction = span.fraction(beat)
+        # a picture beyond the line, which the next tick crosses, is danced on: bodies do not wait for the tick
+        on = max(beat - span.end, 0.0) / timeline.beats_per_measure
+        self._dancers.pose(fraction + on, time, out=(view.joint_position, view.joint_rotation))
+        self._motion.show(view)
+        view.group[:] = self._group
+        view.time, view.beat, view.tempo = time, beat, tempo
+        view.measure, view.beats_per_measure = span.number, timeline.beats_per_measure
+        view.phase = fraction * timeline.beats_per_measure
+        view.brightness = brightness
+
+    def state_hash(self, time: float, timeline: Timeline, span: MeasureSpan, *, brightness: float) -> str:
+        """A short hash over every bit of the agents' and dancers' states and the poses at the tick of `time` [s]."""
+        dancers, danced, motion = self._dancers, self._dancers.present, self._motion
+        beat = timeline.beat_at(time)
+        return hash_of(
+            motion.state.flat, motion.entrances.state, self._group, danced.node, danced.placement, danced.correction,
+            danced.aimed, danced.take, danced.warp, dancers.lock.state, dancers.variation.phase,
+            *dancers.pose(span.fraction(beat), time),
+            motion.floor.half, motion.floor.border,
+            np.array([beat, timeline.tempo, brightness]),
+        )  # fmt: skip
