@@ -57,7 +57,8 @@ class ReAiming:
         present, graph, variation = dancers.present, dancers.graph, dancers.variation
         if variation.obeys:
             position, state = carried.motion.state.position, carried.motion.entrances.state
-            stray_wishes(rows, position, variation.obedience, variation.late, min(fraction, 1.0), DEAF, LEASH)
+            obedience, late, share = variation.obedience, variation.late, min(fraction, 1.0)
+            stray_wishes(rows, position, obedience, late, dancers.shown, share, DEAF, LEASH)
             limit_wishes(
                 rows, present.placement, present.correction, present.node, graph.node_gives, graph.node_holds,
                 dancers.lock.state, FAITHFUL + (1.0 - FAITHFUL) * variation.obedience, self._most, MOST_HELD,

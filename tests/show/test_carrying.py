@@ -40,8 +40,8 @@ def loaded():
     return show_of(parse_patch(PATCH.format(obedience=0.5), "carrying"), PATCHES / "carrying.toml")
 
 
-def made(obedience=0.5):
-    return Show(parse_patch(PATCH.format(obedience=obedience), "carrying"), loaded().graph)
+def made(obedience=0.5, extra=""):
+    return Show(parse_patch(PATCH.format(obedience=obedience) + extra, "carrying"), loaded().graph)
 
 
 def run(show, measures, act=None, each=None):
@@ -94,9 +94,10 @@ def test_corrections_stay_within_what_legs_give():
     assert max(found) <= 1.5
 
 
-def changed_within(obedience):
-    """How much corrections change between the line and the next decision, with an attractor thrown meanwhile."""
-    show = made(obedience)
+def changed_within(obedience, extra=""):
+    """How much corrections change between the line and the next decision, with an attractor thrown meanwhile, and how
+    late everybody is."""
+    show = made(obedience, extra)
     run(show, 4)
     before = show.dancers.present.correction[:, :2].copy()
     run(show, 0)
@@ -105,13 +106,23 @@ def changed_within(obedience):
         if tick == start + 2:
             show.apply(events.Attract(time=show.time, source="test", x=3.5, z=2.5, measures=4.0))
         show.tick(tick * TICK)
-    return np.hypot(*(show.dancers.present.correction[:, :2] - before).T)
+    assert not show.dancers.decided
+    return np.hypot(*(show.dancers.present.correction[:, :2] - before).T), show.variation.late
 
 
 def test_only_the_obedient_are_carried_elsewhere_within_the_measure():
-    obedient, faithful = changed_within(1.0), changed_within(0.0)
+    (obedient, late), (faithful, _) = changed_within(1.0), changed_within(0.0)
+    assert not late.any()
     assert np.median(obedient) > 2.0 * np.median(faithful) + 0.005
     assert (faithful < 0.02).sum() >= 5  # the others may have to avoid somebody
+
+
+def test_so_are_those_who_are_late_even_before_they_begin_it():
+    ripple = 'ripple = "left"\nripple_beats = 3.0\n'
+    (obedient, late), (faithful, _) = changed_within(1.0, ripple), changed_within(0.0, ripple)
+    assert np.count_nonzero(late > 0.5 + 8.0 / SIZE) >= 2  # who has not begun the measure when it is looked at
+    for those in (late > 0.0, late > 0.5 + 8.0 / SIZE):
+        assert np.median(obedient[those]) > 2.0 * np.median(faithful[those]) + 0.005
 
 
 def test_agents_go_no_farther_than_their_leash():

@@ -38,27 +38,37 @@ def keep_ends(way: Float64, end: Float64, state: Int8, on: int, room: Float64) -
             way[n, 1] += min(max(z, -room[n, 1]), room[n, 1]) - z
 
 
-@kernel("void(f8[:,:,::1], f4[:,::1], f8[::1], f8[::1], f8, f8, f8)")
+@kernel("void(f8[:,:,::1], f4[:,::1], f8[::1], f8[::1], f4[:,::1], f8, f8, f8)")
 def stray_wishes(
-    rows: Float64, position: Float32, obedience: Float64, late: Float64, fraction: float, deaf: float, leash: float
+    rows: Float64,
+    position: Float32,
+    obedience: Float64,
+    late: Float64,
+    shown: Float32,
+    fraction: float,
+    deaf: float,
+    leash: float,
 ) -> None:
     """Wish corrections as decided, and by `obedience` (A,) as far on as agents at `position` (A, 2) [m] have strayed.
 
     They were so far ahead of their dancers when the measure began, and should be so far ahead when it ends; between,
-    at `fraction` of it, both go evenly. Who is bound to her dancer (`leash` [m]) has not strayed, nor has who is `late`
-    (A,) on purpose; less than `deaf` [m] counts for nothing.
+    at `fraction` of it, both go evenly. The measure of who is `late` (A,) on purpose, which she may not have begun yet,
+    ends so much later. Who is bound to her dancer (`leash` [m]) has not strayed: to an even way through the measure,
+    or who is late to where she is `shown` (A, 2) [m]. Less than `deaf` [m] counts for nothing.
     """
     for n in range(position.shape[0]):
         rows[WISH, n, 0], rows[WISH, n, 1] = rows[PLAN, n, 0], rows[PLAN, n, 1]
-        if late[n] > 0.0:
-            continue
+        passed = fraction / (1.0 + late[n])
         plan_x, plan_z = rows[END, n, 0] + rows[PLAN, n, 0], rows[END, n, 1] + rows[PLAN, n, 1]
-        x = rows[AHEAD, n, 0] * (1.0 - fraction) + (rows[FORESEEN, n, 0] - plan_x) * fraction
-        z = rows[AHEAD, n, 1] * (1.0 - fraction) + (rows[FORESEEN, n, 1] - plan_z) * fraction
+        x = rows[AHEAD, n, 0] * (1.0 - passed) + (rows[FORESEEN, n, 0] - plan_x) * passed
+        z = rows[AHEAD, n, 1] * (1.0 - passed) + (rows[FORESEEN, n, 1] - plan_z) * passed
+        even_x = rows[BEGIN, n, 0] + (plan_x - rows[BEGIN, n, 0]) * passed
+        even_z = rows[BEGIN, n, 1] + (plan_z - rows[BEGIN, n, 1]) * passed
+        if late[n] > 0.0:
+            x, z = x + even_x - shown[n, 0], z + even_z - shown[n, 1]
+            even_x, even_z = float(shown[n, 0]), float(shown[n, 1])
         bound = min(1.0, leash / max(math.hypot(x, z), 1e-9))
-        ahead_x = position[n, 0] - (rows[BEGIN, n, 0] + (plan_x - rows[BEGIN, n, 0]) * fraction)
-        ahead_z = position[n, 1] - (rows[BEGIN, n, 1] + (plan_z - rows[BEGIN, n, 1]) * fraction)
-        x, z = ahead_x - x * bound, ahead_z - z * bound
+        x, z = (position[n, 0] - even_x) - x * bound, (position[n, 1] - even_z) - z * bound
         size = math.hypot(x, z)
         heard = obedience[n] * max(size - deaf, 0.0) / max(size, 1e-9)
         rows[WISH, n, 0] += x * heard

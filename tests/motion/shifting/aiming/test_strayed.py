@@ -30,17 +30,31 @@ def drawn(seed=5):
 
 def test_who_strays_is_followed_as_far_as_she_obeys():
     chance, rows = drawn()
-    position = chance.normal(0.0, 1.0, (COUNT, 2)).astype(np.float32)
-    obedience, late = chance.uniform(0.0, 1.0, COUNT), np.where(np.arange(COUNT) % 5 == 0, 0.1, 0.0)
-    stray_wishes(rows, position, obedience, late, 0.3, 0.08, 0.6)
-    plan = rows[END] + rows[PLAN]
-    even = rows[BEGIN] + 0.3 * (plan - rows[BEGIN])
-    foreseen = 0.7 * rows[AHEAD] + 0.3 * (rows[FORESEEN] - plan)
+    position, shown = chance.normal(0.0, 1.0, (2, COUNT, 2)).astype(np.float32)
+    obedience, late = chance.uniform(0.0, 1.0, COUNT), np.where(np.arange(COUNT) % 5 == 0, 0.4, 0.0)
+    stray_wishes(rows, position, obedience, late, shown, 0.3, 0.08, 0.6)
+    plan, passed = rows[END] + rows[PLAN], (0.3 / (1.0 + late))[:, None]
+    bound = np.where(late[:, None] > 0.0, shown, rows[BEGIN] + passed * (plan - rows[BEGIN]))
+    # from where agents were to where they were foreseen, unless their leash is shorter
+    foreseen = rows[BEGIN] + rows[AHEAD] + passed * (rows[FORESEEN] - rows[BEGIN] - rows[AHEAD]) - bound
     foreseen *= np.minimum(1.0, 0.6 / np.linalg.norm(foreseen, axis=1))[:, None]
-    stray = position - even - foreseen
+    stray = position - bound - foreseen
     size = np.linalg.norm(stray, axis=1)
-    expected = stray * (obedience * np.maximum(size - 0.08, 0.0) / size * (late == 0.0))[:, None]
-    np.testing.assert_allclose(rows[WISH] - rows[PLAN], expected, atol=1e-9)
+    expected = stray * (obedience * np.maximum(size - 0.08, 0.0) / size)[:, None]
+    np.testing.assert_allclose(rows[WISH] - rows[PLAN], expected, atol=1e-6)
+
+
+def test_an_agent_who_comes_as_foreseen_re_aims_nobody_however_late():
+    _, rows = drawn()
+    rows[AHEAD] *= 0.2
+    rows[FORESEEN] = rows[END] + rows[PLAN] + rows[AHEAD]
+    late = np.linspace(0.0, 0.9, COUNT)
+    for fraction in (0.0, 0.3, 0.8):
+        passed = (fraction / (1.0 + late))[:, None]
+        position = rows[BEGIN] + rows[AHEAD] + passed * (rows[FORESEEN] - rows[BEGIN] - rows[AHEAD])
+        shown = (position - 0.4 * rows[AHEAD]).astype(np.float32)  # anywhere within the leash
+        stray_wishes(rows, position.astype(np.float32), np.ones(COUNT), late, shown, fraction, 0.08, 0.6)
+        np.testing.assert_array_equal(rows[WISH], rows[PLAN])
 
 
 def test_ends_stay_on_the_stage_of_those_who_are_there():
