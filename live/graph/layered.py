@@ -5,12 +5,13 @@ dance depends on the measure and the node alone, so one pass over the edges per 
 O(M · E) time. What is kept is bounded: of long dances every Bth layer, from which the layers between are made again.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
+from live.graph.layers.kernels import cheapest_on
 from live.graph.specification import Specification
 
 Float64 = npt.NDArray[np.float64]
@@ -32,6 +33,14 @@ class Edges:
     """Shape (E,)."""
     cost: Float64
     """What taking it costs, 0 or more, shape (E,)."""
+    _rows: "list[_Rows]" = field(default_factory=list)
+
+    @property
+    def rows(self) -> "_Rows":
+        """All edges row after row; worked out once."""
+        if not self._rows:
+            self._rows.append(_Rows.of(self, np.ones(len(self.start) - 1, np.bool_)))
+        return self._rows[0]
 
 
 class CostToGo:
@@ -50,7 +59,7 @@ class CostToGo:
         """What a wrong measure costs."""
         self._block = max(2, block or KEPT_VALUES // max(nodes, 1))
         kinds = specification.fits
-        self._rows = [_Rows.of(edges, np.ones(nodes, np.bool_))] if wrong else [_Rows.of(edges, fit) for fit in kinds]
+        self._rows = [edges.rows] if wrong else [_Rows.of(edges, fit) for fit in kinds]
         self._own = np.where(kinds, 0.0, self.unit if wrong else np.inf)
         self._last = np.where(specification.leaves, 0.0, np.inf)
         self._marks = self._keep_marks()
@@ -91,9 +100,8 @@ class CostToGo:
         if measure == self.specification.measures - 1:
             return np.asarray(value + self._own[kind])
         rows = self._rows[0 if self.wrong else kind]
-        out = np.full(len(value), np.inf)
-        if len(rows.node):
-            out[rows.node] = np.minimum.reduceat(rows.cost + value[rows.target], rows.first)
+        out = np.empty(len(value))
+        cheapest_on(out, rows.node, rows.first, rows.target, rows.cost, value)
         return np.asarray(out + self._own[kind])
 
 

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.layered import CostToGo
+from live.graph.layered import CostToGo, Edges
 from live.graph.motion_graph import MotionGraph
 from live.graph.sequence import edges_of, find_sequence
 from live.graph.specification import Specification, Wanted, specify
@@ -60,9 +60,12 @@ class LiveSequence:
     nothing.
     """
 
-    def __init__(self, graph: MotionGraph, wanted: Sequence[Wanted], *, horizon: int = HORIZON) -> None:
+    def __init__(
+        self, graph: MotionGraph, wanted: Sequence[Wanted], *, horizon: int = HORIZON, edges: Edges | None = None
+    ) -> None:
+        """`edges`: those of the graph, if many searches share them."""
         self._graph = graph
-        self._edges = edges_of(graph)
+        self._edges = edges_of(graph) if edges is None else edges
         self._horizon = horizon
         self._wanted = list(wanted)
         self._into = 0

@@ -70,7 +70,9 @@ def specify(library: StepLibrary, wanted: Sequence[Wanted], *, foot_rule: bool =
     total = sum(entry.measures for entry in wanted)
     if not 1 <= total <= MOST_MEASURES:
         raise PersonError(f"a sequence of {total} measures: 1 to {MOST_MEASURES} expected")
-    sound = np.array([not foot_rule or leads_rightly(clip) for clip in library.clips])[library.node_clip]
+    sound = np.ones(library.node_count, np.bool_)
+    if foot_rule:
+        sound = np.array([leads_rightly(clip) for clip in library.clips])[library.node_clip]
     leaves = library.node_measure == library.node_measures - 1
     found: dict[tuple[Wanted, int], int] = {}
     sets: list[Bool] = []

@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from live.graph.live_sequence import LiveSequence
 from live.graph.motion_graph import MotionGraph
+from live.graph.sequence import edges_of
 from live.graph.specification import Wanted
 
 Float64 = npt.NDArray[np.float64]
@@ -23,7 +24,7 @@ class Foresight:
     """Answers for all dancers of all groups over one graph; a group's dancers share an answer."""
 
     def __init__(self, graph: MotionGraph) -> None:
-        self._graph = graph
+        self._graph, self._edges = graph, edges_of(graph)
         self._kept: OrderedDict[tuple[tuple[Wanted, ...], int], Float64] = OrderedDict()
         self._steps: dict[int, Float64] = {}
 
@@ -34,7 +35,7 @@ class Foresight:
         if key in self._kept:
             self._kept.move_to_end(key)
             return self._kept[key]
-        live = LiveSequence(self._graph, wanted)
+        live = LiveSequence(self._graph, wanted, edges=self._edges)
         for _ in range(into):
             live.advance()
         answer = np.minimum(live.ahead(), IMPOSSIBLE)

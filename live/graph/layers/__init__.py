@@ -1,0 +1,1 @@
+"""One layer of a layered search, for all nodes at once."""
