@@ -63,6 +63,7 @@ class Carrying:
         self._odd = False
         """Of crowds, paths are parted in every second tick."""
         self._slid, self._stood = np.zeros(count), np.zeros(count)
+        self._open = False  # whether the coming measures are not corrected yet
 
     @property
     def predicted(self) -> Float64:
@@ -76,10 +77,19 @@ class Carrying:
 
     # -- what a correction may be --------------------------------------------------------------------------------
 
-    def settle(self, target: Float64, wish: Float64) -> None:
-        """Decide how the coming measures, all else of which is written, are corrected to end at `target` (A, 2) [m],
-        which is as far as steps reach of the way to `wish` (A, 2) [m], where the agents are predicted to be."""
-        coming = self._dancers.coming
+    def decided(self, begin: Float64, target: Float64, wish: Float64) -> None:
+        """The coming measures are written but for how they are corrected to end at `target` (A, 2) [m], which is as far
+        as steps reach of the way to `wish` (A, 2) [m], where the agents are predicted to be; they `begin` (A, 2) there.
+
+        That is decided in the next tick, or at the line if it comes first: this one has enough to do.
+        """
+        self._coming.decided(begin, target, wish)
+        self._open = True
+
+    def _settle(self) -> None:
+        """Decide how the coming measures are corrected."""
+        self._open = False
+        coming, target = self._dancers.coming, self._coming.target
         end = coming.end_position()  # turned on the feet that carry, the hips end elsewhere
         share = FAITHFUL + (1.0 - FAITHFUL) * self._dancers.variation.obedience
         graph, lock = self._dancers.graph, self._dancers.lock
@@ -89,7 +99,7 @@ class Carrying:
             self._motion.entrances.state, ON, *self._motion.floor.half.tolist(),
         )  # fmt: skip
         self._carried.level(coming.correction[:, :2], end, coming=True)
-        self._coming.decided(end, target, wish)
+        self._coming.end[:] = end
 
     # -- time ----------------------------------------------------------------------------------------------------
 
@@ -100,6 +110,8 @@ class Carrying:
 
     def cross_measure_line(self) -> None:
         """The measure ends: how far from the predicted agent; then the coming paths are the present ones."""
+        if self._open:
+            self._settle()
         end, correction = self._carried.end, self._dancers.present.correction[:, :2]
         self.lag[:] = np.hypot(*(end + correction - self.predicted).T)
         self._slid, self._stood = self._dancers.lock.slid()
@@ -115,7 +127,9 @@ class Carrying:
             carried.put_elsewhere(who)
             if dancers.decided:
                 self._coming.put_elsewhere(who)
-        if dancers.decided:
+        if dancers.decided and self._open and not self._coming.fresh:
+            self._settle()
+        elif dancers.decided:
             self._coming.tick(part=not self._odd)
         self._re_aiming.tick(fraction, aim=not self._odd)
         if self._pushing is not None:

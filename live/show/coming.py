@@ -30,7 +30,9 @@ class Coming:
         """Where dancers are sent, and where their agents are predicted to be [m], (A, 2) each."""
         self.room: Float64 = carried.room.copy()
         """As in `Carried`, of the coming measure."""
-        self._traced, self._fresh = 0, False
+        self._traced = 0
+        self.fresh = False
+        """Whether this is the tick of the decision."""
         self._goal = np.zeros((count, 2))
 
     @property
@@ -38,12 +40,11 @@ class Coming:
         """Whether all paths are known."""
         return self._traced >= len(self.end)
 
-    def decided(self, end: Float64, target: Float64, wish: Float64) -> None:
-        """The measure is chosen; see the attributes."""
-        self.end[:], self.target[:], self.wish[:] = end, target, wish
-        begin = self._carried.dancers.present.end_position()
+    def decided(self, begin: Float64, target: Float64, wish: Float64) -> None:
+        """The measure is chosen, and begins at `begin` (A, 2) [m]; see the attributes."""
+        self.target[:], self.wish[:] = target, wish
         self.room[:] = np.maximum(self._carried.motion.floor.half, np.abs(begin))
-        self._traced, self._fresh = 0, True
+        self._traced, self.fresh = 0, True
 
     def put_elsewhere(self, who: Int64) -> None:
         """The dancers `who` (n,) were put into other present measures: their coming ones begin elsewhere."""
@@ -54,8 +55,8 @@ class Coming:
         """Trace the paths piece by piece; then, where it is time to `part`, keep them apart, a round in each tick."""
         carried, dancers, count = self._carried, self._carried.dancers, len(self.end)
         coming = dancers.coming
-        if self._fresh:  # the tick of the decision has enough to do
-            self._fresh = False
+        if self.fresh:  # the tick of the decision has enough to do
+            self.fresh = False
             return
         if self._traced < count:
             piece = slice(self._traced, min(self._traced + -(-count // TRACE_TICKS), count))

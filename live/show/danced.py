@@ -4,10 +4,11 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
-from live.graph.placing import next_axes, own_end, take_placement, turn_vectors
+from live.graph.placing import own_end, take_placement, turn_vectors
 from live.graph.takes import NO_TAKE
 from live.motion.posing.asking.kernels import same_measures
 from live.motion.shifting.kernels import bound_aims, re_aim_dancers
+from live.motion.turning.ending.kernels import end_dancers
 from live.motion.turning.kernels import place_dancers
 
 Float32 = npt.NDArray[np.float32]
@@ -125,13 +126,21 @@ class Danced:
 
     def end_placement(self) -> Float64:
         """The axes (x, z, yaw) in which the next clip joins, corrections and takes included, (A, 3)."""
-        return next_axes(self.graph, self.node, *self.ends())
+        return self.ends_and_axes()[2]
 
     def ends(self) -> tuple[Float64, Float64]:
         """Where the hips will be at the measure's end [m], (A, 2), and where the dancers will face [rad], (A,)."""
-        out = np.empty((len(self.node), 4))
-        self.turned(np.ones(len(self.node)), out)
-        return self._end(out)
+        return self.ends_and_axes()[:2]
+
+    def ends_and_axes(self) -> tuple[Float64, Float64, Float64]:
+        """Both `ends` and `end_placement`."""
+        graph, (end, facing), count = self.graph, self.own_end(), len(self.node)
+        hips, heading, axes = np.empty((count, 2)), np.empty(count), np.empty((count, 3))
+        end_dancers(
+            hips, heading, axes, self.placement, self.correction, self.aimed, self.node, graph.node_turns,
+            graph.node_rise, self.on_support, end, facing, graph.node_end, graph.node_facing,
+        )  # fmt: skip
+        return hips, heading, axes
 
     def end_position(self) -> Float64:
         """Where the hips will be at the measure's end [m], shape (A, 2)."""
@@ -144,8 +153,3 @@ class Danced:
     def end_heading(self) -> Float64:
         """Where the dancers face at the measure's end [rad], shape (A,)."""
         return self.ends()[1]
-
-    def _end(self, placed: Float64) -> tuple[Float64, Float64]:
-        """Hips (A, 2) and heading (A,) on the stage at the end, for the placements `placed` (A, 4) there."""
-        end, facing = self.own_end()
-        return placed[:, :2] + turn_vectors(end, placed[:, 2]), placed[:, 3] + facing

@@ -295,7 +295,7 @@ class Scheduler:
         """Lay down the chosen measures where the dancers will be, and add what they need to end in place."""
         dancers, graph, choices = self._dancers, self._dancers.graph, self.choices
         coming, edge = dancers.coming, choices.edge[:, 0]
-        axes = dancers.present.end_placement()  # where it is by now: the present measure may have been aimed anew
+        hips, _, axes = dancers.present.ends_and_axes()  # by now: the present measure may have been aimed anew
         coming.copy_from(self._draft)
         coming.placement[:] = joined(axes, graph.edge_transform[np.maximum(edge, 0)])
         stuck = edge < 0
@@ -305,7 +305,7 @@ class Scheduler:
         self.detours += int(
             np.count_nonzero((choices.step >= 0) & (graph.library.node_step[coming.node] != choices.step))
         )
-        self.carrying.settle(choices.target, choices.wish)
+        self.carrying.decided(hips, choices.target, choices.wish)
 
     def _own_heading(self, danced: Danced) -> Float64:
         """Heading at the end of each measure, or on the average (T122), in its clip's own axes, (A,) [rad]."""
