@@ -38,9 +38,11 @@ from live.control.group_events import (
     SetStage,
     Travel,
 )
+from live.control.score_events import Advance, HoldScore, JumpTo, Practice, Signal
 
 __all__ = [
     "EVENT_TYPES",
+    "Advance",
     "AskWhy",
     "Attract",
     "BeatHeard",
@@ -54,7 +56,9 @@ __all__ = [
     "DefineFormation",
     "Enter",
     "Evolve",
+    "HoldScore",
     "HoldTempo",
+    "JumpTo",
     "Leave",
     "MusicHeard",
     "Nudge",
@@ -64,6 +68,7 @@ __all__ = [
     "PlaceElement",
     "PlaceObstacle",
     "PlaceWall",
+    "Practice",
     "Regroup",
     "Release",
     "RemoveObstacle",
@@ -80,6 +85,7 @@ __all__ = [
     "SetStage",
     "SetTempo",
     "ShiftBeats",
+    "Signal",
     "SourceChanged",
     "Spread",
     "StepNow",
@@ -221,7 +227,7 @@ EVENT_TYPES: dict[str, type[ControlEvent]] = {
         Tap, One,
         SetTempo, Nudge, ShiftBeats, ScaleTempo, HoldTempo, SetMetre, CountIn, ChooseSource, Blackout, BeatHeard,
         SourceChanged, StepsAdded, TicksSkipped, MusicHeard, RestartAudio, ChooseAudio, SetLatency,
-        SetClick,
+        SetClick, JumpTo, Advance, HoldScore, Practice, Signal,
     )
 }  # fmt: skip
 """Every kind of event by its name in the journal."""

@@ -12,6 +12,7 @@ from live.control.controls.clock import CLOCK_CONTROLS
 from live.control.controls.elements import ELEMENT_CONTROLS
 from live.control.controls.group_motion import GROUP_CONTROLS
 from live.control.controls.motion import MOTION_CONTROLS
+from live.control.controls.score import SCORE_CONTROLS
 from live.control.controls.steps import STEP_CONTROLS
 from live.control.events import ControlEvent
 from live.control.rejections import Reason, Rejection
@@ -45,6 +46,14 @@ class Registry:
 
 
 REGISTRY: Final = Registry(
-    (*ELEMENT_CONTROLS, *GROUP_CONTROLS, *STEP_CONTROLS, *MOTION_CONTROLS, *CLOCK_CONTROLS, *AUDIO_CONTROLS)
+    (
+        *ELEMENT_CONTROLS,
+        *GROUP_CONTROLS,
+        *STEP_CONTROLS,
+        *MOTION_CONTROLS,
+        *CLOCK_CONTROLS,
+        *AUDIO_CONTROLS,
+        *SCORE_CONTROLS,
+    )
 )
 """Every control there is."""

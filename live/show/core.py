@@ -30,7 +30,9 @@ from live.show.interrupts import Interrupts
 from live.show.measure import MeasureSpan
 from live.show.new_steps import NewSteps
 from live.show.patch import Patch
+from live.show.playhead import Playhead
 from live.show.programmes import programmes_of
+from live.show.prompter import SCORE_EVENTS, Prompter
 from live.show.reactions import Reactions
 from live.show.refusals import Refusals
 from live.show.scheduler import Scheduler
@@ -43,6 +45,8 @@ SHORTEST_RETIME = 0.5
 """A measure is never re-timed to end within fewer beats than this."""
 LEAP = 1e-6
 """The clock's beat has jumped if it is so far [beats] from where the last tick's Timeline takes it."""
+CALLS_IN_TURN = 4
+"""A signal may call what gives a signal ... so many times in one tick; the rest waits for the next."""
 LINES_PER_TICK = 4
 """Measure lines crossed in one tick at most, should the tempo ever run away."""
 
@@ -72,13 +76,14 @@ class Show:
         self.casting = Casting(patch)
         self.casting.check()
         self.group = self.casting.group
-        self.motion = GroupMotion(patch, self.casting, seed=self.seed)
+        self.prompter = Prompter(patch)
+        self.motion = GroupMotion(patch, self.casting, seed=self.seed, score=self.prompter.score)
         self.variation = Variation.of(patch, self.group, seed=self.seed, window=graph.window)
         self.dancers = Dancers(graph, self.variation, len(self.group))
         programmes = programmes_of(patch, graph, self.seed)
         self.scheduler = Scheduler(patch, self.dancers, self.motion, programmes, self.group)
         self.interrupts = Interrupts(patch, self.dancers, self.motion, self.scheduler)
-        self._controls = GroupControls(patch, self.motion, self.dancers, self.variation)
+        self._controls = GroupControls(patch, self.motion, self.dancers, self.variation, self.prompter.score)
         self.span = MeasureSpan.at(self.timeline, self.timeline.beat_at(0.0))
         node = first_nodes(graph, self.scheduler, self.group, self.motion.partners.mirrored, self.span.number)
         self.dancers.start(node, self.state.position.astype(np.float64), self.motion.starting_heading)
@@ -99,6 +104,16 @@ class Show:
     def state(self) -> AgentState:
         """The agents now."""
         return self.motion.state
+
+    @property
+    def playhead(self) -> Playhead:
+        """Where the score is."""
+        return self.prompter.playhead
+
+    @property
+    def danced(self) -> float:
+        """Beats danced so far: (measure + how far it is) times the beats of a measure; those of `prompter.agenda`."""
+        return self.span.danced(self.timeline.beat_at(self.time), self.patch.clock.beats_per_measure)
 
     # -- events ------------------------------------------------------------------------------------------------
 
@@ -130,6 +145,9 @@ class Show:
         if isinstance(event, DIRECTIONS):
             self.directions.act(event)
             return
+        if isinstance(event, SCORE_EVENTS):
+            self._move_score(event)
+            return
         match event:
             case events.Clear():
                 self._controls.clear(self.time, self.timeline)
@@ -142,6 +160,18 @@ class Show:
                 self.blackout = event.on
             case events.TicksSkipped():
                 self.time += event.count * TICK
+
+    def _move_score(self, event: ControlEvent) -> None:
+        """The score goes elsewhere: what of the coming measure can still be planned anew is."""
+        try:
+            moved = self.prompter.act(event)
+        except PersonError as error:
+            self.refusals.add(f"{event.source}: {error}")
+            return
+        if moved:
+            self.motion.withdraw(self.span.number + 1)
+            if not self.scheduler.plan_anew(self.span, self.timeline, self.time):
+                self.prompter.came_late()
 
     def _tell_clock(self, event: ControlEvent) -> None:
         words = tell(self.follower, event)
@@ -182,8 +212,10 @@ class Show:
         for _ in range(LINES_PER_TICK):
             if beat < self.span.end:
                 break
+            self._fire((self.span.number + 1) * self.patch.clock.beats_per_measure)
             self._cross_measure_line(time)
             crossed = True
+        self._fire(self.danced)
         self.scheduler.work(self.span, self.timeline, time)
         self.interrupts.tick(self.span, self.timeline, time)
         carrying, fraction = self.scheduler.carrying, self.span.fraction(beat)
@@ -196,6 +228,15 @@ class Show:
             self.dancers.hands.tick(partners.other, partners.hand, TICK, self.timeline.tempo)
         self.brightness = damper(self.brightness, 0.0 if self.blackout else 1.0, FADE_HALFLIFE, TICK)
         return crossed
+
+    def _fire(self, danced: float) -> None:
+        """What waits for a beat up to `danced` happens, and what that calls at once."""
+        for _ in range(CALLS_IN_TURN):
+            due = self.prompter.agenda.fire(danced)
+            for event in due:
+                self._act_on(event)
+            if not due:
+                return
 
     def _cross_measure_line(self, time: float) -> None:
         if not self.dancers.decided:
@@ -210,6 +251,7 @@ class Show:
             self._act_on(change)
 
     def _begin_measure(self, beat: float) -> None:
+        self.prompter.begin_measure(self.span.number, self.time)
         self._controls.cross_measure_line(self.span.number)
         self.variation.begin_measure(self.span.number)
         timing = self.motion.partners.timing()

@@ -24,6 +24,7 @@ class Programme(Protocol):
     def dance(self, wanted: list[Wanted]) -> None: ...
     def release(self) -> None: ...
     def take_graph(self, graph: MotionGraph) -> None: ...
+    def take_back(self, measure: int) -> None: ...
 
 
 class Echo:
@@ -71,6 +72,11 @@ class Echo:
         """Follow the leader again."""
         self._free = False
         self._own.release()
+
+    def take_back(self, measure: int) -> None:
+        """What was said of `measure`, which has not begun, shall not have been."""
+        self._own.take_back(measure)
+        self._said.pop(measure, None)
 
     def take_graph(self, graph: MotionGraph) -> None:
         """Choose in a graph that has all nodes and steps of the old one."""

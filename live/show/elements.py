@@ -1,6 +1,7 @@
 """Elements: the procedural elements of a show, put there by the score or live, each for its own group (T105-T110)."""
 
 from dataclasses import replace
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -21,14 +22,17 @@ from live.show.score import Score
 
 Float32 = npt.NDArray[np.float32]
 
+SCORE: Final = "score"
+"""The source of what the score places."""
+
 
 class Elements:
     """The elements of one show: from the patch's score at their measures, from controls now or at the next line."""
 
-    def __init__(self, patch: Patch, casting: Casting, *, seed: int) -> None:
+    def __init__(self, patch: Patch, casting: Casting, *, seed: int, score: Score | None = None) -> None:
         count = len(casting.group)
         half = (patch.stage.width / 2, patch.stage.depth / 2)
-        self._score = Score(patch)
+        self._score = score or Score(patch)
         self._addressees = Addressees(casting)
         self._field = ElementField(
             count,
@@ -41,6 +45,7 @@ class Elements:
         self._ahead: Float32 = np.zeros(count, np.float32)
         self._last_of: dict[str, Element] = {}
         self._placed = -1
+        self._of_line: list[Element] = []
         self.gain = 1.0
         """How much stronger elements are that begin from now on."""
         for section in patch.element:  # whatever is wrong is told at the start, not in measure 200
@@ -74,9 +79,22 @@ class Elements:
         if measure <= self._placed:
             return
         self._placed = measure
+        if measure >= 0 and self._score.playhead.jumped(measure):  # what the score had elsewhere is over
+            self._field.end(beat, source=SCORE)
+        self._of_line.clear()
         for section in self._score.elements(measure):
             start = beat + (section.measure - int(section.measure)) * beats_per_measure
-            self._place(placing_of_section(section), "score", start, beats_per_measure, position)
+            placed = self._place(placing_of_section(section), SCORE, start, beats_per_measure, position)
+            self._of_line.append(placed)
+
+    def withdraw(self, measure: int) -> None:
+        """Take back what was put there ahead of time for `measure`, which has not begun."""
+        if measure > self._placed:
+            return
+        self._placed = measure - 1
+        for element in self._of_line:
+            self._field.remove(element)
+        self._of_line.clear()
 
     def act(
         self, event: ElementEvent, *, beat: float, next_line: float, beats_per_measure: int, position: Float32

@@ -33,16 +33,19 @@ LIVE_WAYS: Final = 16
 class Evolutions:
     """The running plan of a show. Beats are danced beats: (measure + how far it is) times the beats of a measure."""
 
-    def __init__(self, patch: Patch, casting: Casting, *, radius: Float32, seed: int) -> None:
+    def __init__(
+        self, patch: Patch, casting: Casting, *, radius: Float32, seed: int, score: Score | None = None
+    ) -> None:
         """PersonError for a formation, way or group that cannot be."""
         self._patch, self._casting = patch, casting
-        self._score = Score(patch)
+        self._score = score or Score(patch)
         self._formations = Formations([spec_of(table) for table in patch.formation], seed=seed)
         self._formations.warm({*(group.dancers for group in patch.group), patch.dancer_count})
         half = (patch.stage.width / 2, patch.stage.depth / 2)
         self._beats = patch.clock.beats_per_measure
         self._plan = Plan(casting.roster, Repertoire(), measure_beats=self._beats, half=half, radius=radius, seed=seed)
         self._added = -1
+        self._of_line: list[Segment] = []
         self._ways = 0
         for section in patch.segment:  # whatever is wrong is told at the start, not in measure 200
             with named(f"segment in measure {section.measure}"):
@@ -76,9 +79,18 @@ class Evolutions:
     def _take_up(self, measure: int) -> None:
         """Plan the score's segments of the measures up to `measure`, once."""
         for number in range(max(self._added + 1, measure - 1), measure + 1):
-            for segment in self.score_of(number):
+            self._of_line = self.score_of(number)
+            for segment in self._of_line:
                 self._plan.add(segment)
         self._added = max(self._added, measure)
+
+    def withdraw(self, measure: int) -> None:
+        """The score goes on elsewhere with `measure`, which has not begun: plan its segments in place of the old."""
+        if measure > self._added:
+            return
+        self._plan.withdraw(self._of_line)
+        self._added = measure - 1
+        self._take_up(measure)
 
     def score_of(self, measure: int) -> list[Segment]:
         """The segments that the score has for `measure` (from 0); their names are in the repertoire then."""

@@ -30,12 +30,14 @@ GROUP_EVENTS = (
 class GroupControls:
     """Lets events act on the group motion of a show."""
 
-    def __init__(self, patch: Patch, motion: GroupMotion, dancers: Dancers, variation: Variation) -> None:
+    def __init__(
+        self, patch: Patch, motion: GroupMotion, dancers: Dancers, variation: Variation, score: Score | None = None
+    ) -> None:
         self._patch = patch
         self._motion = motion
         self._dancers = dancers
         self._variation = variation
-        self._score = Score(patch)
+        self._score = score or Score(patch)
         self._joining: dict[int, int] = {}
 
     def act(self, event: ControlEvent, *, time: float, timeline: Timeline, span: MeasureSpan) -> None:

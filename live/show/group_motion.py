@@ -31,6 +31,7 @@ from live.show.measure import MeasureSpan
 from live.show.pair_steering import PairSteering
 from live.show.partners import Partners
 from live.show.patch import Patch
+from live.show.score import Score
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -84,7 +85,7 @@ def steering_of(patch: Patch) -> Steering:
 class GroupMotion:
     """The agents of one show. Call `begin_measure` at measure lines and `tick` for every tick."""
 
-    def __init__(self, patch: Patch, casting: Casting, *, seed: int) -> None:
+    def __init__(self, patch: Patch, casting: Casting, *, seed: int, score: Score | None = None) -> None:
         """Everybody stands in her group's formation; PersonError for one that cannot be."""
         count = len(casting.group)
         half = (patch.stage.width / 2, patch.stage.depth / 2)
@@ -106,8 +107,9 @@ class GroupMotion:
             else:
                 self.surroundings.put_obstacle(item.name, *item.at, item.radius)
         self.part = Parting(count, DANCER_GAP, half_width=half[0], half_depth=half[1], seed=seed)
-        self.evolutions = Evolutions(patch, casting, radius=radius, seed=seed)
-        self.elements = Elements(patch, casting, seed=seed)
+        score = score or Score(patch)
+        self.evolutions = Evolutions(patch, casting, radius=radius, seed=seed, score=score)
+        self.elements = Elements(patch, casting, seed=seed, score=score)
         self.partners = Partners(patch, casting)
         self.starting_heading: Float64 = np.zeros(count)
         """Where everybody faces at first [rad], shape (A,)."""
@@ -217,6 +219,11 @@ class GroupMotion:
         position = self.state.position
         self.elements.begin_measure(span.number + 1, span.end, timeline.beats_per_measure, position)
         self.evolutions.prepare(span.number + 1, position, heading)
+
+    def withdraw(self, measure: int) -> None:
+        """The score goes on elsewhere with `measure`, which has not begun, than was foreseen."""
+        self.elements.withdraw(measure)
+        self.evolutions.withdraw(measure)
 
     def work(self, steps: int) -> None:
         """Do at most so many coarse steps of looking ahead."""

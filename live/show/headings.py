@@ -33,6 +33,7 @@ class Headings:
         self._facing = [self.parse(section.facing) for section in patch.group]
         self._raw = np.zeros((2, count))
         """What was wanted in the last two measures, unwrapped, the newest first."""
+        self._before = self._raw.copy()
 
     def parse(self, words: str) -> Facing:
         """What `words` mean in this show; PersonError if nothing."""
@@ -47,12 +48,17 @@ class Headings:
         """Everybody faces `heading` (A,) [rad] and wants to."""
         self._raw[:] = heading
 
+    def take_back(self) -> None:
+        """The last `next` shall not have been."""
+        self._raw[:] = self._before
+
     def next(self, start: Float64, wish: Float64, planned: Float64, known: Bool) -> Float64:
         """Headings (A,) [rad] at the end of the next measure of dancers who go from `start` to `wish` (A, 2) [m].
 
         `planned` (A,) are the headings of those who are in an evolution (`known`): they are smoothed already. To be
         called once for each measure.
         """
+        self._before[:] = self._raw
         wanted = self._raw[0].copy()
         for index, facing in enumerate(self._facing):
             members = np.flatnonzero(self._motion.casting.group == index)

@@ -16,6 +16,7 @@ from live.show.sections.midi import MidiSection
 from live.show.sections.motion import LocomotionSection, MotionSection
 from live.show.sections.music import ClockSection, MusicSection, SoundSection
 from live.show.sections.react import ReactSection
+from live.show.sections.score import AtSection, ScoreSection, SignalSection
 from live.show.sections.section import Name, Section
 from live.show.sections.segment import FormationTable, RegroupSection, SegmentSection
 from live.show.sections.stage import (
@@ -63,6 +64,9 @@ class Patch(Section):
     segment: Annotated[tuple[SegmentSection, ...], Field(max_length=20000)] = ()
     regroup: Annotated[tuple[RegroupSection, ...], Field(max_length=20000)] = ()
     element: Annotated[tuple[ElementSection, ...], Field(max_length=20000)] = ()
+    section: Annotated[tuple[ScoreSection, ...], Field(max_length=1000)] = ()
+    at: Annotated[tuple[AtSection, ...], Field(max_length=20000)] = ()
+    signal: Annotated[tuple[SignalSection, ...], Field(max_length=20000)] = ()
 
     @property
     def dancer_count(self) -> int:

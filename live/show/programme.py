@@ -1,6 +1,6 @@
 """Programme: which step each group should dance in which measure: by sequence, by seeded chance, or as called."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -81,6 +81,7 @@ class GroupProgramme:
         self._slot, self._into = 0, 0
         self._drawn, self._drawn_left = self.steps[0], 0
         self._call: _Call | None = None
+        self._before: tuple[tuple[int, int] | None, int, int, int, int, _Call | None] | None = None
         self.coming: tuple[Wanted, ...] = ()
         """What is to be danced from the measure on that was last asked for, at least as far as a search looks."""
         self.into = 0
@@ -112,6 +113,12 @@ class GroupProgramme:
             self._live = []
             self._slot, self._into, self._drawn_left = 0, 0, 0
 
+    def take_back(self, measure: int) -> None:
+        """What was said of `measure`, which has not begun, shall not have been: it will be asked for again."""
+        if self._asked is not None and self._asked[0] == measure and self._before is not None:
+            self._asked, self._slot, self._into, self._drawn, self._drawn_left, self._call = self._before
+            self._before = None
+
     @property
     def _slots(self) -> list[Wanted]:
         return self._live or self._own
@@ -129,6 +136,8 @@ class GroupProgramme:
         """
         if self._asked is not None and self._asked[0] == measure:
             return self._asked[1]
+        call = None if self._call is None else replace(self._call)
+        self._before = (self._asked, self._slot, self._into, self._drawn, self._drawn_left, call)
         if measure < 0 and not self._draws:
             step = _step_of(self._slots[0])
             self.into, self.coming = 0, (self._slots[0],)

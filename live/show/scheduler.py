@@ -46,6 +46,8 @@ LOOK_BEATS: Final = 1.75
 """Beats before the measure line at which the look-ahead begins."""
 DECIDE_BEATS: Final = 1.0
 """Beats before it at which the next steps are chosen: never later than the blend begins."""
+ANEW_TICKS: Final = 8.0
+"""With fewer ticks until the decision the planning of a measure is not begun anew."""
 AT_A_TIME: Final = 48
 """Dancers whose measures are chosen in one piece."""
 HALF_SHARE: Final = 0.125
@@ -81,6 +83,7 @@ class Scheduler:
         self._following: tuple[Int32, Int32] = np.zeros(0, np.int32), np.zeros(0, np.int32)
         self._pieces: deque[Piece] = deque()
         self._left = 0.0  # what they weigh together
+        self._looked = False  # whether headings have been asked for
         self._seconds = 2.0
         self.take_graph(dancers.graph, Choosing.of(dancers.graph))
         self.last_target: Float64 | None = None
@@ -137,6 +140,22 @@ class Scheduler:
             self._do_piece()
             done += weight
 
+    def plan_anew(self, span: MeasureSpan, timeline: Timeline, time: float) -> bool:
+        """Forget what is planned of the measure after `span`, and plan it again; False if it is too late for that."""
+        if self._dancers.decided:
+            return False
+        if not self._pieces and not self._arguments:
+            return True  # not begun
+        if (span.end - timeline.beat_at(time) - DECIDE_BEATS) * 60.0 / timeline.tempo < ANEW_TICKS * TICK:
+            return False
+        self._pieces.clear()
+        self._left, self._arguments = 0.0, ()
+        if self._looked:
+            self.aims.headings.take_back()
+        for programme in self.programmes:
+            programme.take_back(span.number + 1)
+        return True
+
     def _begin(self, span: MeasureSpan, timeline: Timeline, time: float) -> None:
         """Begin to plan the measure after `span`."""
         left = max(0.0, span.end - timeline.beat_at(time))
@@ -148,6 +167,7 @@ class Scheduler:
         steps = math.ceil((seconds + float(late.max()) * beat) / LookAhead.STEP) + len(np.unique(late))
         self._pieces.extend(self._planned(steps, span.number + 1))
         self._left = sum(weight for weight, _ in self._pieces)
+        self._looked = False
 
     def _planned(self, steps: int, measure: int) -> list[Piece]:
         """The pieces of the planning of `measure`, with so many coarse `steps` of looking ahead.
@@ -183,6 +203,7 @@ class Scheduler:
     def _look(self) -> None:
         self._motion.work(1 << 20)
         self.aims.look(self.choices)
+        self._looked = True
 
     def _limit(self) -> None:
         """How far everybody can get, and all that the choice asks for."""

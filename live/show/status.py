@@ -117,6 +117,8 @@ class Status:
             "carried": show.scheduler.carrying.figures(),
             "interrupts": show.interrupts.figures(),
             "why": show.why(),
+            **show.prompter.facts(),
+            "agenda": show.prompter.agenda.figures(),
             **{key: tell() for key, tell in self.more.items()},
         }
 

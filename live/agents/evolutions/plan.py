@@ -107,6 +107,14 @@ class Plan:
         self._entries.append(_Entry(segment, np.zeros(self.roster.count, np.bool_)))
         self._coming.pop(segment.start, None)
 
+    def withdraw(self, segments: Iterable[Segment]) -> None:
+        """Forget these very segments, which have not begun."""
+        gone = {id(segment) for segment in segments}
+        for entry in self._entries:
+            if id(entry.segment) in gone:
+                self._coming.pop(entry.segment.start, None)
+        self._entries = [entry for entry in self._entries if id(entry.segment) not in gone]
+
     def resize(self, half: tuple[float, float]) -> None:
         """Half the stage's width and depth [m] are these for whatever begins from now on."""
         self._half = half

@@ -119,6 +119,13 @@ class ElementField:
         self._table.replace(row, moved)
         return moved
 
+    def remove(self, element: Element) -> bool:
+        """Take away an element that was put there, as if it had never been; False if it is not in force any more."""
+        row = self._table.row_of(element)
+        if row is not None:
+            self._table.remove(row)
+        return row is not None
+
     def end(self, beat: float, *, source: str | None = None, kind: int | None = None, groups: int | None = None) -> int:
         """Let the elements that fit all that is given fade out from `beat` on, from the level they have.
 

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from live.show.sections.section import Place, Section
+from live.show.sections.section import Name, Place, Section
 
 Words = Annotated[str, Field(min_length=1, max_length=400)]
 Line = Annotated[tuple[Place, ...], Field(min_length=2, max_length=1000)]
@@ -18,6 +18,8 @@ class ElementSection(Section):
     leader, run after or away from somebody, follow a drawn path."""
     measure: Annotated[float, Field(ge=1, le=100000)]
     """The measure at which it begins."""
+    section: Name | None = None
+    """The section it belongs to, whose first measure is its measure 1; left out: measures of the whole score."""
     measures: Annotated[float, Field(gt=0, le=10000)] = 4.0
     """How many measures it lasts; it fades in and out over a beat."""
     group: Words = "*"

@@ -41,6 +41,8 @@ class RegroupSection(Section):
 
     measure: Annotated[int, Field(ge=1, le=100000)]
     """The measure with which they begin to dance with the other group, from 1."""
+    section: Name | None = None
+    """The section it belongs to, whose first measure is its measure 1; left out: measures of the whole score."""
     dancers: Words
     """Who: groups, attributes, numbers and places as in `ember & left + 12-14`; places mean where they stand then."""
     group: Name
@@ -52,6 +54,8 @@ class SegmentSection(Section):
 
     measure: Annotated[int, Field(ge=1, le=100000)]
     """The measure at whose line it begins, from 1."""
+    section: Name | None = None
+    """The section it belongs to, whose first measure is its measure 1; left out: measures of the whole score."""
     measures: Annotated[int, Field(ge=1, le=10000)] = 4
     """Measures until all have arrived, exactly on a measure line."""
     group: Words = "*"

@@ -1,0 +1,106 @@
+"""Prompter: follows the score with playhead and agenda, and prompts what it says at its beats (T015, T016)."""
+
+from typing import Any, Final
+
+from live.base.errors import PersonError
+from live.control import events
+from live.control.events import ControlEvent
+from live.show.agenda import Agenda
+from live.show.patch import Patch
+from live.show.playhead import END, Playhead, When
+from live.show.score import Score, stretches_of
+
+SCORE_EVENTS: Final = (events.JumpTo, events.Advance, events.HoldScore, events.Practice)
+"""The events that `act` takes."""
+
+
+class Prompter:
+    """Where the score of a show is, and what it has at its beats. Thread: the show's."""
+
+    def __init__(self, patch: Patch) -> None:
+        self.playhead = Playhead(stretches_of(patch))
+        self.score = Score(patch, self.playhead)
+        self.agenda = Agenda()
+        """What waits for its danced beat, from the score or from others."""
+        self.late_jumps = 0
+        """Jumps that were asked for when the steps of their first measure were decided already."""
+        self.said = ""
+        """What there is to say of the last jump; empty if all of it came in time."""
+        self._beats = patch.clock.beats_per_measure
+        self._names = {stretch.name.casefold(): i for i, stretch in enumerate(self.playhead.stretches)}
+
+    def begin_measure(self, measure: int, time: float) -> None:
+        """`measure` (from 0) begins at `time` [s]: what the score has at its beats waits for them."""
+        self.playhead.cross(measure)
+        line = measure * self._beats
+        for call in self.score.calls(measure):
+            event = call.event(time)
+            if isinstance(event, ControlEvent):
+                self.agenda.put(line + call.beat - 1.0, event)
+        for signal in self.score.signals(measure):
+            self.agenda.put(line + signal.beat - 1.0, events.Signal(time=time, source="score", name=signal.name))
+
+    def act(self, event: ControlEvent) -> bool:
+        """Let an event of `SCORE_EVENTS` act; whether the coming measure is another one now. PersonError: no place."""
+        coming = self.playhead.measure + 1
+        before = self.playhead.place(coming), self.playhead.entered(coming)
+        try:
+            match event:
+                case events.JumpTo():
+                    self.playhead.jump(self.section(event.section), event.measure - 1, _when(event.when))
+                case events.Advance():
+                    self.playhead.advance(_when(event.when))
+                case events.HoldScore():
+                    self.playhead.hold(event.on)
+                case events.Practice():
+                    practice = None if not event.first and not event.last else (event.first - 1, event.last - 1)
+                    self.playhead.loop(practice)
+        except ValueError as error:
+            raise PersonError(str(error)) from None
+        self.said = ""
+        return before != (self.playhead.place(coming), self.playhead.entered(coming))
+
+    def came_late(self) -> None:
+        """The coming measure is another one, but its steps are decided already: it is danced with those."""
+        self.late_jumps += 1
+        self.said = "steps of the first measure were decided already: they are those of before"
+
+    def section(self, name: str) -> int:
+        """Index of a section; PersonError if there is none of that name."""
+        index = self._names.get(name.casefold().strip())
+        if index is None:
+            known = ", ".join(stretch.name for stretch in self.playhead.stretches if stretch.name)
+            raise PersonError(
+                f"no section is called {name!r}", f"there are: {known}" if known else "the patch has none"
+            )
+        return index
+
+    def facts(self) -> dict[str, Any]:
+        """Where the score is, for the status; measures and turns count from 1."""
+        playhead = self.playhead
+        place = playhead.place(playhead.measure)
+        over = place.section == END
+        going = playhead.going
+        return {
+            "section": None if over else playhead.stretches[place.section].name,
+            "section_measure": None if over else place.measure + 1,
+            "section_turn": None if over else place.turn + 1,
+            "score": {
+                "measure": None if over else playhead.written(place) + 1,
+                "measures": None if over else playhead.stretches[place.section].measures,
+                "pass": playhead.passes,
+                "waiting": playhead.waiting,
+                "held": playhead.held,
+                "going": None if going is None or going[0] == END else playhead.stretches[going[0]].name,
+                "practice": None if playhead.practice is None else [playhead.practice[0] + 1, playhead.practice[1] + 1],
+                "late_jumps": self.late_jumps,
+                "said": self.said,
+            },
+        }
+
+
+def _when(word: str) -> When:
+    match word:
+        case "measure" | "section":
+            return word
+    raise PersonError(f"when {word!r} is unknown", "there are: measure, section")

@@ -1,0 +1,77 @@
+"""Everything happens in the order of its beats, with the tick that holds its beat, and lateness is counted."""
+
+import random
+
+from live.control.events import Signal
+from live.show.agenda import AT_ONCE, MOST, Agenda
+
+
+def signal(name, source="score"):
+    return Signal(time=0.0, source=source, name=name)
+
+
+def test_events_come_in_order_with_the_tick_that_holds_their_beat():
+    chance = random.Random(4)
+    beats = [chance.uniform(0.0, 20.0) for _ in range(300)]
+    agenda = Agenda()
+    for beat in beats:
+        agenda.put(beat, signal(f"{beat!r}"))
+    came, before = [], -0.1
+    for tick in range(1000):
+        now = tick * 0.03
+        for event in agenda.fire(now):
+            assert before < float(event.name) <= now
+            came.append(float(event.name))
+        before = now
+    assert came == sorted(beats)
+    assert (agenda.fired, agenda.late_ticks_max, agenda.late, len(agenda)) == (300, 0, 0, 0)
+
+
+def test_those_of_one_beat_keep_their_order():
+    agenda = Agenda()
+    for name in "abcde":
+        agenda.put(2.0, signal(name))
+    assert [event.name for event in agenda.fire(2.0)] == list("abcde")
+
+
+def test_lateness_is_counted_in_ticks():
+    agenda = Agenda()
+    agenda.fire(1.0)
+    agenda.fire(1.1)
+    for n in range(AT_ONCE + 1):
+        agenda.put(1.15, signal(str(n)))
+    agenda.fire(1.2)
+    assert agenda.late_ticks_max == 0
+    agenda.fire(1.3)  # the one that found no room
+    assert (agenda.late_ticks_max, agenda.late) == (1, 0)
+    for n in range(2 * AT_ONCE + 1):
+        agenda.put(1.35, signal(str(n)))
+    for now in (1.4, 1.5, 1.6):
+        agenda.fire(now)
+    assert (agenda.late_ticks_max, agenda.late) == (2, 1)
+
+
+def test_what_is_asked_for_too_late_comes_at_once_and_is_not_late():
+    agenda = Agenda()
+    agenda.fire(4.0)
+    agenda.put(1.0, signal("over"))
+    assert [event.name for event in agenda.fire(4.1)] == ["over"]
+    assert agenda.late_ticks_max == 0
+
+
+def test_what_one_source_has_put_is_taken_back():
+    agenda = Agenda()
+    for beat in range(6):
+        agenda.put(float(beat), signal(str(beat)))
+        agenda.put(float(beat), signal(f"hand {beat}", source="osc"))
+    assert agenda.withdraw("score", 3.0) == 3
+    assert [event.name for event in agenda.fire(9.0)] == [
+        "0", "hand 0", "1", "hand 1", "2", "hand 2", "hand 3", "hand 4", "hand 5",
+    ]  # fmt: skip
+
+
+def test_there_is_a_bound():
+    agenda = Agenda()
+    for _ in range(MOST + 3):
+        agenda.put(1.0, signal("x"))
+    assert (len(agenda), agenda.dropped) == (MOST, 3)

@@ -1,0 +1,150 @@
+"""Where a score is in every measure: sections that repeat, wait, jump, are held and practised."""
+
+import itertools
+import random
+
+import pytest
+
+from live.show.playhead import END, Place, Playhead, Stretch
+
+SONG = (Stretch("intro", 2, 1, 1), Stretch("verse", 3, 2, 2), Stretch("solo", 2, 0, 3), Stretch("coda", 1, 1, END))
+
+
+def danced(playhead, count):
+    """(section, measure) of the next measures, which begin one after the other."""
+    found = []
+    for _ in range(count):
+        playhead.cross(playhead.measure + 1)
+        place = playhead.place(playhead.measure)
+        found.append((place.section, place.measure))
+    return found
+
+
+def test_one_stretch_without_sections_is_the_measure_modulo_its_length():
+    playhead = Playhead([Stretch("", 5, 1, 0)])
+    assert danced(playhead, 17) == [(0, measure % 5) for measure in range(17)]
+    assert playhead.place(16).turn == 3
+    endless = Playhead([Stretch("", None, 1, 0)])
+    assert danced(endless, 9) == [(0, measure) for measure in range(9)]
+
+
+def test_sections_repeat_wait_for_somebody_and_end():
+    playhead = Playhead(SONG)
+    verse = [(1, 0), (1, 1), (1, 2)]
+    assert danced(playhead, 8) == [(0, 0), (0, 1), *verse, *verse]
+    assert danced(playhead, 7) == [(2, 0), (2, 1), (2, 0), (2, 1), (2, 0), (2, 1), (2, 0)]
+    assert playhead.waiting
+    playhead.advance()
+    assert not playhead.waiting
+    assert danced(playhead, 4) == [(2, 1), (3, 0), (END, 0), (END, 1)]
+    assert not playhead.entered(playhead.measure)
+    playhead.advance()
+    assert danced(playhead, 2) == [(0, 0), (0, 1)]
+
+
+def test_before_the_first_downbeat_there_is_no_section():
+    playhead = Playhead(SONG)
+    playhead.cross(-2)
+    assert playhead.place(-2) == Place(END, -2)
+    assert [playhead.place(measure).section for measure in (-1, 0, 1, 2)] == [END, 0, 0, 1]
+    playhead.jump(2)
+    playhead.cross(-1)
+    assert playhead.place(-1).section == END
+    playhead.cross(0)
+    assert playhead.place(0) == Place(2, 0, 0)
+
+
+def test_a_jump_acts_at_the_next_line_or_at_the_end_of_the_pass_and_once():
+    playhead = Playhead(SONG)
+    danced(playhead, 4)
+    playhead.jump(0, 1)
+    assert playhead.place(4) == Place(0, 1, 1)
+    assert playhead.jumped(4)
+    assert danced(playhead, 3) == [(0, 1), (1, 0), (1, 1)]
+    assert playhead.place(playhead.measure).turn == 1
+    playhead.jump(3, when="section")
+    assert danced(playhead, 3) == [(1, 2), (3, 0), (END, 0)]
+
+
+def test_the_section_that_is_left_at_once_gives_way_to_what_follows_it():
+    playhead = Playhead(SONG)
+    danced(playhead, 3)
+    playhead.advance("measure")
+    assert danced(playhead, 2) == [(2, 0), (2, 1)]
+
+
+def test_what_is_held_begins_nothing_again():
+    playhead = Playhead(SONG)
+    danced(playhead, 2)
+    playhead.hold(True)
+    for _ in range(3):
+        playhead.cross(playhead.measure + 1)
+        assert playhead.place(playhead.measure) == Place(0, 1, 0)
+        assert not playhead.entered(playhead.measure)
+    playhead.hold(False)
+    assert playhead.entered(playhead.measure + 1)
+    assert danced(playhead, 1) == [(1, 0)]
+
+
+def test_practice_is_over_written_measures_and_takes_no_repeats():
+    playhead = Playhead(SONG)
+    danced(playhead, 1)
+    playhead.loop((3, 6))
+    assert danced(playhead, 9) == [*[(1, 1), (1, 2), (2, 0), (2, 1)] * 2, (1, 1)]
+    playhead.loop(None)
+    assert danced(playhead, 4) == [(1, 2), (2, 0), (2, 1), (2, 0)] or playhead.passes > 1
+    with pytest.raises(ValueError, match="has no measure 9"):
+        playhead.loop((2, 8))
+    with pytest.raises(ValueError, match="comes last"):
+        playhead.loop((3, 2))
+
+
+def test_a_place_that_is_not_there_is_refused_and_changes_nothing():
+    playhead = Playhead(SONG)
+    danced(playhead, 2)
+    for section, measure in ((4, 0), (-1, 0), (0, 2), (1, -1)):
+        with pytest.raises(ValueError, match="no "):
+            playhead.jump(section, measure)
+    assert danced(playhead, 1) == [(1, 0)]
+
+
+def test_written_measures_and_places_are_one_to_one():
+    playhead = Playhead(SONG)
+    assert playhead.length == 8
+    assert [playhead.written(playhead.of_written(measure)) for measure in range(8)] == list(range(8))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_what_is_foreseen_is_what_comes_unless_somebody_asks(seed):
+    """The prediction against the playing itself, and every section's turns counted by hand."""
+    chance = random.Random(seed)
+    playhead = Playhead(SONG)
+    begun = dict.fromkeys(range(len(SONG)), 0)
+    for _ in range(60):
+        match chance.randrange(8):
+            case 0:
+                playhead.jump(chance.randrange(4), 0, chance.choice(["measure", "section"]))
+            case 1:
+                playhead.advance(chance.choice(["measure", "section"]))
+            case 2:
+                playhead.hold(not playhead.held)
+            case 3:
+                playhead.loop(chance.choice([None, (1, 5)]))
+        measure = playhead.measure
+        foreseen = [(playhead.place(m), playhead.entered(m), playhead.jumped(m)) for m in range(measure, measure + 9)]
+        for offset in range(1, 1 + chance.randrange(1, 8)):
+            playhead.cross(measure + offset)
+            now = playhead.place(measure + offset)
+            assert (now, playhead.entered(measure + offset), playhead.jumped(measure + offset)) == foreseen[offset]
+            if playhead.entered(measure + offset) and now != foreseen[offset - 1][0] and now.turn >= begun[now.section]:
+                assert now.turn == begun[now.section]
+                begun[now.section] += 1
+
+
+def test_the_last_measures_are_remembered():
+    playhead = Playhead(SONG)
+    seen = {}
+    for measure in itertools.chain(range(6)):
+        playhead.cross(measure)
+        seen[measure] = playhead.place(measure)
+    assert [playhead.place(measure) for measure in (3, 4, 5)] == [seen[3], seen[4], seen[5]]
