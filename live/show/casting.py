@@ -44,7 +44,7 @@ class Casting:
     def check(self) -> None:
         """Raise a PersonError if a selection of the patch names nobody there is, or itself."""
         for name in self._named:
-            with named(f"selections: {name}"):
+            with named(f"selections: {name}", ("selections", name)):
                 selection(name, self.roster, np.zeros((len(self.group), 2)), self.half)
 
     def _made(self) -> Roster:

@@ -48,8 +48,8 @@ class Elements:
         self._of_line: list[Element] = []
         self.gain = 1.0
         """How much stronger elements are that begin from now on."""
-        for section in patch.element:  # whatever is wrong is told at the start, not in measure 200
-            with named(f"element in measure {section.measure:g}"):
+        for index, section in enumerate(patch.element):  # whatever is wrong is told at the start, not in measure 200
+            with named(f"element in measure {section.measure:g}", ("element", index)):
                 self._made(placing_of_section(section), "", 0.0, 4, np.zeros((count, 2), np.float32))
 
     @property

@@ -47,18 +47,22 @@ class Evolutions:
         self._added = -1
         self._of_line: list[Segment] = []
         self._ways = 0
-        for section in patch.segment:  # whatever is wrong is told at the start, not in measure 200
-            with named(f"segment in measure {section.measure}"):
+        for index, section in enumerate(patch.segment):  # whatever is wrong is told at the start, not in measure 200
+            with named(f"segment in measure {section.measure}", ("segment", index)):
                 if section.formation is not None:
                     self._name(section.formation)
                 casting.select(section.group, np.zeros((len(casting.group), 2)))
-        for regroup in patch.regroup:
-            with named(f"regroup in measure {regroup.measure}"):
+        for index, regroup in enumerate(patch.regroup):
+            with named(f"regroup in measure {regroup.measure}", ("regroup", index)):
                 casting.select(regroup.dancers, np.zeros((len(casting.group), 2)))
 
     def starting_places(self) -> Float64:
         """Where the dancers of all groups begin, one group after the other, (dancers, 2) [m]."""
-        return np.concatenate([self._beginning(section) for section in self._patch.group])
+        places = []
+        for index, section in enumerate(self._patch.group):
+            with named(f"group {section.name!r}", ("group", index, "formation")):
+                places.append(self._beginning(section))
+        return np.concatenate(places)
 
     def _beginning(self, section: GroupSection) -> Float64:
         """Where the dancers of a group begin, (dancers, 2) [m]; two partners have one place."""

@@ -12,7 +12,7 @@ from live.agents.evolutions.intention import Places
 from live.agents.formations.formation import check_formation, formation_of
 from live.agents.formations.spec import FormationSpec
 from live.agents.formations.spec_words import spec_from_words
-from live.base.errors import PersonError
+from live.base.errors import PersonError, named
 from live.show.sections.group import GroupSection
 
 Float64 = npt.NDArray[np.float64]
@@ -69,7 +69,10 @@ class Formations:
     def __init__(self, specs: Sequence[FormationSpec], *, seed: int) -> None:
         """Raises PersonError if one of them cannot be."""
         self._seed = seed
-        self._named = {spec.name.casefold(): NamedFormation.of(spec.name, spec, seed) for spec in specs}
+        self._named: dict[str, NamedFormation] = {}
+        for index, spec in enumerate(specs):
+            with named(f"formation {spec.name!r}", ("formation", index)):
+                self._named[spec.name.casefold()] = NamedFormation.of(spec.name, spec, seed)
         self._said: OrderedDict[str, NamedFormation] = OrderedDict()
         self._half: Float64 | None = None
 

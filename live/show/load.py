@@ -3,13 +3,13 @@
 import contextlib
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
-from live.base.errors import PersonError, named
+from live.base.errors import PersonError
 from live.base.stage_view import Camera, Look, Scene
 from live.graph.library import StepLibrary, build_library
 from live.graph.metric.weights import Metric
@@ -18,9 +18,11 @@ from live.motion.skeleton import JOINT_COUNT
 from live.motion.step_clip import StepClip
 from live.show.core import Show
 from live.show.patch import Patch
-from live.show.patch_file import PATCHES, find_beside, read_patch
+from live.show.patch_file import PATCHES, find_beside, read_sources
 from live.show.programme import UnknownStep
 from live.show.sections.group import parse_entry
+from live.show.toml_file import field_words
+from live.show.toml_sources import TomlSources
 from live.steps.step_folder import load_folder
 
 RECORDED_M: Final = (0.25, 0.35)
@@ -37,14 +39,23 @@ class LoadedShow:
     recordings: Path | None = None
     reserve: Mapping[str, StepClip] = field(default_factory=dict)
     """Clips left out at the start, for events that add them, by `clip_key`."""
+    sources: TomlSources | None = None
+    """Where each key of the patch stands; None if it was not read from files."""
 
     def start(self, *, seed: int | None = None, tempo: float | None = None) -> Show:
         """A fresh show at its first moment; PersonError for a step that is not there."""
         try:
-            with named(str(self.path)):
-                return Show(self.patch, self.graph, seed=seed, tempo=tempo, reserve=self.reserve)
+            return Show(self.patch, self.graph, seed=seed, tempo=tempo, reserve=self.reserve)
         except UnknownStep as error:
-            raise PersonError(f"{self.path}: {error}") from None
+            raise PersonError(f"{self._where(error.place)}: {error}") from None
+        except PersonError as error:
+            raise PersonError(f"{self._where(error.place)}: {error.message}", error.remedy, error.place) from None
+
+    def _where(self, place: tuple[str | int, ...]) -> str:
+        """File and, if it is known, line of a key of the patch, with the key."""
+        if self.sources is None or not place:
+            return str(self.path)
+        return f"{self.sources.told(place)}: {field_words(place)}"
 
     @property
     def steps_folder(self) -> Path | None:
@@ -79,7 +90,8 @@ class LoadedShow:
 
 def load_show(path: Path, *, recordings: Path | None = None) -> LoadedShow:
     """Read the patch at `path` and its steps, or the recordings of a folder in their place."""
-    return show_of(read_patch(path), path, recordings=recordings)
+    patch, sources = read_sources(path)
+    return replace(show_of(patch, path, recordings=recordings), sources=sources)
 
 
 def show_of(

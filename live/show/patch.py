@@ -17,7 +17,7 @@ from live.show.sections.motion import LocomotionSection, MotionSection
 from live.show.sections.music import ClockSection, MusicSection, SoundSection
 from live.show.sections.react import ReactSection
 from live.show.sections.score import AtSection, ScoreSection, SignalSection
-from live.show.sections.section import Name, Section
+from live.show.sections.section import Amiss, Name, Section
 from live.show.sections.segment import FormationTable, RegroupSection, SegmentSection
 from live.show.sections.stage import (
     CameraSection,
@@ -86,9 +86,10 @@ class Patch(Section):
     def _elements_come(self) -> "Patch":
         for number, element in enumerate(self.element, start=1):
             if self.loop_measures is not None and element.measure >= self.loop_measures + 1:
-                raise ValueError(
+                raise Amiss(
                     f"element {number} begins in measure {element.measure:g}, but the score begins again after "
-                    f"{self.loop_measures} (loop_measures): it would never come"
+                    f"{self.loop_measures} (loop_measures): it would never come",
+                    *("element", number - 1, "measure"),
                 )
         return self
 
@@ -99,42 +100,47 @@ class Patch(Section):
     @model_validator(mode="after")
     def _leaders_are_there(self) -> "Patch":
         names = {group.name: group for group in self.group}
-        for group in self.group:
+        for index, group in enumerate(self.group):
             if group.like is None:
                 continue
-            leader = names.get(group.like)
+            leader, place = names.get(group.like), ("group", index, "like")
             if leader is None or leader is group:
-                raise ValueError(f"group {group.name!r} is like {group.like!r}: no other group is called that")
+                raise Amiss(f"group {group.name!r} is like {group.like!r}: no other group is called that", *place)
             if leader.like is not None:
-                raise ValueError(f"group {group.name!r}: name {leader.like!r}, which {leader.name!r} is like itself")
+                words = f"group {group.name!r}: name {leader.like!r}, which {leader.name!r} is like itself"
+                raise Amiss(words, *place)
         return self
 
     @model_validator(mode="after")
     def _facings_mean_something(self) -> "Patch":
         names = tuple(group.name.casefold() for group in self.group)
-        for group in self.group:
+        for index, group in enumerate(self.group):
             try:
                 parse_facing(group.facing, dancers=self.dancer_count + self.reserve, groups=names)
             except PersonError as error:
-                raise ValueError(f"group {group.name!r}: {error}") from None
+                raise Amiss(f"group {group.name!r}: {error}", "group", index, "facing") from None
         return self
 
     @model_validator(mode="after")
     def _regrouped_somewhere(self) -> "Patch":
         names = {group.name.casefold() for group in self.group}
-        for section in self.regroup:
+        for index, section in enumerate(self.regroup):
             if section.group.casefold() not in names:
-                raise ValueError(f"regroup in measure {section.measure}: no group is called {section.group!r}")
+                words = f"regroup in measure {section.measure}: no group is called {section.group!r}"
+                raise Amiss(words, "regroup", index, "group")
         return self
 
     @model_validator(mode="after")
     def _names_differ(self) -> "Patch":
         formations = [str(table["name"]) for table in self.formation]
-        things = {"groups": [group.name for group in self.group], "formations": formations}
-        things |= {"gates": [gate.name for gate in self.gate], "obstacles": [item.name for item in self.obstacle]}
+        things = {"group": [group.name for group in self.group], "formation": formations}
+        things |= {"gate": [gate.name for gate in self.gate], "obstacle": [item.name for item in self.obstacle]}
         for what, names in things.items():
-            folded = [name.casefold().strip() for name in names]
-            twice = next((name for name, fold in zip(names, folded, strict=True) if folded.count(fold) > 1), None)
-            if twice is not None:
-                raise ValueError(f"two {what} are called {twice[:60]!r}: give each its own name")
+            known: set[str] = set()
+            for index, name in enumerate(names):
+                folded = name.casefold().strip()
+                if folded in known:
+                    words = f"two {what}s are called {name[:60]!r}: give each its own name"
+                    raise Amiss(words, what, index, "name")
+                known.add(folded)
         return self

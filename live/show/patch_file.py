@@ -7,7 +7,8 @@ from typing import Final
 
 from live.base.errors import PersonError
 from live.show.patch import Patch
-from live.show.toml_file import parse_model, read_text
+from live.show.toml_file import model_of, parse_model, read_text
+from live.show.toml_sources import TomlSources, parse_text
 
 PATCHES: Final = next(
     (
@@ -18,6 +19,12 @@ PATCHES: Final = next(
     Path("patches"),
 )
 """The project's own patches: beside the package in a checkout, inside it when installed."""
+
+MAIN_FILE: Final = "show.toml"
+FOLDERS: Final = ("formations", "looks", "score")
+"""Folders beside show.toml whose TOML files belong to the patch, in the order in which they are read."""
+MOST_FILES: Final = 256
+MOST_BYTES: Final = 16_000_000
 
 DEFAULT_PATCH: Final = PATCHES / "first_show.toml"
 
@@ -31,7 +38,7 @@ def find_patch(name: str | None) -> Path:
     if name is None:
         return DEFAULT_PATCH
     given = Path(name)
-    for path in (given, given / "show.toml", PATCHES / name, PATCHES / name / "show.toml", PATCHES / f"{name}.toml"):
+    for path in (given, given / MAIN_FILE, PATCHES / name, PATCHES / name / MAIN_FILE, PATCHES / f"{name}.toml"):
         if is_file(path):
             return path
     if os.path.isdir(name):
@@ -63,10 +70,39 @@ def find_beside(name: str, patch_path: Path) -> Path | None:
 
 def read_patch(path: Path) -> Patch:
     """The patch in `path`; PatchError says what is wrong, where, and what is allowed."""
+    return read_sources(path)[0]
+
+
+def read_sources(path: Path) -> tuple[Patch, TomlSources]:
+    """The patch in `path` with, for a folder's show.toml, all that belongs to it; and where each key of it stands."""
     try:
-        return parse_patch(read_text(path, "patch"), str(path))
+        sources = TomlSources([parse_text(read_text(file, "patch"), str(file), "patch") for file in patch_files(path)])
+        return model_of(sources, Patch, "patch"), sources
     except PersonError as error:
-        raise PatchError(error.message, error.remedy) from None
+        raise PatchError(error.message, error.remedy, error.place) from None
+
+
+def patch_files(path: Path) -> list[Path]:
+    """The files of a patch, the main one first: show.toml, then those of its FOLDERS in the order of their names.
+
+    PatchError if they are too many or too large: nothing is read then.
+    """
+    if path.name != MAIN_FILE:
+        return [path]
+    files = [path]
+    for folder in FOLDERS:
+        with contextlib.suppress(OSError):  # it has just gone
+            more = sorted(file for file in (path.parent / folder).glob("*.toml") if not file.name.startswith("."))
+            files += [file for file in more if is_file(file)]
+    if len(files) > MOST_FILES:
+        raise PatchError(f"{path.parent}: {len(files)} files; a patch has at most {MOST_FILES}")
+    size = 0
+    for file in files:
+        with contextlib.suppress(OSError):
+            size += file.stat().st_size
+    if size > MOST_BYTES:
+        raise PatchError(f"{path.parent}: {size} bytes in {len(files)} files; a patch has at most {MOST_BYTES}")
+    return files
 
 
 def parse_patch(text: str, file: str) -> Patch:
@@ -74,4 +110,4 @@ def parse_patch(text: str, file: str) -> Patch:
     try:
         return parse_model(text, file, Patch, "patch")
     except PersonError as error:
-        raise PatchError(error.message, error.remedy) from None
+        raise PatchError(error.message, error.remedy, error.place) from None

@@ -24,6 +24,9 @@ IN_PLACE = 0.15
 class UnknownStep(ValueError):
     """A step name that the library does not have; the message lists what there is."""
 
+    place: tuple[str | int, ...] = ()
+    """The key of the patch that names it."""
+
 
 def find_step(graph: MotionGraph, name: str) -> int:
     """Index of a step that can be danced; UnknownStep with the known names otherwise."""
@@ -70,7 +73,9 @@ class GroupProgramme:
             self.travel_step = None if group.travel_step is None else find_step(graph, group.travel_step)
             """The step for ways too far for the step in turn, or None."""
         except UnknownStep as error:
-            raise UnknownStep(f"group {group.name!r}: {error}") from None
+            unknown = UnknownStep(f"group {group.name!r}: {error}")
+            unknown.place = ("group", index, "steps")
+            raise unknown from None
         self._own = [
             Wanted(step, self._length(step))
             for step, (_, times) in zip(self.steps, entries, strict=True)

@@ -1,14 +1,14 @@
 """Reading a TOML file into a model of its sections, with errors that name file, line, field and what is allowed."""
 
 import difflib
-import tomllib
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
 from live.base.errors import PersonError
-from live.base.toml_lines import error_line, line_of, toml_lines
+from live.show.sections.section import Amiss
+from live.show.toml_sources import TomlSources, parse_text
 
 MAX_BYTES: Final = 4_000_000
 SHOWN_PROBLEMS: Final = 8
@@ -30,27 +30,32 @@ def read_text(path: Path, what: str) -> str:
 
 def parse_model(text: str, file: str, model: type[Model], what: str) -> Model:
     """What is written in `text`; `file` is named in errors. PersonError says what is wrong, and where."""
+    return model_of(TomlSources([parse_text(text, file, what)]), model, what)
+
+
+def model_of(sources: TomlSources, model: type[Model], what: str) -> Model:
+    """What is written in all `sources` together; PersonError says what is wrong, and where."""
     try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise PersonError(f"{file}, line {error_line(str(error), text)}: not valid TOML: {error}") from None
-    except RecursionError:
-        raise PersonError(f"{file}: not a {what}: its brackets are nested too deep") from None
-    try:
-        return model.model_validate(data)
+        return model.model_validate(sources.data)
     except ValidationError as error:
-        raise PersonError(_explain(error, text, file, model, what)) from None
+        raise PersonError(_explain(error, sources, model, what)) from None
 
 
-def _explain(error: ValidationError, text: str, file: str, model: type[BaseModel], what: str) -> str:
-    lines = toml_lines(text)
+def _explain(error: ValidationError, sources: TomlSources, model: type[BaseModel], what: str) -> str:
     problems = []
     for problem in error.errors(include_url=False):
         where = tuple(problem["loc"])
-        field = ".".join(str(part + 1) if isinstance(part, int) else part for part in where) or f"the {what}"
-        problems.append(f"{file}, line {line_of(lines, where)}: {field}: {_words(problem, model)}")
+        fault = problem.get("ctx", {}).get("error")
+        if isinstance(fault, Amiss):
+            where += fault.place
+        problems.append(f"{sources.told(where)}: {field_words(where) or f'the {what}'}: {_words(problem, model)}")
     more = len(problems) - SHOWN_PROBLEMS
     return "; ".join(problems[:SHOWN_PROBLEMS]) + (f"; and {more} more" if more > 0 else "")
+
+
+def field_words(where: tuple[str | int, ...]) -> str:
+    """A key as people are told of it: "element.3.measure", tables counted from 1."""
+    return ".".join(str(part + 1) if isinstance(part, int) else part for part in where)
 
 
 def _words(problem: Any, model: type[BaseModel]) -> str:

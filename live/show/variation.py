@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.errors import named
 from live.base.kernels import ease
 from live.graph.takes import NO_TAKE
 from live.motion.editing.time_warp import F_MAX, draw_measure_warps
@@ -109,6 +110,15 @@ def varieties_of(patch: Patch) -> list[Variety]:
     return varieties
 
 
+def ripples_of(patch: Patch) -> list[Ripple]:
+    """What a patch lets run over each group; PersonError for a ripple that begins nowhere."""
+    ripples = []
+    for index, section in enumerate(patch.group):
+        with named(f"group {section.name!r}", ("group", index, "ripple")):
+            ripples.append(parse_ripple(section.ripple, section.ripple_beats))
+    return ripples
+
+
 class Variation:
     """The varieties of all groups, and what is drawn from them for every dancer and measure."""
 
@@ -164,7 +174,7 @@ class Variation:
             beats_per_measure=beats,
             window=window,
             late=tuple(float(section.beats_later % beats) for section in patch.group),
-            ripples=tuple(parse_ripple(section.ripple, section.ripple_beats) for section in patch.group),
+            ripples=tuple(ripples_of(patch)),
         )
 
     def regrouped(self) -> None:

@@ -18,6 +18,15 @@ Size = tuple[
 ]
 
 
+class Amiss(ValueError):
+    """What is wrong below the table that is being checked, with the keys that lead there, so that its line is named."""
+
+    def __init__(self, message: str, *place: str | int) -> None:
+        """`place` as in ("element", 2, "measure"): the third element's measure, from the checked table on."""
+        super().__init__(message)
+        self.place = place
+
+
 class Section(BaseModel):
     """A table of a patch: frozen, unknown keys refused."""
 
