@@ -13,6 +13,7 @@ from live.control.midi_input import MidiInput
 from live.control.midi_map import MidiMap
 from live.control.midi_ports import Direction, MidiUnavailable, UnknownPort, find_port
 from live.show.core import Show
+from live.show.patch import Patch
 from live.show.venue import Venue, VenueMidi
 
 if TYPE_CHECKING:
@@ -40,6 +41,11 @@ class OnMidi:
         for part in (self._listens, self._sends):
             if part is not None:
                 part.stop()
+
+    def take_patch(self, patch: Patch) -> None:
+        """Notes and controllers do what another patch says from now on."""
+        if self._listens is not None:
+            self._listens.take_map(MidiMap(patch.midi.bindings))
 
     def frame(self) -> None:
         """After each frame: how the show runs."""

@@ -25,6 +25,7 @@ from live.show.journal import JournalError, JournalWriter
 from live.show.library_watch import LibraryWatch
 from live.show.load import LoadedShow
 from live.show.on_link import OnLink
+from live.show.patch_watch import PatchWatch
 from live.show.status import Status, StatusFile
 from live.show.venue import Venue
 from live.show.venue_latency import Latencies
@@ -94,9 +95,13 @@ class Session:
         self._midi = make_midi(wish, show, venue, self.inbox, self.clock)
         if self._midi is not None:
             self.status.more["midi"] = self._midi.status
-        self._watch = self._make_watch()
+            self.engine.patched.append(self._midi.take_patch)
+        self._library = self._make_library()
+        self._watch = PatchWatch(loaded, show, post=self.inbox.put, now=self.clock.now, library=self._library)
+        self.status.more["patch"] = self._watch.facts
+        self.status.notes.append(lambda: self._watch.problem)
         listens = self._audio if sound.device is not None else None
-        self.news = session_news(show, self.osc, listens, self._midi, self._watch)
+        self.news = session_news(show, self.osc, listens, self._midi, self._watch, self._library)
         self._status_file: StatusFile | None = None
 
     def _open_journal(self) -> None:
@@ -127,8 +132,7 @@ class Session:
                 self._link.start()
             if self._midi is not None:
                 self._midi.start()
-            if self._watch is not None:
-                self._watch.start()
+            self._watch.start()
             self.news.start()
             gc.collect()
             gc.freeze()
@@ -162,7 +166,7 @@ class Session:
             self.status.more["link"] = link.status
         return link
 
-    def _make_watch(self) -> LibraryWatch | None:
+    def _make_library(self) -> LibraryWatch | None:
         """Watches the show's own folder of steps, so that takes that are recorded meanwhile join the dance."""
         folder = self.loaded.steps_folder
         if folder is None:
@@ -196,8 +200,7 @@ class Session:
         if self._midi is not None:
             self._midi.stop()
         self.osc.stop()
-        if self._watch is not None:
-            self._watch.stop()
+        self._watch.stop()
         self.news.stop()
         if self._journal is not None:
             self._journal.close(self.engine.ticks.index)

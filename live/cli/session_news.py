@@ -10,6 +10,7 @@ from live.cli.news import News
 from live.control.osc import OscInput
 from live.show.core import Show
 from live.show.library_watch import LibraryWatch
+from live.show.patch_watch import PatchWatch
 
 if TYPE_CHECKING:
     from live.cli.midi_part import OnMidi
@@ -17,7 +18,12 @@ if TYPE_CHECKING:
 
 
 def session_news(
-    show: Show, osc: OscInput, listens: "AudioSource | None", midi: "OnMidi | None", watch: LibraryWatch | None
+    show: Show,
+    osc: OscInput,
+    listens: "AudioSource | None",
+    midi: "OnMidi | None",
+    watch: PatchWatch,
+    library: LibraryWatch | None,
 ) -> News:
     """Tells on the terminal what is refused and what joins: with `--headless` there is no overlay that does.
 
@@ -31,9 +37,11 @@ def session_news(
     if midi is not None:
         refusals.append(midi.refusal)
         others.append(midi.problem)
-    if watch is not None:
-        refusals.append(lambda: watch.problem)
-        others.append(lambda: watch.joined)
+    refusals.append(lambda: watch.problem)
+    others.append(lambda: watch.told)
+    if library is not None:
+        refusals.append(lambda: library.problem)
+        others.append(lambda: library.joined)
 
     def say(line: str) -> None:
         console.print(line, style="yellow", soft_wrap=True, markup=False)

@@ -92,7 +92,7 @@ class Operator:
             self._session.inbox.put(event)
 
     def _formation(self, number: int, now: float) -> ControlEvent | None:
-        formations = formation_names(self._session.loaded.patch.formation)
+        formations = formation_names(self._session.show.patch.formation)
         return event_for_formation(formations[number], time=now) if number < len(formations) else None
 
     def _point(self, value: PointerPressed | PointerMoved, now: float, *, drag: bool) -> None:

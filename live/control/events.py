@@ -38,6 +38,7 @@ from live.control.group_events import (
     SetStage,
     Travel,
 )
+from live.control.patch_events import PatchChanged
 from live.control.score_events import Advance, HoldScore, JumpTo, Practice, Signal
 
 __all__ = [
@@ -63,6 +64,7 @@ __all__ = [
     "MusicHeard",
     "Nudge",
     "One",
+    "PatchChanged",
     "Pause",
     "Performer",
     "PlaceElement",
@@ -227,7 +229,7 @@ EVENT_TYPES: dict[str, type[ControlEvent]] = {
         Tap, One,
         SetTempo, Nudge, ShiftBeats, ScaleTempo, HoldTempo, SetMetre, CountIn, ChooseSource, Blackout, BeatHeard,
         SourceChanged, StepsAdded, TicksSkipped, MusicHeard, RestartAudio, ChooseAudio, SetLatency,
-        SetClick, JumpTo, Advance, HoldScore, Practice, Signal,
+        SetClick, JumpTo, Advance, HoldScore, Practice, Signal, PatchChanged,
     )
 }  # fmt: skip
 """Every kind of event by its name in the journal."""

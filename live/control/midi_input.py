@@ -114,6 +114,10 @@ class MidiInput:
             "clock_noise_ms": round(1e3 * train.curve.noise, 2) if train.curve.count else None,
         }
 
+    def take_map(self, midi_map: MidiMap) -> None:
+        """Notes and controllers do something else from now on. Thread: any."""
+        self._map = midi_map
+
     def receive(self, message: Sequence[int]) -> None:
         """A message arrived. Thread: any; never blocks."""
         now = self._clock.now()

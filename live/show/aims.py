@@ -36,8 +36,9 @@ class Aims:
         """`group` (A,) is shared with the show, which may change it between measures."""
         self._patch, self._dancers, self._motion = patch, dancers, motion
         self._programmes, self._group = programmes, group
-        self.order = sorted(range(len(programmes)), key=lambda index: isinstance(programmes[index], Echo))
+        self.order = list(range(len(programmes)))
         """The groups in the order in which they are asked: whoever echoes another one after her."""
+        self.reorder()
         self.headings = Headings(patch, motion)
         count = len(group)
         self.speed: Float32 = np.zeros(count, np.float32)
@@ -48,6 +49,10 @@ class Aims:
         """Which row of `ahead` counts for her, shape (A,)."""
         self.heading = np.zeros(count)
         """What she should face at the end [rad], shape (A,)."""
+
+    def reorder(self) -> None:
+        """Take up which groups echo others."""
+        self.order.sort(key=lambda index: (isinstance(self._programmes[index], Echo), index))
 
     def take_graph(self, graph: MotionGraph, choosing: Choosing) -> None:
         """Ask for what this graph can do from now on."""

@@ -65,6 +65,13 @@ class Carrying:
         self._slid, self._stood = np.zeros(count), np.zeros(count)
         self._open = False  # whether the coming measures are not corrected yet
 
+    def take_patch(self, fresh: "Carrying") -> None:
+        """Carry as far as another patch allows."""
+        most = fresh._patch.locomotion.correction_m
+        self._coming.most = self._re_aiming.most = most
+        if (self._pushing is None) != (fresh._pushing is None):
+            self._pushing = Pushing(self._carried, self._coming, self.parting) if most > 0.0 else None
+
     @property
     def predicted(self) -> Float64:
         """Where each dancer's agent is predicted to be when the present measure ends, as far as steps reach, (A, 2)."""

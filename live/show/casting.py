@@ -47,6 +47,11 @@ class Casting:
             with named(f"selections: {name}", ("selections", name)):
                 selection(name, self.roster, np.zeros((len(self.group), 2)), self.half)
 
+    def take_patch(self, fresh: "Casting") -> None:
+        """Take over what groups are called and who is what; who dances with which group stays."""
+        self.names, self._own, self._named = fresh.names, fresh._own, fresh._named
+        self.roster = self._made()
+
     def _made(self) -> Roster:
         words = (frozenset({*own, self.names[g]}) for own, g in zip(self._own, self.group.tolist(), strict=True))
         return Roster(tuple(words), self._named, frozenset(self.names))

@@ -22,7 +22,7 @@ class Coming:
     def __init__(self, carried: Carried, parting: PathParting, most: float) -> None:
         """`most` [m]: how far anybody may be carried; 0 and nobody is."""
         count = len(carried.node)
-        self._carried, self._parting, self._most = carried, parting, most
+        self._carried, self._parting, self.most = carried, parting, most
         self.paths = Paths(count)
         self.end: Float64 = np.zeros((count, 2))
         """Where it ends if it is not corrected [m], (A, 2)."""
@@ -62,8 +62,8 @@ class Coming:
             piece = slice(self._traced, min(self._traced + -(-count // TRACE_TICKS), count))
             trace(self.paths, dancers, coming, piece)
             self._traced = piece.stop
-            if self._traced == count and self._most > 0.0:
-                carried.allow(np.minimum(dancers.graph.node_give[coming.node], self._most))
+            if self._traced == count and self.most > 0.0:
+                carried.allow(np.minimum(dancers.graph.node_give[coming.node], self.most))
             return
         if not part:
             return

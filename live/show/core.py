@@ -17,12 +17,14 @@ from live.clock.moment import Moment
 from live.clock.ticks import TICK
 from live.control import events
 from live.control.events import ControlEvent
+from live.graph.insertion import stranded
 from live.graph.motion_graph import MotionGraph
 from live.motion.step_clip import StepClip
 from live.show.casting import Casting
 from live.show.clock_events import CLOCK_EVENTS, first_seeds, follower_of, tell
 from live.show.dancers import Dancers
 from live.show.directions import DIRECTIONS, Directions
+from live.show.exchange import exchange
 from live.show.first_nodes import first_nodes
 from live.show.group_controls import GROUP_EVENTS, GroupControls
 from live.show.group_motion import GroupMotion
@@ -35,6 +37,7 @@ from live.show.programmes import programmes_of
 from live.show.prompter import SCORE_EVENTS, Prompter
 from live.show.reactions import Reactions
 from live.show.refusals import Refusals
+from live.show.reloading import Prepared, Reloading
 from live.show.scheduler import Scheduler
 from live.show.seen import Seen
 from live.show.variation import Variation
@@ -98,6 +101,7 @@ class Show:
         )
         self._seen = Seen(self.dancers, self.motion, self.group)
         self._new_steps = NewSteps(reserve, self.refusals)
+        self.reloading = Reloading(self.refusals)
         self._begin_measure(self.span.end - self.timeline.beats_per_measure)
 
     @property
@@ -156,6 +160,8 @@ class Show:
                     programme.release()
             case events.StepsAdded():
                 self._new_steps.add(event, self.graph)
+            case events.PatchChanged():
+                self.reloading.ask(event, self)
             case events.Blackout():
                 self.blackout = event.on
             case events.TicksSkipped():
@@ -188,6 +194,31 @@ class Show:
         """Hold a graph ready for the event StepsAdded that names its library's hash. Thread: any."""
         self._new_steps.offer(library, graph)
 
+    def offer_patch(self, prepared: Prepared) -> None:
+        """Hold a patch ready for the event PatchChanged that names its version. Thread: any."""
+        self.reloading.offer(prepared)
+
+    @property
+    def latest_graph(self) -> MotionGraph:
+        """The graph that is danced, or that will be from the next measure line on."""
+        return self._new_steps.coming or self.graph
+
+    def _take_patch(self) -> None:
+        """Go on as an edited patch says, if there is one. To be called while nobody's next measure is decided."""
+        fresh = self.reloading.take(self.patch)
+        if fresh is None:
+            return
+        self._take_graph()
+        if fresh.graph is not self.graph:
+            if stranded(fresh.graph, self.dancers.node).any():
+                self.refusals.add("patch: [locomotion] would leave dancers without a next step")
+                return
+            self.graph = fresh.graph
+            self.dancers.take_graph(self.graph)
+            self.scheduler.take_graph(self.graph, fresh.scheduler.choosing)
+        exchange(self, fresh, self.patch, fresh.patch)
+        self.motion.withdraw(self.span.number + 1)
+
     def _take_graph(self) -> None:
         """Dance in the graph that has grown, if there is one."""
         grown = self._new_steps.take(self.dancers)
@@ -216,6 +247,8 @@ class Show:
             self._cross_measure_line(time)
             crossed = True
         self._fire(self.danced)
+        if self.reloading.waiting is not None and self.scheduler.plan_anew(self.span, self.timeline, time):
+            self._take_patch()
         self.scheduler.work(self.span, self.timeline, time)
         self.interrupts.tick(self.span, self.timeline, time)
         carrying, fraction = self.scheduler.carrying, self.span.fraction(beat)
@@ -245,6 +278,7 @@ class Show:
         self.scheduler.carrying.cross_measure_line()
         self.dancers.cross_measure_line()
         self._take_graph()
+        self._take_patch()
         self.span = self.span.next(self.timeline)
         self._begin_measure(line)
         for change in self.reactions.cross_measure_line(time):

@@ -41,6 +41,10 @@ class Directions:
         self.asked: int | None = None
         """The dancer of whom somebody wants to know why she dances what she dances, None for nobody."""
 
+    def take_patch(self, fresh: "Directions") -> None:
+        """Know the groups by the names they have now."""
+        self._groups = fresh._groups
+
     def act(self, event: ControlEvent) -> None:
         """Let an event of `DIRECTIONS` act."""
         try:

@@ -45,6 +45,16 @@ class Echo:
         self.coming: tuple[Wanted, ...] = ()
         self.into = 0
 
+    def take_patch(self, fresh: "Echo") -> None:
+        """Echo as another patch says."""
+        self._later, self.travel_step = fresh._later, fresh.travel_step
+        self._own.take_patch(fresh._own)
+        self.steps = self._own.steps
+
+    def follow(self, leader: GroupProgramme) -> None:
+        """Echo this one from now on."""
+        self._leader = leader
+
     def wanted(self, measure: int, nodes: Nodes) -> int:
         """The step to dance in `measure`; before the leader's first one, her first."""
         if self._free:

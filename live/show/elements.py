@@ -52,6 +52,10 @@ class Elements:
             with named(f"element in measure {section.measure:g}", ("element", index)):
                 self._made(placing_of_section(section), "", 0.0, 4, np.zeros((count, 2), np.float32))
 
+    def take_patch(self, fresh: "Elements") -> None:
+        """Answer anew who is meant by groups that have other names or members now."""
+        self._addressees.regrouped(np.zeros((len(self._ahead), 2), np.float32))
+
     @property
     def influence(self) -> Float32:
         """How far elements have taken each agent from her plan, 0 to 1, shape (A,)."""

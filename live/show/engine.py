@@ -10,6 +10,7 @@ from live.control.events import BeatHeard, ControlEvent, MusicHeard, SourceChang
 from live.show.core import Show
 from live.show.guides import draw_guides
 from live.show.journal import JournalWriter
+from live.show.patch import Patch
 from live.show.status import Status
 
 EVENTS_PER_FRAME = 512
@@ -54,6 +55,9 @@ class Engine:
         """How far ahead of the clock the picture is [s]; it may be changed while the show runs."""
         self.outward: list[Callable[[ControlEvent], None]] = []
         """Told every event after the show: for what concerns devices and not the dance."""
+        self.patched: list[Callable[[Patch], None]] = []
+        """Told the patch when the show has taken another one: for devices that do what it says."""
+        self._patch = show.patch
         self.ticks = Ticks(stall=stall)
         self.view = show.view()
         self.overlay = False
@@ -75,6 +79,10 @@ class Engine:
         self._status.dropped_events = self._inbox.dropped
         target = now + self.lead
         self._run_ticks(now, target)
+        if self.show.patch is not self._patch:
+            self._patch = self.show.patch
+            for tell in self.patched:
+                tell(self._patch)
         self.show.fill(self.view, max(target, self.ticks.time))
         self.view.overlay = self._status.overlay(now) if self.overlay else ()
         self.view.guide_count = 0

@@ -56,6 +56,17 @@ class Evolutions:
             with named(f"regroup in measure {regroup.measure}", ("regroup", index)):
                 casting.select(regroup.dancers, np.zeros((len(casting.group), 2)))
 
+    def take_patch(self, fresh: "Evolutions") -> None:
+        """Take over the formations of another patch; who is in one that was edited goes to its new places.
+
+        Formations that were defined live, and are not in the patch, stay.
+        """
+        for formation in self._formations.take_patch(fresh._formations):
+            if formation.name in self._plan.repertoire.formations:
+                self._plan.repertoire = self._plan.repertoire.with_formation(formation)
+                self._move_to(formation.name, self._added)
+        self.regrouped()
+
     def starting_places(self) -> Float64:
         """Where the dancers of all groups begin, one group after the other, (dancers, 2) [m]."""
         places = []
@@ -154,9 +165,13 @@ class Evolutions:
         """Make or change a formation by name, within `measure`; whoever is in it goes to its new places (T087)."""
         formation = self._formations.define(event.name, event.formation)
         self._plan.repertoire = self._plan.repertoire.with_formation(formation)
+        self._move_to(formation.name, measure + 1)
+
+    def _move_to(self, name: str, measure: int) -> None:
+        """Whoever is in the formation of this name, or on the way there, goes to its places from `measure` on."""
         for motion in self._plan.motions:
-            if isinstance(motion.intention, Hold | Evolve) and motion.intention.formation == formation.name:
-                self._plan.add(replace(motion.segment, start=max(measure + 1, 0), later=0.0))
+            if isinstance(motion.intention, Hold | Evolve) and motion.intention.formation == name:
+                self._plan.add(replace(motion.segment, start=max(measure, 0), later=0.0))
 
     def resize(self, half: tuple[float, float], fitting: Float64 | None, *, measure: int) -> None:
         """The stage has these half sizes [m] within `measure`; formations have `fitting` (2,) [m], None: their room.

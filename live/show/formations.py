@@ -73,6 +73,7 @@ class Formations:
         for index, spec in enumerate(specs):
             with named(f"formation {spec.name!r}", ("formation", index)):
                 self._named[spec.name.casefold()] = NamedFormation.of(spec.name, spec, seed)
+        self._written = dict(self._named)
         self._said: OrderedDict[str, NamedFormation] = OrderedDict()
         self._half: Float64 | None = None
 
@@ -108,6 +109,27 @@ class Formations:
         formation.half = self._half
         self._named[name.casefold().strip()] = formation
         return formation
+
+    def take_patch(self, fresh: "Formations") -> list[NamedFormation]:
+        """Take over the formations of another patch; those that were edited in it, made already.
+
+        What was defined live stays, unless the patch has that very one otherwise now.
+        """
+        edited = []
+        for name, formation in fresh._written.items():
+            old = self._written.get(name)
+            if old is None or old.spec != formation.spec:
+                formation.half = self._half
+                self._named[name] = formation
+                edited.append(formation)
+        for name, old in self._written.items():
+            if name not in fresh._written and self._named.get(name) is old:
+                del self._named[name]
+        self._written = {
+            name: self._written[name] if name in self._written and self._written[name].spec == new.spec else new
+            for name, new in fresh._written.items()
+        }
+        return edited
 
     def fit(self, half: Float64 | None) -> bool:
         """Let all fit a stage of these half sizes [m], (2,), or (None) be as they were made; False: they are."""

@@ -32,6 +32,7 @@ from live.show.pair_steering import PairSteering
 from live.show.partners import Partners
 from live.show.patch import Patch
 from live.show.score import Score
+from live.show.sections.stage import ObstacleSection
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -102,10 +103,7 @@ class GroupMotion:
         self.entrances = Entrances(count, patch.dancer_count, self.gates, half)
         self.surroundings = Surroundings()
         for item in patch.obstacle:
-            if item.wall_to is not None:
-                self.surroundings.put_wall(item.name, *item.at, *item.wall_to)
-            else:
-                self.surroundings.put_obstacle(item.name, *item.at, item.radius)
+            self._furnish(item)
         self.part = Parting(count, DANCER_GAP, half_width=half[0], half_depth=half[1], seed=seed)
         score = score or Score(patch)
         self.evolutions = Evolutions(patch, casting, radius=radius, seed=seed, score=score)
@@ -262,6 +260,31 @@ class GroupMotion:
         self._advance.resize(*half)
         self.elements.resize(*half)
         self.evolutions.resize(half, self.floor.fitting, measure=measure)
+
+    def take_patch(self, fresh: "GroupMotion") -> None:
+        """Take over gates, steering and set of another patch; what was moved live stays where it is."""
+        old, new = self._patch, fresh._patch
+        if old.steering != new.steering:
+            self._advance.steer(fresh.model.steering)
+        if old.gate != new.gate:
+            self.gates = gates_of(new, *self.casting.half)
+            self.entrances.resize(self.gates, self.casting.half)
+        kept = {item.name: item for item in old.obstacle}
+        for item in new.obstacle:
+            before = kept.pop(item.name, None)
+            if before is not None and (before.wall_to is None) != (item.wall_to is None):
+                self.surroundings.remove(item.name)
+            if item != before:
+                self._furnish(item)
+        for name in kept:
+            self.surroundings.remove(name)
+
+    def _furnish(self, item: ObstacleSection) -> None:
+        """Put up an item of the set."""
+        if item.wall_to is not None:
+            self.surroundings.put_wall(item.name, *item.at, *item.wall_to)
+        else:
+            self.surroundings.put_obstacle(item.name, *item.at, item.radius)
 
     def track(self, event: Performer) -> bool:
         """Take up where a real dancer is; False if there are too many obstacles already."""

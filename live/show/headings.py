@@ -40,6 +40,12 @@ class Headings:
         casting = self._motion.casting
         return parse_facing(words, dancers=len(casting.group), groups=casting.names)
 
+    def take_patch(self, fresh: "Headings") -> None:
+        """Take over where groups look whose patch says something else now; others keep what they were told."""
+        for index, (old, new) in enumerate(zip(self._patch.group, fresh._patch.group, strict=True)):
+            if old.facing != new.facing:
+                self._facing[index] = fresh._facing[index]
+
     def set(self, group: int, facing: Facing) -> None:
         """The dancers of that group look there from their next decided measure on."""
         self._facing[group] = facing

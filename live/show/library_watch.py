@@ -33,7 +33,9 @@ class LibraryWatch:
         now: Callable[[], float],
     ) -> None:
         """`offer` hands a graph over under its hash, `post` the event that calls for it, at the time `now()`."""
-        self._folder, self._graph = folder, graph
+        self._folder = folder
+        self.graph = graph
+        """The graph that was offered last."""
         self._offer, self._post, self._now = offer, post, now
         self._known = {clip_key(clip) for clip in graph.library.clips}
         self._seen = self._taken = stamp_of(folder)
@@ -74,19 +76,19 @@ class LibraryWatch:
         return self._join([clip for clip in clips if clip_key(clip) not in self._known])
 
     def _join(self, clips: list[StepClip]) -> bool:
-        fitting = [clip for clip in clips if clip.beats_per_measure == self._graph.library.beats_per_measure]
+        fitting = [clip for clip in clips if clip.beats_per_measure == self.graph.library.beats_per_measure]
         if len(fitting) < len(clips):
             names = ", ".join(sorted({clip.step for clip in clips if clip not in fitting}))
-            beats = self._graph.library.beats_per_measure
+            beats = self.graph.library.beats_per_measure
             self.problem = f"new steps: {names[:100]} can be danced only in another show: this one has {beats} beats"
         if not fitting:
             return False
-        self._graph = insert_clips(self._graph, fitting)
+        self.graph = insert_clips(self.graph, fitting)
         keys = [clip_key(clip) for clip in fitting]
         self._known.update(keys)
-        found = library_hash(self._graph.library)
+        found = library_hash(self.graph.library)
         self.joined = f"new steps: {', '.join(sorted({clip.step for clip in fitting}))[:200]} can be danced"
-        self._offer(found, self._graph)
+        self._offer(found, self.graph)
         self._post(StepsAdded(time=self._now(), source="library", clips="\n".join(keys), library=found))
         return True
 

@@ -197,6 +197,16 @@ def with_steps_of(patch: Patch, graph: MotionGraph) -> Patch:
     return patch.model_copy(update={"group": groups})
 
 
+def patch_for(patch: Patch, graph: MotionGraph, running: Patch, *, recordings: bool) -> Patch:
+    """A patch that was edited while it runs, changed as it was at the start where `recordings` replaced its steps."""
+    if not recordings:
+        return patch
+    limits, clock = running.locomotion, running.clock.beats_per_measure
+    patch = _with_locomotion(patch, threshold_m=limits.threshold_m, transition_beats=limits.transition_beats)
+    patch = patch.model_copy(update={"clock": patch.clock.model_copy(update={"beats_per_measure": clock})})
+    return with_steps_of(patch, graph)
+
+
 def clip_key(clip: StepClip) -> str:
     """What tells a clip from all others of a folder, on one line."""
     return f"{clip.step} | {clip.clip.name} | {'mirrored' if clip.mirrored else 'as made'}"

@@ -40,6 +40,11 @@ class NewSteps:
             offered = grown, Choosing.of(grown)
         self._next = offered
 
+    @property
+    def coming(self) -> MotionGraph | None:
+        """The graph that waits for the next measure line; None if there is none."""
+        return None if self._next is None else self._next[0]
+
     def take(self, dancers: Dancers) -> GrownGraph | None:
         """The graph to dance in from this measure line on, unless it would leave somebody without a way on."""
         offered, self._next = self._next, None

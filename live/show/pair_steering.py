@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from live.agents.crowd.advance import Advance
-from live.agents.crowd.model import AgentState
+from live.agents.crowd.model import AgentState, Steering
 from live.agents.crowd.surroundings import Surroundings
 from live.agents.wants import Wants
 from live.show.partners import MEET, Partners
@@ -27,6 +27,10 @@ class PairSteering:
     def resize(self, half_width: float, half_depth: float) -> None:
         """The stage's half sizes [m] are these from now on."""
         self._advance.resize(half_width, half_depth)
+
+    def steer(self, steering: Steering) -> None:
+        """Other parameters from now on; the stage's size stays."""
+        self._advance.steer(steering)
 
     def __call__(
         self,

@@ -89,6 +89,44 @@ class Playhead:
             self._firsts.append(first)
             first += stretch.measures or 0
 
+    def take_patch(self, fresh: "Playhead") -> None:
+        """Go on in the sections of an edited score: where it is by name, else in the measure that has its number.
+
+        A section that is shorter now is in the measure that follows as often as it fits. A jump to a section that is
+        gone, and practice in measures that are, are forgotten.
+        """
+        old, names = self.stretches, {stretch.name.casefold(): i for i, stretch in enumerate(fresh.stretches)}
+        known = [names.get(stretch.name.casefold()) for stretch in old]
+        begun = [0] * len(fresh.stretches)
+        stand = self._stands[self.measure]
+        for index, count in zip(known, stand.begun, strict=True):
+            if index is not None:
+                begun[index] = count
+        written = self.written(stand.place)
+        self.stretches, self._firsts = fresh.stretches, fresh._firsts
+        place, asked = stand.place, self._asked
+        if place.section != END:
+            place = self._found(known[place.section], place, written)
+        if asked.section not in (None, END):
+            index = known[asked.section or 0]
+            size = None if index is None else self.stretches[index].measures
+            there = index is not None and (size is None or asked.measure < size)
+            asked = replace(asked, section=index) if there else _Asked(leave=asked.leave)
+        if self.practice is not None and self.length is not None and self.practice[1] >= self.length:
+            self.practice = None
+        self._stands = {self.measure: replace(stand, place=place, begun=tuple(begun))}
+        self._ask(asked)
+
+    def _found(self, index: int | None, place: Place, written: int) -> Place:
+        """Where `place`, in the section that has the number `index` now, is in the sections as they are."""
+        if index is not None:
+            size = self.stretches[index].measures
+            return replace(place, section=index, measure=place.measure if size is None else place.measure % size)
+        try:
+            return self.of_written(written)
+        except ValueError:
+            return Place(0, 0)
+
     # -- where it is -------------------------------------------------------------------------------------------
 
     def cross(self, measure: int) -> None:

@@ -94,6 +94,17 @@ class GroupProgramme:
         self.stands = False
         """Whether the group stands: then chance draws among the steps that can be danced in place."""
 
+    def take_patch(self, fresh: "GroupProgramme") -> None:
+        """Dance what another programme of this group says; a sequence that was the same so far goes on."""
+        if (fresh._own, fresh._random, fresh.steps) != (self._own, self._random, self.steps):
+            same = (
+                not self._random and not fresh._random and fresh._own[: self._slot + 1] == self._own[: self._slot + 1]
+            )
+            if not self._live and not (same and self._slot < len(fresh._own)):
+                self._slot, self._into, self._drawn_left = 0, 0, 0
+            self._own, self._random, self.steps = fresh._own, fresh._random, fresh.steps
+        self.travel_step = fresh.travel_step
+
     def call(self, step: int, *, measures: float) -> None:
         """Dance `step` from the next measure on that is not chosen yet, for a number of measures (rounded up)."""
         self._call = _Call(step, max(1, int(np.ceil(measures))))

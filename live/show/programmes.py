@@ -22,3 +22,22 @@ def programmes_of(patch: Patch, graph: MotionGraph, seed: int) -> list[Programme
         else own[index]
         for index, section in enumerate(patch.group)
     ]
+
+
+def take_programmes(running: list[Programme], fresh: list[Programme], patch: Patch) -> None:
+    """Let groups go on with what `patch`, whose programmes are `fresh`, says; who dances the same goes on undisturbed.
+
+    What was called or set live stays.
+    """
+    for index, (own, new) in enumerate(zip(running, fresh, strict=True)):
+        match own, new:
+            case (GroupProgramme(), GroupProgramme()) | (Echo(), Echo()):
+                own.take_patch(new)
+            case _:
+                running[index] = new
+    names = [section.name for section in patch.group]
+    for programme, section in zip(running, patch.group, strict=True):
+        if isinstance(programme, Echo) and section.like is not None:
+            leader = running[names.index(section.like)]
+            assert isinstance(leader, GroupProgramme)  # whoever is echoed echoes nobody
+            programme.follow(leader)

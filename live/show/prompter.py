@@ -29,6 +29,10 @@ class Prompter:
         self._beats = patch.clock.beats_per_measure
         self._names = {stretch.name.casefold(): i for i, stretch in enumerate(self.playhead.stretches)}
 
+    def take_patch(self, fresh: "Prompter") -> None:
+        """Know sections and signals of an edited score; what waits for its beat already still comes."""
+        self._names = fresh._names
+
     def begin_measure(self, measure: int, time: float) -> None:
         """`measure` (from 0) begins at `time` [s]: what the score has at its beats waits for them."""
         self.playhead.cross(measure)

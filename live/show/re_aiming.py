@@ -34,7 +34,7 @@ class ReAiming:
 
     def __init__(self, carried: Carried, parting: PathParting, most: float) -> None:
         """`most` [m]: how far anybody may be carried."""
-        self._carried, self._parting, self._most = carried, parting, most
+        self._carried, self._parting, self.most = carried, parting, most
         self._phase = np.zeros(len(carried.node))
 
     def tick(self, fraction: float, *, aim: bool) -> None:
@@ -61,7 +61,7 @@ class ReAiming:
             stray_wishes(rows, position, obedience, late, dancers.shown, share, DEAF, LEASH)
             limit_wishes(
                 rows, present.placement, present.correction, present.node, graph.node_gives, graph.node_holds,
-                dancers.lock.state, FAITHFUL + (1.0 - FAITHFUL) * variation.obedience, self._most, MOST_HELD,
+                dancers.lock.state, FAITHFUL + (1.0 - FAITHFUL) * variation.obedience, self.most, MOST_HELD,
                 state, ON, carried.room,
             )  # fmt: skip
         else:

@@ -34,6 +34,15 @@ class Reactions:
         self.drops = 0
         """Drops heard so far."""
 
+    def take_patch(self, fresh: "Reactions") -> None:
+        """Follow the music as another patch says; what is followed already goes on smoothly."""
+        known = dict(zip(self._follows, self._values, strict=True))
+        self._follows, self._calls = fresh._follows, fresh._calls
+        self._values = [known.get(section) for section in self._follows]
+        self._waiting = [section for section in self._waiting if section in self._calls]
+        if not any(section.sets == STRENGTH for section in self._follows):
+            self.strength = 1.0
+
     def hear(self, event: MusicHeard) -> list[ControlEvent]:
         """What one beat of the music changes at once."""
         self._last = event

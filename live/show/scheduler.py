@@ -34,6 +34,7 @@ from live.show.following import choose_following, place_followers
 from live.show.group_motion import GroupMotion
 from live.show.measure import MeasureSpan
 from live.show.patch import Patch
+from live.show.programmes import take_programmes
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -104,6 +105,12 @@ class Scheduler:
         self.foresight = self.aims.foresight
         self._give = np.minimum(graph.node_give, self._patch.locomotion.correction_m)
         self._usual_give = float(np.median(self._give))
+
+    def take_patch(self, fresh: "Scheduler") -> None:
+        """Take over what groups dance, and how far corrections go. Called when nobody's next measure is decided."""
+        take_programmes(self.programmes, fresh.programmes, fresh._patch)
+        self.aims.reorder()
+        self._give, self._usual_give = fresh._give, fresh._usual_give
 
     def farthest(self) -> Float64:
         """How far each dancer's steps go in one measure [m]: the farthest of her group's, shape (A,)."""

@@ -54,6 +54,11 @@ class Score:
         self._at = self._by_place(patch.at)
         self._signal = self._by_place(patch.signal)
 
+    def take_patch(self, fresh: "Score") -> None:
+        """Take over the entries of another score; where it is, the playhead knows."""
+        for name in ("_sections", "_element", "_segment", "_regroup", "_at", "_signal"):
+            setattr(self, name, getattr(fresh, name))
+
     def place_of(self, section: str | None, measure: float) -> tuple[int, int] | None:
         """Section and measure (from 0) of an entry of the patch; None for one that never comes."""
         if section is not None:

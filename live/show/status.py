@@ -75,6 +75,8 @@ class Status:
         """What other parts have to say, by its key in the snapshot."""
         self.tool = ""
         """What the pointer places, for the overlay; empty until the operator chose."""
+        self.notes: list[Callable[[], str]] = []
+        """What is wrong now, for the overlay: a line of words from each, or nothing."""
         self.faults = 0
         """Frames in which drawing failed and the show went on."""
 
@@ -144,6 +146,7 @@ class Status:
         more = (f"pointer: {self.tool}",) if self.tool else ()
         record = [f"{name}: {told['record']}" for name, told in s["behind"].items() if told["record"]]
         more = (*more, *record[:1], *(why_in_words(s["why"]) if s["why"] else ()))
+        more = (*more, *(note for tell in self.notes if (note := tell())))
         return (*lines, *more, f"last refused: {refusal}") if refusal else (*lines, *more)
 
 

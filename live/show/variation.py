@@ -154,6 +154,7 @@ class Variation:
         self.measure = 0
         self.ripples = list(ripples or [Ripple()] * len(varieties))
         """What runs over each group."""
+        self._written, self._rippled = tuple(varieties), tuple(self.ripples)  # as the patch has them
         self.late: Float64 = self._late[group]
         """Share of a measure by which each dancer is behind the others on purpose when the present measure ends
         (canon and ripple), shape (A,)."""
@@ -207,6 +208,21 @@ class Variation:
     def sides(self) -> Int32:
         """The side each dancer wants, -1 as made, 1 mirrored, 0 no matter, shape (A,)."""
         return np.sign(self.mirror).astype(np.int32)
+
+    def take_patch(self, fresh: "Variation") -> None:
+        """Take over what another patch says otherwise than this one's; what was set live beside that stays.
+
+        `fresh` is the variation of a show that has not run.
+        """
+        for index, (old, new) in enumerate(zip(self._written, fresh._written, strict=True)):
+            edited = {name: getattr(new, name) for name in Variety.names() if getattr(new, name) != getattr(old, name)}
+            self._varieties[index] = replace(self._varieties[index], **edited)
+        for index, (ripple, new_ripple) in enumerate(zip(self._rippled, fresh._rippled, strict=True)):
+            if ripple != new_ripple:
+                self.ripples[index] = new_ripple
+        self._written, self._rippled, self._late = fresh._written, fresh._rippled, fresh._late
+        self._window = fresh._window
+        self.regrouped()
 
     def set(self, name: str, value: float, group: int) -> None:
         """Set one field of one group, by its index; it acts on what is drawn from now on."""

@@ -3,7 +3,7 @@
 import numpy as np
 
 from live.agents.crowd.kernels import CELL_ROWS, NUMBERS, ROWS, SPARE_COLUMNS, advance_crowd
-from live.agents.crowd.model import AgentModel, AgentState
+from live.agents.crowd.model import AgentModel, AgentState, Steering
 from live.agents.crowd.surroundings import Surroundings
 from live.agents.wants import Wants
 
@@ -23,6 +23,11 @@ class Advance:
         """The stage's half sizes [m] are these from now on; whoever is outside goes in."""
         begin = 2 * self._agent_count
         self._fixed[begin : begin + 2] = half_width, half_depth
+
+    def steer(self, steering: Steering) -> None:
+        """Other parameters from now on; the stage's size stays."""
+        begin = 2 * self._agent_count
+        self._fixed[begin + 2 :] = steering.vector()[2:]
 
     def __call__(
         self,

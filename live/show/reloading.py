@@ -1,0 +1,105 @@
+"""Reloading: an edited patch, prepared by another thread or here, waits until a running show can take it."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from live.base.errors import PersonError
+from live.base.packed import unpacked
+from live.control.events import PatchChanged
+from live.graph.metric.weights import Metric
+from live.graph.motion_graph import MotionGraph, build_graph
+from live.show.edit import changed, fitted, version_of
+from live.show.patch import Patch
+from live.show.programme import UnknownStep
+from live.show.refusals import Refusals
+
+if TYPE_CHECKING:
+    from live.show.core import Show
+
+KEPT = 4
+"""Prepared patches that are kept for an event to name them."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Prepared:
+    """A patch that was proved: a show of it starts."""
+
+    version: str
+    fresh: "Show"
+
+
+def graph_for(graph: MotionGraph, running: Patch, new: Patch) -> MotionGraph:
+    """The graph of the same library for a show of `new`: another one if `[locomotion]` joins steps otherwise.
+
+    Nodes keep their indices. ValueError if nothing connects any more.
+    """
+    keys = ("transition_beats", "threshold_m", "weights", "emphasis")
+    if all(getattr(running.locomotion, key) == getattr(new.locomotion, key) for key in keys):
+        return graph
+    limits = new.locomotion
+    window = min(1.0, limits.transition_beats / new.clock.beats_per_measure)
+    metric = Metric.of(limits.weights, limits.emphasis)
+    return build_graph(graph.library, window=window, threshold=limits.threshold_m, metric=metric)
+
+
+def prepare(text: str, show_type: "type[Show]", running: Patch, graph: MotionGraph, *, seed: int) -> Prepared:
+    """Prove a patch, written as JSON, for a show that runs with the patch `running` in `graph`.
+
+    PersonError if it would not start, or cannot take the place of the other one. Takes a while: not in a live frame.
+    """
+    try:
+        patch = Patch.model_validate_json(text)
+        if fitted(patch, running)[1]:
+            raise PersonError("the patch needs a new start")
+        return Prepared(version_of(text), show_type(patch, graph_for(graph, running, patch), seed=seed))
+    except UnknownStep as error:
+        raise PersonError(str(error), place=error.place) from None
+    except ValueError as error:  # of pydantic or the graph, or a damaged text
+        raise PersonError(str(error)) from None
+
+
+class Reloading:
+    """Between the event that says a patch was edited and the moment when the show takes it."""
+
+    def __init__(self, refusals: Refusals) -> None:
+        self._refusals = refusals
+        self._offered: dict[str, Prepared] = {}
+        self.waiting: Prepared | None = None
+        """What the show takes as soon as it can."""
+        self.version = ""
+        """The patch in force; empty: the one that the show began with."""
+        self.taken = 0
+        """How often a patch was taken."""
+        self.last: tuple[str, ...] = ()
+        """What was different in the last one."""
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without what was prepared: a show that goes on elsewhere prepares it anew."""
+        return {**self.__dict__, "_offered": {}, "waiting": None}
+
+    def offer(self, prepared: Prepared) -> None:
+        """Hold a patch ready for the event that names its version. Thread: any."""
+        self._offered[prepared.version] = prepared
+        for version in list(self._offered)[:-KEPT]:
+            self._offered.pop(version, None)
+
+    def ask(self, event: PatchChanged, show: "Show") -> None:
+        """A patch shall be taken: the one that was prepared, or else it is prepared here, as in a replay."""
+        prepared = self._offered.pop(event.version, None)
+        if prepared is None:
+            try:
+                text = unpacked(event.patch)
+                prepared = prepare(text, type(show), show.patch, show.latest_graph, seed=show.seed)
+            except (PersonError, ValueError) as error:
+                self._refusals.add(f"{event.source}: {error}")
+                return
+        self.waiting = prepared
+
+    def take(self, running: Patch) -> "Show | None":
+        """The fresh show whose patch is to be taken now; None if there is none."""
+        prepared, self.waiting = self.waiting, None
+        if prepared is None:
+            return None
+        self.version, self.taken = prepared.version, self.taken + 1
+        self.last = changed(running, prepared.fresh.patch)
+        return prepared.fresh

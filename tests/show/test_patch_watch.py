@@ -1,0 +1,263 @@
+"""PatchWatch: an edit of the patch's files reaches the running show at the next measure, a bad one never."""
+
+import json
+import shutil
+
+import pytest
+
+from live.base.inbox import Inbox
+from live.clock.source import ManualClock
+from live.control import events
+from live.control.events import PatchChanged
+from live.show.engine import Engine
+from live.show.journal import JournalWriter, read_journal
+from live.show.library_watch import LibraryWatch
+from live.show.load import load_show
+from live.show.patch_file import PATCHES
+from live.show.patch_watch import PatchWatch
+from live.show.replay import reload, replay
+from live.show.status import Status
+
+STEPS = PATCHES / "steps"
+PATCH = """name = "edited"
+steps = "moves"
+reserve = 0
+[clock]
+bpm = 120
+[[group]]
+name = "all"
+dancers = 4
+steps = ["groove"]
+"""
+
+
+@pytest.fixture
+def patch(tmp_path):
+    """A show of four dancers with two steps of its own."""
+    (tmp_path / "moves").mkdir()
+    for name in ("groove", "side_step"):
+        shutil.copy(STEPS / f"{name}.toml", tmp_path / "moves")
+    (tmp_path / "show.toml").write_text(PATCH)
+    return tmp_path / "show.toml"
+
+
+class Night:
+    """A journalled show whose files are edited, driven by hand."""
+
+    def __init__(self, patch):
+        self.path = patch
+        self.loaded = load_show(patch)
+        self.show, self.clock, self.inbox = self.loaded.start(), ManualClock(), Inbox()
+        self.journal = patch.parent / "night.jsonl"
+        self.writer = JournalWriter(self.journal, self.loaded.header(self.show, tempo=None))
+        status = Status(self.show, rejected=dict, memory=lambda: 0.0)
+        self.engine = Engine(self.show, clock=self.clock, inbox=self.inbox, status=status, journal=self.writer)
+        library = LibraryWatch(
+            self.loaded.steps_folder, self.show.graph, offer=self.show.offer, post=self.inbox.put, now=self.clock.now
+        )
+        self.watch = PatchWatch(self.loaded, self.show, post=self.inbox.put, now=self.clock.now, library=library)
+        self.frame = 0
+
+    def run(self, seconds):
+        """So many seconds of the show; the steps danced in each measure that ends, by its number from 1."""
+        danced = {}
+        for _ in range(round(seconds * 50)):
+            self.frame += 1
+            self.clock.set(self.frame / 50)
+            self.engine.frame(lambda view: None)
+            library = self.show.graph.library
+            steps = {library.steps[s] for s in library.node_step[self.show.dancers.node]}
+            danced.setdefault(self.show.span.number + 1, set()).update(steps)
+        return danced
+
+    def edit(self, old="", new="", more="", file=None):
+        """Change the patch's text, or write another `file` of it; whether the watch took it."""
+        path = self.path if file is None else self.path.parent / file
+        path.parent.mkdir(exist_ok=True)
+        text = path.read_text() if path.exists() else ""
+        assert old in text
+        path.write_text(text.replace(old, new, 1) + more)
+        assert not self.watch.look()  # it may still be written
+        return self.watch.look()
+
+    def replayed(self):
+        """What a replay finds, of the journal alone."""
+        self.writer.close(self.engine.ticks.index)
+        journal = read_journal(self.journal)
+        return replay(reload(journal), journal)
+
+
+def test_new_steps_are_danced_in_the_very_next_measure(patch):
+    night = Night(patch)
+    night.run(2.5)  # the second measure has begun
+    assert night.edit('["groove"]', '["side step"]')
+    danced = night.run(5.0)
+    assert danced[2] == {"groove"}
+    assert danced[3] == {"side step"}
+    assert night.show.reloading.version == night.watch.facts()["version"]
+    assert night.watch.told == "patch: new from the next measure on: group"
+
+
+def test_an_edit_after_the_next_measure_is_chosen_acts_from_the_one_after(patch):
+    night = Night(patch)
+    night.run(3.8)  # a tenth of a beat before the third measure
+    assert night.edit('["groove"]', '["side step"]')
+    danced = night.run(5.0)
+    assert danced[3] == {"groove"}
+    assert danced[4] == {"side step"}
+
+
+def test_every_table_acts_from_its_measure_on_and_a_replay_needs_no_files(patch):
+    night = Night(patch)
+    night.run(2.5)
+    assert night.edit(
+        more="""[motion]
+head = 0.5
+[locomotion]
+correction_m = 0.1
+[selections]
+pair = "1-2"
+[[obstacle]]
+name = "chair"
+at = [2, 2]
+[[react]]
+to = "loudness"
+sets = "amplitude"
+"""
+    )
+    assert night.edit(file="formations/a.toml", more='[[formation]]\nname = "ring"\nshape = "circle"\nsize = [3, 3]\n')
+    score = '[[segment]]\nmeasure = 4\nmeasures = 1\ngroup = "pair"\nformation = "ring"\n'
+    assert night.edit(file="score/a.toml", more=score + '[[element]]\nkind = "wander"\nmeasure = 5\nmeasures = 1\n')
+    night.run(3.0)
+    show = night.show
+    assert show.variation.head.tolist() == [0.5] * 4
+    assert show.motion.surroundings.obstacle_names == ("chair",)
+    assert show.casting.select("pair", show.state.position).tolist() == [True, True, False, False]
+    night.run(2.9)  # in the fifth measure
+    assert [element.source for element in show.motion.elements.in_force] == ["score"]
+    night.inbox.put(events.Evolve(time=0.0, source="test", formation="ring", measures=1.0, group="*"))
+    night.run(4.0)
+    for file in ("show.toml", "formations/a.toml", "score/a.toml"):
+        (patch.parent / file).unlink()
+    result = night.replayed()
+    assert result.measures >= 5
+    assert result.differences == ()
+
+
+def test_who_is_in_a_formation_goes_to_its_new_places(patch):
+    night = Night(patch)
+    ring = '[[formation]]\nname = "ring"\nshape = "circle"\nsize = [2, 2]\n'
+    assert night.edit(file="formations/a.toml", more=ring)
+    assert night.edit(more='[[segment]]\nmeasure = 2\nmeasures = 1\nformation = "ring"\nhold = true\n')
+    night.run(7.0)
+    small = abs(night.show.state.position).max()
+    assert night.edit("size = [2, 2]", "size = [6, 6]", file="formations/a.toml")
+    night.run(6.0)
+    assert abs(night.show.state.position).max() > small + 1.0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "where"),
+    [
+        ('["groove"]', '["grove"]', "show.toml, line 9: group.1.steps"),
+        ('["groove"]', "[3]", "show.toml, line 9: group.1.steps.1"),
+        ("bpm = 120", "bpm = = 3", "show.toml, line 5: not valid TOML"),
+        ('["groove"]', '["groove"]\nformation = "rnig"', "show.toml, line 10: group.1.formation"),
+        ('"edited"', '"edited"\n[locomotion]\nthreshold_m = 0.011', "no step of"),
+    ],
+)
+def test_a_bad_edit_is_told_and_the_last_good_patch_goes_on(patch, old, new, where):
+    night = Night(patch)
+    night.run(1.0)
+    before = night.show.patch
+    good = night.watch.version
+    assert not night.edit(old, new)
+    told = night.watch.facts()["problem"]
+    assert where in told
+    assert "the last good one goes on" in told
+    assert night.watch.version == good
+    night.run(3.0)
+    assert night.show.patch is before
+    assert not night.edit(new, old)  # as it was: nothing to take, and nothing is wrong any more
+    assert night.watch.problem == ""
+
+
+def test_what_needs_a_new_start_is_named_and_the_rest_acts(patch):
+    night = Night(patch)
+    night.run(1.0)
+    assert night.edit("dancers = 4", 'dancers = 6\nfacing = "90"', more="[stage]\nwidth = 20\n")
+    assert night.watch.waits == ("stage.width", "group.1.dancers")
+    assert "from the next start on" in night.watch.told
+    assert "stage.width, group.1.dancers" in night.watch.told
+    night.run(8.0)
+    assert night.show.patch.stage.width == 12.0
+    assert night.show.patch.group[0].facing == "90"
+    assert night.show.dancers.present.end_heading() == pytest.approx([1.571] * 4, abs=0.3)
+    text = patch.read_text()
+    assert not night.edit(text, text.replace("width = 20", "width = 22"))
+    assert night.watch.problem == ""
+
+
+def test_what_was_set_live_stays_unless_the_edit_says_otherwise(patch):
+    night = Night(patch)
+    for parameter, value in (("head", 0.3), ("larger", 0.2)):
+        night.inbox.put(events.SetMotion(time=0.0, source="test", parameter=parameter, value=value))
+    night.run(1.0)
+    assert night.edit(more="[motion]\nlarger = 0.4\n")
+    night.run(2.0)
+    assert night.show.variation.head[0] == 0.3
+    assert night.show.variation.larger[0] == 0.4
+
+
+def test_the_joins_of_steps_are_made_anew(patch):
+    night = Night(patch)
+    night.run(1.0)
+    before = night.show.graph
+    assert night.edit(more="[locomotion]\nthreshold_m = 0.5\ntransition_beats = 0.5\n")
+    night.run(3.0)
+    assert night.show.graph.window == 0.125
+    assert night.show.graph.edge_count > before.edge_count
+    assert night.replayed().differences == ()
+
+
+def test_a_long_patch_is_short_in_the_journal(patch):
+    night = Night(patch)
+    entry = '[[element]]\nkind = "wander"\nmeasure = {}\nmeasures = 1\n'
+    assert night.edit(file="score/a.toml", more="".join(entry.format(n) for n in range(1, 500)))
+    night.run(1.0)
+    event = next(event for line in _lines(night) if (event := line.get("event")) and event["type"] == "PatchChanged")
+    assert len(event["patch"]) < 8000
+    assert len(night.show.patch.element) == 499
+
+
+def _lines(night):
+    night.writer.close(night.engine.ticks.index)
+    return [json.loads(line) for line in night.journal.read_text().splitlines()]
+
+
+def test_a_damaged_event_is_refused_and_changes_nothing(patch):
+    night = Night(patch)
+    before = night.show.patch
+    for text in ("{", "zlib:AAAA", "{}", PATCH):
+        assert not night.show.apply(PatchChanged(time=0.0, source="patch", patch=text, version="x"))
+    night.run(3.0)
+    assert night.show.patch is before
+
+
+def test_a_step_that_comes_later_mends_the_patch_that_names_it(patch):
+    night = Night(patch)
+    assert not night.edit('["groove"]', '["new bow"]')
+    assert "new bow" in night.watch.problem
+    text = (STEPS / "samba.toml").read_text().replace('name = "samba"', 'name = "new bow"')
+    (patch.parent / "moves" / "another.toml").write_text(text)
+    assert not night.watch.look()
+    assert night.watch.look()
+    assert night.watch.problem == ""
+    assert "new bow" in set().union(*night.run(6.0).values())
+
+
+def test_the_thread_starts_and_stops(patch):
+    night = Night(patch)
+    night.watch.start()
+    night.watch.stop()
+    night.watch.stop()
