@@ -161,7 +161,7 @@ class Show:
             case events.StepsAdded():
                 self._new_steps.add(event, self.graph)
             case events.PatchChanged():
-                self.reloading.ask(event, self)
+                self.reloading.ask(event, self.another, self.patch, self.latest_graph)
             case events.Blackout():
                 self.blackout = event.on
             case events.TicksSkipped():
@@ -193,6 +193,10 @@ class Show:
     def offer(self, library: str, graph: MotionGraph) -> None:
         """Hold a graph ready for the event StepsAdded that names its library's hash. Thread: any."""
         self._new_steps.offer(library, graph)
+
+    def another(self, patch: Patch, graph: MotionGraph) -> "Show":
+        """A fresh show of another patch, with this one's seed. Takes a while; thread: any."""
+        return Show(patch, graph, seed=self.seed)
 
     def offer_patch(self, prepared: Prepared) -> None:
         """Hold a patch ready for the event PatchChanged that names its version. Thread: any."""

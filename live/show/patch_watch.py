@@ -45,7 +45,7 @@ class PatchWatch:
         """`post` takes the event that calls for the new patch, at the time `now()`."""
         self._loaded, self._show, self._post, self._now = loaded, show, post, now
         self._library = library
-        self._patch, self._seed, self._graph = show.patch, show.seed, show.graph
+        self._patch, self._graph = show.patch, show.graph
         self._text = self._patch.model_dump_json()
         self._seen = self._taken = stamp_of_files(loaded.path)
         self._ended = threading.Event()
@@ -120,7 +120,7 @@ class PatchWatch:
 
     def _proved(self, text: str, graph: MotionGraph, sources: TomlSources) -> Prepared:
         try:
-            return prepare(text, type(self._show), self._patch, graph, seed=self._seed)
+            return prepare(text, self._show.another, self._patch, graph)
         except PersonError as error:
             where = f"{sources.told(error.place)}: {field_words(error.place)}: " if error.place else ""
             raise PersonError(f"{where}{error.message}", error.remedy) from None

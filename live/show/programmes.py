@@ -31,7 +31,9 @@ def take_programmes(running: list[Programme], fresh: list[Programme], patch: Pat
     """
     for index, (own, new) in enumerate(zip(running, fresh, strict=True)):
         match own, new:
-            case (GroupProgramme(), GroupProgramme()) | (Echo(), Echo()):
+            case GroupProgramme(), GroupProgramme():
+                own.take_patch(new)
+            case Echo(), Echo():
                 own.take_patch(new)
             case _:
                 running[index] = new

@@ -1,7 +1,8 @@
 """Reloading: an edited patch, prepared by another thread or here, waits until a running show can take it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from live.base.errors import PersonError
 from live.base.packed import unpacked
@@ -13,9 +14,6 @@ from live.show.patch import Patch
 from live.show.programme import UnknownStep
 from live.show.refusals import Refusals
 
-if TYPE_CHECKING:
-    from live.show.core import Show
-
 KEPT = 4
 """Prepared patches that are kept for an event to name them."""
 
@@ -25,7 +23,8 @@ class Prepared:
     """A patch that was proved: a show of it starts."""
 
     version: str
-    fresh: "Show"
+    fresh: Any
+    """That show, at its first moment."""
 
 
 def graph_for(graph: MotionGraph, running: Patch, new: Patch) -> MotionGraph:
@@ -42,7 +41,11 @@ def graph_for(graph: MotionGraph, running: Patch, new: Patch) -> MotionGraph:
     return build_graph(graph.library, window=window, threshold=limits.threshold_m, metric=metric)
 
 
-def prepare(text: str, show_type: "type[Show]", running: Patch, graph: MotionGraph, *, seed: int) -> Prepared:
+Start = Callable[[Patch, MotionGraph], Any]
+"""Makes a fresh show of a patch in a graph."""
+
+
+def prepare(text: str, start: Start, running: Patch, graph: MotionGraph) -> Prepared:
     """Prove a patch, written as JSON, for a show that runs with the patch `running` in `graph`.
 
     PersonError if it would not start, or cannot take the place of the other one. Takes a while: not in a live frame.
@@ -51,7 +54,7 @@ def prepare(text: str, show_type: "type[Show]", running: Patch, graph: MotionGra
         patch = Patch.model_validate_json(text)
         if fitted(patch, running)[1]:
             raise PersonError("the patch needs a new start")
-        return Prepared(version_of(text), show_type(patch, graph_for(graph, running, patch), seed=seed))
+        return Prepared(version_of(text), start(patch, graph_for(graph, running, patch)))
     except UnknownStep as error:
         raise PersonError(str(error), place=error.place) from None
     except ValueError as error:  # of pydantic or the graph, or a damaged text
@@ -83,19 +86,18 @@ class Reloading:
         for version in list(self._offered)[:-KEPT]:
             self._offered.pop(version, None)
 
-    def ask(self, event: PatchChanged, show: "Show") -> None:
+    def ask(self, event: PatchChanged, start: Start, running: Patch, graph: MotionGraph) -> None:
         """A patch shall be taken: the one that was prepared, or else it is prepared here, as in a replay."""
         prepared = self._offered.pop(event.version, None)
         if prepared is None:
             try:
-                text = unpacked(event.patch)
-                prepared = prepare(text, type(show), show.patch, show.latest_graph, seed=show.seed)
+                prepared = prepare(unpacked(event.patch), start, running, graph)
             except (PersonError, ValueError) as error:
                 self._refusals.add(f"{event.source}: {error}")
                 return
         self.waiting = prepared
 
-    def take(self, running: Patch) -> "Show | None":
+    def take(self, running: Patch) -> Any:
         """The fresh show whose patch is to be taken now; None if there is none."""
         prepared, self.waiting = self.waiting, None
         if prepared is None:

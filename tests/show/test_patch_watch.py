@@ -148,11 +148,12 @@ def test_who_is_in_a_formation_goes_to_its_new_places(patch):
     night = Night(patch)
     ring = '[[formation]]\nname = "ring"\nshape = "circle"\nsize = [2, 2]\n'
     assert night.edit(file="formations/a.toml", more=ring)
-    assert night.edit(more='[[segment]]\nmeasure = 2\nmeasures = 1\nformation = "ring"\nhold = true\n')
-    night.run(7.0)
+    assert night.edit('["groove"]', '["walk"]', more='[[segment]]\nmeasure = 2\nmeasures = 1\nformation = "ring"\nhold = true\n')
+    night.run(9.0)
     small = abs(night.show.state.position).max()
+    assert small < 1.5
     assert night.edit("size = [2, 2]", "size = [6, 6]", file="formations/a.toml")
-    night.run(6.0)
+    night.run(8.0)
     assert abs(night.show.state.position).max() > small + 1.0
 
 
@@ -162,8 +163,8 @@ def test_who_is_in_a_formation_goes_to_its_new_places(patch):
         ('["groove"]', '["grove"]', "show.toml, line 9: group.1.steps"),
         ('["groove"]', "[3]", "show.toml, line 9: group.1.steps.1"),
         ("bpm = 120", "bpm = = 3", "show.toml, line 5: not valid TOML"),
-        ('["groove"]', '["groove"]\nformation = "rnig"', "show.toml, line 10: group.1.formation"),
-        ('"edited"', '"edited"\n[locomotion]\nthreshold_m = 0.011', "no step of"),
+        ('["groove"]', '["groove"]\n[[segment]]\nmeasure = 1\nformation = "rnig"', "show.toml, line 10: segment.1"),
+        ("[clock]", "[locomotion]\nthreshold_m = 0.011\n[clock]", "line 11: group.1.steps: group 'all': step 'groove' connects to no other"),
     ],
 )
 def test_a_bad_edit_is_told_and_the_last_good_patch_goes_on(patch, old, new, where):
@@ -224,7 +225,7 @@ def test_a_long_patch_is_short_in_the_journal(patch):
     night = Night(patch)
     entry = '[[element]]\nkind = "wander"\nmeasure = {}\nmeasures = 1\n'
     assert night.edit(file="score/a.toml", more="".join(entry.format(n) for n in range(1, 500)))
-    night.run(1.0)
+    night.run(3.0)
     event = next(event for line in _lines(night) if (event := line.get("event")) and event["type"] == "PatchChanged")
     assert len(event["patch"]) < 8000
     assert len(night.show.patch.element) == 499

@@ -148,3 +148,26 @@ def test_the_last_measures_are_remembered():
         playhead.cross(measure)
         seen[measure] = playhead.place(measure)
     assert [playhead.place(measure) for measure in (3, 4, 5)] == [seen[3], seen[4], seen[5]]
+
+
+def test_an_edited_score_goes_on_where_it_is_by_the_sections_names():
+    playhead = Playhead([Stretch("a", 4, 1, 1), Stretch("b", 4, 1, 0)])
+    for measure in range(7):
+        playhead.cross(measure)
+    assert playhead.place(6) == Place(1, 2)
+    playhead.jump(0, when="section")
+    playhead.take_patch(Playhead([Stretch("new", 2, 1, 1), Stretch("B", 8, 1, 2), Stretch("a", 3, 1, 0)]))
+    assert [playhead.place(n) for n in (6, 7, 11)] == [Place(1, 2), Place(1, 3), Place(1, 7)]
+    assert playhead.place(12) == Place(2, 0, 1)  # the jump that waits goes to where "a" is now
+    playhead.take_patch(Playhead([Stretch("b", 2, 1, 0)]))  # measure 3 of 2, and its jump leads nowhere
+    assert [playhead.place(n) for n in (6, 7, 8)] == [Place(0, 0), Place(0, 1), Place(0, 0, 1)]
+
+
+def test_a_section_that_is_gone_leaves_the_score_in_the_same_written_measure():
+    playhead = Playhead([Stretch("", None)])
+    for measure in range(6):
+        playhead.cross(measure)
+    playhead.take_patch(Playhead([Stretch("a", 4, 1, 1), Stretch("b", 4, 1, 0)]))
+    assert playhead.place(5) == Place(1, 1)
+    playhead.take_patch(Playhead([Stretch("c", 2, 1, 0)]))
+    assert [playhead.place(n).measure for n in (5, 6, 7)] == [0, 1, 0]
