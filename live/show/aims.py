@@ -43,6 +43,7 @@ class Aims:
         count = len(group)
         self.speed: Float32 = np.zeros(count, np.float32)
         """Top speed of each agent [m/s]: what its dancer's steps can follow, shape (A,)."""
+        self._asked: list[tuple[int | None, int]] = [(None, 0)] * len(programmes)  # measure and step of each group
         self.step = np.zeros(count, np.int32)
         """The step wanted of each dancer, below 0 for any, shape (A,)."""
         self.row = np.zeros(count, np.int32)
@@ -78,12 +79,15 @@ class Aims:
     def set_speed(self, measure: int, timeline: Timeline) -> None:
         """Let the agents of each group go as fast as its steps and the correction can follow."""
         seconds = timeline.beats_per_measure * 60.0 / timeline.tempo
+        speeds = np.empty(len(self._programmes))
         for index in self.order:
-            programme, members = self._programmes[index], self._group == index
-            step = programme.wanted(measure, self._dancers.node[members])
+            programme, (asked_for, step) = self._programmes[index], self._asked[index]
+            if asked_for != measure:
+                step = programme.wanted(measure, self._dancers.node[self._group == index])
             steps = [step] if programme.travel_step is None else [step, programme.travel_step]
             reach = max(float(self._reach[s]) for s in steps)
-            self.speed[members] = (reach + 0.2 * self._patch.locomotion.correction_m) / seconds
+            speeds[index] = (reach + 0.2 * self._patch.locomotion.correction_m) / seconds
+        self.speed[:] = speeds[self._group]
 
     def look(self, choices: Choices) -> None:
         """Where everybody should be and face at the end of the next measure; the look-ahead must be finished."""
@@ -103,6 +107,7 @@ class Aims:
         if isinstance(programme, GroupProgramme):
             programme.stands = not members.any() or bool(np.median(way[members]) < STANDS)
         step = programme.wanted(measure, self._dancers.node[members])
+        self._asked[index] = measure, step
         self.step[members] = step
         self.row[members] = 2 * index
         self.ahead[2 * index] = self.foresight.sequence(programme.coming, programme.into)

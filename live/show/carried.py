@@ -14,6 +14,7 @@ from live.show.dancers import Dancers
 from live.show.group_motion import GroupMotion
 from live.show.tracing import trace
 
+Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Int64 = npt.NDArray[np.int64]
@@ -60,18 +61,14 @@ class Carried:
         self.most[:] = np.maximum(give, LEAST_DODGE)
         self.hasty[:] = IN_HASTE * self.most
 
-    def begin_measure(self, present: Danced, *, traced: bool) -> None:
-        """The measure `present` begins; its paths are known already if they are `traced`."""
+    def begin_measure(self, present: Danced, reference: Float32, *, traced: bool) -> None:
+        """The measure `present` begins; its paths are known already if they are `traced`. Agents are bound to
+        `reference` (A, 2) [m], which is written."""
         if not traced or not same_indices(self.node, present.node):
             trace(self.paths, self.dancers, present, slice(0, len(self.node)))
             self.end[:] = present.end_position() - present.correction[:, :2]
         self.node[:] = present.node
-        self.begin[:] = self.paths.path[:, 0]
-        for place in (row.PLAN, row.AIM, row.GOAL):
-            self.rows[place] = present.correction[:, :2]
-        self.rows[row.DODGE] = self.rows[row.AIM_SPEED] = 0.0
-        self.predicted[:] = self.asked
-        self.rows[row.AHEAD] = self.motion.state.position - self.begin
+        row.begin_rows(self.rows, self.paths.path, present.correction, self.motion.state.position, reference)
 
     def put_elsewhere(self, who: Int64) -> None:
         """The dancers `who` (n,) were put into other measures in the middle of this one: go on with those."""

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from live.agents.asking.kernels import same_indices
 from live.agents.parting.paths.paths import PathParting
 from live.agents.wings.entrances import ON
-from live.motion.shifting.aiming.kernels import carry_agents, settle_ways
+from live.motion.shifting.aiming.kernels import carry_agents, end_rows, settle_ways
 from live.motion.shifting.rise import MOST_HELD
 from live.show.carried import Carried
 from live.show.coming import Coming
@@ -63,6 +63,7 @@ class Carrying:
         self._odd = False
         """Of crowds, paths are parted in every second tick."""
         self._slid, self._stood = np.zeros(count), np.zeros(count)
+        self._begun = False  # whether this is the tick of a line: nobody has strayed yet, and paths are apart
         self._open = False  # whether the coming measures are not corrected yet
 
     def take_patch(self, fresh: "Carrying") -> None:
@@ -112,15 +113,15 @@ class Carrying:
 
     def begin_measure(self, *, anew: bool) -> None:
         """A measure begins; `anew` if somebody is not where the coming measure would have had her."""
-        self._carried.begin_measure(self._dancers.present, traced=self._coming.traced and not anew)
-        self.reference[:] = self._carried.begin
+        traced = self._coming.traced and not anew
+        self._carried.begin_measure(self._dancers.present, self.reference, traced=traced)
+        self._begun = True
 
     def cross_measure_line(self) -> None:
         """The measure ends: how far from the predicted agent; then the coming paths are the present ones."""
         if self._open:
             self._settle()
-        end, correction = self._carried.end, self._dancers.present.correction[:, :2]
-        self.lag[:] = np.hypot(*(end + correction - self.predicted).T)
+        end_rows(self.lag, self._carried.rows, self._dancers.present.correction)
         self._slid, self._stood = self._dancers.lock.slid()
         self._coming.cross_measure_line()
 
@@ -138,7 +139,8 @@ class Carrying:
             self._settle()
         elif dancers.decided:
             self._coming.tick(part=not self._odd)
-        self._re_aiming.tick(fraction, aim=not self._odd)
+        self._re_aiming.tick(fraction, aim=not (self._odd or self._begun))
+        self._begun = False
         if self._pushing is not None:
             self._pushing.tick(fraction, rate)
         carry_agents(

@@ -124,9 +124,8 @@ class Dancers:
         return out
 
     def cross_measure_line(self) -> None:
-        """The next measure becomes the present one, the present one the past."""
-        self.past.copy_from(self.present)
-        self.present.copy_from(self.coming)
+        """The next measure becomes the present one, the present one the past: they change places, nothing is copied."""
+        self.past, self.present, self.coming = self.present, self.coming, self.past
         self.coming.undecide()
 
     def tick(self, fraction: float, time: float, dt: float) -> None:

@@ -46,6 +46,8 @@ class Evolutions:
         self._plan = Plan(casting.roster, Repertoire(), measure_beats=self._beats, half=half, radius=radius, seed=seed)
         self._added = -1
         self._of_line: list[Segment] = []
+        self._next, self._fresh = 0, False  # the measure after this one, and whether this one has just begun
+        self._heading: Float64 | None = None  # as dancers faced at the line, until the next measure is looked at
         self._ways = 0
         for index, section in enumerate(patch.segment):  # whatever is wrong is told at the start, not in measure 200
             with named(f"segment in measure {section.measure}", ("segment", index)):
@@ -137,7 +139,7 @@ class Evolutions:
         self._plan.begin_measure(measure, position, heading)
         self._plan.forget(measure + 1)
         self._take_up(measure + 1)
-        self._plan.prepare(measure + 1, position, heading, if_known=True)
+        self._next, self._heading, self._fresh = measure + 1, heading, True
 
     def prepare(self, measure: int, position: Float32, heading: Float64) -> None:
         """Begin to work out, ahead of time, what begins with `measure`, from foreseen places and headings."""
@@ -204,8 +206,13 @@ class Evolutions:
         """Whether a segment has begun, or is being worked out, that may hold somebody."""
         return self._plan.running
 
-    def work(self) -> None:
-        """Do one small piece of what is to be worked out."""
+    def work(self, position: Float32) -> None:
+        """Do one small piece of what is to be worked out by agents at `position` (A, 2) [m]: in the tick of a line what
+        is at work already, in the next one what begins with the measure after it is prepared, if that can be."""
+        if self._heading is not None and not self._fresh:
+            heading, self._heading = self._heading, None
+            self._plan.prepare(self._next, position, heading, if_known=True)
+        self._fresh = False
         self._plan.work()
 
     def write(self, wants: Wants, state: AgentState, beat: float, beats_per_second: float) -> None:

@@ -147,7 +147,8 @@ class GroupMotion:
         self._now = (timeline, span)
         entered = self.entrances.cross_measure_line(self.state.position)
         self.partners.pair(self.entrances.state == ON)
-        self.state.velocity[entered] = 0.0
+        if len(entered):
+            self.state.velocity[entered] = 0.0
         self.elements.begin_measure(span.number, beat, timeline.beats_per_measure, self.state.position)
         self.evolutions.begin_measure(span.number, self.state.position, heading, self.entrances.staying)
         return entered
@@ -171,7 +172,7 @@ class GroupMotion:
             self.partners.part(self.entrances.state == ON)
         if self._performers:
             self._forget_performers(time)
-        self.evolutions.work()
+        self.evolutions.work(self.state.position)
         self._ask(self.wants, self.state, time, ahead=False)
         if self.evolutions.running:
             self.evolutions.release(self.elements.influence >= TAKEN)

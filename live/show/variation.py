@@ -36,6 +36,9 @@ SLOWEST: Final = 0.15
 FARTHEST: Final = 0.12
 """Share of a measure that such a warp is ahead or behind at most: less than the beat by which steps are decided."""
 
+SPAN: Final = np.array([1.0, 11.0, 11.0, 1.0]) / 24.0
+"""Weights of a uniform cubic B-spline's integral over one span."""
+
 
 @dataclass(frozen=True, slots=True)
 class Variety:
@@ -147,8 +150,8 @@ class Variation:
         count = len(group)
         self.phase: Float64 = np.zeros(count)
         """Phase of each dancer's warp over the sequence when the present measure begins [rad], shape (A,) (T056)."""
-        self._amplitude_knots: Float64 = np.zeros((4, count))
-        self._frequency_knots: Float64 = np.zeros((4, count))
+        self._knots: Float64 = np.zeros((2, 4, count))
+        self._amplitude_knots, self._frequency_knots = self._knots
         self._drawn: tuple[int | None, Float64] = None, np.zeros((2, count))
         self._knots_of: int | None = None
         self.measure = 0
@@ -271,17 +274,15 @@ class Variation:
 
     def begin_measure(self, measure: int) -> None:
         """The measure `measure` (from 0) begins: the phase of the sequence's warp goes on, its splines move on."""
-        weights = np.array([1.0, 11.0, 11.0, 1.0]) / 24.0  # of a uniform cubic B-spline's integral over one span
-        self.phase += 2.0 * np.pi * (weights @ self._frequency_knots)
+        self.phase += 2.0 * np.pi * (SPAN @ self._frequency_knots)
         first = 3 if self._knots_of == measure - 1 else 0
         if first:
-            for knots in (self._amplitude_knots, self._frequency_knots):
-                knots[:-1] = knots[1:]
+            self._knots[:, :-1] = self._knots[:, 1:]
         self.measure = self._knots_of = measure
         for n in range(first, 4):
             if self._drawn[0] != measure + n:
                 self.foresee(measure + n)
-            self._amplitude_knots[n], self._frequency_knots[n] = self._drawn[1]
+            self._knots[:, n] = self._drawn[1]
 
     def foresee(self, measure: int) -> None:
         """Draw ahead what the warp over the sequence needs in `measure` first: three measures before it."""

@@ -197,6 +197,8 @@ class Plan:
         where = np.asarray(positions, np.float64)
         self.prepare(measure, where, headings)
         coming = self._coming.pop(measure)
+        if not (coming or self._coming or self._motions):
+            return coming
         line = measure * self.measure_beats
         for motion in coming:
             motion.make_usable()

@@ -243,3 +243,27 @@ def carry_agents(
             pace[n, c] = way * rate
             if late[n] > 0.0:
                 reference[n, c], pace[n, c] = shown[n, c], 0.0
+
+
+@kernel("void(f8[:,:,::1], f4[:,:,::1], f8[:,::1], f4[:,::1], f4[:,::1])")
+def begin_rows(rows: Float64, path: Float32, correction: Float64, position: Float32, reference: Float32) -> None:
+    """A measure begins along `path` (A, M, 2) [m]: its `correction` (A, 3) is what is planned, aimed at and led to.
+
+    Agents are at `position` (A, 2) [m], and bound to `reference` (A, 2) [m], where their dancers are.
+    """
+    for n in range(path.shape[0]):
+        for c in range(2):
+            rows[BEGIN, n, c] = reference[n, c] = path[n, 0, c]
+            rows[PLAN, n, c] = rows[AIM, n, c] = rows[GOAL, n, c] = correction[n, c]
+            rows[DODGE, n, c] = rows[AIM_SPEED, n, c] = 0.0
+            rows[PREDICTED, n, c] = rows[ASKED, n, c]
+            rows[AHEAD, n, c] = position[n, c] - rows[BEGIN, n, c]
+
+
+@kernel("void(f8[::1], f8[:,:,::1], f8[:,::1])")
+def end_rows(lag: Float64, rows: Float64, correction: Float64) -> None:
+    """How far everybody, with her `correction` (A, 3), ends the measure from her predicted agent, `lag` (A,) [m]."""
+    for n in range(lag.shape[0]):
+        x = rows[END, n, 0] + correction[n, 0] - rows[PREDICTED, n, 0]
+        z = rows[END, n, 1] + correction[n, 1] - rows[PREDICTED, n, 1]
+        lag[n] = math.hypot(x, z)
