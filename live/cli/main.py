@@ -91,7 +91,7 @@ def show_person_error(error: PersonError) -> None:
         console.print(Text.assemble(("  try: ", "bold"), error.remedy))
 
 
-def _end_cleanly() -> None:
+def end_cleanly() -> None:
     """Closed terminals, `kill` and a second Ctrl-C must not cost the film and the end of the journal.
 
     Scripts start what runs behind `&` with Ctrl-C ignored; here it always counts.
@@ -113,7 +113,7 @@ def _end_cleanly() -> None:
 
 def main() -> None:
     """Run the command line and exit: 0 done, 1 a check failed, 2 an error of use, 130 Ctrl-C."""
-    _end_cleanly()
+    end_cleanly()
     try:
         app()
     except PersonError as error:

@@ -8,6 +8,7 @@ import typer
 PANEL_TIME = "Music and time"
 PANEL_PICTURE = "Picture"
 PANEL_RECORD = "Recording"
+PANEL_ALIVE = "Staying alive"
 
 
 def play(
@@ -123,6 +124,14 @@ def play(
     status_json: Annotated[
         Path | None, typer.Option(help="Write one JSON line of figures a second.", rich_help_panel=PANEL_RECORD)
     ] = None,
+    alone: Annotated[
+        bool,
+        typer.Option(
+            "--alone",
+            help="One process only: nobody watches over the show and takes over when it ends in a crash.",
+            rich_help_panel=PANEL_ALIVE,
+        ),
+    ] = False,
 ) -> None:
     """Play a show: music in, dancers on the projector.
 
@@ -131,7 +140,8 @@ def play(
     again at its end. Without a screen, 20 s of the show become a film, first-show.mp4.
     """
     from live.cli.options import film_file, parse_choice, parse_endpoint, parse_number, parse_size, writable_file
-    from live.cli.stage import play_show
+    from live.cli.played import Played
+    from live.cli.supervised import is_supervised, supervise
     from live.cli.wish import Wish
 
     parse_number(bpm, "--bpm", 20, 400)
@@ -140,7 +150,7 @@ def play(
     for path, name in ((record, "--record"), (journal, "--journal"), (status_json, "--status-json")):
         writable_file(path, name)
     film_file(record, "--record", never=[audio, patch])
-    play_show(
+    played = Played(
         Wish(
             patch=patch,
             audio=audio,
@@ -166,3 +176,9 @@ def play(
         fullscreen=fullscreen,
         headless=headless,
     )
+    if is_supervised(played, alone=alone):
+        supervise(played)
+        return
+    from live.cli.stage import play_show
+
+    play_show(played.wish, monitor=monitor, fullscreen=fullscreen, headless=headless)

@@ -7,11 +7,15 @@ from collections.abc import Callable, Iterator
 import psutil
 from rich.console import Console
 
+from live.alive.heartbeat import Phase
+from live.alive.lifeline import Lifeline
+from live.alive.relay import RelayedJournal
 from live.base.errors import PersonError
 from live.base.inbox import Inbox
 from live.cli.click_part import make_click
 from live.cli.link_part import make_link
 from live.cli.midi_part import make_midi
+from live.cli.resumed import Resumed
 from live.cli.session_news import osc_rejected, session_news
 from live.cli.session_sound import AudioSource, Sound, choose_sound, make_audio
 from live.cli.wish import Wish
@@ -56,18 +60,32 @@ def _started(device: AudioSource, option: str, name: str | None) -> None:
 class Session:
     """A running show: engine, inputs, journal, status."""
 
-    def __init__(self, wish: Wish, loaded: LoadedShow, sound: Sound, venue: Venue | None = None) -> None:
-        """Everything is made, nothing is started; PersonError for what cannot be."""
+    def __init__(
+        self,
+        wish: Wish,
+        loaded: LoadedShow,
+        sound: Sound,
+        venue: Venue | None = None,
+        *,
+        lifeline: Lifeline | None = None,
+        resumed: Resumed | None = None,
+    ) -> None:
+        """Everything is made, nothing is started; PersonError for what cannot be.
+
+        `lifeline`: to the supervisor, if there is one; `resumed`: the show that is gone on with.
+        """
         self.latencies = Latencies.of(venue)
         tempo = start_tempo(wish, loaded, sound)
-        show = loaded.start(seed=wish.seed, tempo=tempo)
+        show = loaded.start(seed=wish.seed, tempo=tempo) if resumed is None else resumed.show
+        self.lifeline = lifeline
+        self._resumed = resumed
         self.wish = wish
         self.loaded = loaded
         self.sound = sound
         self.show: Show = show
-        self.clock = SystemClock()
+        self.clock = SystemClock(None if resumed is None else resumed.origin)
         self.inbox: Inbox[ControlEvent] = Inbox()
-        self.osc = OscInput(*wish.osc, self.inbox, self.clock)
+        self.osc = OscInput(*wish.osc, self.inbox, self.clock, inherited=None if lifeline is None else lifeline.osc)
         self._audio, self._tell_audio = make_audio(sound, loaded, show, self.latencies, self.inbox, self.clock)
         self.status = Status(
             show,
@@ -87,6 +105,8 @@ class Session:
         self.status.more["music"] = show.reactions.facts
         if self._audio is not None:
             self.status.more["audio"] = self._audio.facts
+        if lifeline is not None:
+            self.status.more["alive"] = lifeline.status
         self._link = self._make_link()
         self._click = make_click(wish.click, wish.click_channels, venue, show, self.clock)
         if self._click is not None:
@@ -106,6 +126,11 @@ class Session:
 
     def _open_journal(self) -> None:
         """Begin the journal, last of all: a start that is refused leaves an old one of its name where it is."""
+        if self.lifeline is not None:
+            header = {**self.loaded.header(self.show, tempo=self._tempo), "origin": self.clock.origin}
+            self._journal = RelayedJournal(self.lifeline.wire, header if self._resumed is None else None)
+            self.engine.journal = self._journal
+            return
         if self.wish.journal is None:
             return
         try:
@@ -118,7 +143,8 @@ class Session:
     def running(self) -> Iterator["Session"]:
         """Start everything; stop it again whatever happens. Automatic garbage collection rests meanwhile."""
         try:
-            self.clock.origin = SystemClock().origin  # the show's time begins now
+            if self._resumed is None:
+                self.clock.origin = SystemClock().origin  # the show's time begins now
             try:
                 self.osc.start()
             except CannotListen as error:
@@ -134,20 +160,33 @@ class Session:
                 self._midi.start()
             self._watch.start()
             self.news.start()
-            gc.collect()
+            if self._resumed is None:
+                gc.collect()
             gc.freeze()
             gc.disable()
+            if self._resumed is not None:
+                self._catch_up(self._resumed)
             yield self
         finally:
+            if self.lifeline is not None:
+                self.lifeline.beat(self.engine.ticks.index, Phase.LEAVING)
             gc.enable()
             gc.unfreeze()
             self._stop()
+
+    def _catch_up(self, resumed: Resumed) -> None:
+        """Dance what fell into the time in which nobody did: the show comes out where it would have been."""
+        for what, seconds in resumed.latencies.items():
+            self.latencies.set(what, seconds)
+        self.engine.lead = self.latencies.lead
+        self.engine.ticks.index = resumed.tick
+        self.engine.run_to(self.clock.now() + self.engine.lead)
 
     def _open_status(self) -> None:
         if self.wish.status_json is None:
             return
         try:
-            self._status_file = StatusFile(self.wish.status_json, self.status)
+            self._status_file = StatusFile(self.wish.status_json, self.status, more=self._resumed is not None)
         except OSError as error:
             raise PersonError(f"cannot write --status-json {self.wish.status_json}: {error.strerror}") from None
 
@@ -222,6 +261,8 @@ class Session:
             self._midi.frame()
         if self._status_file is not None:
             self._status_file.frame(started)
+        if self.lifeline is not None:
+            self.lifeline.frame(self.engine.ticks.index)
         gc.collect(0)
 
     def finished(self, time: float) -> bool:

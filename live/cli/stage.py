@@ -2,6 +2,7 @@
 
 from rich.console import Console
 
+from live.alive.lifeline import Lifeline
 from live.base.errors import PersonError
 from live.cli.session import Session
 from live.cli.session_sound import Sound, choose_sound
@@ -16,8 +17,10 @@ FILM_SECONDS = 20.0
 FILM_NAME = "first-show.mp4"
 
 
-def play_show(wish: Wish, *, monitor: str | None, fullscreen: bool, headless: bool) -> None:
-    """Play what `wish` asks for; PersonError if that cannot be."""
+def play_show(
+    wish: Wish, *, monitor: str | None, fullscreen: bool, headless: bool, lifeline: Lifeline | None = None
+) -> None:
+    """Play what `wish` asks for; PersonError if that cannot be. `lifeline`: to the supervisor, if there is one."""
     console = Console(stderr=True, highlight=False)
     warm_kernels(console)
     loaded = wish.load()
@@ -25,13 +28,13 @@ def play_show(wish: Wish, *, monitor: str | None, fullscreen: bool, headless: bo
         console.print(f"note: {note}", style="yellow", markup=False)
     venue = wish.read_venue()
     sound = choose_sound(wish, loaded, venue)
-    chosen = _monitor(monitor)
+    chosen = find_screen(monitor)
     if headless:
-        _headless(Session(wish, loaded, sound, venue), console)
+        _headless(Session(wish, loaded, sound, venue, lifeline=lifeline), console)
     elif list_monitors():
         from live.cli.window_show import play_in_window
 
-        session = Session(wish, loaded, sound, venue)
+        session = Session(wish, loaded, sound, venue, lifeline=lifeline)
         keys = help_lines(formation_names(loaded.patch.formation))
         console.print("\n".join([_welcome(session), *keys]), style="dim", soft_wrap=True, markup=False)
         play_in_window(session, scene_of(loaded.patch), monitor=chosen, fullscreen=fullscreen, console=console)
@@ -39,12 +42,13 @@ def play_show(wish: Wish, *, monitor: str | None, fullscreen: bool, headless: bo
         raise PersonError(f"--fullscreen: {screen_problem()}", "leave it out to make a film")
     elif sound.device is not None:
         console.print(f"{screen_problem()}; listening and running without a picture", style="dim")
-        _headless(Session(wish, loaded, sound, venue), console)
+        _headless(Session(wish, loaded, sound, venue, lifeline=lifeline), console)
     else:
         _film(wish, loaded, sound, console)
 
 
-def _monitor(name: str | None) -> Monitor | None:
+def find_screen(name: str | None) -> Monitor | None:
+    """The monitor of that number or name; None for none. PersonError that lists those there are."""
     if name is None:
         return None
     try:

@@ -1,7 +1,7 @@
 """The show in a window: the frame loop, the operator's keys and pointer, and a film of it if asked for."""
 
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from rich.console import Console
@@ -10,6 +10,7 @@ from live.base.errors import PersonError
 from live.base.stage_view import Scene, StageView
 from live.cli.recording import LiveRecording, live_rate
 from live.cli.session import Session
+from live.cli.wish import Wish
 from live.control.events import Attract, ControlEvent, Repel
 from live.control.keys import FORMATION_KEYS, KEYS, event_for_formation, event_for_key
 from live.control.pointer import TOOLS, event_for_place, event_for_stroke
@@ -26,6 +27,7 @@ from live.render.window_input import (
     PointerReleased,
     WindowInput,
 )
+from live.show.core import Show
 from live.show.sections.segment import formation_names
 
 TITLE = "ChoreoGraphics Live"
@@ -117,19 +119,59 @@ class Operator:
             self._session.inbox.put(event)
 
 
+@dataclass(slots=True)
+class Picture:
+    """A window with everything that draws into it."""
+
+    window: Window
+    renderer: Renderer
+
+    @classmethod
+    def opened(
+        cls, wish: Wish, scene: Scene, *, monitor: Monitor | None, fullscreen: bool, hidden: bool = False
+    ) -> "Picture":
+        """Open it; `hidden`: it is seen only when it is revealed. PersonError if there can be none."""
+        try:
+            window = Window(TITLE, monitor=monitor, fullscreen=fullscreen, size=wish.size, hidden=hidden)
+        except (NoWindow, UnknownMonitor) as error:
+            raise PersonError(str(error)) from None
+        try:
+            return cls(window, Renderer(window.ctx, scene, size=window.size))
+        except BaseException:
+            window.close()
+            raise
+
+    def rehearse(self, show: Show) -> None:
+        """Draw a picture that nobody sees, so that the driver has compiled everything before it counts."""
+        view = show.view()
+        show.fill(view, 0.0)
+        self.renderer.draw(view, self.window.target)
+        self.window.ctx.finish()
+
+    def close(self) -> None:
+        """Release what draws and close the window."""
+        self.renderer.release()
+        self.window.close()
+
+
 def play_in_window(
     session: Session, scene: Scene, *, monitor: Monitor | None, fullscreen: bool, console: Console
 ) -> None:
     """Run the show in a window until it is closed or its seconds are over."""
-    wish = session.wish
+    picture = Picture.opened(session.wish, scene, monitor=monitor, fullscreen=fullscreen)
     try:
-        window = Window(TITLE, monitor=monitor, fullscreen=fullscreen, size=wish.size)
-    except (NoWindow, UnknownMonitor) as error:
-        raise PersonError(str(error)) from None
-    renderer: Renderer | None = None
+        play_picture(session, scene, picture, console=console)
+    finally:
+        picture.close()
+
+
+def play_picture(
+    session: Session, scene: Scene, picture: Picture, *, console: Console, reveal: bool | None = None
+) -> None:
+    """Run the show in a window that is open; `reveal`: it is hidden, show it now, full screen or not."""
+    wish, window = session.wish, picture.window
     recording: LiveRecording | None = None
     try:
-        renderer = Renderer(window.ctx, scene, size=window.size)
         if wish.record is not None:
             fps = live_rate(wish, window.ctx)
             recording = LiveRecording(wish.record, window.ctx, window.size, fps, session.sound.music)
@@ -138,19 +180,19 @@ def play_in_window(
             f"a frame could not be drawn: {error}", style="red", markup=False
         )
         with session.running():
-            _loop(session, window, renderer, operator, recording)
+            if reveal is not None:
+                window.reveal(fullscreen=reveal)
+            _loop(session, window, picture.renderer, operator, recording)
     finally:
         if recording is not None:
             recording.close(console)
-        if renderer is not None:
-            renderer.release()
-        window.close()
 
 
 def _loop(
     session: Session, window: Window, renderer: Renderer, operator: Operator, recording: LiveRecording | None
 ) -> None:
     size = window.size
+    screen: bool | None = None
 
     def draw(view: StageView) -> None:
         nonlocal size
@@ -175,6 +217,9 @@ def _loop(
         session.status.late_frames = pacer.late
         session.after_frame(started, previous)
         window.swap()
+        if session.lifeline is not None and window.fullscreen is not screen:
+            screen = window.fullscreen
+            session.lifeline.tell_screen(screen, window.monitor.name)
         previous = started
         if session.finished(started):
             break

@@ -1,11 +1,12 @@
-"""Wish: what was asked for on the command line of a show."""
+"""Wish: what was asked for on the command line of a show. It is light to import: a supervisor needs no array."""
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from live.show.load import LoadedShow, load_show
-from live.show.patch_file import find_patch
-from live.show.venue import Venue, read_venue
+if TYPE_CHECKING:
+    from live.show.load import LoadedShow
+    from live.show.venue import Venue
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,10 +40,15 @@ class Wish:
         """Frames per second of a film, and of a show without a monitor."""
         return self.fps or 60.0
 
-    def read_venue(self) -> Venue | None:
+    def read_venue(self) -> "Venue | None":
         """The venue that was named, if one was."""
+        from live.show.venue import read_venue
+
         return None if self.venue is None else read_venue(self.venue)
 
-    def load(self) -> LoadedShow:
+    def load(self) -> "LoadedShow":
         """The patch and its steps."""
+        from live.show.load import load_show
+        from live.show.patch_file import find_patch
+
         return load_show(find_patch(self.patch), recordings=self.steps)

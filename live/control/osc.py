@@ -7,6 +7,7 @@ at most once per datagram and never longer than what was received.
 
 import errno
 import ipaddress
+import os
 import selectors
 import socket
 import struct
@@ -60,7 +61,10 @@ class OscInput:
         *,
         allow: Iterable[str] | None = None,
         registry: Registry = REGISTRY,
+        inherited: int | None = None,
     ) -> None:
+        """`inherited`: the descriptor of a socket that was bound by another process, and outlives this one."""
+        self._inherited = inherited
         self._host, self._wanted_port = host, port
         self._inbox, self._clock, self._registry = inbox, clock, registry
         self._allow: tuple[Network, ...] | None = None
@@ -87,7 +91,11 @@ class OscInput:
         """Bind and begin to receive; PortBusy or CannotListen, with the remedy, if that cannot be."""
         if self._thread is not None:
             raise RuntimeError("this OSC input was already started")
-        self._socket = _bound_socket(self._host, self._wanted_port)
+        self._socket = (
+            bound_socket(self._host, self._wanted_port)
+            if self._inherited is None
+            else socket.socket(fileno=os.dup(self._inherited))
+        )
         self._wake = socket.socketpair()
         self._stopping.clear()
         self._thread = threading.Thread(target=self._run, name="osc", daemon=True)
@@ -195,8 +203,8 @@ class OscInput:
         self.last_rejection = rejection
 
 
-def _bound_socket(host: str, port: int) -> socket.socket:
-    """A UDP socket that does not block, with the largest buffer the system grants up to 4 MB."""
+def bound_socket(host: str, port: int) -> socket.socket:
+    """A UDP socket that does not block, with the largest buffer the system grants up to 4 MB; else CannotListen."""
     where = f"{host}:{port}"
     remedy = "choose another with --osc HOST:PORT"
     if not 0 <= port <= 65_535:  # the system would take it modulo 65,536

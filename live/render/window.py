@@ -60,7 +60,9 @@ class Window:
         fullscreen: bool = False,
         size: tuple[int, int] = (1280, 720),
         samples: int = 0,
+        hidden: bool = False,
     ) -> None:
+        """`hidden`: nobody sees the window before it is revealed."""
         if not start_glfw():
             raise NoWindow(f"no window can be opened: {screen_problem()}; without a screen, use --headless")
         import glfw
@@ -68,19 +70,22 @@ class Window:
         self._glfw = glfw
         self._window_size = size
         self._place: tuple[int, int, int, int] | None = None
-        self._fullscreen = fullscreen
+        self._fullscreen = fullscreen and not hidden
         self._covers: Monitor | None = None
         self._borderless = False
         self._seen_changes = monitor_changes()
         self._polls = 0
         self._monitor, handle = self._choose(monitor)
-        self._handle = self._open(title, handle if fullscreen else None, samples)
+        covering = hidden and fullscreen
+        self._window_size = self._monitor.size if covering else size  # so that everything that draws has its size
+        self._handle = self._open(title, handle if self._fullscreen else None, samples, hidden)
+        self._window_size = size
         glfw.make_context_current(self._handle)
         glfw.swap_interval(1)
         loader: Any = _Loader(glfw)  # moderngl takes any object with these methods, its stub only a dictionary
         self.ctx: moderngl.Context = moderngl.create_context(require=410, context=loader)
         self._inputs = InputQueue(glfw, self._handle)
-        if fullscreen:
+        if self._fullscreen:
             self._settle(forced=not glfw.get_window_monitor(self._handle))
             self._show_cursor(False)
         self._fit_target()
@@ -97,7 +102,7 @@ class Window:
             raise UnknownMonitor(f"{what}; there is: {', '.join(map(str, listed))}")
         return next((each, handle) for each, handle in there if each is found)
 
-    def _open(self, title: str, handle: Any, samples: int) -> Any:
+    def _open(self, title: str, handle: Any, samples: int, hidden: bool) -> Any:
         """Create GLFW's window: full screen on the monitor `handle`, or in the middle of the chosen one."""
         glfw = self._glfw
         x, y, width, height = self._centred(self._monitor)
@@ -108,6 +113,7 @@ class Window:
             (glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE),
             (glfw.OPENGL_FORWARD_COMPAT, True),
             (glfw.SAMPLES, samples),
+            (glfw.VISIBLE, not hidden),
             (glfw.AUTO_ICONIFY, False),  # the projector keeps its picture while the operator works elsewhere
             (glfw.POSITION_X, x),
             (glfw.POSITION_Y, y),
@@ -181,6 +187,17 @@ class Window:
             self._place = (x, y, width, height)
             self._monitor = self._monitor_under(self._place)
             self._fullscreen = True
+            self._settle(forced=True)
+        self._fit_target()
+
+    def reveal(self, *, fullscreen: bool) -> None:
+        """Show a window that was opened hidden."""
+        self._glfw.poll_events()  # monitors may have come and gone since
+        if fullscreen:
+            self._fullscreen = True
+            self._settle(forced=True)
+        self._glfw.show_window(self._handle)
+        if fullscreen:
             self._settle(forced=True)
         self._fit_target()
 

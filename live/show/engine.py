@@ -113,6 +113,10 @@ class Engine:
             self.apply(TicksSkipped(time=now, source="engine", count=lost))
             self.ticks.skip(lost)
             self._status.skipped_ticks = self.ticks.skipped
+        self.run_to(target)
+
+    def run_to(self, target: float) -> None:
+        """Run every tick up to `target` [s], however many there are."""
         for time in self.ticks.due(target):
             crossed = self.show.tick(time)
             self._status.ticks += 1

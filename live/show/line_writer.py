@@ -14,9 +14,9 @@ class LineWriter:
     Thread: `put` and `close` from the show's thread; the file is touched only by the writer's own, after the start.
     """
 
-    def __init__(self, path: Path, *, name: str) -> None:
-        """Raises OSError if the file cannot be made; `name` is the thread's."""
-        self._file = path.open("w", encoding="utf-8")
+    def __init__(self, path: Path, *, name: str, more: bool = False) -> None:
+        """Raises OSError if the file cannot be made; `name` is the thread's; `more`: behind what the file holds."""
+        self._file = path.open("a" if more else "w", encoding="utf-8")
         self._lines: queue.Queue[str | None] = queue.Queue(CAPACITY)
         self.dropped = 0
         """Lines lost because the disk did not keep up or refused them."""

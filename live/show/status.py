@@ -183,9 +183,9 @@ def clock_in_words(figures: dict[str, Any]) -> str:
 class StatusFile:
     """Writes a status line once a second, by a thread of its own; a full disk is counted and forgotten."""
 
-    def __init__(self, path: Path, status: Status) -> None:
-        """Raises OSError if the file cannot be made."""
-        self._writer = LineWriter(path, name="status")
+    def __init__(self, path: Path, status: Status, *, more: bool = False) -> None:
+        """Raises OSError if the file cannot be made; `more`: lines are added to those that are there."""
+        self._writer = LineWriter(path, name="status", more=more)
         self._status = status
         self._next = 1.0
 

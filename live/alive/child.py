@@ -1,0 +1,82 @@
+"""Child: a process that the supervisor started, with the wire to it and the heartbeat it gives."""
+
+import contextlib
+import os
+import signal
+import socket
+import subprocess
+import time
+from collections.abc import Sequence
+
+from live.alive.heartbeat import Heartbeat, Phase
+from live.alive.limits import Watch
+from live.alive.wire import Wire
+
+
+class Child:
+    """One process in a session of its own: Ctrl-C on the terminal is the supervisor's to pass on.
+
+    Thread: the supervisor's.
+    """
+
+    def __init__(self, role: str, command: Sequence[str], *, inherit: Sequence[int] = ()) -> None:
+        """Start `command`, with the numbers of its wire's and its heartbeat's descriptors as two more arguments.
+
+        `inherit`: more descriptors that it shall have, by the same numbers. OSError if it cannot be started.
+        """
+        self.role = role
+        self.heart = Heartbeat()
+        self.watch = Watch()
+        mine, theirs = socket.socketpair()
+        self.wire = Wire(mine)
+        theirs.set_inheritable(True)
+        try:
+            self.process = subprocess.Popen(
+                [*command, str(theirs.fileno()), str(self.heart.descriptor)],
+                stdin=subprocess.DEVNULL,
+                pass_fds=(theirs.fileno(), self.heart.descriptor, *inherit),
+                start_new_session=True,
+            )
+        except OSError:
+            self.wire.close()
+            self.heart.close()
+            raise
+        finally:
+            theirs.close()
+        self.started = time.monotonic()
+
+    @property
+    def phase(self) -> Phase:
+        """What it says that it is doing."""
+        return self.heart.phase
+
+    def hangs(self, now: float, since: float) -> bool:
+        """Whether it has given no sign of life for too long; `since` [s]: the supervisor itself slept until then."""
+        if self.phase is not Phase.RUNNING:
+            return False
+        return self.watch.judge(now - max(self.heart.last, since))
+
+    def memory(self) -> int:
+        """Resident bytes; 0 where the system does not say."""
+        try:
+            with open(f"/proc/{self.process.pid}/statm", encoding="ascii") as file:
+                return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+        except (OSError, ValueError, IndexError):
+            return 0
+
+    def signal(self, number: int) -> None:
+        """Send it a signal, if it still lives."""
+        with contextlib.suppress(OSError):
+            self.process.send_signal(number)
+
+    def end(self, *, within: float = 2.0) -> int:
+        """Close its wire, wait, and kill it if need be; its exit code (negative: the signal)."""
+        self.wire.close()
+        try:
+            code = self.process.wait(within)
+        except subprocess.TimeoutExpired:
+            self.signal(signal.SIGKILL)
+            code = self.process.wait()
+        with contextlib.suppress(ValueError, OSError):
+            self.heart.close()
+        return code

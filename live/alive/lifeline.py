@@ -1,0 +1,117 @@
+"""Lifeline: an engine's end of what joins it to its supervisor; without a supervisor there is none."""
+
+import json
+import os
+import socket
+from dataclasses import dataclass
+from typing import Any
+
+from live.alive.heartbeat import Heartbeat, Phase
+from live.alive.wire import Wire
+
+
+@dataclass(frozen=True, slots=True)
+class Brief:
+    """What a child is told first."""
+
+    role: str
+    """engine: begins the show; spare: prepares itself and waits; heir: goes on at once."""
+    show: str
+    sound: int | None = None
+    guard: bool = False
+
+
+class Lifeline:
+    """The wire and the heart of an engine. Thread: the one that runs the show.
+
+    If the supervisor dies the show goes on; nobody will take over from it then.
+    """
+
+    def __init__(self, wire: Wire, heart: Heartbeat) -> None:
+        self.wire = wire
+        self.heart = heart
+        self.phase = Phase.STARTING
+        self.facts: dict[str, Any] = {}
+        """What the supervisor said last of itself and the others."""
+        self.orders: list[dict[str, Any]] = []
+        """What it asked for and nobody has taken up yet."""
+        self.lines: list[str] = []
+        """Lines of the show that it passed on, and nobody has taken up yet."""
+        self.osc: int | None = None
+        """The descriptor of the socket where OSC is received, if the supervisor holds one."""
+        self._told_tick = -1
+
+    @classmethod
+    def inherited(cls, wire: int, heart: int) -> "Lifeline":
+        """From the descriptors that the supervisor left to this process."""
+        return cls(Wire(socket.socket(fileno=wire)), Heartbeat(heart))
+
+    @property
+    def alone(self) -> bool:
+        """Whether the supervisor has gone."""
+        return self.wire.ended
+
+    def brief(self) -> Brief:
+        """What this process is for; waits for the first line."""
+        self.wire.socket.setblocking(True)
+        line = b""
+        while not line.endswith(b"\n"):
+            piece = self.wire.socket.recv(1)
+            if not piece:
+                raise SystemExit(1)  # the supervisor has gone before it said a word
+            line += piece
+        self.wire.socket.setblocking(False)
+        told = json.loads(line)
+        self.osc = told.get("osc")
+        return Brief(told["alive"], told["show"], told["sound"], told["guard"])
+
+    def listen(self) -> None:
+        """Read what has come: facts are kept, orders and lines of the show put where they are taken up."""
+        for line in self.wire.lines():
+            if not line.startswith('{"alive"'):
+                self.lines.append(line)
+                continue
+            told = json.loads(line)
+            self.facts = told.get("facts", self.facts)
+            if told["alive"] != "facts":
+                self.orders.append(told)
+
+    def wait(self, seconds: float) -> None:
+        """Wait until something comes, or so long."""
+        import select
+
+        select.select([self.wire.socket], [], [], seconds)
+
+    def order(self, name: str) -> dict[str, Any] | None:
+        """Take up an order of that name, if there is one."""
+        found = next((order for order in self.orders if order["alive"] == name), None)
+        if found is not None:
+            self.orders.remove(found)
+        return found
+
+    def beat(self, tick: int, phase: Phase | None = None) -> None:
+        """I live."""
+        self.phase = self.phase if phase is None else phase
+        self.heart.beat(tick, self.phase)
+
+    def frame(self, tick: int) -> None:
+        """After each frame of the show: the ticks have come so far."""
+        if tick != self._told_tick:
+            self._told_tick = tick
+            self.wire.put(f'{{"tick":{tick}}}')
+        self.wire.flush()
+        self.beat(tick, Phase.RUNNING)
+        self.listen()
+
+    def tell_screen(self, fullscreen: bool, monitor: str) -> None:
+        """The picture is full screen on that monitor now, or in a window."""
+        self.wire.tell(alive="screen", fullscreen=fullscreen, monitor=monitor)
+
+    def status(self) -> dict[str, Any]:
+        """For the status line."""
+        return {"supervised": not self.alone, "dropped": self.wire.dropped, **self.facts}
+
+
+def nobody_left(lifeline: Lifeline) -> bool:
+    """Whether supervisor and parent have gone, so that a process that only waits should end."""
+    return lifeline.alone or os.getppid() == 1

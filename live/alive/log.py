@@ -1,0 +1,65 @@
+"""Log: what another engine needs to go on with the show: the first line, the last snapshot and all lines since."""
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+
+class Log:
+    """Takes the lines of a running show's journal and keeps as few of them as will do.
+
+    Without snapshots that is all of them (about 3 MB an hour). Lines that only say how far the ticks are, are not kept:
+    only the last one counts. Times of the show mean nothing to another process, so the clock's origin is kept, too.
+    """
+
+    def __init__(self) -> None:
+        self.header: str = ""
+        """The journal's first line; empty before the show has begun."""
+        self.tick = 0
+        """The last tick that was told."""
+        self.measures = 0
+        self.events = 0
+        self._snapshot = ""
+        self._lines: list[tuple[int, str]] = []
+
+    def take(self, line: str) -> bool:
+        """Take one line of the show; True if it belongs into a journal on disk. Lines that are no JSON are refused."""
+        try:
+            value = json.loads(line)
+        except ValueError:
+            return False
+        if not isinstance(value, dict):
+            return False
+        if "journal" in value:
+            first = not self.header
+            if first:
+                self.header = line
+            return first
+        tick = value.get("tick")
+        if not isinstance(tick, int):
+            return False
+        return self._take(value, tick, line)
+
+    def _take(self, value: dict[str, Any], tick: int, line: str) -> bool:
+        if "snapshot" in value:
+            self._snapshot = line
+            self._lines = [(when, kept) for when, kept in self._lines if when >= tick]
+            return True
+        self.tick = max(self.tick, tick)
+        if len(value) == 1:
+            return False
+        self.events += "event" in value
+        self.measures += "measure" in value
+        if not value.get("end"):
+            self._lines.append((tick, line))
+        return True
+
+    def since(self) -> Iterator[str]:
+        """All that a follower needs, in order; the last line says how far the ticks are."""
+        if not self.header:
+            return
+        yield self.header
+        if self._snapshot:
+            yield self._snapshot
+        yield from (line for _, line in self._lines)
+        yield json.dumps({"tick": self.tick})

@@ -1,0 +1,47 @@
+"""Orders: what the supervisor is told when it is made, and what it reports."""
+
+import socket
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+
+@dataclass(frozen=True, slots=True)
+class Orders:
+    """Which processes make a show. A command gets the numbers of two more descriptors as its last arguments."""
+
+    engine: Sequence[str]
+    """The engine: it opens window and devices, and dances."""
+    show: str
+    """What the engine is to play, as it understands it; the supervisor does not."""
+    audio: Sequence[str] = ()
+    """The process that listens or plays; empty: the engine does that itself."""
+    guard: Sequence[str] = ()
+    """The process with the black window; empty: none."""
+    osc: socket.socket | None = None
+    """Where OSC is received, bound already: the socket outlives the engine, and what comes meanwhile waits in it."""
+    journal: Path | None = None
+    spare_after: float = 4.0
+    """Seconds that an engine has danced before the next one begins to prepare itself."""
+    spare: bool = True
+    """Whether another engine waits; without it one is started when it is needed."""
+    budget: int = 0
+    """Bytes that an engine may come to need before the spare takes over from it; 0: any number."""
+
+
+@dataclass(slots=True)
+class Report:
+    """What happened, for the status line and the terminal."""
+
+    restarts: int = 0
+    late: int = 0
+    calm: bool = False
+    takeover_s: float | None = None
+    """From the last engine's end to the first picture of the one that took over."""
+    audio_restarts: int = 0
+    spare: bool = False
+    """Whether another engine is ready."""
+    guard: bool = False
+    lines: int = 0
+    """Lines of the show that the supervisor has."""
+    memory_mb: dict[str, float] = field(default_factory=dict)

@@ -1,0 +1,48 @@
+"""Priority: what a process of the show may ask of the scheduler; what is refused changes nothing."""
+
+import contextlib
+import os
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Final
+
+ENGINE_NICE: Final = -5
+AUDIO_NICE: Final = -10
+
+
+def _threads() -> list[int]:
+    """The kernel's numbers of all threads of this process."""
+    with contextlib.suppress(OSError):
+        return [int(path.name) for path in Path("/proc/self/task").iterdir()]
+    return [0]
+
+
+def _use(processors: Iterable[int], policy: int) -> None:
+    for thread in _threads():
+        with contextlib.suppress(OSError):
+            os.sched_setaffinity(thread, processors)
+        with contextlib.suppress(OSError):
+            os.sched_setscheduler(thread, policy, os.sched_param(0))
+
+
+def stand_back() -> frozenset[int]:
+    """Whoever prepares itself while a show runs: one processor only, and after all others that want it.
+
+    Not `nice`, from which nobody without a right comes back. Returns the processors it had.
+    """
+    if sys.platform != "linux":
+        return frozenset()
+    mine = os.sched_getaffinity(0)
+    _use(sorted(mine)[-1:], os.SCHED_BATCH)
+    return frozenset(mine)
+
+
+def come_forward(nice: int, processors: frozenset[int] = frozenset()) -> None:
+    """Those processors again (none: as it is), and a better share where the system allows it (limits.conf, nice)."""
+    if sys.platform == "linux":
+        if processors:
+            _use(processors, os.SCHED_OTHER)
+        for thread in _threads():
+            with contextlib.suppress(OSError):
+                os.setpriority(os.PRIO_PROCESS, thread, nice)

@@ -1,0 +1,120 @@
+"""Wire: lines both ways between two processes, never waited for by the show."""
+
+import contextlib
+import json
+import socket
+from collections import deque
+from typing import Any, Final
+
+BUFFER: Final = 4 * 1024 * 1024
+"""What the system is asked to hold of each direction."""
+BACKLOG: Final = 256 * 1024 * 1024
+"""Bytes that may wait on our own side before lines are dropped: a peer that reads no more."""
+LONGEST: Final = 64 * 1024 * 1024
+"""Bytes of one line; whoever sends a longer one is no peer of ours."""
+PIECE: Final = 1 << 18
+
+
+class WireBroken(Exception):
+    """What came over the wire is not of this protocol."""
+
+
+class Wire:
+    """One end of a stream socket that carries lines.
+
+    A line that has been taken by the system is read by the peer even when this process is killed at the next
+    instruction: that is why events go through here before they act. Thread: one.
+    """
+
+    def __init__(self, sock: socket.socket, *, backlog: int = BACKLOG) -> None:
+        sock.setblocking(False)
+        for which in (socket.SO_SNDBUF, socket.SO_RCVBUF):
+            with contextlib.suppress(OSError):
+                sock.setsockopt(socket.SOL_SOCKET, which, BUFFER)
+        self.socket = sock
+        self.dropped = 0
+        """Lines that were lost, because the peer is gone or reads no more."""
+        self.ended = False
+        """Whether the peer is gone."""
+        self._waiting: deque[bytes] = deque()
+        self._waiting_bytes = 0
+        self._most = backlog
+        self._part = bytearray()
+
+    @property
+    def behind(self) -> int:
+        """Bytes that wait to be sent."""
+        return self._waiting_bytes
+
+    def fileno(self) -> int:
+        """For selectors."""
+        return self.socket.fileno()
+
+    def put(self, line: str) -> None:
+        """Send one line, without its end; what the system does not take at once waits for `flush`."""
+        self._put((line + "\n").encode())
+
+    def tell(self, **values: Any) -> None:
+        """Send one JSON object."""
+        self.put(json.dumps(values, separators=(",", ":")))
+
+    def flush(self) -> bool:
+        """Send what waits, as far as it can be sent now; whether nothing waits any more."""
+        while self._waiting and not self.ended:
+            data = self._waiting[0]
+            sent = self._send(data)
+            self._waiting_bytes -= sent
+            if sent < len(data):
+                self._waiting[0] = data[sent:]
+                break
+            self._waiting.popleft()
+        return not self._waiting
+
+    def lines(self) -> list[str]:
+        """The whole lines that have arrived; never waits. After the last one `ended` may be true."""
+        found: list[str] = []
+        while True:
+            try:
+                data = self.socket.recv(PIECE)
+            except (BlockingIOError, InterruptedError):
+                break
+            except OSError:
+                data = b""
+            if not data:
+                self.ended = True
+                break
+            self._part += data
+            if b"\n" in data:
+                *whole, rest = bytes(self._part).split(b"\n")
+                self._part = bytearray(rest)
+                found += [line.decode("utf-8", "replace") for line in whole]
+            if len(self._part) > LONGEST:
+                raise WireBroken(f"a line of more than {LONGEST} bytes")
+            if len(data) < PIECE:
+                break
+        return found
+
+    def close(self) -> None:
+        """Close this end."""
+        self.ended = True
+        self.socket.close()
+
+    def _put(self, data: bytes) -> None:
+        if self.ended or self._waiting_bytes + len(data) > self._most:
+            self.dropped += 1
+            return
+        if self.flush():
+            sent = self._send(data)
+            data = data[sent:]
+        if data and not self.ended:
+            self._waiting.append(data)
+            self._waiting_bytes += len(data)
+
+    def _send(self, data: bytes) -> int:
+        try:
+            return self.socket.send(data, socket.MSG_NOSIGNAL)
+        except (BlockingIOError, InterruptedError):
+            return 0
+        except OSError:
+            self.ended = True
+            return 0

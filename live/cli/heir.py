@@ -1,0 +1,98 @@
+"""Heir: everything that can be ready is ready before it is needed; then it goes on where the other engine ended."""
+
+from typing import Any
+
+from rich.console import Console
+
+from live.alive.following import Following
+from live.alive.heartbeat import Phase
+from live.alive.lifeline import Lifeline, nobody_left
+from live.alive.priority import ENGINE_NICE, come_forward, stand_back
+from live.cli.played import Played
+from live.cli.resumed import Resumed
+from live.cli.session import Session
+from live.cli.session_sound import Sound, choose_sound
+from live.cli.warm import warm_kernels
+from live.control.events import ChooseSource
+from live.show.load import LoadedShow, scene_of
+from live.show.venue import Venue
+
+PATIENCE = 0.5
+"""Seconds between two looks whether anybody is left, while nothing comes."""
+
+
+def take_over(played: Played, lifeline: Lifeline, *, waits: bool, console: Console) -> None:
+    """Prepare, follow, wait for the word, and play on. `waits`: others need the machine meanwhile."""
+    processors = stand_back() if waits else frozenset()
+    warm_kernels(console)
+    loaded = played.wish.load()
+    venue = played.wish.read_venue()
+    picture = _picture(played, loaded)
+    try:
+        order, following = _follow(loaded, lifeline)
+        if order is None:
+            return
+        come_forward(ENGINE_NICE, processors)
+        calm = bool(order["calm"])
+        show = following.finish(careful=calm)
+        resumed = Resumed(show, following.tick, following.origin, following.latencies, calm)
+        session = _session(played, loaded, venue, lifeline, resumed)
+        if calm:
+            session.inbox.put(ChooseSource(time=session.clock.now(), source="supervisor", name="internal"))
+        _play(session, played, picture, order, console)
+    finally:
+        if picture is not None:
+            picture.close()
+
+
+def _follow(loaded: LoadedShow, lifeline: Lifeline) -> tuple[dict[str, Any] | None, Following]:
+    """Follow the show until the word comes; None if it never will."""
+    following = Following(loaded, alive=lambda tick: lifeline.beat(tick))
+    while True:
+        lifeline.listen()
+        for line in lifeline.lines:
+            following.take(line)
+        lifeline.lines.clear()
+        order = lifeline.order("go")
+        if order is not None:
+            return order, following
+        if nobody_left(lifeline):
+            return None, following
+        if not following.advance():
+            lifeline.beat(following.tick, Phase.WAITING)
+            lifeline.wait(PATIENCE)
+
+
+def _session(played: Played, loaded: LoadedShow, venue: Venue | None, lifeline: Lifeline, resumed: Resumed) -> Session:
+    sound = Sound() if resumed.calm else choose_sound(played.wish, loaded, venue)
+    return Session(played.wish, loaded, sound, venue, lifeline=lifeline, resumed=resumed)
+
+
+def _picture(played: Played, loaded: LoadedShow) -> Any:
+    """A window that is not seen yet, with everything that draws; None for a show without a picture."""
+    from live.render.monitors import list_monitors
+
+    if played.headless or not list_monitors():
+        return None
+    from live.cli.stage import find_screen
+    from live.cli.window_show import Picture
+
+    scene = scene_of(loaded.patch)
+    picture = Picture.opened(
+        played.wish, scene, monitor=find_screen(played.monitor), fullscreen=played.fullscreen, hidden=True
+    )
+    picture.rehearse(loaded.start(seed=played.wish.seed))
+    return picture
+
+
+def _play(session: Session, played: Played, picture: Any, order: dict[str, Any], console: Console) -> None:
+    scene = scene_of(session.loaded.patch)
+    if picture is None:
+        from live.cli.headless_show import play_headless
+
+        play_headless(session, scene, console)
+        return
+    from live.cli.window_show import play_picture
+
+    screen = order["screen"] or {"fullscreen": played.fullscreen}
+    play_picture(session, scene, picture, console=console, reveal=bool(screen["fullscreen"]))
