@@ -18,6 +18,8 @@ class Orders:
     """The process that listens or plays; empty: the engine does that itself."""
     guard: Sequence[str] = ()
     """The process with the black window; empty: none."""
+    screen: tuple[bool, str | None] = (False, None)
+    """Whether the picture is full screen at the start, and on which monitor."""
     osc: socket.socket | None = None
     """Where OSC is received, bound already: the socket outlives the engine, and what comes meanwhile waits in it."""
     journal: Path | None = None

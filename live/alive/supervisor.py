@@ -46,14 +46,15 @@ class Supervisor:
         self.audio: Child | None = None
         self.guard: Child | None = None
         self._selector = selectors.DefaultSelector()
-        self._limit, self._audio_limit = RestartLimit(), RestartLimit()
+        self._limit, self._audio_limit, self._guard_limit = RestartLimit(), RestartLimit(), RestartLimit()
         self._disk = Disk(orders.journal)
         self._osc = orders.osc
         self._sound: tuple[socket.socket, socket.socket] | None = None
         self._awake = time.monotonic()
         self._engine_since: float | None = None
         self._spare_at = self._tell_at = self._start_at = 0.0
-        self._screen: dict[str, object] | None = None
+        fullscreen, monitor = orders.screen
+        self._screen: dict[str, object] = {"alive": "screen", "fullscreen": fullscreen, "monitor": monitor}
         self._died: float | None = None
         self._code: int | None = None
 
@@ -64,7 +65,7 @@ class Supervisor:
                 self._sound = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
                 self._start_audio()
             if self._orders.guard:
-                self.guard = self._start("guard", self._orders.guard)
+                self._start_guard()
             self.engine = self._start_engine("engine")
             while self._code is None:
                 self._turn()
@@ -90,6 +91,8 @@ class Supervisor:
         self._look_at_engine(now)
         self._look_at_spare(now)
         self._look_at_audio(now)
+        if self.guard is not None and self.guard.process.poll() is not None:
+            self._replace_guard(self.guard)
         if now >= self._tell_at:
             self._tell_at = now + TELL_EVERY
             self._tell(now)
@@ -231,6 +234,18 @@ class Supervisor:
         self.report.audio_restarts += 1
         self._say(f"the process that listens ended ({_how(code)}); it is started again")
         self._start_audio()
+
+    # -- the guard -----------------------------------------------------------------------------------------------
+
+    def _start_guard(self) -> None:
+        self.guard = self._start("guard", self._orders.guard)
+        self.guard.wire.tell(**self._screen)
+
+    def _replace_guard(self, guard: Child) -> None:
+        """Another one, if it did not end by itself (then there can be none here)."""
+        self.guard = None
+        if guard.end() != 0 and not self._guard_limit.note(time.monotonic()):
+            self._start_guard()
 
     # -- all of them ---------------------------------------------------------------------------------------------
 

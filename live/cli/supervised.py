@@ -42,6 +42,8 @@ def supervise(played: Played) -> None:
     orders = Orders(
         engine=[*python, "live.cli.engine_process"],
         show=played.packed(),
+        guard=() if played.headless else [*python, "live.cli.guard_process"],
+        screen=(played.fullscreen, played.monitor),
         osc=osc,
         journal=played.wish.journal,
         budget=int(SHARE * _memory()),
