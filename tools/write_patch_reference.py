@@ -29,7 +29,18 @@ def reference() -> str:
         if section is not None:
             many = get_origin(field.annotation) is tuple
             parts.append(_table(f"`[[{name}]]`" if many else f"`[{name}]`", section))
+            parts += _inner(name, section)
     return "\n".join(parts)
+
+
+def _inner(name: str, section: type[Section]) -> list[str]:
+    """The tables within a table of which there may be many, as `[[midi.map]]`."""
+    inner = {key: _section(field.annotation) for key, field in section.model_fields.items()}
+    return [
+        _table(f"`[[{name}.{key}]]`", kind)
+        for key, kind in inner.items()
+        if kind is not None and get_origin(section.model_fields[key].annotation) is tuple
+    ]
 
 
 def _section(annotation: Any) -> type[Section] | None:

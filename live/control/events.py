@@ -39,7 +39,7 @@ from live.control.group_events import (
     Travel,
 )
 from live.control.patch_events import PatchChanged
-from live.control.score_events import Advance, HoldScore, JumpTo, Practice, Signal
+from live.control.score_events import Advance, HoldScore, Improvise, JumpTo, Practice, Signal
 
 __all__ = [
     "EVENT_TYPES",
@@ -59,6 +59,7 @@ __all__ = [
     "Evolve",
     "HoldScore",
     "HoldTempo",
+    "Improvise",
     "JumpTo",
     "Leave",
     "MusicHeard",
@@ -229,7 +230,7 @@ EVENT_TYPES: dict[str, type[ControlEvent]] = {
         Tap, One,
         SetTempo, Nudge, ShiftBeats, ScaleTempo, HoldTempo, SetMetre, CountIn, ChooseSource, Blackout, BeatHeard,
         SourceChanged, StepsAdded, TicksSkipped, MusicHeard, RestartAudio, ChooseAudio, SetLatency,
-        SetClick, JumpTo, Advance, HoldScore, Practice, Signal, PatchChanged,
+        SetClick, JumpTo, Advance, HoldScore, Practice, Improvise, Signal, PatchChanged,
     )
 }  # fmt: skip
 """Every kind of event by its name in the journal."""

@@ -41,6 +41,14 @@ class Practice(ControlEvent):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Improvise(ControlEvent):
+    """Groups choose their steps themselves, whatever the score has; or dance what the score has again."""
+
+    on: bool
+    group: str = "*"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Signal(ControlEvent):
     """Something has happened in the music, as the score, a hand or an instrument says."""
 

@@ -79,11 +79,12 @@ class Show:
         self.casting = Casting(patch)
         self.casting.check()
         self.group = self.casting.group
-        self.prompter = Prompter(patch)
+        self.reactions = Reactions(patch)
+        self.prompter = Prompter(patch, self.reactions, seed=self.seed)
         self.motion = GroupMotion(patch, self.casting, seed=self.seed, score=self.prompter.score)
         self.variation = Variation.of(patch, self.group, seed=self.seed, window=graph.window)
         self.dancers = Dancers(graph, self.variation, len(self.group))
-        programmes = programmes_of(patch, graph, self.seed)
+        programmes = programmes_of(patch, graph, self.seed, self.prompter.score, self.prompter.mood)
         self.scheduler = Scheduler(patch, self.dancers, self.motion, programmes, self.group)
         self.interrupts = Interrupts(patch, self.dancers, self.motion, self.scheduler)
         self._controls = GroupControls(patch, self.motion, self.dancers, self.variation, self.prompter.score)
@@ -91,7 +92,6 @@ class Show:
         node = first_nodes(graph, self.scheduler, self.group, self.motion.partners.mirrored, self.span.number)
         self.dancers.start(node, self.state.position.astype(np.float64), self.motion.starting_heading)
         self.scheduler.aims.headings.begin(self.motion.starting_heading)
-        self.reactions = Reactions(patch)
         self.blackout = False
         self.brightness = 1.0
         self.time = 0.0
@@ -134,6 +134,9 @@ class Show:
         """What the music is like changes what the patch says it changes."""
         for change in self.reactions.hear(event):
             self._act_on(change)
+        for signal in self.prompter.hear(event):
+            self._act_on(signal)
+        self.prompter.take_reactions(self.danced, self.time)
         self.motion.elements.gain = self.reactions.strength
 
     def _act_on(self, event: ControlEvent) -> None:
@@ -158,6 +161,8 @@ class Show:
                 self.interrupts.clear()
                 for programme in self.scheduler.programmes:
                     programme.release()
+            case events.Signal():
+                self._signal(event)
             case events.StepsAdded():
                 self._new_steps.add(event, self.graph)
             case events.PatchChanged():
@@ -166,6 +171,13 @@ class Show:
                 self.blackout = event.on
             case events.TicksSkipped():
                 self.time += event.count * TICK
+
+    def _signal(self, event: events.Signal) -> None:
+        try:
+            self.prompter.signal(event)
+        except PersonError as error:
+            self.refusals.add(f"{event.source}: {error}")
+        self.prompter.take_reactions(self.danced, self.time)
 
     def _move_score(self, event: ControlEvent) -> None:
         """The score goes elsewhere: what of the coming measure can still be planned anew is."""

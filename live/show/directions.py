@@ -15,7 +15,7 @@ from live.show.dancers import Dancers
 from live.show.echo import Echo
 from live.show.interrupts import Interrupts
 from live.show.patch import Patch
-from live.show.programme import UnknownStep, find_step
+from live.show.programme_steps import UnknownStep, find_step
 from live.show.refusals import Refusals
 from live.show.scheduler import Scheduler
 from live.show.variation import Variation, Variety
@@ -86,6 +86,10 @@ class Directions:
         for index in self._members(event.group):
             headings.set(index, facing)
 
+    def _improvise(self, event: events.Improvise) -> None:
+        for index in self._members(event.group):
+            self._scheduler.programmes[index].improvise(event.on)
+
     def _ask_why(self, event: events.AskWhy) -> None:
         self.asked = event.dancer - 1 if 1 <= event.dancer <= len(self._group) else None
 
@@ -105,6 +109,7 @@ _ACTS: Final[dict[type, Callable[..., None]]] = {
     events.SetSequence: Directions._set_sequence,
     events.SetMotion: Directions._set_motion,
     events.SetFacing: Directions._set_facing,
+    events.Improvise: Directions._improvise,
     events.AskWhy: Directions._ask_why,
 }
 DIRECTIONS: Final = tuple(_ACTS)

@@ -25,6 +25,7 @@ class Programme(Protocol):
     def release(self) -> None: ...
     def take_graph(self, graph: MotionGraph) -> None: ...
     def take_back(self, measure: int) -> None: ...
+    def improvise(self, on: bool) -> None: ...
 
 
 class Echo:
@@ -64,6 +65,10 @@ class Echo:
         self._said[measure] = (self._leader.wanted(measure, nodes), self._leader.coming, self._leader.into)
         if len(self._said) > REMEMBERED:
             self._said.popitem(last=False)
+        if self._own.part is not None and self._own.part.holds(measure):
+            step = self._own.wanted(measure, nodes)
+            self.coming, self.into = self._own.coming, self._own.into
+            return step
         first = next(iter(self._said))
         step, self.coming, self.into = self._said.get(measure - self._later, self._said[first])
         return step
@@ -82,6 +87,10 @@ class Echo:
         """Follow the leader again."""
         self._free = False
         self._own.release()
+
+    def improvise(self, on: bool) -> None:
+        """Choose its steps itself, or echo again."""
+        self._own.improvise(on)
 
     def take_back(self, measure: int) -> None:
         """What was said of `measure`, which has not begun, shall not have been."""

@@ -21,7 +21,7 @@ from live.show.dancers import Dancers
 from live.show.group_motion import GroupMotion
 from live.show.measure import MeasureSpan
 from live.show.patch import Patch
-from live.show.programme import find_step
+from live.show.programme_steps import find_step
 from live.show.scheduler import Scheduler
 
 Float32 = npt.NDArray[np.float32]

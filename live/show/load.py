@@ -19,7 +19,7 @@ from live.motion.step_clip import StepClip
 from live.show.core import Show
 from live.show.patch import Patch
 from live.show.patch_file import PATCHES, find_beside, read_sources
-from live.show.programme import UnknownStep
+from live.show.programme_steps import UnknownStep
 from live.show.sections.group import parse_entry
 from live.show.toml_file import field_words
 from live.show.toml_sources import TomlSources

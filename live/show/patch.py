@@ -11,6 +11,7 @@ from live.base.errors import PersonError
 from live.show.sections.element import ElementSection
 from live.show.sections.facing import parse_facing
 from live.show.sections.group import GroupSection
+from live.show.sections.improvise import ImproviseSection
 from live.show.sections.link import LinkSection
 from live.show.sections.midi import MidiSection
 from live.show.sections.motion import LocomotionSection, MotionSection
@@ -19,6 +20,7 @@ from live.show.sections.react import ReactSection
 from live.show.sections.score import AtSection, ScoreSection, SignalSection
 from live.show.sections.section import Amiss, Name, Section
 from live.show.sections.segment import FormationTable, RegroupSection, SegmentSection
+from live.show.sections.sequence import SequenceSection
 from live.show.sections.stage import (
     CameraSection,
     GateSection,
@@ -65,6 +67,8 @@ class Patch(Section):
     regroup: Annotated[tuple[RegroupSection, ...], Field(max_length=20000)] = ()
     element: Annotated[tuple[ElementSection, ...], Field(max_length=20000)] = ()
     section: Annotated[tuple[ScoreSection, ...], Field(max_length=1000)] = ()
+    sequence: Annotated[tuple[SequenceSection, ...], Field(max_length=20000)] = ()
+    improvise: Annotated[tuple[ImproviseSection, ...], Field(max_length=1000)] = ()
     at: Annotated[tuple[AtSection, ...], Field(max_length=20000)] = ()
     signal: Annotated[tuple[SignalSection, ...], Field(max_length=20000)] = ()
 

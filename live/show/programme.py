@@ -8,41 +8,15 @@ import numpy.typing as npt
 from live.graph.live_sequence import HORIZON
 from live.graph.motion_graph import NEVER, MotionGraph
 from live.graph.specification import Wanted
+from live.show.improviser import Kept
+from live.show.part import ANY_STEP, Part
+from live.show.programme_steps import UnknownStep, find_step, in_place, length_of
 from live.show.sections.group import GroupSection, parse_entry
 
 Nodes = npt.NDArray[np.int32]
 
-ANY_STEP = -1
-"""What a group wants where a sequence says "*"."""
 HOLD_MEASURES = 2
 """Measures for which a step drawn by chance is danced at least."""
-
-IN_PLACE = 0.15
-"""A measure that goes no farther than this [m] is danced in place."""
-
-
-class UnknownStep(ValueError):
-    """A step name that the library does not have; the message lists what there is."""
-
-    place: tuple[str | int, ...] = ()
-    """The key of the patch that names it."""
-
-
-def find_step(graph: MotionGraph, name: str) -> int:
-    """Index of a step that can be danced; UnknownStep with the known names otherwise."""
-    import difflib
-
-    library = graph.library
-    index = library.step_index(name)
-    if index is None:
-        near = difflib.get_close_matches(name.casefold(), [s.casefold() for s in library.steps], n=1)
-        hint = f"did you mean {near[0]!r}? " if near else ""
-        raise UnknownStep(f"no step is called {name!r}: {hint}the steps are {', '.join(library.steps)}")
-    if not len(graph.entries(index)):
-        raise UnknownStep(
-            f"step {name!r} connects to no other step: raise locomotion.threshold_m or change its beginning and end"
-        )
-    return index
 
 
 @dataclass(slots=True)
@@ -86,11 +60,13 @@ class GroupProgramme:
         self._slot, self._into = 0, 0
         self._drawn, self._drawn_left = self.steps[0], 0
         self._call: _Call | None = None
-        self._before: tuple[tuple[int, int] | None, int, int, int, int, _Call | None] | None = None
+        self._before: tuple[tuple[int, int] | None, int, int, int, int, _Call | None, Kept | None] | None = None
         self.coming: tuple[Wanted, ...] = ()
         """What is to be danced from the measure on that was last asked for, at least as far as a search looks."""
         self.into = 0
         """How many measures of the first of them are over by then."""
+        self.part: Part | None = None
+        """What the score has for the group; None: nothing."""
         self.stands = False
         """Whether the group stands: then chance draws among the steps that can be danced in place."""
 
@@ -104,6 +80,8 @@ class GroupProgramme:
                 self._slot, self._into, self._drawn_left = 0, 0, 0
             self._own, self._random, self.steps = fresh._own, fresh._random, fresh.steps
         self.travel_step = fresh.travel_step
+        if self.part is not None and fresh.part is not None:
+            self.part.take_patch(fresh.part)
 
     def call(self, step: int, *, measures: float) -> None:
         """Dance `step` from the next measure on that is not chosen yet, for a number of measures (rounded up)."""
@@ -112,6 +90,8 @@ class GroupProgramme:
     def take_graph(self, graph: MotionGraph) -> None:
         """Choose in a graph that has all nodes and steps of the old one; who drew from all steps draws the new, too."""
         old, self._graph = self._graph, graph
+        if self.part is not None:
+            self.part.take_graph(graph)
         everything = {step for step in range(len(old.library.steps)) if len(old.entries(step))}
         if self._random and everything <= set(self.steps):
             new = range(len(old.library.steps), len(graph.library.steps))
@@ -125,15 +105,23 @@ class GroupProgramme:
     def release(self) -> None:
         """Forget a called step and a sequence set live: the patch's own begins anew."""
         self._call = None
+        self.improvise(False)
         if self._live:
             self._live = []
             self._slot, self._into, self._drawn_left = 0, 0, 0
 
+    def improvise(self, on: bool) -> None:
+        """Choose its steps itself from the next measure on that is not chosen yet, or dance what the score has."""
+        if self.part is not None:
+            self.part.improvise(on)
+
     def take_back(self, measure: int) -> None:
         """What was said of `measure`, which has not begun, shall not have been: it will be asked for again."""
         if self._asked is not None and self._asked[0] == measure and self._before is not None:
-            self._asked, self._slot, self._into, self._drawn, self._drawn_left, self._call = self._before
+            self._asked, self._slot, self._into, self._drawn, self._drawn_left, self._call, kept = self._before
             self._before = None
+            if self.part is not None and kept is not None:
+                self.part.kept = kept
 
     @property
     def _slots(self) -> list[Wanted]:
@@ -153,12 +141,15 @@ class GroupProgramme:
         if self._asked is not None and self._asked[0] == measure:
             return self._asked[1]
         call = None if self._call is None else replace(self._call)
-        self._before = (self._asked, self._slot, self._into, self._drawn, self._drawn_left, call)
+        kept = None if self.part is None else self.part.kept
+        self._before = (self._asked, self._slot, self._into, self._drawn, self._drawn_left, call, kept)
         if measure < 0 and not self._draws:
             step = _step_of(self._slots[0])
             self.into, self.coming = 0, (self._slots[0],)
         else:
             step = self._next(measure, nodes)
+        if self.part is not None:
+            self.part.note(measure, step, self.into)
         self._asked = (measure, step)
         return step
 
@@ -181,6 +172,12 @@ class GroupProgramme:
             self._into = 0
             self._drawn_left = 0
             return step
+        if self.part is not None and not self._live:
+            told = self.part.told(measure, nodes, self._slots_from(self._slot), stands=self.stands)
+            if told is not None:
+                step, self.coming, self.into = told
+                self._into = self._drawn_left = 0
+                return step
         return self._draw_next(measure, nodes) if self._draws else self._sequence_next()
 
     def _sequence_next(self) -> int:
@@ -212,8 +209,7 @@ class GroupProgramme:
         return tuple(slots[(slot + n) % len(slots)] for n in range(HORIZON + 1))
 
     def _length(self, step: int) -> int:
-        library = self._graph.library
-        return int(library.node_measures[library.node_step == step].max())
+        return length_of(self._graph, step)
 
     def _draw(self, measure: int, nodes: Nodes) -> int:
         """Draw among the group's steps, evenly; not the last one again, and reachable at once if any is."""
@@ -221,18 +217,13 @@ class GroupProgramme:
         hops = self._graph.hops[self.steps][:, nodes]
         near = [s for s, h in zip(self.steps, hops, strict=True) if (h <= 1).all()]
         far = [s for s, h in zip(self.steps, hops, strict=True) if (h < NEVER).all()]
-        if self.stands and (still := [step for step in near if self._in_place(step)]):
+        if self.stands and (still := [step for step in near if in_place(self._graph, step)]):
             near = still
         for choice in (near, far, self.steps):
             fresh = [step for step in choice if step != self._drawn]
             if fresh:
                 return int(fresh[int(chance.integers(len(fresh)))])
         return self._drawn
-
-    def _in_place(self, step: int) -> bool:
-        """Whether some measure of the step goes nowhere: whoever stands does not drift away and come back."""
-        library = self._graph.library
-        return bool(np.hypot(*library.node_travel[(library.node_step == step) & self._graph.alive].T).min() < IN_PLACE)
 
 
 def _step_of(entry: Wanted) -> int:

@@ -1,20 +1,31 @@
-"""The programmes of all groups of a patch: their own, or echoes of others (T147)."""
+"""The programmes of all groups of a patch: their own, or echoes of others (T147), each with its part in the score."""
 
 from live.graph.motion_graph import MotionGraph
 from live.show.echo import Echo, Programme
+from live.show.improviser import Ledger
+from live.show.mood import Mood
+from live.show.parts import part_of
 from live.show.patch import Patch
 from live.show.programme import GroupProgramme
+from live.show.score import Score
 
 
-def programmes_of(patch: Patch, graph: MotionGraph, seed: int) -> list[Programme]:
-    """One for each group, in the patch's order; UnknownStep if a group names a step that is not there."""
+def programmes_of(
+    patch: Patch, graph: MotionGraph, seed: int, score: Score | None = None, mood: Mood | None = None
+) -> list[Programme]:
+    """One for each group, in the patch's order; UnknownStep if a group names a step that is not there, PersonError for
+    a part of the score that cannot be."""
+    score, mood = score or Score(patch), mood or Mood()
     own: list[GroupProgramme] = []
+    ledger = Ledger(len(patch.group))
     for index, section in enumerate(patch.group):
         leader = patch.leader_of(section)
         if leader is not section:
             travel = section.travel_step or leader.travel_step
             section = leader.model_copy(update={"name": section.name, "travel_step": travel})
-        own.append(GroupProgramme(graph, section, seed=seed, index=index))
+        programme = GroupProgramme(graph, section, seed=seed, index=index)
+        programme.part = part_of(patch, graph, score, ledger, mood, programme.steps, index, seed)
+        own.append(programme)
     names = [section.name for section in patch.group]
     return [
         Echo(own[names.index(section.like)], own[index], measures=section.beats_later // patch.clock.beats_per_measure)

@@ -1,13 +1,19 @@
 """Prompter: follows the score with playhead and agenda, and prompts what it says at its beats (T015, T016)."""
 
+import math
+from collections import Counter
 from typing import Any, Final
 
 from live.base.errors import PersonError
 from live.control import events
 from live.control.events import ControlEvent
 from live.show.agenda import Agenda
+from live.show.improvised_motion import ImprovisedMotion
+from live.show.mood import Mood
+from live.show.occasions import Occasions
 from live.show.patch import Patch
 from live.show.playhead import END, Playhead, When
+from live.show.reactions import Reactions
 from live.show.score import Score, stretches_of
 
 SCORE_EVENTS: Final = (events.JumpTo, events.Advance, events.HoldScore, events.Practice)
@@ -17,11 +23,23 @@ SCORE_EVENTS: Final = (events.JumpTo, events.Advance, events.HoldScore, events.P
 class Prompter:
     """Where the score of a show is, and what it has at its beats. Thread: the show's."""
 
-    def __init__(self, patch: Patch) -> None:
+    def __init__(self, patch: Patch, reactions: Reactions, *, seed: int) -> None:
+        """`reactions` are told the signals that are given."""
         self.playhead = Playhead(stretches_of(patch))
         self.score = Score(patch, self.playhead)
         self.agenda = Agenda()
         """What waits for its danced beat, from the score or from others."""
+        self.mood = Mood()
+        """What the music is like, for whoever improvises to it."""
+        self.signals: Counter[str] = Counter()
+        """How often each signal was given, by its name."""
+        self.last_signal = ""
+        self._reactions = reactions
+        self._occasions = Occasions(patch.signal)
+        self._motion = ImprovisedMotion(patch.improvise, self.score, seed)
+        self._known = {"drop", "build", *(one.name.casefold() for one in patch.signal)}
+        self._known |= {one.signal.casefold() for one in patch.at if one.signal is not None}
+        self._known |= {one.on.casefold() for one in patch.react if one.on is not None}
         self.late_jumps = 0
         """Jumps that were asked for when the steps of their first measure were decided already."""
         self.said = ""
@@ -31,7 +49,7 @@ class Prompter:
 
     def take_patch(self, fresh: "Prompter") -> None:
         """Know sections and signals of an edited score; what waits for its beat already still comes."""
-        self._names = fresh._names
+        self._names, self._known = fresh._names, fresh._known
 
     def begin_measure(self, measure: int, time: float) -> None:
         """`measure` (from 0) begins at `time` [s]: what the score has at its beats waits for them."""
@@ -41,6 +59,8 @@ class Prompter:
             event = call.event(time)
             if isinstance(event, ControlEvent):
                 self.agenda.put(line + call.beat - 1.0, event)
+        for event in self._motion.calls(measure, time):
+            self.agenda.put(line, event)
         for signal in self.score.signals(measure):
             self.agenda.put(line + signal.beat - 1.0, events.Signal(time=time, source="score", name=signal.name))
 
@@ -63,6 +83,29 @@ class Prompter:
             raise PersonError(str(error)) from None
         self.said = ""
         return before != (self.playhead.place(coming), self.playhead.entered(coming))
+
+    def hear(self, event: events.MusicHeard) -> list[events.Signal]:
+        """One beat of the music: the signals that it gives."""
+        self.mood.hear(event)
+        names = self._occasions.hear(event)
+        return [events.Signal(time=event.time, source="music", name=name) for name in names]
+
+    def signal(self, event: events.Signal) -> None:
+        """A signal is given: whatever reacts to it is told. PersonError for one that nobody has named."""
+        name = event.name.casefold().strip()
+        if name not in self._known:
+            raise PersonError(f"no signal is called {event.name!r}", f"there are: {', '.join(sorted(self._known))}")
+        self.signals[name] += 1
+        self.last_signal = name
+        self._reactions.signal(name)
+
+    def take_reactions(self, danced: float, time: float) -> None:
+        """What reacts before the next line waits for its beat, or comes as soon as it can; it is `danced` now."""
+        for section in self._reactions.soon:
+            event = section.event(time)
+            if isinstance(event, ControlEvent):
+                self.agenda.put(danced if section.when == "now" else math.ceil(danced - 1e-9), event)
+        self._reactions.soon.clear()
 
     def came_late(self) -> None:
         """The coming measure is another one, but its steps are decided already: it is danced with those."""
@@ -99,6 +142,8 @@ class Prompter:
                 "practice": None if playhead.practice is None else [playhead.practice[0] + 1, playhead.practice[1] + 1],
                 "late_jumps": self.late_jumps,
                 "said": self.said,
+                "signals": dict(self.signals),
+                "last_signal": self.last_signal,
             },
         }
 

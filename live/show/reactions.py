@@ -27,6 +27,8 @@ class Reactions:
         self._calls = [section for section in patch.react if section.on is not None]
         self._values: list[float | None] = [None] * len(self._follows)
         self._waiting: list[ReactSection] = []
+        self.soon: list[ReactSection] = []
+        """What is to be called before the next line, for whoever calls it."""
         self._building = False
         self._last: MusicHeard | None = None
         self.strength = 1.0
@@ -40,6 +42,7 @@ class Reactions:
         self._follows, self._calls = fresh._follows, fresh._calls
         self._values = [known.get(section) for section in self._follows]
         self._waiting = [section for section in self._waiting if section in self._calls]
+        self.soon = [section for section in self.soon if section in self._calls]
         if not any(section.sets == STRENGTH for section in self._follows):
             self.strength = 1.0
 
@@ -49,10 +52,7 @@ class Reactions:
         self.drops += event.drop
         begins = event.build >= BUILDING and not self._building
         self._building = event.build >= (NOT_BUILDING if self._building else BUILDING)
-        for section in self._calls:
-            happens = event.drop if section.on == "drop" else begins
-            if happens and section not in self._waiting:
-                self._waiting.append(section)
+        self._happens([*(["drop"] if event.drop else []), *(["build"] if begins else [])])
         changes: list[ControlEvent] = []
         for index, section in enumerate(self._follows):
             value = self._smoothed(index, section, event)
@@ -64,6 +64,15 @@ class Reactions:
                     SetMotion(time=event.time, source="music", parameter=section.sets, value=value, group=group)
                 )
         return changes
+
+    def signal(self, name: str) -> None:
+        """A signal is given."""
+        self._happens([name.casefold()])
+
+    def _happens(self, names: list[str]) -> None:
+        for section in self._calls:
+            if (section.on or "").casefold() in names and section not in self._waiting + self.soon:
+                (self._waiting if section.when == "measure" else self.soon).append(section)
 
     def cross_measure_line(self, time: float) -> list[ControlEvent]:
         """What was waiting for the measure line."""

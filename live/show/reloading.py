@@ -11,7 +11,7 @@ from live.graph.metric.weights import Metric
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.show.edit import changed, fitted, version_of
 from live.show.patch import Patch
-from live.show.programme import UnknownStep
+from live.show.programme_steps import UnknownStep
 from live.show.refusals import Refusals
 
 KEPT = 4

@@ -5,7 +5,8 @@ import itertools
 import numpy as np
 import pytest
 
-from live.show.programme import GroupProgramme, UnknownStep, find_step
+from live.show.programme import GroupProgramme
+from live.show.programme_steps import UnknownStep, find_step
 from live.show.sections.group import GroupSection, parse_entry
 from tests.show.made_show import GRAPH
 

@@ -4,6 +4,7 @@ from typing import Final
 
 from live.control import events
 from live.control.control import Argument, Control
+from live.control.controls.arguments import GROUP
 from live.control.events import ControlEvent
 
 MOST_MEASURES: Final = 100_000
@@ -50,6 +51,11 @@ SCORE_CONTROLS: Final = (
             Argument("last", "float", "the last one", "", 0, MOST_MEASURES, 0.0),
         ),
         "Measures of the score, all its sections written once one after the other, come again and again.", "operator",
+    ),
+    Control(
+        "/dance/improvise", events.Improvise,
+        (Argument("on", "bool", "1: dancers choose their steps, 0: they dance what the score has"), GROUP),
+        "Groups improvise from their next free measure on, or come back to the score.", "musician",
     ),
     Control(
         "/dance/signal", events.Signal,

@@ -26,10 +26,13 @@ class ReactSection(Section):
     """Beats over which it is smoothed."""
     group: Annotated[str, Field(min_length=1, max_length=64)] = "*"
     """The group whose motion it is; * is all."""
-    on: Literal["drop", "build"] | None = None
-    """What happens: the bass comes back after a build-up or a break, or a build-up begins."""
+    on: Annotated[str, Field(min_length=1, max_length=64)] | None = None
+    """What happens: `drop`, the bass comes back after a build-up or a break; `build`, a build-up begins; or a signal,
+    as a `[[signal]]` names it."""
+    when: Literal["measure", "beat", "now"] = "measure"
+    """When it is called: at the next measure line, at the next beat, or at once."""
     call: Annotated[str, Field(min_length=1, max_length=100)] | None = None
-    """The control that is called at the next measure line, by its address, as in `/dance/step`."""
+    """The control that is called, by its address, as in `/dance/step`."""
     values: Annotated[tuple[str | float | bool, ...], Field(max_length=16)] = ()
     """Its values, as by OSC."""
 

@@ -1,0 +1,55 @@
+"""The parts of the groups in the score of a patch: their sequences and their improvisations."""
+
+from typing import Final
+
+from live.graph.motion_graph import MotionGraph
+from live.show.improviser import Improviser, Ledger, table_of
+from live.show.mood import Mood
+from live.show.part import Part
+from live.show.patch import Patch
+from live.show.score import Score
+from live.show.sections.group import parse_entry
+from live.show.sections.improvise import ImproviseSection
+from live.show.sections.sequence import SequenceSection
+from live.show.sequences import Sequences
+
+EVERYONE: Final = "*"
+
+
+def part_of(
+    patch: Patch, graph: MotionGraph, score: Score, ledger: Ledger, mood: Mood, steps: list[int], group: int, seed: int
+) -> Part:
+    """The part in the score of the group `group`, whose own `steps` are these."""
+    names = [section.name for section in patch.group]
+    for_it = (EVERYONE, names[group].casefold())
+    sequences = [section for section in patch.sequence if section.group.casefold() in for_it]
+    asked = [_as_improvised(section) for section in sequences if section.choose == "random"]
+    # an echo improvises only where it is meant by name: else it goes on echoing
+    asked += [
+        section
+        for section in patch.improvise
+        if section.group.casefold() in (for_it[1:] if patch.group[group].like else for_it)
+    ]
+    tables = [table for section in asked if (table := table_of(section, score, graph, steps, names, group)) is not None]
+    free = ImproviseSection(most=2 if len(set(steps)) > 1 else 1000)
+    usual = table_of(free, score, graph, steps, names, group) if not tables else tables[0]
+    assert usual is not None
+    improviser = Improviser(tables, usual, score, ledger, mood, group=group, seed=seed, graph=graph)
+    in_order = [section for section in sequences if section.choose == "sequence"]
+    return Part(score, Sequences(in_order, score, graph), improviser)
+
+
+def _as_improvised(section: SequenceSection) -> ImproviseSection:
+    """A sequence in which chance chooses: its steps by how often they are named."""
+    weights: dict[str, float] = {}
+    for entry in section.steps:
+        name, times = parse_entry(entry)
+        weights[name] = weights.get(name, 0.0) + times
+    return ImproviseSection(
+        group=section.group,
+        section=section.section,
+        measure=section.measure,
+        measures=section.measures,
+        steps=weights,
+        most=2 if len(weights) > 1 else 1000,
+    )

@@ -1,0 +1,86 @@
+"""Sequences: which step the score has for a group in which measure of a section, found at once (T009)."""
+
+from bisect import bisect_right
+from dataclasses import dataclass
+from itertools import accumulate
+
+from live.base.errors import PersonError, named
+from live.graph.motion_graph import MotionGraph
+from live.graph.specification import Wanted
+from live.graph.wanted import parse_sequence
+from live.show.programme_steps import refuse_alone
+from live.show.score import Score
+from live.show.sections.sequence import SequenceSection
+
+
+@dataclass(frozen=True, slots=True)
+class Sequence:
+    """One sequence of the score for one group."""
+
+    begin: int
+    """Its first measure within its section, from 0."""
+    end: int
+    """The measure after its last."""
+    entries: tuple[Wanted, ...]
+    """Its steps in order, danced once."""
+    ends: tuple[int, ...]
+    """Measures danced when each of them is over."""
+
+    def at(self, measure: int) -> tuple[int, int]:
+        """Which entry `measure` of the section belongs to, and how many measures of that are over."""
+        into = (measure - self.begin) % self.ends[-1]
+        index = bisect_right(self.ends, into)
+        return index, into - (self.ends[index - 1] if index else 0)
+
+
+class Sequences:
+    """The sequences in order of one group: `choose = "random"` is improvised instead."""
+
+    def __init__(self, sections: list[SequenceSection], score: Score, graph: MotionGraph) -> None:
+        """PersonError for a step that is not there or does not end with its sequence."""
+        self._of: dict[int, list[Sequence]] = {}
+        known: dict[tuple[str, ...], tuple[Wanted, ...]] = {}
+        for section in sections:
+            place = score.place_of(section.section, section.measure)
+            if place is None:
+                continue
+            with named(where_of(section.section, section.measure, "sequence")):
+                if section.steps not in known:
+                    known[section.steps] = tuple(parse_sequence(", ".join(section.steps), graph.library))
+                    refuse_alone(graph, known[section.steps])
+                self._of.setdefault(place[0], []).append(_sequence(known[section.steps], section, place[1], graph))
+        for sequences in self._of.values():
+            sequences.sort(key=lambda sequence: sequence.begin)
+        self._begins = {index: [one.begin for one in sequences] for index, sequences in self._of.items()}
+
+    def __bool__(self) -> bool:
+        return bool(self._of)
+
+    def at(self, section: int, measure: int) -> Sequence | None:
+        """The sequence that has `measure` (from 0) of a section, None if there is none."""
+        sequences = self._of.get(section)
+        if sequences is None:
+            return None
+        index = bisect_right(self._begins[section], measure) - 1
+        return sequences[index] if index >= 0 and measure < sequences[index].end else None
+
+
+def where_of(section: str | None, measure: float, what: str) -> str:
+    """Where an entry of the score stands, in words."""
+    return f"{what} in measure {measure:g}" + ("" if section is None else f" of section {section!r}")
+
+
+def _sequence(entries: tuple[Wanted, ...], section: SequenceSection, begin: int, graph: MotionGraph) -> Sequence:
+    ends = tuple(accumulate(entry.measures for entry in entries))
+    measures = ends[-1] if section.measures is None else section.measures
+    rest = measures % ends[-1]
+    if rest and rest not in ends:
+        index = bisect_right(ends, rest)
+        gap = rest - (ends[index - 1] if index else 0)
+        entry = entries[index]
+        name = "*" if entry.step is None else graph.library.steps[entry.step]
+        raise PersonError(
+            f"step {name!r} has {entry.measures} measures, and only {gap} of the {measures} are left for it",
+            f"measures = {measures - gap} or {measures - gap + entry.measures}, or other steps",
+        )
+    return Sequence(begin, begin + measures, entries, ends)
