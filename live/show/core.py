@@ -153,7 +153,7 @@ class Show:
             self.directions.act(event)
             return
         if isinstance(event, SCORE_EVENTS):
-            self._move_score(event)
+            self._tell_prompter(event)
             return
         match event:
             case events.Clear():
@@ -161,8 +161,6 @@ class Show:
                 self.interrupts.clear()
                 for programme in self.scheduler.programmes:
                     programme.release()
-            case events.Signal():
-                self._signal(event)
             case events.StepsAdded():
                 self._new_steps.add(event, self.graph)
             case events.PatchChanged():
@@ -172,20 +170,14 @@ class Show:
             case events.TicksSkipped():
                 self.time += event.count * TICK
 
-    def _signal(self, event: events.Signal) -> None:
-        try:
-            self.prompter.signal(event)
-        except PersonError as error:
-            self.refusals.add(f"{event.source}: {error}")
-        self.prompter.take_reactions(self.danced, self.time)
-
-    def _move_score(self, event: ControlEvent) -> None:
-        """The score goes elsewhere: what of the coming measure can still be planned anew is."""
+    def _tell_prompter(self, event: ControlEvent) -> None:
+        """A signal is given, or the score goes elsewhere: what of the coming measure can still be planned anew is."""
         try:
             moved = self.prompter.act(event)
         except PersonError as error:
             self.refusals.add(f"{event.source}: {error}")
             return
+        self.prompter.take_reactions(self.danced, self.time)
         if moved:
             self.motion.withdraw(self.span.number + 1)
             if not self.scheduler.plan_anew(self.span, self.timeline, self.time):

@@ -16,7 +16,7 @@ from live.show.playhead import END, Playhead, When
 from live.show.reactions import Reactions
 from live.show.score import Score, stretches_of
 
-SCORE_EVENTS: Final = (events.JumpTo, events.Advance, events.HoldScore, events.Practice)
+SCORE_EVENTS: Final = (events.JumpTo, events.Advance, events.HoldScore, events.Practice, events.Signal)
 """The events that `act` takes."""
 
 
@@ -79,6 +79,9 @@ class Prompter:
                 case events.Practice():
                     practice = None if not event.first and not event.last else (event.first - 1, event.last - 1)
                     self.playhead.loop(practice)
+                case events.Signal():
+                    self._signal(event)
+                    return False
         except ValueError as error:
             raise PersonError(str(error)) from None
         self.said = ""
@@ -90,8 +93,8 @@ class Prompter:
         names = self._occasions.hear(event)
         return [events.Signal(time=event.time, source="music", name=name) for name in names]
 
-    def signal(self, event: events.Signal) -> None:
-        """A signal is given: whatever reacts to it is told. PersonError for one that nobody has named."""
+    def _signal(self, event: events.Signal) -> None:
+        """Whatever reacts to it is told. PersonError for one that nobody has named."""
         name = event.name.casefold().strip()
         if name not in self._known:
             raise PersonError(f"no signal is called {event.name!r}", f"there are: {', '.join(sorted(self._known))}")
