@@ -18,6 +18,7 @@ from live.show.casting import Casting
 from live.show.formations import Formations
 from live.show.patch import Patch
 from live.show.score import Score
+from live.show.score_claims import Claims, check_regroups, check_segments
 from live.show.sections.group import GroupSection
 from live.show.sections.segment import spec_of
 from live.show.segments import SegmentEvent, segment_of_event, segment_of_section
@@ -49,14 +50,17 @@ class Evolutions:
         self._next, self._fresh = 0, False  # the measure after this one, and whether this one has just begun
         self._heading: Float64 | None = None  # as dancers faced at the line, until the next measure is looked at
         self._ways = 0
+        claims = Claims(patch, casting)
         for index, section in enumerate(patch.segment):  # whatever is wrong is told at the start, not in measure 200
             with named(f"segment in measure {section.measure}", ("segment", index)):
                 if section.formation is not None:
                     self._name(section.formation)
-                casting.select(section.group, np.zeros((len(casting.group), 2)))
+                claims.bits(section.group)
         for index, regroup in enumerate(patch.regroup):
             with named(f"regroup in measure {regroup.measure}", ("regroup", index)):
-                casting.select(regroup.dancers, np.zeros((len(casting.group), 2)))
+                claims.bits(regroup.dancers)
+        check_segments(patch.segment, self._score, claims)
+        check_regroups(patch.regroup, self._score, casting)
 
     def take_patch(self, fresh: "Evolutions") -> None:
         """Take over the formations of another patch; who is in one that was edited goes to its new places.

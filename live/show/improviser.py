@@ -215,7 +215,13 @@ class Improviser:
 
 
 def table_of(
-    section: ImproviseSection, score: Score, graph: MotionGraph, own: list[int], groups: list[str], group: int
+    section: ImproviseSection,
+    score: Score,
+    graph: MotionGraph,
+    own: list[int],
+    groups: list[str],
+    group: int,
+    where: tuple[str | int, ...] = (),
 ) -> Table | None:
     """One `[[improvise]]` for the group `group`, whose own steps are `own`; None if its place never comes.
 
@@ -224,7 +230,7 @@ def table_of(
     place = score.place_of(section.section, section.measure)
     if place is None:
         return None
-    with named(where_of(section.section, section.measure, f"improvise of group {groups[group]!r}")):
+    with named(where_of(section.section, section.measure, f"improvise of group {groups[group]!r}"), where):
         try:
             given = {find_step(graph, name): weight for name, weight in section.steps.items()}
             weights = given or dict.fromkeys(own, 1.0)

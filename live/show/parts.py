@@ -22,20 +22,24 @@ def part_of(
     """The part in the score of the group `group`, whose own `steps` are these."""
     names = [section.name for section in patch.group]
     for_it = (EVERYONE, names[group].casefold())
-    sequences = [section for section in patch.sequence if section.group.casefold() in for_it]
-    asked = [_as_improvised(section) for section in sequences if section.choose == "random"]
-    # an echo improvises only where it is meant by name: else it goes on echoing
-    asked += [
-        section
-        for section in patch.improvise
-        if section.group.casefold() in (for_it[1:] if patch.group[group].like else for_it)
+    sequences = [(index, one) for index, one in enumerate(patch.sequence) if one.group.casefold() in for_it]
+    asked: list[tuple[tuple[str | int, ...], ImproviseSection]] = [
+        (("sequence", index), _as_improvised(section)) for index, section in sequences if section.choose == "random"
     ]
-    tables = [table for section in asked if (table := table_of(section, score, graph, steps, names, group)) is not None]
+    # an echo improvises only where it is meant by name: else it goes on echoing
+    means_it = for_it[1:] if patch.group[group].like else for_it
+    asked += [
+        (("improvise", index), section)
+        for index, section in enumerate(patch.improvise)
+        if section.group.casefold() in means_it
+    ]
+    made = (table_of(section, score, graph, steps, names, group, where) for where, section in asked)
+    tables = [table for table in made if table is not None]
     free = ImproviseSection(most=2 if len(set(steps)) > 1 else 1000)
     usual = table_of(free, score, graph, steps, names, group) if not tables else tables[0]
     assert usual is not None
     improviser = Improviser(tables, usual, score, ledger, mood, group=group, seed=seed, graph=graph)
-    in_order = [section for section in sequences if section.choose == "sequence"]
+    in_order = [(index, section) for index, section in sequences if section.choose == "sequence"]
     return Part(score, Sequences(in_order, score, graph), improviser)
 
 

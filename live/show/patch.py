@@ -8,6 +8,7 @@ from typing import Annotated
 from pydantic import Field, model_validator
 
 from live.base.errors import PersonError
+from live.show.score_check import check_score
 from live.show.sections.element import ElementSection
 from live.show.sections.facing import parse_facing
 from live.show.sections.group import GroupSection
@@ -132,6 +133,11 @@ class Patch(Section):
             if section.group.casefold() not in names:
                 words = f"regroup in measure {section.measure}: no group is called {section.group!r}"
                 raise Amiss(words, "regroup", index, "group")
+        return self
+
+    @model_validator(mode="after")
+    def _score_can_be(self) -> "Patch":
+        check_score(self)
         return self
 
     @model_validator(mode="after")

@@ -8,6 +8,7 @@ from live.show.parts import part_of
 from live.show.patch import Patch
 from live.show.programme import GroupProgramme
 from live.show.score import Score
+from live.show.score_claims import check_calls
 
 
 def programmes_of(
@@ -16,6 +17,7 @@ def programmes_of(
     """One for each group, in the patch's order; UnknownStep if a group names a step that is not there, PersonError for
     a part of the score that cannot be."""
     score, mood = score or Score(patch), mood or Mood()
+    check_calls(patch, graph)
     own: list[GroupProgramme] = []
     ledger = Ledger(len(patch.group))
     for index, section in enumerate(patch.group):

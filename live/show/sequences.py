@@ -2,7 +2,7 @@
 
 from bisect import bisect_right
 from dataclasses import dataclass
-from itertools import accumulate
+from itertools import accumulate, pairwise
 
 from live.base.errors import PersonError, named
 from live.graph.motion_graph import MotionGraph
@@ -25,6 +25,8 @@ class Sequence:
     """Its steps in order, danced once."""
     ends: tuple[int, ...]
     """Measures danced when each of them is over."""
+    index: int
+    """Which `[[sequence]]` of the patch it is, from 0."""
 
     def at(self, measure: int) -> tuple[int, int]:
         """Which entry `measure` of the section belongs to, and how many measures of that are over."""
@@ -36,21 +38,32 @@ class Sequence:
 class Sequences:
     """The sequences in order of one group: `choose = "random"` is improvised instead."""
 
-    def __init__(self, sections: list[SequenceSection], score: Score, graph: MotionGraph) -> None:
-        """PersonError for a step that is not there or does not end with its sequence."""
+    def __init__(self, sections: list[tuple[int, SequenceSection]], score: Score, graph: MotionGraph) -> None:
+        """`sections` with their places in the patch. PersonError for a step that is not there or does not end with its
+        sequence, and for sequences that overlap or go on after their section."""
         self._of: dict[int, list[Sequence]] = {}
         known: dict[tuple[str, ...], tuple[Wanted, ...]] = {}
-        for section in sections:
+        for index, section in sections:
             place = score.place_of(section.section, section.measure)
             if place is None:
                 continue
-            with named(where_of(section.section, section.measure, "sequence")):
-                if section.steps not in known:
+            where = where_of(section.section, section.measure, "sequence")
+            if section.steps not in known:
+                with named(where, ("sequence", index, "steps")):
                     known[section.steps] = tuple(parse_sequence(", ".join(section.steps), graph.library))
                     refuse_alone(graph, known[section.steps])
-                self._of.setdefault(place[0], []).append(_sequence(known[section.steps], section, place[1], graph))
+            with named(where, ("sequence", index, "measures")):
+                sequence = _sequence(known[section.steps], section, place[1], graph, index)
+                size = score.playhead.stretches[place[0]].measures
+                if size is not None and sequence.end > size:
+                    raise PersonError(
+                        f"it goes on to measure {sequence.end}, and its section has {size}",
+                        f"measures = {size - place[1]}",
+                    )
+            self._of.setdefault(place[0], []).append(sequence)
         for sequences in self._of.values():
             sequences.sort(key=lambda sequence: sequence.begin)
+            _refuse_overlaps(sequences)
         self._begins = {index: [one.begin for one in sequences] for index, sequences in self._of.items()}
 
     def __bool__(self) -> bool:
@@ -70,7 +83,9 @@ def where_of(section: str | None, measure: float, what: str) -> str:
     return f"{what} in measure {measure:g}" + ("" if section is None else f" of section {section!r}")
 
 
-def _sequence(entries: tuple[Wanted, ...], section: SequenceSection, begin: int, graph: MotionGraph) -> Sequence:
+def _sequence(
+    entries: tuple[Wanted, ...], section: SequenceSection, begin: int, graph: MotionGraph, number: int
+) -> Sequence:
     ends = tuple(accumulate(entry.measures for entry in entries))
     measures = ends[-1] if section.measures is None else section.measures
     rest = measures % ends[-1]
@@ -83,4 +98,18 @@ def _sequence(entries: tuple[Wanted, ...], section: SequenceSection, begin: int,
             f"step {name!r} has {entry.measures} measures, and only {gap} of the {measures} are left for it",
             f"measures = {measures - gap} or {measures - gap + entry.measures}, or other steps",
         )
-    return Sequence(begin, begin + measures, entries, ends)
+    return Sequence(begin, begin + measures, entries, ends, number)
+
+
+def _refuse_overlaps(sequences: list[Sequence]) -> None:
+    """PersonError if two of one group's, in order of their measures, are danced at once."""
+    for before, after in pairwise(sequences):
+        if after.begin < before.end:
+            raise PersonError(
+                f"sequence {after.index + 1} begins in measure {after.begin + 1}, and sequence {before.index + 1} of "
+                f"the same group lasts until the end of measure {before.end}",
+                f"measures = {after.begin - before.begin} for that one"
+                if after.begin > before.begin
+                else "leave one out",
+                ("sequence", after.index, "measure"),
+            )
