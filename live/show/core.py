@@ -17,7 +17,6 @@ from live.clock.moment import Moment
 from live.clock.ticks import TICK
 from live.control import events
 from live.control.events import ControlEvent
-from live.graph.insertion import stranded
 from live.graph.motion_graph import MotionGraph
 from live.motion.step_clip import StepClip
 from live.show.casting import Casting
@@ -213,14 +212,11 @@ class Show:
 
     def _take_patch(self) -> None:
         """Go on as an edited patch says, if there is one. To be called while nobody's next measure is decided."""
-        fresh = self.reloading.take(self.patch)
+        fresh = self.reloading.take(self.patch, self.dancers.node)
         if fresh is None:
             return
         self._take_graph()
         if fresh.graph is not self.graph:
-            if stranded(fresh.graph, self.dancers.node).any():
-                self.refusals.add("patch: [locomotion] would leave dancers without a next step")
-                return
             self.graph = fresh.graph
             self.dancers.take_graph(self.graph)
             self.scheduler.take_graph(self.graph, fresh.scheduler.choosing)
@@ -255,7 +251,7 @@ class Show:
             self._cross_measure_line(time)
             crossed = True
         self._fire(self.danced)
-        if self.reloading.waiting is not None and self.scheduler.plan_anew(self.span, self.timeline, time):
+        if self.reloading.due(self.span.number) and self.scheduler.plan_anew(self.span, self.timeline, time):
             self._take_patch()
         self.scheduler.work(self.span, self.timeline, time)
         self.interrupts.tick(self.span, self.timeline, time)

@@ -7,6 +7,7 @@ from typing import Any
 from live.base.errors import PersonError
 from live.base.packed import unpacked
 from live.control.events import PatchChanged
+from live.graph.insertion import Int32, stranded
 from live.graph.metric.weights import Metric
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.show.edit import changed, fitted, version_of
@@ -69,6 +70,7 @@ class Reloading:
         self._offered: dict[str, Prepared] = {}
         self.waiting: Prepared | None = None
         """What the show takes as soon as it can."""
+        self._tried: int | None = None
         self.version = ""
         """The patch in force; empty: the one that the show began with."""
         self.taken = 0
@@ -95,13 +97,23 @@ class Reloading:
             except (PersonError, ValueError) as error:
                 self._refusals.add(f"{event.source}: {error}")
                 return
-        self.waiting = prepared
+        self.waiting, self._tried = prepared, None
 
-    def take(self, running: Patch) -> Any:
-        """The fresh show whose patch is to be taken now; None if there is none."""
-        prepared, self.waiting = self.waiting, None
+    def due(self, measure: int) -> bool:
+        """Whether a patch waits that was not tried yet in this `measure`; once in each."""
+        tried, self._tried = self._tried == measure, measure
+        return self.waiting is not None and not tried
+
+    def take(self, running: Patch, nodes: Int32) -> Any:
+        """The fresh show whose patch is to be taken now; None if there is none, or if dancers in `nodes` (A,) would
+        have no way on in its graph: then it waits."""
+        prepared = self.waiting
         if prepared is None:
             return None
+        if stranded(prepared.fresh.graph, nodes).any():
+            self._refusals.add("patch: [locomotion] would leave dancers without a next step; it waits")
+            return None
+        self.waiting = None
         self.version, self.taken = prepared.version, self.taken + 1
         self.last = changed(running, prepared.fresh.patch)
         return prepared.fresh
