@@ -29,6 +29,7 @@ from live.cli import (
     play,
     render,
     replay,
+    schema,
     simulate,
     steps,
     sync,
@@ -62,6 +63,7 @@ app.command("bench")(bench.bench)
 app.command("bvh")(bvh.bvh)
 app.command("export")(export.export)
 app.command("formation")(formation.formation)
+app.command("schema")(schema.schema)
 app.command("simulate")(simulate.simulate)
 app.command("warm")(warm.warm)
 app.command("sync")(sync.sync)

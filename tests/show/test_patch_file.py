@@ -28,13 +28,21 @@ from tests.show.made_show import PATCH
         ('[[group]]\nname = "b"\ndancers = 2\nsteps = []', "line 2: group.1", "has nothing to dance"),
         ("[[segment]]\nmeasure = 1\npath = [[0, 0]]", "line 4: segment.1.path", "at least 2 expected, found 1"),
         ("[[segment]]\nmeasure = 1\nmirror = [[1, 1], [1, 1]]", "line 2: segment.1", "there is no line through them"),
-        ('[[formation]]\nname = "a"\n[[formation]]\nname = "A"', "line 5: formation.2.name", "two formations are called 'A'"),
+        (
+            '[[formation]]\nname = "a"\n[[formation]]\nname = "A"',
+            "line 5: formation.2.name",
+            "two formations are called 'A'",
+        ),
         ("segment = [3]", "line 2: segment.1", "a table expected, found 3"),
         ('[[group]]\nname = "b"\ndancers = 2\nsteps = [" "]', "line 5: group.1.steps", "is no step"),
         ('[[group]]\nname = "b"\ndancers = 2\nsteps = ["a x0"]', "line 5: group.1.steps", "'a x0' is no step"),
         ("name 3", "line 2: not valid TOML", ""),
         ("[camera]\neye = [1e200, 0, 0]", "line 3: camera.eye.1", "less than or equal to 1000"),
-        ('loop_measures = 2\n[[element]]\nkind = "spread"\nmeasure = 3', "line 5: element.1.measure", "it would never come"),
+        (
+            'loop_measures = 2\n[[element]]\nkind = "spread"\nmeasure = 3',
+            "line 5: element.1.measure",
+            "it would never come",
+        ),
         ("[look]\nfloor = [2.0, 0, 0]", "line 3: look.floor.1", "less than or equal to 1"),
     ],
 )

@@ -148,7 +148,9 @@ def test_who_is_in_a_formation_goes_to_its_new_places(patch):
     night = Night(patch)
     ring = '[[formation]]\nname = "ring"\nshape = "circle"\nsize = [2, 2]\n'
     assert night.edit(file="formations/a.toml", more=ring)
-    assert night.edit('["groove"]', '["walk"]', more='[[segment]]\nmeasure = 2\nmeasures = 1\nformation = "ring"\nhold = true\n')
+    assert night.edit(
+        '["groove"]', '["walk"]', more='[[segment]]\nmeasure = 2\nmeasures = 1\nformation = "ring"\nhold = true\n'
+    )
     night.run(9.0)
     small = abs(night.show.state.position).max()
     assert small < 1.5
@@ -164,7 +166,11 @@ def test_who_is_in_a_formation_goes_to_its_new_places(patch):
         ('["groove"]', "[3]", "show.toml, line 9: group.1.steps.1"),
         ("bpm = 120", "bpm = = 3", "show.toml, line 5: not valid TOML"),
         ('["groove"]', '["groove"]\n[[segment]]\nmeasure = 1\nformation = "rnig"', "show.toml, line 10: segment.1"),
-        ("[clock]", "[locomotion]\nthreshold_m = 0.011\n[clock]", "line 11: group.1.steps: group 'all': step 'groove' connects to no other"),
+        (
+            "[clock]",
+            "[locomotion]\nthreshold_m = 0.011\n[clock]",
+            "line 11: group.1.steps: group 'all': step 'groove' connects to no other",
+        ),
     ],
 )
 def test_a_bad_edit_is_told_and_the_last_good_patch_goes_on(patch, old, new, where):

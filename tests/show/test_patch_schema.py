@@ -1,0 +1,108 @@
+"""The editor's schema accepts the project's patches and refuses what their reader refuses, judged by a small reader
+of its own of JSON Schema, draft 7."""
+
+import json
+import tomllib
+
+import pytest
+from typer.testing import CliRunner
+
+from live.cli.main import app
+from live.show.patch import Patch
+from live.show.patch_file import PATCHES
+from live.show.patch_schema import patch_schema
+
+SCHEMA = patch_schema()
+KINDS = {"object": dict, "array": list, "string": str, "boolean": bool, "integer": int, "number": (int, float)}
+KNOWN = {
+    *("type", "properties", "additionalProperties", "items", "anyOf", "allOf", "$ref", "enum", "const", "required"),
+    *("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum", "minItems", "maxItems", "minLength", "maxLength"),
+    *("description", "default", "title", "definitions", "$schema"),
+}
+
+
+def faults(value, schema=SCHEMA, where="patch"):
+    """What draft 7 finds wrong with a value, where."""
+    assert set(schema) <= KNOWN, schema
+    if "$ref" in schema:
+        return faults(value, SCHEMA["definitions"][schema["$ref"].removeprefix("#/definitions/")], where)
+    found = [fault for part in schema.get("allOf", ()) for fault in faults(value, part, where)]
+    if "anyOf" in schema and all(faults(value, part, where) for part in schema["anyOf"]):
+        found.append(f"{where}: none of what is possible")
+    kind = schema.get("type")
+    if kind and not (isinstance(value, KINDS[kind]) and not (isinstance(value, bool) and kind != "boolean")):
+        return [*found, f"{where}: no {kind}"]
+    if value not in schema.get("enum", [value]) or value != schema.get("const", value):
+        found.append(f"{where}: not one of those")
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        low, high = schema.get("minimum", value), schema.get("maximum", value)
+        below, above = schema.get("exclusiveMinimum"), schema.get("exclusiveMaximum")
+        inside = low <= value <= high and (below is None or value > below) and (above is None or value < above)
+        found += [] if inside else [f"{where}: out of range"]
+    if isinstance(value, str | list):
+        least, most = ("minLength", "maxLength") if isinstance(value, str) else ("minItems", "maxItems")
+        if not schema.get(least, 0) <= len(value) <= schema.get(most, len(value)):
+            found.append(f"{where}: too short or too long")
+    return found + contents(value, schema, where)
+
+
+def contents(value, schema, where):
+    """What it finds wrong with what is in a list or table."""
+    found = []
+    if isinstance(value, list):
+        items = schema.get("items", {})
+        for n, item in enumerate(value):
+            found += faults(item, items[n] if isinstance(items, list) else items, f"{where}.{n + 1}")
+    if isinstance(value, dict):
+        found += [f"{where}: {key} is missing" for key in schema.get("required", ()) if key not in value]
+        for key, item in value.items():
+            own, other = schema.get("properties", {}), schema.get("additionalProperties", True)
+            if key not in own and other is False:
+                found.append(f"{where}: {key} is unknown")
+            elif key in own or isinstance(other, dict):
+                found += faults(item, own.get(key, other), f"{where}.{key}")
+    return found
+
+
+@pytest.mark.parametrize("path", sorted(PATCHES.glob("*/show.toml")) + sorted(PATCHES.glob("*.toml")), ids=str)
+def test_the_projects_patches_are_good(path):
+    data = tomllib.loads(path.read_text(encoding="utf-8"))
+    assert faults(data) == []
+    assert Patch.model_validate(data)
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("tempo = 3", "patch: tempo is unknown"),
+        ("seed = -1", "patch.seed: out of range"),
+        ("[stage]\nwidht = 3", "patch.stage: widht is unknown"),
+        ('[clock]\npriority = ["moon"]', "patch.clock.priority.1: not one of those"),
+        ("[camera]\neye = [0, 0]", "patch.camera.eye: too short or too long"),
+        ("[camera]\neye = [0, 0, 5000]", "patch.camera.eye.3: out of range"),
+        ('[[element]]\nkind = "explode"\nmeasure = 1', "patch.element.1.kind: not one of those"),
+        ('[[element]]\nkind = "flock"', "patch.element.1: measure is missing"),
+        ('[[formation]]\nname = "a"\nshap = "line"', "patch.formation.1: shap is unknown"),
+        ('[[group]]\nname = "a"\ndancers = 0\n[group.motion]\nhed = 1', "patch.group.1.motion: hed is unknown"),
+    ],
+)
+def test_what_the_reader_refuses_is_underlined(text, fault):
+    assert fault in faults(tomllib.loads(text))
+
+
+def test_every_key_says_what_it_is_for():
+    for name, table in (("", SCHEMA), *SCHEMA["definitions"].items()):
+        assert table.get("description"), name
+        for key, field in table["properties"].items():
+            told = field.get("description") or key in Patch.model_fields
+            assert told, f"{name}.{key}"
+    assert SCHEMA["properties"]["formation"]["items"]["properties"]["shape"]["description"]
+
+
+def test_the_command_prints_it_or_writes_it(tmp_path):
+    runner = CliRunner()
+    printed = runner.invoke(app, ["schema"])
+    assert json.loads(printed.stdout) == json.loads(json.dumps(SCHEMA))
+    assert runner.invoke(app, ["schema", "--out", str(tmp_path / "s.json")]).exit_code == 0
+    assert (tmp_path / "s.json").read_text() == printed.stdout
+    assert runner.invoke(app, ["schema", "--out", str(tmp_path / "no" / "s.json")]).exit_code != 0
