@@ -210,6 +210,11 @@ class Evolutions:
         """Whether a segment has begun, or is being worked out, that may hold somebody."""
         return self._plan.running
 
+    @property
+    def at_rest(self) -> bool:
+        """Whether nothing is half worked out."""
+        return self._plan.idle
+
     def work(self, position: Float32) -> None:
         """Do one small piece of what is to be worked out by agents at `position` (A, 2) [m]: in the tick of a line what
         is at work already, in the next one what begins with the measure after it is prepared, if that can be."""

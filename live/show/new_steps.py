@@ -1,6 +1,7 @@
 """New steps: a motion graph that has grown while the show runs waits here for the next measure line."""
 
 from collections.abc import Mapping
+from typing import Any
 
 from live.control import events
 from live.graph.choosing.choosing import Choosing
@@ -22,6 +23,18 @@ class NewSteps:
         self._refusals = refusals
         self._offered: dict[str, GrownGraph] = {}
         self._next: GrownGraph | None = None
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether no graph waits for the measure line."""
+        return self._next is None
+
+    def stock(self, reserve: Mapping[str, StepClip]) -> None:
+        """Hold these clips for events that add them, by name."""
+        self._reserve = dict(reserve)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return self.__dict__ | {"_offered": {}, "_reserve": {}}  # of the process, not of the show's state
 
     def offer(self, library: str, graph: MotionGraph) -> None:
         """Hold a graph ready for the event StepsAdded that names its library's hash. Thread: any."""

@@ -121,6 +121,11 @@ class Scheduler:
         self._seconds = timeline.beats_per_measure * 60.0 / timeline.tempo
         self.aims.set_speed(measure, timeline)
 
+    @property
+    def at_rest(self) -> bool:
+        """Whether no measure is half planned."""
+        return not self._pieces
+
     # -- the planning of one measure, in pieces ------------------------------------------------------------------
 
     def work(self, span: MeasureSpan, timeline: Timeline, time: float) -> None:

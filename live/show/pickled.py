@@ -1,0 +1,212 @@
+"""Pickled: a tree of objects as bytes and back, without what can be found elsewhere and what is worth nothing.
+
+Arrays that are parts of one another stay so: kernels and their owners look at the same memory. Reading knows only the
+classes of the core, numbers and plain containers, so that bytes from outside can make nothing else.
+"""
+
+import io
+import pickle
+import sys
+from collections.abc import Callable, Iterable, Mapping
+from types import MethodType
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[Any]
+Path = tuple[Any, ...]
+Reduced = tuple[Any, ...]
+
+PLAIN: Final = (type(None), bool, int, float, complex, str, bytes, type)
+CORE: Final = ("live.agents.", "live.base.", "live.clock.", "live.graph.", "live.motion.", "live.show.")
+DEVICES: Final = frozenset(
+    f"live.show.{name}"
+    for name in ("engine", "journal", "library_watch", "line_writer", "load", "patch_file", "replay", "status")
+)
+"""Modules of the show's package that touch files or run threads: a state holds nothing of them."""
+OTHERS: Final = {
+    "builtins": {"bytearray", "complex", "frozenset", "range", "set", "slice"},
+    "collections": {"Counter", "OrderedDict", "defaultdict", "deque"},
+    "numpy": {"dtype"},
+    "numpy.core.multiarray": {"scalar"},
+    "numpy._core.multiarray": {"scalar"},
+}
+HELPERS: Final = {"array_of", "bound", "empty", "found", "part_of", "whole"}
+
+
+class Unreadable(Exception):
+    """Bytes that are no state of a show; the message says why."""
+
+
+def resolve(root: object, path: Path) -> Any:
+    """What lies at `path` of `root`: names of attributes, numbers in sequences, ("key", k) in mappings."""
+    here: Any = root
+    for part in path:
+        if isinstance(part, str):
+            here = getattr(here, part)
+        elif isinstance(part, tuple):
+            here = here[part[1]]
+        else:
+            here = here[part]
+    return here
+
+
+def dotted(words: str) -> Path:
+    """The path that is written with dots."""
+    return tuple(words.split("."))
+
+
+class Known:
+    """Which objects of a tree are not written: constants, by their path, and scratch arrays."""
+
+    def __init__(self, root: object, constant: Iterable[str], scratch: Iterable[str] = ()) -> None:
+        """`constant` and `scratch`: paths from `root`; all that a constant holds is constant, too."""
+        self.path: dict[int, Path] = {}
+        self.scratch: set[int] = set()
+        self._held: list[object] = []  # so that no other object gets their identity
+        self.kinds: set[type] = set()
+        for words in constant:
+            self._walk(resolve(root, dotted(words)), dotted(words))
+        for words in scratch:
+            found = resolve(root, dotted(words))
+            arrays = found if isinstance(found, tuple) else (found,)
+            self.scratch |= {id(array) for array in arrays}
+            self._held += arrays
+
+    def _walk(self, value: Any, path: Path) -> None:
+        if isinstance(value, PLAIN) or id(value) in self.path:
+            return
+        self.path[id(value)] = path
+        self._held.append(value)
+        if isinstance(value, np.ndarray):
+            if isinstance(value.base, np.ndarray):
+                self._walk(value.base, (*path, "base"))
+            return
+        if isinstance(value, Mapping):
+            for key, each in value.items():
+                self._walk(each, (*path, ("key", key)))
+            return
+        if isinstance(value, list | tuple):
+            for number, each in enumerate(value):
+                self._walk(each, (*path, number))
+            return
+        self.kinds.add(type(value))
+        for name in _attributes(value):
+            self._walk(getattr(value, name, None), (*path, name))
+
+
+def _attributes(value: object) -> Iterable[str]:
+    yield from getattr(value, "__dict__", ())
+    for cls in type(value).__mro__:
+        slots = cls.__dict__.get("__slots__", ())
+        yield from (slots,) if isinstance(slots, str) else slots
+
+
+def write_state(value: object, known: Known) -> bytes:
+    """The bytes of `value`; raises whatever pickle raises for what is no plain value (a file, a lambda)."""
+
+    paths, scratch = known.path, known.scratch
+
+    def array(value: Array) -> Reduced:
+        if (name := id(value)) in paths:
+            return found, (paths[name],)
+        base = value.base
+        if base is None:
+            if name in scratch:
+                return empty, (value.shape, value.dtype.char)
+        elif isinstance(base, np.ndarray) and base.flags.c_contiguous:
+            offset = value.__array_interface__["data"][0] - base.__array_interface__["data"][0]
+            return part_of, (base, offset, value.shape, value.strides, value.dtype.char)
+        if value.flags.c_contiguous and value.flags.writeable:
+            return whole, (value.tobytes(), value.shape, value.dtype.char)
+        axes = tuple(sorted(range(value.ndim), key=lambda axis: -abs(value.strides[axis])))
+        laid = value.transpose(axes)
+        return array_of, (laid.tobytes(), laid.shape, value.dtype.char, axes, value.flags.writeable)
+
+    def other(value: Any) -> Reduced:
+        path = known.path.get(id(value))
+        return (found, (path,)) if path is not None else value.__reduce_ex__(5)
+
+    out = io.BytesIO()
+    pickler = pickle.Pickler(out, protocol=5)
+    table: dict[type, Callable[[Any], Reduced]] = dict.fromkeys(known.kinds, other)
+    pickler.dispatch_table = {
+        **table,
+        np.ndarray: array,
+        MethodType: lambda method: (bound, (method.__self__, method.__func__.__name__)),
+    }
+    pickler.dump(value)
+    return out.getvalue()
+
+
+class _Reader(pickle.Unpickler):
+    """Knows the classes of the core alone, and where constants are found."""
+
+    def __init__(self, data: bytes, root: object) -> None:
+        super().__init__(io.BytesIO(data))
+        self._root = root
+
+    def find_class(self, module: str, name: str) -> Any:
+        """A class that a state may hold; Unreadable for any other."""
+        if module == __name__ and name in HELPERS:
+            return (lambda path: resolve(self._root, path)) if name == "found" else getattr(sys.modules[module], name)
+        if name in OTHERS.get(module, ()):
+            return super().find_class(module, name)
+        event = module.startswith("live.control.") and module.endswith(("event", "events"))
+        if event or (module.startswith(CORE) and module not in DEVICES):
+            kind = super().find_class(module, name)
+            if isinstance(kind, type):
+                return kind
+        raise Unreadable(f"{module}.{name} is nothing that a state of a show holds")
+
+
+def read_state(data: bytes, root: object) -> Any:
+    """What `write_state` wrote, with constants taken from `root`; Unreadable for anything else."""
+    try:
+        return _Reader(data, root).load()
+    except Unreadable:
+        raise
+    except Exception as error:  # damaged bytes can raise anything
+        raise Unreadable(f"{type(error).__name__}: {error}") from None
+
+
+# -- what is called while reading -------------------------------------------------------------------------------------
+
+
+def found(path: Path) -> Any:
+    """A constant: `_Reader` puts the one of its own root in the place of this."""
+    raise Unreadable(f"there is no {path} here")
+
+
+def empty(shape: tuple[int, ...], kind: str) -> Array:
+    """An array that is worked out before it is read."""
+    return np.zeros(shape, np.dtype(kind))
+
+
+def whole(data: bytes, shape: tuple[int, ...], kind: str) -> Array:
+    """An array of its own, row after row."""
+    return np.frombuffer(data, np.dtype(kind)).reshape(shape).copy()
+
+
+def array_of(data: bytes, shape: tuple[int, ...], kind: str, axes: tuple[int, ...], writeable: bool) -> Array:
+    """An array of its own, laid out in memory as it was."""
+    out = np.frombuffer(data, np.dtype(kind)).reshape(shape).copy()
+    if axes != tuple(range(len(axes))):
+        out = out.transpose(np.argsort(axes))
+    if not writeable:
+        out.flags.writeable = False
+    return out
+
+
+def part_of(base: Array, offset: int, shape: tuple[int, ...], strides: tuple[int, ...], kind: str) -> Array:
+    """A part of another array, in the same memory."""
+    out: Array = np.ndarray(shape, np.dtype(kind), base, offset, strides)
+    return out
+
+
+def bound(owner: object, name: str) -> Any:
+    """A method of an object of the core."""
+    if not type(owner).__module__.startswith(CORE) or name.startswith("__"):
+        raise Unreadable(f"{type(owner).__name__} has no method {name!r} that a state may hold")
+    return getattr(owner, name)

@@ -1,0 +1,178 @@
+"""Snapshots: the whole state of a show after a tick as bytes, from which it goes on bit by bit (T148, T150).
+
+Taken where nothing is half planned. What patch and steps decide (graph, tables) is named and found again in a fresh
+show; what every tick works out anew is left out; all else is pickled (`live/show/pickled.py`).
+"""
+
+import hashlib
+import json
+import zlib
+from dataclasses import dataclass
+from typing import Any, Final
+
+from live import __version__
+from live.clock.ticks import TICK
+from live.show.core import Show
+from live.show.load import LoadedShow, library_hash
+from live.show.patch import Patch
+from live.show.pickled import Known, Unreadable, dotted, read_state, resolve, write_state
+
+FORMAT: Final = 1
+LARGEST: Final = 1 << 28
+"""Bytes of a state at most: a damaged header asks for no more memory."""
+CONSTANT: Final = (
+    "graph", "patch", "scheduler.choosing", "scheduler.aims.foresight", "motion.elements._field._cosines",
+)  # fmt: skip
+"""What patch, steps and seed alone decide: found again in a fresh show, ..."""
+VARIABLE: Final = ("scheduler.choosing.most", "scheduler.choosing.facts")
+"""... but for these tables in it, which measures change, ..."""
+SCRATCH: Final = (
+    "dancers._pipeline.position", "dancers._pipeline.rotation", "dancers._pipeline.feet",
+    "dancers._legs.position", "dancers._legs.rotation", "dancers._legs.feet", "dancers._bare_legs",
+    "motion.elements._field._mesh", "motion.elements._field._start", "motion.elements._field._sums",
+    "motion.elements._field._near",
+)  # fmt: skip
+"""... and what is worked out before it is read."""
+
+
+class SnapshotError(Exception):
+    """A snapshot that cannot be taken or used; the message says why."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Taken:
+    """A state as it was taken within the frame; what takes longer is done by whoever calls `seal`."""
+
+    payload: bytes
+    tick: int
+    measure: int
+    """Measure that runs, from 1."""
+    seed: int
+    source: "Snapshots"
+
+    def seal(self) -> bytes:
+        """The snapshot: a line of JSON, and the state, compressed. Thread: any one."""
+        packed = zlib.compress(self.payload, 1)
+        header = {
+            "snapshot": FORMAT,
+            "version": __version__,
+            "tick": self.tick,
+            "measure": self.measure,
+            "seed": self.seed,
+            **self.source.facts(),
+            "size": len(self.payload),
+        }
+        return _line(header | {"check": _check(header, packed)}) + b"\n" + packed
+
+
+class Snapshots:
+    """Takes snapshots of one show. Thread: the show's, but for `facts`."""
+
+    def __init__(self, show: Show) -> None:
+        """Looks once through all that is constant: some milliseconds, not within a frame."""
+        self.show = show
+        self._begin()
+
+    def _begin(self) -> None:
+        show = self.show
+        self._graph, self._patch = show.graph, show.patch
+        self._known = Known(show, CONSTANT, SCRATCH)
+        self._variable = [resolve(show, dotted(path)) for path in VARIABLE]
+        self._facts: dict[str, str] = {}
+
+    def facts(self) -> dict[str, str]:
+        """By what is told whether a snapshot fits a loaded show: hashes of its steps and of its patch."""
+        if not self._facts:
+            self._facts = {"steps_hash": library_hash(self._graph.library), "patch_hash": patch_hash(self._patch)}
+        return self._facts
+
+    def take(self, tick: int) -> Taken | None:
+        """The state after the tick `tick`; None while something is half planned: try again at the next tick.
+
+        SnapshotError if the show holds something that is no plain value.
+        """
+        show = self.show
+        if not at_rest(show):
+            return None
+        if show.graph is not self._graph or show.patch is not self._patch:
+            self._begin()
+        told, show.follower.on_seed = show.follower.on_seed, None  # whoever listens belongs to the process
+        try:
+            payload = write_state((show, self._variable), self._known)
+        except Exception as error:
+            raise SnapshotError(f"the state cannot be written: {error}") from error
+        finally:
+            show.follower.on_seed = told
+        return Taken(payload, tick, show.span.number + 1, show.seed, self)
+
+
+def at_rest(show: Show) -> bool:
+    """Whether nothing is half planned, so that the state is plain values."""
+    steps = resolve(show, ("_new_steps",))
+    return bool(show.scheduler.at_rest and show.motion.evolutions.at_rest and steps.at_rest)
+
+
+def snapshot(show: Show, tick: int | None = None) -> bytes:
+    """The show's state after `tick` (None: the one at `show.time`); SnapshotError while something is half planned."""
+    taken = Snapshots(show).take(round(show.time / TICK) if tick is None else tick)
+    if taken is None:
+        raise SnapshotError("something is half planned: take it some ticks later")
+    return taken.seal()
+
+
+def facts_of(data: bytes) -> dict[str, Any]:
+    """What a snapshot says of itself (tick, measure, seed …), its check-sum proven; SnapshotError names the damage."""
+    line, _, packed = data.partition(b"\n")
+    try:
+        facts = json.loads(line)
+        kind, version, check = facts["snapshot"], facts["version"], facts.pop("check")
+        whole = all(isinstance(facts[key], int) for key in ("tick", "measure", "seed", "size"))
+    except (ValueError, KeyError, TypeError, RecursionError):
+        raise SnapshotError("not a snapshot, or its first line is damaged") from None
+    if kind != FORMAT or version != __version__:
+        raise SnapshotError(f"the snapshot is of version {version} (format {kind}), this is {__version__} ({FORMAT})")
+    if not whole or facts["size"] > LARGEST or _check(facts, packed) != check:
+        raise SnapshotError("the snapshot is damaged: its check-sum is another")
+    known: dict[str, Any] = facts
+    return known
+
+
+def restore(loaded: LoadedShow, data: bytes, *, fresh: Show | None = None) -> Show:
+    """The show as it was when `snapshot` gave these bytes; SnapshotError for damage, another patch, other steps.
+
+    `fresh`: a show that `loaded` has started and that nothing has happened to; it is used up. Without it one is made.
+    Whoever listens to the old show (`seed_tracker`) has to be told anew.
+    """
+    facts = facts_of(data)
+    for key, found, words in (
+        ("steps_hash", library_hash(loaded.graph.library), "steps"),
+        ("patch_hash", patch_hash(loaded.patch), "patch"),
+    ):
+        if facts.get(key) != found:
+            raise SnapshotError(f"the snapshot is of other {words} ({facts.get(key)}) than there are ({found})")
+    root = loaded.start(seed=facts["seed"]) if fresh is None else fresh
+    try:
+        unpacker = zlib.decompressobj()
+        payload = unpacker.decompress(data.partition(b"\n")[2], facts["size"] + 1)
+        show, variable = read_state(payload, root)
+    except (zlib.error, Unreadable, ValueError, TypeError) as error:
+        raise SnapshotError(f"the snapshot cannot be read: {error}") from None
+    if not isinstance(show, Show):
+        raise SnapshotError("the snapshot holds no show")
+    for path, values in zip(VARIABLE, variable, strict=True):
+        resolve(root, dotted(path))[...] = values
+    resolve(show, ("_new_steps",)).stock(loaded.reserve)
+    return show
+
+
+def patch_hash(patch: Patch) -> str:
+    """A short hash over all that a patch says."""
+    return hashlib.blake2b(patch.model_dump_json().encode(), digest_size=8).hexdigest()
+
+
+def _line(facts: dict[str, Any]) -> bytes:
+    return json.dumps(facts, separators=(",", ":")).encode()
+
+
+def _check(facts: dict[str, Any], packed: bytes) -> str:
+    return hashlib.blake2b(_line(facts) + packed, digest_size=16).hexdigest()

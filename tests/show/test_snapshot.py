@@ -1,0 +1,148 @@
+"""Snapshots: a show that is restored goes on bit by bit as the one it was taken of; damage is named."""
+
+import json
+import pickle
+import zlib
+from pathlib import Path
+
+import pytest
+
+from live.clock.ticks import TICK
+from live.control import events
+from live.show.load import LoadedShow, load_show
+from live.show.patch_file import find_patch, parse_patch
+from live.show.pickled import Unreadable, read_state
+from live.show.snapshot import FORMAT, SnapshotError, Snapshots, facts_of, restore, snapshot
+from tests.show.made_show import GRAPH, PATCH, made_show
+
+MADE = LoadedShow(Path("test.toml"), parse_patch(PATCH.replace("reserve = 0", "reserve = 2"), "test.toml"), GRAPH)
+SCRIPT = {
+    20: events.Attract(time=0.3, source="osc", x=1.0, z=0.5, measures=3.0),
+    150: events.Tap(time=2.34, source="key"),
+    182: events.Tap(time=2.85, source="key"),
+    215: events.Tap(time=3.36, source="key"),
+    230: events.SetMotion(time=3.5, source="osc", parameter="warp_beats", value=0.4, group="*"),
+    260: events.Evolve(time=4.0, source="osc", formation="circle", group="front", measures=2.0),
+    300: events.StepNow(time=4.7, source="osc", name="spin", group="back"),
+    330: events.PlaceElement(time=5.1, source="osc", kind="flow", points="-2 0, 0 1, 2 0", measures=4.0),
+    400: events.One(time=6.2, source="key"),
+    440: events.Enter(time=6.9, source="osc"),
+    460: events.Blackout(time=7.2, source="key", on=True),
+    520: events.SetStage(time=8.0, source="osc", width=9.0, depth=7.0),
+    560: events.Spread(time=8.8, source="osc"),
+    640: events.BeatHeard(time=10.0, source="audio", beat_time=9.9, period=0.51, confidence=0.8),
+    700: events.CountIn(time=11.0, source="key", measures=1),
+    760: events.Clear(time=11.9, source="osc"),
+}
+
+
+def run(show, first, last, script=SCRIPT):
+    """Ticks `first` to `last`, events before them; the state hash after each of the last quarter second's ticks too."""
+    hashes = []
+    for tick in range(first, last + 1):
+        if tick in script:
+            show.apply(script[tick])
+        if show.tick(tick * TICK) or last - tick < 16:
+            hashes.append((tick, show.state_hash()))
+    return hashes
+
+
+def taken_at(show, tick, script=SCRIPT):
+    """Go on from `tick` until a snapshot can be taken: the tick at which it was, and the snapshot."""
+    source = Snapshots(show)
+    while (taken := source.take(tick)) is None:
+        tick += 1
+        run(show, tick, tick, script)
+    return tick, taken.seal()
+
+
+@pytest.mark.parametrize("tick", [10, 137, 216, 262, 290, 304, 350, 410, 480, 530, 600, 703, 770])
+def test_a_restored_show_goes_on_bit_by_bit(tick):
+    """In the middle of fades, cuts, taps, evolutions, entrances, a count-in, drawn flows."""
+    show = MADE.start()
+    run(show, 1, tick)
+    at, data = taken_at(show, tick)
+    restored = restore(MADE, data)
+    assert restored.state_hash() == show.state_hash()
+    assert run(restored, at + 1, at + 200) == run(show, at + 1, at + 200)
+    assert at - tick <= 64
+
+
+@pytest.mark.parametrize("name", ["first_show", "samba", "tap", "contemporary", "ballet", "formations", "pairs"])
+def test_every_patch_of_the_project_can_be_restored(name):
+    loaded = load_show(find_patch(None if name == "first_show" else name))
+    show = loaded.start(seed=5)
+    run(show, 1, 330, {})
+    at, data = taken_at(show, 330, {})
+    assert len(data) < 80_000
+    restored = restore(loaded, data)
+    again = restore(loaded, snapshot(restored, at))  # and what was restored can be taken again
+    then = run(show, at + 1, at + 320, {})
+    assert len(then) > 16
+    assert run(restored, at + 1, at + 320, {}) == then
+    assert run(again, at + 1, at + 320, {}) == then
+
+
+def test_taking_changes_nothing():
+    show, watched = MADE.start(), MADE.start()
+    source = Snapshots(watched)
+    for tick in range(1, 300):
+        run(show, tick, tick)
+        run(watched, tick, tick)
+        source.take(tick)
+    assert watched.state_hash() == show.state_hash()
+
+
+def test_whoever_listens_to_the_clock_stays_with_the_process():
+    show, told = MADE.start(), []
+    show.seed_tracker(told.append)
+    run(show, 1, 10)
+    restored = restore(MADE, taken_at(show, 10)[1])
+    assert show.follower.on_seed is not None
+    assert restored.follower.on_seed is None
+
+
+def test_a_flipped_bit_is_found_wherever_it_is():
+    show = MADE.start()
+    run(show, 1, 20)
+    _, data = taken_at(show, 20)
+    assert facts_of(data)["tick"] >= 20
+    for place in (0, 15, 100, data.index(b"\n") + 1, len(data) // 2, len(data) - 1):
+        broken = bytearray(data)
+        broken[place] ^= 4
+        with pytest.raises(SnapshotError):
+            restore(MADE, bytes(broken))
+    for length in (0, 10, data.index(b"\n"), len(data) - 1):
+        with pytest.raises(SnapshotError):
+            restore(MADE, data[:length])
+
+
+def test_another_patch_other_steps_and_another_version_are_named():
+    show = MADE.start()
+    run(show, 1, 20)
+    _, data = taken_at(show, 20)
+    other = LoadedShow(MADE.path, parse_patch(PATCH, "test.toml"), GRAPH)
+    with pytest.raises(SnapshotError, match="other patch"):
+        restore(other, data)
+    with pytest.raises(SnapshotError, match="other steps"):
+        restore(load_show(find_patch(None)), data)
+    line, _, packed = data.partition(b"\n")
+    old = json.dumps(json.loads(line) | {"version": "0.0.1"}).encode() + b"\n" + packed
+    with pytest.raises(SnapshotError, match=r"version 0\.0\.1"):
+        restore(MADE, old)
+    strange = json.dumps(json.loads(line) | {"snapshot": FORMAT + 1}).encode() + b"\n" + packed
+    with pytest.raises(SnapshotError, match=f"format {FORMAT + 1}"):
+        restore(MADE, strange)
+
+
+class Evil:
+    """Bytes that would call something else."""
+
+    def __reduce__(self):
+        return exec, ("raise SystemExit('called')",)
+
+
+@pytest.mark.parametrize("value", [Evil(), print, zlib.compress, Path("x"), LoadedShow])
+def test_nothing_but_a_state_can_be_read(value):
+    with pytest.raises(Unreadable):
+        read_state(pickle.dumps(value), made_show())
