@@ -78,7 +78,7 @@ def film_show(
                 path, size=wish.size, fps=wish.film_fps, sound=heard if mixed is None else mixed.film, live=False
             )
         )
-        engine.journal = _journal(stack, wish, loaded, show, tempo, engine)
+        engine.journal = _journal(stack, wish, loaded, show, tempo, engine, sound.path)
         lines = _status_file(stack, wish, status, clock)
 
         def draw(view: StageView) -> None:
@@ -139,12 +139,18 @@ def _canvas(
 
 
 def _journal(
-    stack: contextlib.ExitStack, wish: Wish, loaded: LoadedShow, show: Show, tempo: float | None, engine: Engine
+    stack: contextlib.ExitStack,
+    wish: Wish,
+    loaded: LoadedShow,
+    show: Show,
+    tempo: float | None,
+    engine: Engine,
+    music: Path | None,
 ) -> JournalWriter | None:
     if wish.journal is None:
         return None
     try:
-        journal = JournalWriter(wish.journal, loaded.header(show, tempo=tempo))
+        journal = JournalWriter(wish.journal, loaded.header(show, tempo=tempo, music=music))
     except JournalError as error:
         raise PersonError(str(error)) from None
     stack.callback(lambda: journal.close(engine.ticks.index))

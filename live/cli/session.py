@@ -134,9 +134,12 @@ class Session:
         if self.wish.journal is None:
             return
         try:
-            self._journal = JournalWriter(self.wish.journal, self.loaded.header(self.show, tempo=self._tempo))
+            header = self.loaded.header(self.show, tempo=self._tempo, music=self.sound.path)
+            self._journal = JournalWriter(self.wish.journal, header)
         except JournalError as error:
             raise PersonError(str(error)) from None
+        self._journal.prepare(self.show)
+        self.status.more["journal"] = self._journal.facts
         self.engine.journal = self._journal
 
     @contextlib.contextmanager

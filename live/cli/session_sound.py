@@ -52,6 +52,8 @@ class Sound:
     """Which channels of the device."""
     output: str | None = None
     """The output that music is played to; None: the default."""
+    path: Path | None = None
+    """The music's file."""
 
 
 def choose_sound(wish: "Wish", loaded: LoadedShow, venue: Venue | None = None) -> Sound:
@@ -68,7 +70,7 @@ def choose_sound(wish: "Wish", loaded: LoadedShow, venue: Venue | None = None) -
     if wish.audio is not None:
         path = Path(wish.audio)
         if is_file(path):
-            return Sound(music=_music(path), output=output)
+            return Sound(music=_music(path), output=output, path=path)
         what = "there is no such file, and " if path.suffix or "/" in wish.audio else ""
         return Sound(device=_device(wish.audio, f"--audio {wish.audio!r}", what), channels=channels)
     if wish.bpm is not None:
@@ -76,7 +78,7 @@ def choose_sound(wish: "Wish", loaded: LoadedShow, venue: Venue | None = None) -
     if audio is not None and audio.device is not None:
         return Sound(device=_device(audio.device, f"the venue's audio.device {audio.device!r}"), channels=channels)
     music = loaded.music_path
-    return Sound() if music is None else Sound(music=_music(music), known=True, output=output)
+    return Sound() if music is None else Sound(music=_music(music), known=True, output=output, path=music)
 
 
 def _channels(words: str) -> "Channels":

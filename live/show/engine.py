@@ -120,5 +120,8 @@ class Engine:
         for time in self.ticks.due(target):
             crossed = self.show.tick(time)
             self._status.ticks += 1
-            if crossed and self.journal is not None:
+            if self.journal is None:
+                continue
+            if crossed:
                 self.journal.measure(self.ticks.index, self.show.span.number + 1, self.show.state_hash())
+            self.journal.keep(self.show, self.ticks.index, begins=crossed)

@@ -20,6 +20,8 @@ class LineWriter:
         self._lines: queue.Queue[str | None] = queue.Queue(CAPACITY)
         self.dropped = 0
         """Lines lost because the disk did not keep up or refused them."""
+        self.lines, self.bytes = 0, 0
+        """Lines taken, and bytes written, since the start."""
         self._thread = threading.Thread(target=self._write, name=name, daemon=True)
         self._thread.start()
 
@@ -27,8 +29,14 @@ class LineWriter:
         """Hand over one line, without its end; never waits."""
         try:
             self._lines.put_nowait(line)
+            self.lines += 1
         except queue.Full:
             self.dropped += 1
+
+    @property
+    def behind(self) -> int:
+        """Lines that wait for the disk."""
+        return self._lines.qsize()
 
     def close(self) -> None:
         """Write what waits and close; gives up on a stuck disk after two seconds."""
@@ -42,6 +50,7 @@ class LineWriter:
         while (line := self._lines.get()) is not None:
             try:
                 self._file.write(line + "\n")
+                self.bytes += len(line) + 1
                 if self._lines.empty():
                     self._file.flush()
             except OSError:

@@ -76,14 +76,15 @@ class LoadedShow:
             raise PersonError(f"{self.path}: the music {name!r} is not there", "correct music.file in the patch")
         return found
 
-    def header(self, show: Show, *, tempo: float | None) -> dict[str, Any]:
-        """What a journal must hold so that the show can be run again."""
+    def header(self, show: Show, *, tempo: float | None, music: Path | None = None) -> dict[str, Any]:
+        """What a journal must hold so that the show can be run again; `music`: the file that is played to it."""
         return {
             "patch_path": str(self.path.resolve()),
             "patch": self.patch.model_dump(mode="json"),
             "recordings": None if self.recordings is None else str(self.recordings.resolve()),
             "seed": show.seed,
             "tempo": tempo,
+            "music": None if music is None else str(music.resolve()),
             "steps_hash": library_hash(self.graph.library),
         }
 

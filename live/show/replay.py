@@ -1,77 +1,137 @@
-"""Replay: run a journal again, and compare the state hash of every measure."""
+"""Replay: run a journal again, from its beginning or from a snapshot, and compare the state hash of every measure."""
 
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Final
 
-from live.base.errors import PersonError
 from live.clock.ticks import TICK
-from live.control.events import StepsAdded, TicksSkipped
+from live.control.events import TicksSkipped
 from live.show.core import Show
-from live.show.journal import Journal
-from live.show.load import library_hash, show_of
-from live.show.patch import Patch
+from live.show.journal_reading import Journal, JournalLine
+from live.show.load import LoadedShow
+from live.show.replay_start import ReplayError, Start, reload, starts
 
-LONGEST_GAP = 64 * 600
-"""Ticks between two lines at most: a measure is noted at least once in ten minutes."""
+__all__ = ["ReplayError", "Replayed", "Replaying", "reload", "replay"]
 
-
-class ReplayError(Exception):
-    """A journal that cannot be run here; the message says what is missing or different."""
+KEPT_DIFFERENCES: Final = 1000
+"""Differences that are kept; a journal that differs from one measure on differs in all."""
 
 
-def reload(journal: Journal) -> Show:
-    """A fresh show of the journal's patch, steps and seed; ReplayError if the steps are not the same any more."""
-    header = journal.header
-    try:
-        patch = Patch.model_validate(header["patch"])
-        path = Path(header["patch_path"])
-        recordings = None if header["recordings"] is None else Path(header["recordings"])
-        seed, tempo, wanted = header["seed"], header["tempo"], header["steps_hash"]
-    except (KeyError, TypeError, ValueError) as error:
-        raise ReplayError(f"the journal's first line does not hold a whole show: {error}") from None
-    try:
-        added = (line.event for line in journal.lines if isinstance(line.event, StepsAdded))
-        later = frozenset(key for event in added for key in event.clips.split("\n"))
-        loaded = show_of(patch, path, recordings=recordings, later=later)
-        found = library_hash(loaded.graph.library)
-        if found != wanted:
-            raise ReplayError(
-                f"the steps have changed since (then {wanted}, now {found}): replay needs the same step files"
-            )
-        return loaded.start(seed=seed, tempo=tempo)
-    except PersonError as error:
-        raise ReplayError(str(error)) from None
-
-
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Replayed:
-    """What a replay found: measures compared, and those whose state differs (measure, tick, then, now)."""
+    """What a replay found."""
 
-    ticks: int
-    measures: int
-    differences: tuple[tuple[int, int, str, str], ...]
+    ticks: int = 0
+    """The tick at which it ended."""
+    begun: int = 0
+    """The tick from which it ran."""
+    measures: int = 0
+    """Measures compared."""
+    different: int = 0
+    """Measures whose state differs ..."""
+    differences: tuple[tuple[int, int, str, str], ...] = ()
+    """... and the first of them: measure, tick, then, now."""
+    problems: list[str] = field(default_factory=list)
+    """What of the journal could not be used, in words."""
 
 
-def replay(show: Show, journal: Journal) -> Replayed:
-    """Run `show` (fresh, of the journal's patch and seed) through the journal, as fast as the machine can."""
-    tick = 0
-    now: dict[int, str] = {}
-    compared = 0
-    differences: list[tuple[int, int, str, str]] = []
-    for number, line in enumerate(journal.lines, start=2):
-        if line.tick - tick > LONGEST_GAP:
-            raise ReplayError(f"line {number} of the journal is damaged: its tick {line.tick} lies far after {tick}")
-        while tick < line.tick:
-            tick += 1
-            if show.tick(tick * TICK):
-                now[tick] = show.state_hash()
+class Replaying:
+    """Runs a show through the lines of a journal, as far as it is asked to."""
+
+    def __init__(
+        self, show: Show, lines: Iterator[JournalLine], *, tick: int = 0, compare: bool = True, to: int | None = None
+    ) -> None:
+        """`show` stands after `tick`. With `compare` the hash of each measure is; `to`: it ends with that measure."""
+        self.show = show
+        self.tick = tick
+        self.over = False
+        """Whether there is nothing more to run."""
+        self.damaged: JournalLine | None = None
+        """The damaged line before which it stands: what comes after it would act on another state."""
+        self.found = Replayed(ticks=tick, begun=tick)
+        self._lines = lines
+        self._line: JournalLine | None = None
+        self._compare, self._to = compare, to
+        self._begun = tick
+        self._hash: tuple[int, str] | None = None
+        self._take()
+
+    def _take(self) -> None:
+        """Read the next line that counts."""
+        for line in self._lines:
+            if line.tick < self._begun or (line.tick == self._begun and line.measure is not None):
+                continue  # what was before the snapshot, and its own measure line
+            self._line = line
+            return
+        self._line, self.over = None, True
+
+    def advance(self, until: float) -> None:
+        """Run up to the tick `until`, if the journal goes so far; events at that tick itself wait for the next call."""
+        while not self.over and self.damaged is None:
+            line = self._line
+            assert line is not None
+            if line.tick > self.tick:
+                if self.tick >= until:
+                    break
+                self._run_tick()
+            elif line.measure is None and self.tick >= until:
+                break
+            else:
+                self._act(line)
+        self.found.ticks = self.tick
+
+    def _run_tick(self) -> None:
+        self.tick += 1
+        if not self.show.tick(self.tick * TICK):
+            return
+        if self._to is not None and self.show.span.number >= self._to:
+            self.over = True
+        if self._compare:
+            self._hash = self.tick, self.show.state_hash()
+
+    def _act(self, line: JournalLine) -> None:
+        if line.damaged is not None:
+            self.damaged = line
+            self.found.problems.append(line.damaged)
+            return
         if line.event is not None:
-            show.apply(line.event)
+            self.show.apply(line.event)
             if isinstance(line.event, TicksSkipped):
-                tick += line.event.count
-        elif line.measure is not None and line.state is not None:
-            compared += 1
-            found = now.get(line.tick, "no measure began here")
-            if found != line.state:
-                differences.append((line.measure, line.tick, line.state, found))
-    return Replayed(tick, compared, tuple(differences))
+                self.tick += line.event.count
+        elif line.measure is not None and line.state is not None and self._compare:
+            self._compare_with(line)
+        self._take()
+
+    def _compare_with(self, line: JournalLine) -> None:
+        found = self.found
+        found.measures += 1
+        now = "no measure began here" if self._hash is None or self._hash[0] != line.tick else self._hash[1]
+        if now == line.state:
+            return
+        found.different += 1
+        if len(found.differences) < KEPT_DIFFERENCES:
+            found.differences += ((line.measure or 0, line.tick, line.state or "", now),)
+
+
+def replay(show: Show, journal: Journal, *, loaded: LoadedShow | None = None) -> Replayed:
+    """Run `show` (fresh, of the journal's patch and seed) through the journal, as fast as the machine can.
+
+    Where a line is damaged it goes on from the next snapshot, if `loaded` is given and there is one.
+    """
+    return run_from(Start(show, 0), journal, loaded=loaded)
+
+
+def run_from(start: Start, journal: Journal, *, loaded: LoadedShow | None = None, to: int | None = None) -> Replayed:
+    """The same from any start; `to`: the replay ends with that measure (from 1)."""
+    running = Replaying(start.show, journal.usable(), tick=start.tick, to=to)
+    found = running.found
+    while True:
+        running.advance(float("inf"))
+        if running.damaged is None:
+            return found
+        after = None if loaded is None else next(starts(journal, loaded, running.damaged.tick, found.problems), None)
+        if after is None:
+            return found
+        found.problems.append(f"the replay goes on from the snapshot in measure {after.show.span.number + 1}")
+        running = Replaying(after.show, journal.usable(), tick=after.tick, to=to)
+        running.found = found

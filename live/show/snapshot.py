@@ -12,6 +12,7 @@ from typing import Any, Final
 
 from live import __version__
 from live.clock.ticks import TICK
+from live.graph.motion_graph import MotionGraph
 from live.show.core import Show
 from live.show.load import LoadedShow, library_hash
 from live.show.patch import Patch
@@ -39,6 +40,20 @@ class SnapshotError(Exception):
     """A snapshot that cannot be taken or used; the message says why."""
 
 
+class _Of:
+    """What snapshots are of: their graph and patch, and the hashes by which these are known again."""
+
+    def __init__(self, graph: MotionGraph, patch: Patch) -> None:
+        self.graph, self.patch = graph, patch
+        self._hashes: dict[str, str] = {}
+
+    def hashes(self) -> dict[str, str]:
+        """Worked out when they are first asked for. Thread: any one."""
+        if not self._hashes:
+            self._hashes = {"steps_hash": library_hash(self.graph.library), "patch_hash": patch_hash(self.patch)}
+        return self._hashes
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Taken:
     """A state as it was taken within the frame; what takes longer is done by whoever calls `seal`."""
@@ -48,7 +63,7 @@ class Taken:
     measure: int
     """Measure that runs, from 1."""
     seed: int
-    source: "Snapshots"
+    of: _Of
 
     def seal(self) -> bytes:
         """The snapshot: a line of JSON, and the state, compressed. Thread: any one."""
@@ -59,14 +74,14 @@ class Taken:
             "tick": self.tick,
             "measure": self.measure,
             "seed": self.seed,
-            **self.source.facts(),
+            **self.of.hashes(),
             "size": len(self.payload),
         }
         return _line(header | {"check": _check(header, packed)}) + b"\n" + packed
 
 
 class Snapshots:
-    """Takes snapshots of one show. Thread: the show's, but for `facts`."""
+    """Takes snapshots of one show. Thread: the show's."""
 
     def __init__(self, show: Show) -> None:
         """Looks once through all that is constant: some milliseconds, not within a frame."""
@@ -75,16 +90,9 @@ class Snapshots:
 
     def _begin(self) -> None:
         show = self.show
-        self._graph, self._patch = show.graph, show.patch
+        self._of = _Of(show.graph, show.patch)
         self._known = Known(show, CONSTANT, SCRATCH)
         self._variable = [resolve(show, dotted(path)) for path in VARIABLE]
-        self._facts: dict[str, str] = {}
-
-    def facts(self) -> dict[str, str]:
-        """By what is told whether a snapshot fits a loaded show: hashes of its steps and of its patch."""
-        if not self._facts:
-            self._facts = {"steps_hash": library_hash(self._graph.library), "patch_hash": patch_hash(self._patch)}
-        return self._facts
 
     def take(self, tick: int) -> Taken | None:
         """The state after the tick `tick`; None while something is half planned: try again at the next tick.
@@ -94,7 +102,7 @@ class Snapshots:
         show = self.show
         if not at_rest(show):
             return None
-        if show.graph is not self._graph or show.patch is not self._patch:
+        if show.graph is not self._of.graph or show.patch is not self._of.patch:
             self._begin()
         told, show.follower.on_seed = show.follower.on_seed, None  # whoever listens belongs to the process
         try:
@@ -103,7 +111,7 @@ class Snapshots:
             raise SnapshotError(f"the state cannot be written: {error}") from error
         finally:
             show.follower.on_seed = told
-        return Taken(payload, tick, show.span.number + 1, show.seed, self)
+        return Taken(payload, tick, show.span.number + 1, show.seed, self._of)
 
 
 def at_rest(show: Show) -> bool:

@@ -1,0 +1,160 @@
+"""Reading a journal, line by line: a night of a day and more is never in memory as a whole."""
+
+import contextlib
+import json
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, TextIO
+
+from live.control.event import ControlEvent
+from live.control.events import TicksSkipped, event_from_json
+
+FORMAT: Final = 2
+"""What is written; 1 had no snapshots, and no line without a word that is as usual."""
+READ: Final = (1, 2)
+LONGEST: Final = 1 << 26
+"""Characters of a line at most: a file that is no journal is not read into memory."""
+
+
+LONGEST_GAP: Final = 64 * 600
+"""Ticks between two lines at most: a measure is noted at least once in ten minutes."""
+
+
+class JournalError(Exception):
+    """A journal cannot be written or read; the message names file and line."""
+
+
+@dataclass(frozen=True, slots=True)
+class JournalLine:
+    """One line after the header: the tick, and an event, a measure's state hash, or the end."""
+
+    tick: int
+    event: ControlEvent | None = None
+    measure: int | None = None
+    state: str | None = None
+    end: bool = False
+    number: int = 0
+    """Which line of the file it is, from 1."""
+    damaged: str | None = None
+    """What is wrong with it, if it could not be read; it stands for whatever was lost there."""
+
+
+@dataclass(frozen=True, slots=True)
+class Journal:
+    """A journal whose header has been read; its lines are read each time they are asked for."""
+
+    path: Path
+    header: dict[str, Any]
+
+    @property
+    def lines(self) -> Iterator[JournalLine]:
+        """Its lines in order; JournalError at the first that is damaged. A last one that is cut off ends it."""
+        for line in self.usable():
+            if line.damaged is not None:
+                raise JournalError(line.damaged)
+            yield line
+
+    def usable(self) -> Iterator[JournalLine]:
+        """Its lines in order, damaged ones with the word `damaged`, at the tick of the line before."""
+        with self.path.open(encoding="utf-8", errors="replace") as file:
+            _row(file)
+            yield from _lines(file, self.path)
+
+    def rows_with(self, words: str) -> Iterator[JournalLine]:
+        """Those of its whole lines that hold these words, quickly: the others are not looked into."""
+        with self.path.open(encoding="utf-8", errors="replace") as file:
+            _row(file)
+            number = 1
+            while (row := _row(file)) is not None:
+                number += 1
+                if words in row:
+                    with contextlib.suppress(JournalError):
+                        value = _parse(row, self.path, number)
+                        yield _line(value, self.path, number, min(int(value.get("tick", 0)), 1 << 40))
+
+    @property
+    def complete(self) -> bool:
+        """False if the end is not there (the machine stopped): everything before it counts."""
+        with self.path.open("rb") as file:
+            size = file.seek(0, 2)
+            file.seek(max(0, size - 4096))
+            last = file.read().split(b"\n")
+        return len(last) > 1 and last[-1] == b"" and b'"end":true' in last[-2].replace(b" ", b"")
+
+
+def read_journal(path: Path) -> Journal:
+    """Open a journal and read its header; JournalError names the file and what was expected."""
+    try:
+        with path.open(encoding="utf-8") as file:
+            row = _row(file) or ""
+            file.read(1 << 16)
+    except OSError as error:
+        raise JournalError(f"cannot read the journal {path}: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise JournalError(f"{path} is not a journal: it is not text") from None
+    header = _parse(row, path, 1)
+    if header.get("journal") not in READ:
+        found = f"format {header['journal']!r}" if "journal" in header else "no 'journal' key"
+        raise JournalError(f"{path}, line 1: a journal of format {' or '.join(map(str, READ))} expected, found {found}")
+    return Journal(path, header)
+
+
+def _row(file: TextIO) -> str | None:
+    """The next line without its end; None after the last, and for one that is cut off."""
+    row = file.readline(LONGEST)
+    return row[:-1] if row.endswith("\n") else None
+
+
+def _parse(row: str, path: Path, number: int) -> dict[str, Any]:
+    try:
+        value = json.loads(row)
+    except (ValueError, RecursionError):
+        raise JournalError(f"{path}, line {number}: not a JSON object") from None
+    if not isinstance(value, dict):
+        raise JournalError(f"{path}, line {number}: a JSON object expected")
+    return value
+
+
+def _lines(file: TextIO, path: Path) -> Iterator[JournalLine]:
+    last, number, lost = 0, 1, 0
+    while (row := _row(file)) is not None:
+        number += 1
+        try:
+            value = _parse(row, path, number)
+            line = _line(value, path, number, last)
+        except JournalError as error:
+            yield JournalLine(last, number=number, damaged=str(error))
+            continue
+        now = value.get("lost", lost)
+        if now != lost:
+            words = f"{path}, line {number}: before it lines could not be written, {now} by then"
+            yield JournalLine(last, number=number, damaged=words)
+            lost = now
+        last = line.tick
+        yield line
+        if isinstance(line.event, TicksSkipped):
+            last += line.event.count
+
+
+def _line(value: dict[str, Any], path: Path, number: int, last: int) -> JournalLine:
+    tick = value.get("tick")
+    if not isinstance(tick, int) or isinstance(tick, bool) or tick < last or tick > 1 << 40:
+        raise JournalError(f"{path}, line {number}: 'tick' must be a number not below {last}, found {tick!r}")
+    if tick - last > LONGEST_GAP:
+        raise JournalError(f"{path}, line {number}: damaged: its tick {tick} lies far after {last}")
+    if "event" in value:
+        try:
+            event = event_from_json(value["event"])
+        except (ValueError, AttributeError, TypeError) as error:
+            raise JournalError(f"{path}, line {number}: {error}") from None
+        if not math.isfinite(event.time):
+            raise JournalError(f"{path}, line {number}: the event's time is not a number")
+        return JournalLine(tick, event=event, number=number)
+    if "measure" in value:
+        measure = value["measure"]
+        if not isinstance(measure, int) or isinstance(measure, bool):
+            raise JournalError(f"{path}, line {number}: 'measure' must be a whole number, found {measure!r}")
+        return JournalLine(tick, measure=measure, state=str(value.get("hash")), number=number)
+    return JournalLine(tick, end=bool(value.get("end")), number=number)
