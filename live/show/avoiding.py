@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.threats.kernels import find_threatened
+from live.agents.threats.ways_out.kernels import find_lacks
 from live.agents.wings.entrances import ON
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
@@ -97,7 +98,7 @@ class Avoiding:
         """Who must leave her step."""
         around, model = self._motion.surroundings, self._motion.model
         things, count = around.obstacles, around.obstacle_count
-        for n, seconds in enumerate((0.0, *AHEAD)):
+        for n, seconds in enumerate((0.0, *AHEAD) if count else ()):
             self._things[n, :count] = things[:count, :2] + seconds * things[:count, 3:5]
         free = (self._motion.entrances.state == ON) & (self._motion.partners.of < 0)
         find_threatened(
@@ -172,8 +173,6 @@ class Avoiding:
 def _trouble_of(ways: Float64, others: Float64) -> Float64:
     """What each of `ways` (WAY_OUT, C, 2) lacks of MARGIN to the `others` (M, WAY_OUT, 3) [m]: at the worst and on the
     average, added, (C,)."""
-    lacks = np.zeros(ways.shape[:2])
-    for other in others:
-        away = np.hypot(*(ways - other[:, None, :2]).transpose(2, 0, 1)) - other[:, None, 2]
-        lacks = np.maximum(lacks, MARGIN - away)
-    return np.asarray(lacks.max(axis=0) + lacks.mean(axis=0))
+    lacks = np.empty(ways.shape[1])
+    find_lacks(lacks, np.ascontiguousarray(ways), np.ascontiguousarray(others), MARGIN)
+    return lacks

@@ -42,6 +42,7 @@ class Dancers:
         self.hands = Hands(dancer_count)
         self._locked_at = 0.0
         self._pipeline = PosePipeline(dancer_count)
+        self._aside = PosePipeline(1)
         self._legs = PosePipeline(dancer_count, PoseSkeleton.legs_only()[0])
         for name in ("sample", "placement", "share"):  # one question, asked of the legs alone at every tick
             setattr(self._legs, name, getattr(self._pipeline, name))
@@ -163,8 +164,9 @@ class Dancers:
     def _landed(self, position: Float32) -> Bool:
         """Which feet, of legs at `position` (A, 9, 3) [m], have come where the clips alone would have them, (A, 2)."""
         low = np.minimum(position[:, 3::4, 1] - SOLE_BELOW_ANKLE, position[:, 4::4, 1] - TOES_OVER_SOLE) < LANDED
+        settling = np.flatnonzero(self.inertia.settling_now).tolist()
         self._legs.age = self._settled
-        there, _ = self._legs.run(self.graph.library.leg_store, self._bare_legs)
+        there, _ = self._legs.run(self.graph.library.leg_store, self._bare_legs, alone=settling)
         self._legs.age = self.inertia.age
         away = position[:, 3::4] - there[:, 3::4]
         return np.asarray(low & self.landing.near(np.hypot(away[..., 0], away[..., 2])))
@@ -173,13 +175,17 @@ class Dancers:
         """World positions (n, J, 3) and rotations (n, J, 4) of the dancers `rows` (n,), as `pose`, but before heads are
         turned and feet held: what a cut must not break."""
         self._ask(fraction, rows.astype(np.int64))
-        aside, whole = PosePipeline(len(rows)), self._pipeline
+        whole = self._pipeline
+        if len(self._aside.age) != len(rows):  # mostly it is one dancer, and often the same ones again
+            self._aside = PosePipeline(len(rows))
+        aside, joints = self._aside, len(whole.skeleton.parents)
         aside.sample[:], aside.placement[:] = whole.sample[:, rows], whole.placement[:, rows]
         aside.share[:], aside.mean[:] = whole.share[:, rows], whole.mean[:, rows]
         aside.amplitude[:] = whole.amplitude[rows]
         aside.settling = self.inertia.settling[rows]
         aside.age[:] = np.clip(time - self.inertia.began[rows], 0.0, LONGEST)
-        return aside.run(self.graph.library.store)
+        out = np.empty((len(rows), joints, 3), np.float32), np.empty((len(rows), joints, 4), np.float32)
+        return aside.run(self.graph.library.store, out)
 
     def measures(self) -> tuple[Danced, Danced, Danced]:
         """The measure before, the present and the next one: what the rows of `whose` mean."""

@@ -1,6 +1,6 @@
 """PosePipeline: preallocated questions and answers of the pose kernels for A dancers."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
@@ -151,9 +151,16 @@ class PosePipeline:
         self._parts = _parts(count, threads)
 
     def run(
-        self, clips: ClipStore, out: tuple[npt.NDArray[Any], npt.NDArray[Any]] | None = None
+        self,
+        clips: ClipStore,
+        out: tuple[npt.NDArray[Any], npt.NDArray[Any]] | None = None,
+        *,
+        alone: Sequence[int] | None = None,
     ) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
-        """World positions (A, J, 3) [m] and rotations (A, J, 4); into `out` if given, else into the pipeline's own."""
+        """World positions (A, J, 3) [m] and rotations (A, J, 4); into `out` if given, else into the pipeline's own.
+
+        Of the blocks that hold the dancers in `alone`, if it is given, and of no others.
+        """
         position, rotation = out if out is not None else (self.position, self.rotation)
         if not self.lock:
             self.feet[:, :, TOES] = -1.0
@@ -167,7 +174,11 @@ class PosePipeline:
                 skeleton.offsets, skeleton.parents, skeleton.body, skeleton.legs, self._soles, begin, end,
             )  # fmt: skip
 
-        self._share_out(part)
+        if alone is None:
+            self._share_out(part)
+        else:
+            for begin in sorted({row - row % BLOCK for row in alone}):
+                part(begin, min(begin + BLOCK, self._count))
         return position, rotation
 
     def close(self) -> None:
