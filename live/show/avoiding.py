@@ -103,11 +103,11 @@ class Avoiding:
         free = (self._motion.entrances.state == ON) & (self._motion.partners.of < 0)
         find_threatened(
             self._ways, model.radius, model.responsibility * free, self._motion.present,
-            np.argsort(self._ways[0, :, 0]), self._things, things[:, 2] + np.float32(SLACK - GRAZE),
+            self._ways[0, :, 0].argsort(), self._things, things[:, 2] + np.float32(SLACK - GRAZE),
             count, SLACK, self._met,
         )  # fmt: skip
         self._waiting = []
-        if self._met.any():
+        if self._met.max(initial=0.0) > 0.0:
             # who was cut is on her way out already; partners stay together, and are carried or pushed out of the way
             rows = np.flatnonzero((self._met > 0.0) & free & ~self._dancers.inertia.settling_now)
             self._waiting = rows[np.argsort(self._met[rows], kind="stable")].tolist()

@@ -35,6 +35,12 @@ class _Ends:
         same = same_measures(danced.node, self._node, danced.take, self._take, danced.take_share[0], self._share)
         return self._graph is danced.graph and same
 
+    def leap(self, rows: Int32, node: Int32) -> None:
+        """The dancers `rows` (n,) dance `node` (n,) alone: what is known of the others stays."""
+        self._node[rows], self._take[rows], self._share[rows] = node, NO_TAKE, 0.0
+        known = np.maximum(node, 0)
+        self.hips[rows], self.heading[rows] = self._graph.node_end[known], self._graph.node_facing[known]
+
 
 class Danced:
     """Plain arrays over A dancers; `copy_from` replaces them as a whole at a measure line."""
@@ -112,6 +118,8 @@ class Danced:
         self.node[rows], self.placement[rows] = node, placement
         self.correction[rows] = self.aimed[rows] = 0.0
         self.take[rows], self.take_share[:, rows] = NO_TAKE, 0.0
+        if self._ends is not None:
+            self._ends.leap(rows, node)
 
     def take_placement(self, placement: Float64) -> Float64:
         """Where the other takes' clips lie, (A, 4), when the dancers' own lie at `placement` (A, 4)."""

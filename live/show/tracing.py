@@ -1,5 +1,7 @@
 """Tracing: where the hips of dancers will go through a measure, from what is decided of it."""
 
+from typing import Final
+
 import numpy as np
 import numpy.typing as npt
 
@@ -12,14 +14,15 @@ from live.show.dancers import Dancers
 
 Float64 = npt.NDArray[np.float64]
 
+FRACTIONS: Final = np.linspace(0.0, 1.0, MOMENTS)[:, None]
+
 
 def trace(paths: Paths, dancers: Dancers, danced: Danced, rows: slice) -> None:
     """Fill the `paths` of dancers `rows` through the measure `danced`, for those who are late through the one before
     first. Time warps within measures and mixed takes are in; drifts over the sequence (T056) and blends are not: they
     are what the parting's margin is for."""
-    fractions = np.linspace(0.0, 1.0, MOMENTS)[:, None]
     amplitude, frequency, start, sign = danced.warp[:, rows]
-    phase = measure_warp(fractions, amplitude, frequency, start, sign, dancers.graph.window).T
+    phase = measure_warp(FRACTIONS, amplitude, frequency, start, sign, dancers.graph.window).T
     late = dancers.variation.late[rows]
     phase = np.ascontiguousarray(phase - late[:, None])
     _trace_measure(paths, danced, rows, phase, settled=False)
