@@ -190,17 +190,17 @@ class Scheduler:
         rows = [slice(row, min(row + AT_A_TIME, count)) for row in range(0, count, AT_A_TIME)]
         return [
             *[(3 + 0.055 * count, partial(self._motion.work, 1))] * steps,
-            (40 + 0.2 * count, self._look),
+            (32 + 0.2 * count, self._look),
             *[(45 + 0.04 * count, partial(self.aims.ask, index, measure, self.choices)) for index in self.order],
-            (40 + 0.15 * count, self._limit),
-            *[(45, partial(self._choose, some)) for some in rows],
+            (32 + 0.15 * count, self._limit),
+            *[(5 + 0.65 * (some.stop - some.start), partial(self._choose, some)) for some in rows],
             (2, self._lead),
             *[(45, partial(self._follow, slice(row, row + AT_A_TIME))) for row in self._pairs_by_pieces()],
             (5, self._catch_up),
-            (33 + 0.05 * count, partial(self._vary, measure)),
-            (17 + 0.03 * count, self._mix),
-            (18 + 0.04 * count, self._turn),
-            (6, partial(variation.foresee, measure + 3)),
+            (40 + 0.05 * count, partial(self._vary, measure)),
+            (22 + 0.03 * count, self._mix),
+            (22 + 0.04 * count, self._turn),
+            (15, partial(variation.foresee, measure + 3)),
         ]
 
     def _pairs_by_pieces(self) -> range:
