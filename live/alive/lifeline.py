@@ -17,8 +17,6 @@ class Brief:
     role: str
     """engine: begins the show; spare: prepares itself and waits; heir: goes on at once."""
     show: str
-    sound: int | None = None
-    guard: bool = False
 
 
 class Lifeline:
@@ -39,6 +37,8 @@ class Lifeline:
         """Lines of the show that it passed on, and nobody has taken up yet."""
         self.osc: int | None = None
         """The descriptor of the socket where OSC is received, if the supervisor holds one."""
+        self.sound: int | None = None
+        """The same of the socket to the process that listens or plays."""
         self._told_tick = -1
 
     @classmethod
@@ -62,8 +62,8 @@ class Lifeline:
             line += piece
         self.wire.socket.setblocking(False)
         told = json.loads(line)
-        self.osc = told.get("osc")
-        return Brief(told["alive"], told["show"], told["sound"], told["guard"])
+        self.osc, self.sound = told["osc"], told["sound"]
+        return Brief(told["alive"], told["show"])
 
     def listen(self) -> None:
         """Read what has come: facts are kept, orders and lines of the show put where they are taken up."""

@@ -270,7 +270,6 @@ class Supervisor:
             show=self._orders.show,
             sound=None if self._sound is None else self._sound[0].fileno(),
             osc=None if self._osc is None else self._osc.fileno(),
-            guard=self.guard is not None,
         )
         return child
 

@@ -51,6 +51,7 @@ def _loop(session: Session, draw: Callable[[StageView], None], rate: float) -> N
     previous = session.clock.now()
     while True:
         started = pacer.wait()
+        session.before_frame()
         session.engine.frame(draw)
         session.status.late_frames = pacer.late
         session.after_frame(started, previous)

@@ -8,6 +8,7 @@ from live.alive.following import Following
 from live.alive.heartbeat import Phase
 from live.alive.lifeline import Lifeline, nobody_left
 from live.alive.priority import ENGINE_NICE, come_forward, stand_back
+from live.base.errors import PersonError
 from live.cli.played import Played
 from live.cli.resumed import Resumed
 from live.cli.session import Session
@@ -27,6 +28,7 @@ def take_over(played: Played, lifeline: Lifeline, *, waits: bool, console: Conso
     warm_kernels(console)
     loaded = played.wish.load()
     venue = played.wish.read_venue()
+    sound = _sound(played, loaded, venue)
     picture = _picture(played, loaded)
     try:
         order, following = _follow(loaded, lifeline)
@@ -36,7 +38,9 @@ def take_over(played: Played, lifeline: Lifeline, *, waits: bool, console: Conso
         calm = bool(order["calm"])
         show = following.finish(careful=calm)
         resumed = Resumed(show, following.tick, following.origin, following.latencies, calm)
-        session = _session(played, loaded, venue, lifeline, resumed)
+        session = Session(
+            played.wish, loaded, Sound() if calm else sound, venue, lifeline=lifeline, resumed=resumed
+        )  # fmt: skip
         if calm:
             session.inbox.put(ChooseSource(time=session.clock.now(), source="supervisor", name="internal"))
         _play(session, played, picture, order, console)
@@ -63,9 +67,12 @@ def _follow(loaded: LoadedShow, lifeline: Lifeline) -> tuple[dict[str, Any] | No
             lifeline.wait(PATIENCE)
 
 
-def _session(played: Played, loaded: LoadedShow, venue: Venue | None, lifeline: Lifeline, resumed: Resumed) -> Session:
-    sound = Sound() if resumed.calm else choose_sound(played.wish, loaded, venue)
-    return Session(played.wish, loaded, sound, venue, lifeline=lifeline, resumed=resumed)
+def _sound(played: Played, loaded: LoadedShow, venue: Venue | None) -> Sound:
+    """What the show listens to; nothing if that is not there any more, for the show goes on all the same."""
+    try:
+        return choose_sound(played.wish, loaded, venue)
+    except PersonError:
+        return Sound()
 
 
 def _picture(played: Played, loaded: LoadedShow) -> Any:

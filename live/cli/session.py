@@ -12,12 +12,13 @@ from live.alive.lifeline import Lifeline
 from live.alive.relay import RelayedJournal
 from live.base.errors import PersonError
 from live.base.inbox import Inbox
+from live.cli.audio_remote import RemoteAudio
 from live.cli.click_part import make_click
 from live.cli.link_part import make_link
 from live.cli.midi_part import make_midi
 from live.cli.resumed import Resumed
 from live.cli.session_news import osc_rejected, session_news
-from live.cli.session_sound import AudioSource, Sound, choose_sound, make_audio
+from live.cli.session_sound import AudioSource, Sound, choose_sound, make_audio, sound_plan
 from live.cli.wish import Wish
 from live.clock.source import SystemClock
 from live.clock.ticks import STALL
@@ -79,6 +80,7 @@ class Session:
         show = loaded.start(seed=wish.seed, tempo=tempo) if resumed is None else resumed.show
         self.lifeline = lifeline
         self._resumed = resumed
+        self._remote: RemoteAudio | None = None
         self.wish = wish
         self.loaded = loaded
         self.sound = sound
@@ -86,7 +88,7 @@ class Session:
         self.clock = SystemClock(None if resumed is None else resumed.origin)
         self.inbox: Inbox[ControlEvent] = Inbox()
         self.osc = OscInput(*wish.osc, self.inbox, self.clock, inherited=None if lifeline is None else lifeline.osc)
-        self._audio, self._tell_audio = make_audio(sound, loaded, show, self.latencies, self.inbox, self.clock)
+        self._audio, self._tell_audio = self._make_audio()
         self.status = Status(
             show,
             rejected=lambda: osc_rejected(self.osc),
@@ -199,6 +201,22 @@ class Session:
             self.latencies.set(event.what, event.seconds)
             self.engine.lead = self.latencies.lead
         self._tell_audio(event)
+
+    def _make_audio(self) -> tuple[AudioSource | None, Callable[[ControlEvent], None]]:
+        """The sound: in a process of its own where the supervisor has one."""
+        there = None if self.lifeline is None else self.lifeline.sound
+        if there is None or (self.sound.music is None and self.sound.device is None):
+            return make_audio(self.sound, self.loaded, self.show, self.latencies, self.inbox, self.clock)
+        plan, running = sound_plan(self.sound, self.loaded), self._resumed is not None
+        self._remote = RemoteAudio(
+            there, plan, self.show, self.latencies, self.inbox, self.clock, running=running
+        )  # fmt: skip
+        return self._remote, self._remote.act
+
+    def before_frame(self) -> None:
+        """What other processes heard since the last frame."""
+        if self._remote is not None:
+            self._remote.frame()
 
     def _make_link(self) -> OnLink | None:
         console = Console(stderr=True, highlight=False)

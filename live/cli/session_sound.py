@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from live.cli.wish import Wish
     from live.control.audio_analysis import MakeAnalysis
     from live.control.channels import Channels
+    from live.control.trackers import TrackerName
 
 
 class AudioSource(Protocol):
@@ -112,21 +113,38 @@ def analysis_for(loaded: LoadedShow, show: Show) -> "MakeAnalysis":
     Each takes the place of the one before (a device that came back, another rate, an analysis that failed): what was
     set by hand holds on.
     """
-    from live.control.audio_analysis import AudioAnalysis
-
     seeds: deque[Seed] = deque(maxlen=64)
     show.seed_tracker(seeds.append)
+    return analyses(loaded.patch.clock.tracker, seeds)
+
+
+def analyses(tracker: "TrackerName", seeds: deque[Seed]) -> "MakeAnalysis":
+    """Makes analyses with that tracker, each in the place of the one before; `seeds`: what it is told by hand."""
+    from live.control.audio_analysis import AudioAnalysis
+
     former: AudioAnalysis | None = None
 
     def make(rate: float) -> AudioAnalysis:
         nonlocal former
-        analysis = AudioAnalysis(rate, tracker=loaded.patch.clock.tracker, seeds=seeds, energy=True)
+        analysis = AudioAnalysis(rate, tracker=tracker, seeds=seeds, energy=True)
         if former is not None:
             analysis.succeed(former)
         former = analysis
         return analysis
 
     return make
+
+
+def sound_plan(sound: Sound, loaded: LoadedShow) -> dict[str, Any]:
+    """What another process needs to know to listen or to play, as plain values."""
+    return {
+        "music": None if sound.path is None else str(sound.path.resolve()),
+        "device": sound.device,
+        "channels": sound.channels,
+        "output": sound.output,
+        "one_at": loaded.patch.music.one_at_s if sound.known else None,
+        "tracker": loaded.patch.clock.tracker,
+    }
 
 
 def make_audio(

@@ -39,9 +39,11 @@ def supervise(played: Played) -> None:
     except CannotListen as error:
         raise PersonError(str(error)) from None
     python = [sys.executable, "-m"]
+    silent = played.wish.audio is None and played.wish.bpm is not None
     orders = Orders(
         engine=[*python, "live.cli.engine_process"],
         show=played.packed(),
+        audio=[] if silent else [*python, "live.cli.audio_process"],
         guard=() if played.headless else [*python, "live.cli.guard_process"],
         screen=(played.fullscreen, played.monitor),
         osc=osc,

@@ -211,6 +211,7 @@ def _loop(
         started = pacer.wait()
         for value in window.poll():
             operator.act(value, session.clock.now())
+        session.before_frame()
         session.engine.frame(draw)
         if recording is not None:
             recording.frame(window.target, started)

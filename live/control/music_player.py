@@ -109,9 +109,14 @@ class MusicPlayer:
             "note": self._analysis.note,
         }
 
-    def start(self) -> None:
-        """Play from the beginning. An output that refuses is no error: see `output_problem`."""
-        self._begin = self._alive_at = self._clock.now()
+    def start(self, begun: float | None = None) -> None:
+        """Play from the beginning, or go on with what `begun` [s] then, unheard since.
+
+        An output that refuses is no error: see `output_problem`.
+        """
+        now = self._alive_at = self._clock.now()
+        self._begin = now if begun is None else begun
+        self._played = max(int((now - self._begin) * self._music.sample_rate), 0)
         if self._device is not None:
             self._open()
         self._stop.clear()

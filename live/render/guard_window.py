@@ -26,14 +26,14 @@ class GuardWindow:
             raise NoGuard("there is no screen")
         import glfw
 
-        self._glfw = glfw
+        self._glfw: Any = glfw
         if sys.platform != "linux" or glfw.get_platform() != glfw.PLATFORM_X11:
             raise NoGuard("only X11 lays windows under others")
         self._x11 = ctypes.CDLL("libX11.so.6")
         self._monitor: Monitor | None = None
         self._handle = self._open()
-        self._display = ctypes.c_void_p(ctypes.cast(glfw.get_x11_display(), ctypes.c_void_p).value)
-        self._window = ctypes.c_ulong(glfw.get_x11_window(self._handle))
+        self._display = ctypes.c_void_p(ctypes.cast(self._glfw.get_x11_display(), ctypes.c_void_p).value)
+        self._window = ctypes.c_ulong(self._glfw.get_x11_window(self._handle))
         self._x11.XSetWindowBackground(self._display, self._window, ctypes.c_ulong(0))
 
     def _open(self) -> Any:
