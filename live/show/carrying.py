@@ -63,6 +63,7 @@ class Carrying:
         self._odd = False
         """Of crowds, paths are parted in every second tick."""
         self._slid, self._stood = np.zeros(count), np.zeros(count)
+        self._ended = False  # whether how feet have slid in the measure before has still to be asked
         self._begun = False  # whether this is the tick of a line: nobody has strayed yet, and paths are apart
         self._open = False  # whether the coming measures are not corrected yet
 
@@ -115,14 +116,13 @@ class Carrying:
         """A measure begins; `anew` if somebody is not where the coming measure would have had her."""
         traced = self._coming.traced and not anew
         self._carried.begin_measure(self._dancers.present, self.reference, traced=traced)
-        self._begun = True
+        self._begun = self._ended = True
 
     def cross_measure_line(self) -> None:
         """The measure ends: how far from the predicted agent; then the coming paths are the present ones."""
         if self._open:
             self._settle()
         end_rows(self.lag, self._carried.rows, self._dancers.present.correction)
-        self._slid, self._stood = self._dancers.lock.slid()
         self._coming.cross_measure_line()
 
     def tick(self, fraction: float, rate: float) -> None:
@@ -140,6 +140,9 @@ class Carrying:
         elif dancers.decided:
             self._coming.tick(part=not self._odd)
         self._re_aiming.tick(fraction, aim=not (self._odd or self._begun))
+        if self._ended and not self._begun:
+            self._slid, self._stood = dancers.lock.slid()
+            self._ended = False
         self._begun = False
         if self._pushing is not None:
             self._pushing.tick(fraction, rate)

@@ -154,6 +154,7 @@ class Variation:
         self._amplitude_knots, self._frequency_knots = self._knots
         self._drawn: tuple[int | None, Float64] = None, np.zeros((2, count))
         self._knots_of: int | None = None
+        self._passes: Float64 | None = None  # `_passed`, if it is worked out already
         self.measure = 0
         self.ripples = list(ripples or [Ripple()] * len(varieties))
         """What runs over each group."""
@@ -274,7 +275,7 @@ class Variation:
 
     def begin_measure(self, measure: int) -> None:
         """The measure `measure` (from 0) begins: the phase of the sequence's warp goes on, its splines move on."""
-        self.phase += 2.0 * np.pi * (SPAN @ self._frequency_knots)
+        self.phase += self._passed() if self._passes is None else self._passes
         first = 3 if self._knots_of == measure - 1 else 0
         if first:
             self._knots[:, :-1] = self._knots[:, 1:]
@@ -283,12 +284,18 @@ class Variation:
             if self._drawn[0] != measure + n:
                 self.foresee(measure + n)
             self._knots[:, n] = self._drawn[1]
+        self._passes = None
 
     def foresee(self, measure: int) -> None:
         """Draw ahead what the warp over the sequence needs in `measure` first: three measures before it."""
         drawn = self._chance(3, measure).uniform(0.0, 1.0, (2, len(self._group)))
         drawn[1] = KNOT_LOW + (KNOT_HIGH - KNOT_LOW) * drawn[1]
         self._drawn = measure, drawn
+        self._passes = self._passed()
+
+    def _passed(self) -> Float64:
+        """By how much the phase of the sequence's warp goes on in the present measure [rad], (A,)."""
+        return np.asarray(2.0 * np.pi * (SPAN @ self._frequency_knots))
 
     def sequence_warp(self, fraction: float) -> Float64:
         """How far each dancer is ahead (positive) or behind [share of a measure] at `fraction` of it, (A,).

@@ -1,0 +1,23 @@
+"""What ways out lack, against plain arrays."""
+
+import numpy as np
+
+from live.agents.threats.ways_out.kernels import find_lacks
+
+
+def test_lacks_are_the_worst_and_the_mean_over_the_moments():
+    chance = np.random.default_rng(4)
+    ways, others = chance.normal(size=(8, 30, 2)), chance.normal(size=(5, 8, 3))
+    others[..., 2] = np.abs(others[..., 2])
+    out = np.empty(30)
+    find_lacks(out, ways, others, 0.15)
+    away = np.linalg.norm(ways[None] - others[:, :, None, :2], axis=-1) - others[:, :, None, 2]
+    lack = np.maximum(0.15 - away, 0.0).max(axis=0)
+    np.testing.assert_allclose(out, lack.max(axis=0) + lack.mean(axis=0), atol=1e-12)
+    assert len(np.unique(out)) > 20
+
+
+def test_nobody_near_is_no_trouble():
+    out = np.ones(3)
+    find_lacks(out, np.zeros((8, 3, 2)), np.zeros((0, 8, 3)), 0.15)
+    assert (out == 0.0).all()

@@ -1,0 +1,24 @@
+"""One layer of the search against numpy, nodes without edges included."""
+
+import numpy as np
+
+from live.graph.layers.kernels import cheapest_on
+
+
+def test_a_layer_is_the_least_of_every_row_of_edges():
+    chance = np.random.default_rng(2)
+    node, first = np.array([0, 2, 3, 7]), np.array([0, 4, 5, 11])
+    target, cost = chance.integers(0, 9, 20).astype(np.int32), chance.uniform(size=20)
+    value = np.where(chance.uniform(size=9) < 0.3, np.inf, chance.uniform(size=9))
+    out = np.zeros(9)
+    cheapest_on(out, node, first, target, cost, value)
+    expected = np.full(9, np.inf)
+    expected[node] = np.minimum.reduceat(cost + value[target], first)
+    np.testing.assert_array_equal(out, expected)
+    assert np.isfinite(out).sum() == 4
+
+
+def test_without_edges_nothing_goes_on():
+    out, none = np.zeros(3), np.zeros(0)
+    cheapest_on(out, np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0, np.int32), none, np.ones(3))
+    assert np.isinf(out).all()
