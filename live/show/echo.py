@@ -58,14 +58,11 @@ class Echo:
 
     def wanted(self, measure: int, nodes: Nodes) -> int:
         """The step to dance in `measure`; before the leader's first one, her first."""
-        if self._free:
-            step = self._own.wanted(measure, nodes)
-            self.coming, self.into = self._own.coming, self._own.into
-            return step
+        # whoever is free remembers what the leader dances all the same: she will follow again
         self._said[measure] = (self._leader.wanted(measure, nodes), self._leader.coming, self._leader.into)
         if len(self._said) > REMEMBERED:
             self._said.popitem(last=False)
-        if self._own.part is not None and self._own.part.holds(measure):
+        if self._free or (self._own.part is not None and self._own.part.holds(measure)):
             step = self._own.wanted(measure, nodes)
             self.coming, self.into = self._own.coming, self._own.into
             return step
