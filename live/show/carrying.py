@@ -19,7 +19,7 @@ from live.motion.shifting.rise import MOST_HELD
 from live.show.carried import Carried
 from live.show.coming import Coming
 from live.show.dancers import Dancers
-from live.show.group_motion import DANCER_GAP, GroupMotion
+from live.show.group_motion import GroupMotion
 from live.show.patch import Patch
 from live.show.pushing import Pushing
 from live.show.re_aiming import FAITHFUL, ReAiming
@@ -29,6 +29,9 @@ Float64 = npt.NDArray[np.float64]
 
 __all__ = ["FAITHFUL", "Carrying"]
 
+END_GAP: Final = 0.66
+"""Corrections see to it that dancers end a measure so far apart [m]: a bit less than steering's DANCER_GAP, which a
+circle of many may fall short of; else everybody in it would be led away from her place in every measure."""
 CROWD: Final = 256
 """So many dancers have little to do with most others: their paths are parted half as often."""
 
@@ -43,7 +46,7 @@ class Carrying:
         self.parting = PathParting(
             motion.model.radius,
             motion.model.responsibility,
-            gap_at_end=DANCER_GAP,
+            gap_at_end=END_GAP,
             half_width=half[0],
             half_depth=half[1],
             seed=motion.model.seed,

@@ -14,6 +14,11 @@ Int64 = npt.NDArray[np.int64]
 
 TRACE_TICKS: Final = 8
 """Ticks after the decision in which the coming paths are traced."""
+EASE: Final = 0.2
+"""In the first round of parting corrections go so far back to what was decided, so that nobody keeps more of a way out
+than she needs, ..."""
+EASED: Final = 0.9
+"""... and in each round this share of it as in the one before: in the end paths are parted, whatever was decided."""
 
 
 class Coming:
@@ -33,7 +38,9 @@ class Coming:
         self._traced = 0
         self.fresh = False
         """Whether this is the tick of the decision."""
-        self._goal = np.zeros((count, 2))
+        self._goal, self._plan = np.zeros((2, count, 2))
+        self._ease = 0.0
+        """How far corrections go back, in the next round of parting, to what was decided of them, `_plan` (A, 2)."""
 
     @property
     def traced(self) -> bool:
@@ -48,6 +55,7 @@ class Coming:
 
     def put_elsewhere(self, who: Int64) -> None:
         """The dancers `who` (n,) were put into other present measures: their coming ones begin elsewhere."""
+        self._plan[who] = self._carried.dancers.coming.correction[who, :2]
         for some in runs(who[who < self._traced]):
             trace(self.paths, self._carried.dancers, self._carried.dancers.coming, some)
 
@@ -62,6 +70,8 @@ class Coming:
             piece = slice(self._traced, min(self._traced + -(-count // TRACE_TICKS), count))
             trace(self.paths, dancers, coming, piece)
             self._traced = piece.stop
+            if self._traced == count:
+                self._plan[:], self._ease = coming.correction[:, :2], EASE
             if self._traced == count and self.most > 0.0:
                 carried.allow(np.minimum(dancers.graph.node_give[coming.node], self.most))
             return
@@ -69,6 +79,8 @@ class Coming:
             return
         goal = self._goal
         goal[:] = coming.correction[:, :2]
+        goal += self._ease * (self._plan - goal)
+        self._ease *= EASED
         self._parting.part(self.paths, goal, coming.aimed, carried.most)
         carried.level(goal, self.end, coming=True)
         carried.keep_on_stage(goal, self.end, self.room)

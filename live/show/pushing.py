@@ -6,16 +6,17 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.parting.paths.kernels import walk_on
-from live.agents.parting.paths.paths import MOMENTS, PathParting
+from live.agents.parting.paths.paths import PathParting
 from live.clock.ticks import TICK
 from live.show.carried import Carried
 from live.show.coming import Coming
 
 Float64 = npt.NDArray[np.float64]
 
-PUSH_AHEAD: Final = 0.4
-"""Who will touch in this time [s] is pushed apart."""
-PUSH_MARGIN: Final = 0.085
+PUSH_AHEAD: Final = np.array([0.1, 0.2, 0.3, 0.4])
+"""Who will touch on straight ways from now to where they are in so many seconds is pushed apart: hips swing to and fro
+within a beat, and who is far enough away at its end may have touched before."""
+PUSH_MARGIN: Final = 0.1
 PUSH_STIFFNESS: Final = 24.0
 
 
@@ -24,22 +25,23 @@ class Pushing:
 
     def __init__(self, carried: Carried, coming: Coming, parting: PathParting) -> None:
         self._carried, self._coming, self._parting = carried, coming, parting
-        self._soon, self._before = np.zeros((2, len(carried.node), 2), np.float32)
+        count = len(carried.node)
+        self._soon = np.zeros((len(PUSH_AHEAD), count, 2), np.float32)
+        self._fractions = np.zeros(1 + len(PUSH_AHEAD))
         self.count = 0
         """Ticks times dancers in which feet had to yield so that nobody touched, since the start."""
 
     def tick(self, fraction: float, rate: float) -> None:
         """One tick at `fraction` of the measure, of which `rate` [1/s] passes."""
         carried, dancers = self._carried, self._carried.dancers
-        paths, present, last = carried.paths, dancers.present, MOMENTS - 1
-        beyond = fraction + PUSH_AHEAD * rate - 1.0
-        then, danced, place = paths, present, min(beyond, 0.0) + 1.0
-        if beyond > 0.0 and dancers.decided and self._coming.traced:
-            then, danced, place = self._coming.paths, dancers.coming, beyond
+        paths, present, then, later = carried.paths, dancers.present, self._coming.paths, dancers.coming
+        self._fractions[:] = fraction
+        self._fractions[1:] += PUSH_AHEAD * rate
         walk_on(
-            paths.path, paths.share, present.correction, present.aimed, fraction * last,
-            then.path, then.share, danced.correction, danced.aimed, place * last,
-            dancers.shown, self._before, self._soon,
+            paths.path, paths.share, present.correction, present.aimed,
+            then.path, then.share, later.correction, later.aimed,
+            dancers.decided and self._coming.traced, dancers.graph.window,
+            self._fractions, dancers.shown, self._soon,
         )  # fmt: skip
         moved = self._parting.push(dancers.shown, self._soon, margin=PUSH_MARGIN, stiffness=PUSH_STIFFNESS, dt=TICK)
         if moved is not None:

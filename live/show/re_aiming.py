@@ -8,6 +8,7 @@ from live.agents.parting.paths.paths import PathParting
 from live.agents.wings.entrances import ON
 from live.clock.ticks import TICK
 from live.motion.shifting.aiming.kernels import (
+    DODGE,
     PLAN,
     WISH,
     follow_goals,
@@ -25,6 +26,9 @@ FAITHFUL: Final = 0.4
 """Share of what legs give that a faithful dancer (obedience 0) is carried beyond her step at most."""
 DEAF: Final = 0.08
 """An agent who strays from her dancer's plan by less than this [m] re-aims nothing."""
+GO_BACK: Final = 0.03
+"""In each tick dancers give up this share of the way by which they dodge others; who is not past them yet is led there
+anew in the same tick. So, when they are, they come back to where they were sent."""
 AIM_RATE: Final = 14.0
 """How fast a correction follows what it is re-aimed to [1/s], critically damped."""
 
@@ -67,6 +71,7 @@ class ReAiming:
         else:
             rows[WISH] = rows[PLAN]
         led = present.correction, present.aimed, self._phase, present.node, graph.node_rise
+        rows[DODGE] *= 1.0 - GO_BACK
         take_wishes(rows, *led, carried.most, LEAST_LEFT)
         self._parting.part(carried.paths, carried.goal, present.aimed, carried.most, place=fraction)
         carried.level(carried.goal, carried.end, coming=False)

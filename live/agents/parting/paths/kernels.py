@@ -8,6 +8,7 @@ import numpy.typing as npt
 from live.agents.behaviours.kernels import hash_unit
 from live.agents.parting.kernels import NEIGHBOUR_RANGE, cell_count, sort_into_cells
 from live.base.jit import kernel
+from live.base.kernels import ease
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -50,24 +51,47 @@ def walk_paths(path: Float32, share: Float32, goal: Float64, aimed: Float64, pla
             out[n, c] = base + aimed[n, c] + w * (goal[n, c] - aimed[n, c])
 
 
+@kernel("UniTuple(f8,2)(f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], i8, f8)")
+def place_on(path: Float32, share: Float32, goal: Float64, aimed: Float64, n: int, place: float) -> tuple[float, float]:
+    """Where dancer `n` is [m] at `place` of her path, arrays as in `walk_paths`; before it she comes straight."""
+    k = min(max(math.floor(place), 0), path.shape[1] - 2)
+    t = min(place - k, 1.0)
+    w = weight_of((1.0 - t) * share[n, k] + t * share[n, k + 1], aimed[n, 2])
+    x = (1.0 - t) * path[n, k, 0] + t * path[n, k + 1, 0] + aimed[n, 0] + w * (goal[n, 0] - aimed[n, 0])
+    z = (1.0 - t) * path[n, k, 1] + t * path[n, k + 1, 1] + aimed[n, 1] + w * (goal[n, 1] - aimed[n, 1])
+    return x, z
+
+
 @kernel(
-    "void(f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], f8, f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], f8,"
-    " f4[:,::1], f4[:,::1], f4[:,::1])"
+    "void(f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], b1, f8,"
+    " f8[::1], f4[:,::1], f4[:,:,::1])"
 )
 def walk_on(
-    path: Float32, share: Float32, goal: Float64, aimed: Float64, place: float,
-    later_path: Float32, later_share: Float32, later_goal: Float64, later_aimed: Float64, later_place: float,
-    now: Float32, before: Float32, out: Float32,
+    path: Float32, share: Float32, goal: Float64, aimed: Float64,
+    later_path: Float32, later_share: Float32, later_goal: Float64, later_aimed: Float64, goes_on: bool, window: float,
+    fractions: Float64, now: Float32, out: Float32,
 ) -> None:  # fmt: skip
-    """Where A dancers who are `now` (A, 2) [m] get, `out` (A, 2) [m], by what paths lead them from `place` to another.
+    """Where A dancers who are `now` (A, 2) [m] get, `out` (K, A, 2) [m], by what their paths lead them.
 
-    Each place is on paths of its own, as in `walk_paths`; `before` (A, 2) is room to work in.
+    The paths, arrays as in `walk_paths`, are those of this measure and, if it is known how the dance `goes_on`, of the
+    later one, into which the last `window` of this one is blended. `fractions` (K + 1,) of this measure have passed now
+    and then; above 1 she is in the later one, or still at the end of this one.
     """
-    walk_paths(path, share, goal, aimed, place, before)
-    walk_paths(later_path, later_share, later_goal, later_aimed, later_place, out)
-    for n in range(out.shape[0]):
-        out[n, 0] += now[n, 0] - before[n, 0]
-        out[n, 1] += now[n, 1] - before[n, 1]
+    last = path.shape[1] - 1
+    for m in range(fractions.shape[0]):
+        f = fractions[m]
+        into = ease((f - (1.0 - window)) / window) if goes_on else 0.0
+        for n in range(path.shape[0]):
+            x, z = place_on(path, share, goal, aimed, n, f * last)
+            if into > 0.0:
+                to_x, to_z = place_on(later_path, later_share, later_goal, later_aimed, n, (f - 1.0) * last)
+                x, z = x + into * (to_x - x), z + into * (to_z - z)
+            # until it is filled itself, the last row holds where the paths have her now
+            if m == 0:
+                out[fractions.shape[0] - 2, n, 0], out[fractions.shape[0] - 2, n, 1] = x, z
+                continue
+            was_x, was_z = out[fractions.shape[0] - 2, n, 0], out[fractions.shape[0] - 2, n, 1]
+            out[m - 1, n, 0], out[m - 1, n, 1] = now[n, 0] + x - was_x, now[n, 1] + z - was_z
 
 
 @kernel("void(f4[:,:,::1], i8, f4[:,::1], f4[::1])")
@@ -230,7 +254,65 @@ def _follow(moved: Float64, speed: Float64, stiffness: float, dt: float) -> bool
     return any_moved
 
 
-@kernel("b1(f4[:,::1], f4[:,::1], f4[::1], f4[::1], f8, f8, f8, f8, f8, i8, i4[::1], i4[::1], f8[:,::1], f8[:,::1])")
+@kernel("void(f4[:,::1], f8[:,::1], f8[:,::1], i8, i8, f8, f8)")
+def _slow_down(now: Float32, moved: Float64, speed: Float64, i: int, j: int, bodies: float, margin: float) -> None:
+    """Two who are nearer to each other than their `bodies` and the `margin` [m] are `moved`, at `speed` (A, 2) both,
+    the less towards each other the nearer they are: where a third pushes one of them, whom she would touch counts."""
+    nx, nz = now[j, 0] - now[i, 0], now[j, 1] - now[i, 1]
+    size = math.sqrt(nx * nx + nz * nz)
+    if size >= bodies + margin or size < 1e-4:
+        return
+    nx, nz, stop = nx / size, nz / size, 1.0 - max(size - bodies, 0.0) / margin
+    for way in (moved, speed):
+        own, other = way[i, 0] * nx + way[i, 1] * nz, way[j, 0] * nx + way[j, 1] * nz
+        if own <= other:
+            continue  # they part
+        # what each of them adds to it is slowed down
+        close = stop * (own - other) / max(max(own, 0.0) + max(-other, 0.0), 1e-12)
+        off, on = close * max(own, 0.0), close * max(-other, 0.0)
+        way[i, 0] -= off * nx
+        way[i, 1] -= off * nz
+        way[j, 0] += on * nx
+        way[j, 1] += on * nz
+
+
+@kernel("void(f4[:,::1], f4[::1], f4[::1], f8, f8, f8, i4[::1], i4[::1], f8[:,::1], f8[:,::1])")
+def slow_down_near(
+    now: Float32, radius: Float32, yields: Float32, margin: float, half_width: float, half_depth: float,
+    cell_start: Int32, order: Int32, speed: Float64, moved: Float64,
+) -> None:  # fmt: skip
+    """After `push_apart`, whose arrays these are: nobody is `moved` into another because a third pushes her."""
+    columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
+    for i in range(now.shape[0]):
+        if yields[i] < 0.0:
+            continue
+        column = min(max(math.floor((now[i, 0] + half_width) / NEIGHBOUR_RANGE), 0), columns - 1)
+        row = min(max(math.floor((now[i, 1] + half_depth) / NEIGHBOUR_RANGE), 0), rows - 1)
+        for r in range(max(row - 1, 0), min(row + 2, rows)):
+            for c in range(max(column - 1, 0), min(column + 2, columns)):
+                for k in range(cell_start[r * columns + c], cell_start[r * columns + c + 1]):
+                    if order[k] > i and yields[order[k]] >= 0.0:
+                        _slow_down(now, moved, speed, i, order[k], radius[i] + radius[order[k]], margin)
+
+
+@kernel("f8(f4[:,::1], f4[:,:,::1], i8, i8, f8, f8, f8)")
+def lack_of(now: Float32, soon: Float32, i: int, j: int, gap: float, nx: float, nz: float) -> float:
+    """What two who are `now` (A, 2) [m] will lack most of their `gap` [m] on straight ways through `soon` (K, A, 2),
+    in the direction (nx, nz) from i to j; 0: nothing."""
+    worst = 0.0
+    x, z = now[j, 0] - now[i, 0], now[j, 1] - now[i, 1]
+    for k in range(soon.shape[0]):
+        dx, dz = soon[k, j, 0] - soon[k, i, 0] - x, soon[k, j, 1] - soon[k, i, 1] - z
+        t = min(max(-(x * dx + z * dz) / max(dx * dx + dz * dz, 1e-9), 0.0), 1.0)
+        cx, cz = x + t * dx, z + t * dz  # where they are nearest
+        # who would have passed through each other is on the other side then
+        if cx * cx + cz * cz < gap * gap:
+            worst = max(worst, gap - (cx * nx + cz * nz))
+        x, z = x + dx, z + dz
+    return worst
+
+
+@kernel("b1(f4[:,::1], f4[:,:,::1], f4[::1], f4[::1], f8, f8, f8, f8, f8, i8, i4[::1], i4[::1], f8[:,::1], f8[:,::1])")
 def push_apart(
     now: Float32,
     soon: Float32,
@@ -249,18 +331,18 @@ def push_apart(
 ) -> bool:
     """The last resort of one tick `dt` [s]: who touches, or will `soon`, is moved away, whatever her feet do.
 
-    `now` and `soon` (A, 2) [m]: where the hips are, and where they will be in a moment; `speed` (A, 2) [m/s] of these
-    moves is kept from tick to tick and follows what lacks critically damped, with `stiffness` [1/s]; `moved` (A, 2) [m]
-    is this tick's move; returns whether anybody has one. Else as in `part_paths`.
+    `now` (A, 2) and `soon` (K, A, 2) [m]: where the hips are, and where they will be at some moments soon; `speed`
+    (A, 2) [m/s] of these moves is kept from tick to tick and follows what lacks critically damped, with `stiffness`
+    [1/s]; `moved` (A, 2) [m] is this tick's move; returns whether anybody has one. Else as in `part_paths`.
     """
     columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
-    sort_into_cells(soon, half_width, half_depth, NEIGHBOUR_RANGE, cell_start, order)
+    sort_into_cells(now, half_width, half_depth, NEIGHBOUR_RANGE, cell_start, order)
     moved[:] = 0.0
     for i in range(now.shape[0]):
         if yields[i] < 0.0:
             continue
-        column = min(max(math.floor((soon[i, 0] + half_width) / NEIGHBOUR_RANGE), 0), columns - 1)
-        row = min(max(math.floor((soon[i, 1] + half_depth) / NEIGHBOUR_RANGE), 0), rows - 1)
+        column = min(max(math.floor((now[i, 0] + half_width) / NEIGHBOUR_RANGE), 0), columns - 1)
+        row = min(max(math.floor((now[i, 1] + half_depth) / NEIGHBOUR_RANGE), 0), rows - 1)
         for r in range(max(row - 1, 0), min(row + 2, rows)):
             for c in range(max(column - 1, 0), min(column + 2, columns)):
                 for k in range(cell_start[r * columns + c], cell_start[r * columns + c + 1]):
@@ -269,19 +351,14 @@ def push_apart(
                         continue
                     gap = radius[i] + radius[j] + margin
                     nx, nz = now[j, 0] - now[i, 0], now[j, 1] - now[i, 1]
-                    dx, dz = soon[j, 0] - soon[i, 0] - nx, soon[j, 1] - soon[i, 1] - nz
-                    way = dx * dx + dz * dz
-                    t = min(max(-(nx * dx + nz * dz) / max(way, 1e-9), 0.0), 1.0)
-                    dx, dz = nx + t * dx, nz + t * dz  # where they are nearest
-                    d, size = math.sqrt(dx * dx + dz * dz), math.sqrt(nx * nx + nz * nz)
-                    if d >= gap:
-                        continue
+                    size = math.sqrt(nx * nx + nz * nz)
                     if size < 1e-4:
                         angle = 2.0 * math.pi * hash_unit(seed, i, j)
                         nx, nz, size = math.sin(angle), math.cos(angle), 1.0
                     nx, nz = nx / size, nz / size
-                    # who would have passed through each other is on the other side then
-                    short = min(gap - (dx * nx + dz * nz), 0.6)
+                    short = min(lack_of(now, soon, i, j, gap, nx, nz), 0.6)
+                    if short <= 0.0:
+                        continue
                     own, other = yields[i], yields[j]
                     if own + other <= 0.0:
                         own = other = np.float32(1.0)

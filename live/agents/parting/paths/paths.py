@@ -8,7 +8,7 @@ import numpy.typing as npt
 from live.agents.crowd.surroundings import Surroundings
 from live.agents.parting.kernels import NEIGHBOUR_RANGE, cell_count
 from live.agents.parting.paths.clearing.kernels import clear_moves, clear_paths
-from live.agents.parting.paths.kernels import leave_out, part_paths, push_apart, walk_paths
+from live.agents.parting.paths.kernels import leave_out, part_paths, push_apart, slow_down_near, walk_paths
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -83,12 +83,18 @@ class PathParting:
             )  # fmt: skip
 
     def push(self, now: Float32, soon: Float32, *, margin: float, stiffness: float, dt: float) -> Float64 | None:
-        """The last resort: this tick's moves (A, 2) [m] of those who touch or will at once, None if nobody moves; see
-        `push_apart`."""
+        """The last resort: this tick's moves (A, 2) [m] of those who touch or will at once, None if nobody moves.
+
+        They are `now` (A, 2) and will `soon` be there, (A, 2) or at several moments (K, A, 2) [m]; see `push_apart`.
+        """
         pushed = push_apart(
-            now, soon, self._radius, self._yields, margin, stiffness, dt, *self._stage, *self._cells,
-            self._speed, self._moved,
+            now, soon.reshape(-1, *now.shape), self._radius, self._yields, margin, stiffness, dt, *self._stage,
+            *self._cells, self._speed, self._moved,
         )  # fmt: skip
+        if pushed:
+            slow_down_near(
+                now, self._radius, self._yields, margin, *self._stage[:2], *self._cells, self._speed, self._moved
+            )
         things = self._surroundings
         if pushed and things is not None and things.wall_count + things.obstacle_count:
             clear_moves(

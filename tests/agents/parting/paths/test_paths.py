@@ -130,16 +130,66 @@ def test_agents_are_bound_and_taken_along(seed):
     assert (out <= 1e-5).all()  # none goes on away from her dancer
 
 
-def test_whoever_walks_on_is_moved_by_the_way_between_two_places():
-    now_paths, then_paths = crossing(6, 1), crossing(6, 2)
+WINDOW = 0.1875
+
+
+def walked(fractions, *, goes_on, count=6):
+    """Where random dancers get, by the kernel, (K, A, 2); where they are; and by brute force where this measure's paths
+    and the later one's have them at each of `fractions`, (K + 1, A, 2) each."""
     chance = np.random.default_rng(3)
-    goals, aimed = chance.normal(0.0, 0.2, (2, 6, 3)), np.zeros((6, 3))
-    now, out, room = chance.normal(0.0, 1.0, (6, 2)).astype(np.float32), *np.zeros((2, 6, 2), np.float32)
+    paths, aimed = (crossing(count, 1), crossing(count, 2)), np.zeros((count, 3))
+    goals, now = chance.normal(0.0, 0.2, (2, count, 2)), chance.normal(0.0, 1.0, (count, 2)).astype(np.float32)
+    out = np.zeros((len(fractions) - 1, count, 2), np.float32)
     walk_on(
-        now_paths.path, now_paths.share, goals[0], aimed, 4.3,
-        then_paths.path, then_paths.share, goals[1], aimed, 9.8, now, room, out,
+        paths[0].path, paths[0].share, goals[0], aimed, paths[1].path, paths[1].share, goals[1], aimed,
+        goes_on, WINDOW, np.array(fractions), now, out,
     )  # fmt: skip
-    was, will = np.zeros((2, 6, 2), np.float32)
-    now_paths.walk(4.3 / (MOMENTS - 1), goals[0], aimed, was)
-    then_paths.walk(9.8 / (MOMENTS - 1), goals[1], aimed, will)
-    np.testing.assert_allclose(out, now + will - was, atol=1e-5)
+    own, later = np.zeros((2, len(fractions), count, 2), np.float32)
+    for k, fraction in enumerate(fractions):
+        paths[0].walk(min(fraction, 1.0), goals[0], aimed, own[k])
+        paths[1].walk(max(fraction - 1.0, 0.0), goals[1], aimed, later[k])
+    return out, now, own, later
+
+
+def test_whoever_walks_on_is_moved_by_the_way_between_two_places():
+    out, now, own, later = walked([0.3, 0.5, 0.75, 1.1, 1.4], goes_on=True)
+    np.testing.assert_allclose(out[:2], now + own[1:3] - own[0], atol=1e-5)
+    np.testing.assert_allclose(out[2:], now + later[3:] - own[0], atol=1e-5)
+    out, now, own, _ = walked([0.3, 0.95, 1.4], goes_on=False)  # nothing is known of what comes: she stays at the end
+    np.testing.assert_allclose(out, now + own[1:] - own[0], atol=1e-5)
+
+
+def test_whoever_walks_on_goes_over_into_the_next_measure_without_a_jump():
+    fractions = np.linspace(0.7, 1.1, 401)
+    out, *_ = walked([*fractions], goes_on=True)
+    speed = np.hypot(*np.diff(out, axis=0).transpose(2, 0, 1)) / 0.001
+    assert speed.max() < 1.5 * 12.0 / WINDOW  # stages apart, and eased between them
+    beyond = out[fractions[1:] >= 1.0 - 1e-9]
+    _, now, own, later = walked([0.7, 1.0], goes_on=True)
+    np.testing.assert_allclose(beyond[0], now + later[1] - own[0], atol=1e-3)  # at the line it is where that begins
+
+
+def test_who_would_touch_on_the_way_is_pushed_though_not_at_its_end():
+    now = np.array([[0.0, 0.0], [0.9, 0.0]], np.float32)
+    back = np.stack([now, now])
+    assert parting(2).push(now, back, margin=0.05, stiffness=24.0, dt=1.0 / 64.0) is None
+    swing = back.copy()
+    swing[0, 0, 0] = 0.5  # there and back again
+    moved = parting(2).push(now, swing, margin=0.05, stiffness=24.0, dt=1.0 / 64.0)
+    assert moved is not None
+    assert moved[0, 0] < 0.0 < moved[1, 0]
+
+
+@pytest.mark.parametrize("gap", [0.51, 0.53])
+def test_nobody_is_pushed_by_a_third_into_whom_she_would_touch(gap):
+    """The outer two come on for a moment, the left one faster: the middle one must not be pushed into the right one."""
+    now = np.array([[-0.6, 0.0], [0.0, 0.0], [gap, 0.0]], np.float32)
+    part, nearest = parting(3), np.inf
+    for _ in range(48):
+        soon = now.copy()
+        soon[0, 0] = now[1, 0] - 0.2
+        moved = part.push(now, soon, margin=0.1, stiffness=24.0, dt=1.0 / 64.0)
+        now = now if moved is None else now + moved.astype(np.float32)
+        nearest = min(nearest, now[2, 0] - now[1, 0])
+    assert nearest > 2 * RADIUS
+    assert now[1, 0] > 0.02  # she gives way all the same, together with her neighbour
