@@ -17,6 +17,8 @@ Int32 = npt.NDArray[np.int32]
 
 LEAST_SHARE = 0.08
 """A correction of which less than this has come in by then changes nothing."""
+FARTHEST = 1.6
+"""Nobody comes nearer to another by more than this [m] soon."""
 AT_ONCE = 0.7
 """Share of what two lack that one round makes good: several pairs want something of the same dancer."""
 
@@ -352,6 +354,8 @@ def push_apart(
                     gap = radius[i] + radius[j] + margin
                     nx, nz = now[j, 0] - now[i, 0], now[j, 1] - now[i, 1]
                     size = math.sqrt(nx * nx + nz * nz)
+                    if size > gap + FARTHEST:
+                        continue
                     if size < 1e-4:
                         angle = 2.0 * math.pi * hash_unit(seed, i, j)
                         nx, nz, size = math.sin(angle), math.cos(angle), 1.0
