@@ -30,6 +30,7 @@ from live.cli import (
     render,
     replay,
     schema,
+    score,
     simulate,
     steps,
     sync,
@@ -53,6 +54,7 @@ app.command("play")(play.play)
 app.command("render")(render.render)
 app.command("replay")(replay.replay)
 app.command("check")(check.check)
+app.command("score")(score.score)
 app.command("clock-check")(clock_check.clock_check)
 app.command("dance")(dance.dance)
 app.command("devices")(devices.devices)

@@ -1,7 +1,7 @@
 """Echo: a group that dances what another one danced some measures ago (canon, T147)."""
 
 from collections import OrderedDict
-from typing import Final, Protocol
+from typing import Final, Literal, Protocol
 
 from live.graph.motion_graph import MotionGraph
 from live.graph.specification import Wanted
@@ -26,6 +26,7 @@ class Programme(Protocol):
     def take_graph(self, graph: MotionGraph) -> None: ...
     def take_back(self, measure: int) -> None: ...
     def improvise(self, on: bool) -> None: ...
+    def part_kind(self, measure: int) -> Literal["sequence", "improvised", "own"]: ...
 
 
 class Echo:
@@ -84,6 +85,10 @@ class Echo:
         """Follow the leader again."""
         self._free = False
         self._own.release()
+
+    def part_kind(self, measure: int) -> Literal["sequence", "improvised", "own"]:
+        """Whose steps it dances in `measure`; what it echoes is its own."""
+        return self._own.part_kind(measure)
 
     def improvise(self, on: bool) -> None:
         """Choose its steps itself, or echo again."""

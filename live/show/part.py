@@ -1,6 +1,6 @@
 """Part: what the score has for one group in each measure: a sequence, an improvisation, or nothing (then its own)."""
 
-from typing import Final
+from typing import Final, Literal
 
 from live.graph.live_sequence import HORIZON
 from live.graph.motion_graph import MotionGraph
@@ -45,6 +45,13 @@ class Part:
                 step = ANY_STEP if entry.step is None else entry.step
                 return step, self._coming(measure, own), into
         return self._improviser.told(measure, nodes, stands=stands)
+
+    def kind(self, measure: int) -> Literal["sequence", "improvised", "own"]:
+        """Whose steps the group dances in `measure`."""
+        place = self._score.place(measure)
+        if measure >= 0 and not self._improviser.asked and self._sequences.at(place.section, place.measure) is not None:
+            return "sequence"
+        return "improvised" if measure >= 0 and self._improviser.holds(measure) else "own"
 
     def holds(self, measure: int) -> bool:
         """Whether the score has something for the group in `measure`."""

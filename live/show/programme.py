@@ -1,6 +1,7 @@
 """Programme: which step each group should dance in which measure: by sequence, by seeded chance, or as called."""
 
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -114,6 +115,10 @@ class GroupProgramme:
         """Choose its steps itself from the next measure on that is not chosen yet, or dance what the score has."""
         if self.part is not None:
             self.part.improvise(on)
+
+    def part_kind(self, measure: int) -> Literal["sequence", "improvised", "own"]:
+        """Whose steps the group dances in `measure`: the score's, those it chooses itself, or its own."""
+        return "own" if self.part is None else self.part.kind(measure)
 
     def take_back(self, measure: int) -> None:
         """What was said of `measure`, which has not begun, shall not have been: it will be asked for again."""

@@ -8,6 +8,7 @@ from live.agents.evolutions.rehearsal import rehearse
 from live.agents.formations.stage_fit import fit_stage
 from live.show.core import Show
 from live.show.group_motion import AGENT_RADIUS
+from live.show.score_check import written_length
 
 LONGEST = 400
 """Measures that are gone through at most."""
@@ -22,7 +23,10 @@ def rehearsal_notes(show: Show) -> list[str]:
     patch, evolutions = show.patch, show.motion.evolutions
     if not patch.segment:
         return []
-    measures = min(patch.loop_measures or max(s.measure + s.measures for s in patch.segment), LONGEST)
+    length = written_length(patch)
+    measures = min(length or max(s.measure + s.measures for s in patch.segment), LONGEST)
+    if patch.section and length is not None:  # as it is written, every section once
+        show.playhead.loop((0, length - 1))
     segments = [segment for measure in range(measures) for segment in evolutions.score_of(measure)]
     rehearsal = rehearse(
         show.casting.roster,
