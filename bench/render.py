@@ -10,8 +10,9 @@ from live.cli.bench import Row
 from live.clock.ticks import TICK
 from live.render.headless import OffscreenTarget, create_headless_context
 from live.render.renderer import Renderer
-from live.show.load import load_show, scene_of
+from live.show.load import load_show
 from live.show.patch_file import DEFAULT_PATCH
+from live.show.scene_of import scene_of
 
 SIZE = (1280, 720)
 

@@ -87,7 +87,7 @@ def film(asked: argparse.Namespace) -> None:
     from live.base.stage_view import Camera
     from live.render.headless import OffscreenTarget, create_headless_context
     from live.render.renderer import Renderer
-    from live.show.load import scene_of
+    from live.show.scene_of import scene_of
 
     ctx, size, file, every = create_headless_context(), tuple(asked.size), asked.file, asked.every
     target = OffscreenTarget(ctx, size)

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 Colour = tuple[float, float, float]
@@ -65,12 +66,23 @@ class Look:
     rim_light: Colour = (0.45, 0.62, 1.0)
     ambient: float = 0.10
     haze: float = 0.035
+    level: float = 1.0
+    """All light together."""
+    key: float = 1.0
+    rim: float = 1.0
+    """Strength of key and rim light."""
+    ambient_colour: Colour = (1.0, 1.0, 1.0)
+    """Tint of the light from everywhere."""
+    saturation: float = 1.0
     group_colours: tuple[Colour, ...] = ((0.90, 0.42, 0.20), (0.16, 0.55, 0.75), (0.86, 0.74, 0.42))
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What stays the same for a whole patch: stage size (width, depth) [m], camera, look, number of dancers."""
+    """What a patch begins with: stage size (width, depth) [m], camera, look, number of dancers.
+
+    Camera and look may change while a show runs: `StageView.picture`.
+    """
 
     stage_size: tuple[float, float]
     camera: Camera
@@ -127,6 +139,10 @@ class StageView:
     """Width and depth of the stage now [m]; 0: as in the scene."""
     brightness: float = 1.0
     """1 = full light, 0 = blackout."""
+    picture: Float64 | None = None
+    """Light, colours and camera now: the row of `live.base.picture`; None: as in the scene."""
+    count_in: float = 0.0
+    """Beats until a cue that was given happens; 0: none is counting in."""
     overlay: tuple[str, ...] = ()
     """Lines of the operator's overlay; empty = hidden."""
     guide: Float32 = field(default_factory=lambda: np.zeros((GUIDE_CAPACITY, 10), np.float32))

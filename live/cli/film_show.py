@@ -29,8 +29,9 @@ from live.render.renderer import Renderer
 from live.show.core import Show
 from live.show.engine import Engine
 from live.show.journal import JournalError, JournalWriter
-from live.show.load import LoadedShow, scene_of
+from live.show.load import LoadedShow
 from live.show.report import FrameReport
+from live.show.scene_of import scene_of
 from live.show.show_sound import ShowSound
 from live.show.status import Status, StatusFile
 

@@ -10,7 +10,8 @@ from live.cli.warm import warm_kernels
 from live.cli.wish import Wish
 from live.control.keys import help_lines
 from live.render.monitors import Monitor, UnknownMonitor, find_monitor, list_monitors, screen_problem
-from live.show.load import LoadedShow, scene_of
+from live.show.load import LoadedShow
+from live.show.scene_of import scene_of
 from live.show.sections.segment import formation_names
 
 FILM_SECONDS = 20.0

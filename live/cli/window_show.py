@@ -7,6 +7,7 @@ from typing import Any
 from rich.console import Console
 
 from live.base.errors import PersonError
+from live.base.picture import camera_of
 from live.base.stage_view import Scene, StageView
 from live.cli.recording import LiveRecording, live_rate
 from live.cli.session import Session
@@ -87,7 +88,13 @@ class Operator:
             self._tool = name
             self._session.status.tool = TOOLS[name].description
         show = self._session.show
-        event = event_for_key(name, time=now, blackout_now=show.blackout, held_now=show.follower.held)
+        event = event_for_key(
+            name,
+            time=now,
+            blackout_now=show.blackout,
+            held_now=show.follower.held,
+            show_held_now=show.desk.held,
+        )
         if name in FORMATION_KEYS:
             event = self._formation(FORMATION_KEYS.index(name), now)
         if event is not None:
@@ -98,7 +105,9 @@ class Operator:
         return event_for_formation(formations[number], time=now) if number < len(formations) else None
 
     def _point(self, value: PointerPressed | PointerMoved, now: float, *, drag: bool) -> None:
-        place = floor_point(self._scene.camera, self._window.size, (value.x, value.y))
+        row = self._session.engine.view.picture
+        camera = self._scene.camera if row is None else camera_of(row)  # as the picture shows it now
+        place = floor_point(camera, self._window.size, (value.x, value.y))
         if not drag:
             self._stroke, self._shift = [], value.shift
         if place is None:

@@ -20,6 +20,7 @@ from live.control.clock_events import (
     ShiftBeats,
     Tap,
 )
+from live.control.cue_events import GiveCue, Go, HoldShow, Panic, Redo, StandBy, StepBack, Undo
 from live.control.element_events import Attract, PlaceElement, Repel, Spread, Voice
 from live.control.event import ControlEvent
 from live.control.group_events import (
@@ -39,6 +40,7 @@ from live.control.group_events import (
     Travel,
 )
 from live.control.patch_events import PatchChanged
+from live.control.scene_events import RecallLook, RecallScene, RecallView, SetPicture, StoreScene
 from live.control.score_events import Advance, HoldScore, Improvise, JumpTo, Practice, Signal
 
 __all__ = [
@@ -57,7 +59,10 @@ __all__ = [
     "DefineFormation",
     "Enter",
     "Evolve",
+    "GiveCue",
+    "Go",
     "HoldScore",
+    "HoldShow",
     "HoldTempo",
     "Improvise",
     "JumpTo",
@@ -65,6 +70,7 @@ __all__ = [
     "MusicHeard",
     "Nudge",
     "One",
+    "Panic",
     "PatchChanged",
     "Pause",
     "Performer",
@@ -72,6 +78,10 @@ __all__ = [
     "PlaceObstacle",
     "PlaceWall",
     "Practice",
+    "RecallLook",
+    "RecallScene",
+    "RecallView",
+    "Redo",
     "Regroup",
     "Release",
     "RemoveObstacle",
@@ -83,6 +93,7 @@ __all__ = [
     "SetLatency",
     "SetMetre",
     "SetMotion",
+    "SetPicture",
     "SetRipple",
     "SetSequence",
     "SetStage",
@@ -91,11 +102,15 @@ __all__ = [
     "Signal",
     "SourceChanged",
     "Spread",
+    "StandBy",
+    "StepBack",
     "StepNow",
     "StepsAdded",
+    "StoreScene",
     "Tap",
     "TicksSkipped",
     "Travel",
+    "Undo",
     "Voice",
     "event_from_json",
     "event_to_json",
@@ -231,6 +246,8 @@ EVENT_TYPES: dict[str, type[ControlEvent]] = {
         SetTempo, Nudge, ShiftBeats, ScaleTempo, HoldTempo, SetMetre, CountIn, ChooseSource, Blackout, BeatHeard,
         SourceChanged, StepsAdded, TicksSkipped, MusicHeard, RestartAudio, ChooseAudio, SetLatency,
         SetClick, JumpTo, Advance, HoldScore, Practice, Improvise, Signal, PatchChanged,
+        SetPicture, RecallView, RecallLook, RecallScene, StoreScene,
+        Go, GiveCue, StandBy, StepBack, Panic, HoldShow, Undo, Redo,
     )
 }  # fmt: skip
 """Every kind of event by its name in the journal."""

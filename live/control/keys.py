@@ -36,6 +36,12 @@ class Key:
         "/dance/flock",
         "/dance/pause",
         "/dance/clear",
+        "/dance/go",
+        "/dance/back",
+        "/dance/panic",
+        "/dance/hold",
+        "/dance/undo",
+        "/dance/redo",
         "window/fullscreen",
         "window/overlay",
         "window/guides",
@@ -72,6 +78,12 @@ KEYS: Final[dict[str, Key]] = {
     "K": Key("go as a flock", "/dance/flock"),
     "H": Key("hold: stay in place for four measures", "/dance/pause"),
     "C": Key("clear: all elements and evolutions end", "/dance/clear"),
+    "Enter": Key("GO: the cue that stands by", "/dance/go"),
+    "Backspace": Key("take back a cue that is counting in, or let the one before stand by", "/dance/back"),
+    "I": Key("hold score, fades and cues, and let them go on", "/dance/hold"),
+    "Delete": Key("panic: all that was added ends, the patch's own light, the score held", "/dance/panic"),
+    "E": Key("undo the last edit", "/dance/undo"),
+    "Y": Key("make it again", "/dance/redo"),
 }
 """Keys by name: a letter or digit stands for itself, in upper case."""
 
@@ -79,15 +91,18 @@ FORMATION_KEYS: Final = "23456789"
 """Keys that send everybody to the patch's formations, in their order; from the next measure, in four measures."""
 
 
-def event_for_key(name: str, *, time: float, blackout_now: bool, held_now: bool = False) -> ControlEvent | None:
+def event_for_key(
+    name: str, *, time: float, blackout_now: bool, held_now: bool = False, show_held_now: bool = False
+) -> ControlEvent | None:
     """The event of a key pressed at `time` [s of the show]; None for keys that make none (unknown, or the window's).
 
-    `blackout_now`, `held_now`: how those switches stand; their keys turn them over.
+    `blackout_now`, `held_now` (the tempo), `show_held_now`: how those switches stand; their keys turn them over.
     """
     key = KEYS.get(name.upper() if len(name) == 1 else name)
     if key is None or not key.is_control:
         return None
     switches = {"/dance/blackout": (not blackout_now,), "/dance/clock/hold": (not held_now,)}
+    switches["/dance/hold"] = (not show_held_now,)
     values = switches.get(key.what, key.values)
     result = REGISTRY.call(key.what, values, time, SOURCE)
     return result if isinstance(result, ControlEvent) else None

@@ -9,9 +9,11 @@ from typing import Final
 from live.control.control import Control, Released, Reply
 from live.control.controls.audio import AUDIO_CONTROLS
 from live.control.controls.clock import CLOCK_CONTROLS
+from live.control.controls.cues import CUE_CONTROLS
 from live.control.controls.elements import ELEMENT_CONTROLS
 from live.control.controls.group_motion import GROUP_CONTROLS
 from live.control.controls.motion import MOTION_CONTROLS
+from live.control.controls.scenes import SCENE_CONTROLS
 from live.control.controls.score import SCORE_CONTROLS
 from live.control.controls.steps import STEP_CONTROLS
 from live.control.events import ControlEvent
@@ -51,6 +53,8 @@ REGISTRY: Final = Registry(
         *GROUP_CONTROLS,
         *STEP_CONTROLS,
         *MOTION_CONTROLS,
+        *SCENE_CONTROLS,
+        *CUE_CONTROLS,
         *CLOCK_CONTROLS,
         *AUDIO_CONTROLS,
         *SCORE_CONTROLS,

@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from live.base.stage_view import Scene, StageView
+from live.base.stage_view import Camera, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.render.body import BodyMesh, build_body
 from live.render.camera import view_matrix
@@ -69,9 +69,18 @@ class Crowd:
     def fit(self, scene: Scene) -> None:
         """Take colours and camera of a scene, and room for its dancers."""
         self._colours = np.array(scene.look.group_colours or ((0.8, 0.8, 0.8),), np.float32)
-        self._forward = np.ascontiguousarray(-view_matrix(scene.camera)[2, :3], np.float32)
+        self.look_from(scene.camera)
         if scene.dancer_count > self._capacity or self._capacity == 0:
             self._allocate(max(scene.dancer_count, 1))
+
+    def look_from(self, camera: Camera) -> None:
+        """Take a camera: the dancers nearest to it are drawn more finely."""
+        self._forward = np.ascontiguousarray(-view_matrix(camera)[2, :3], np.float32)
+
+    def recolour(self, colours: npt.NDArray[np.floating]) -> None:
+        """Take the groups' colours (G, 3), from the next frame on."""
+        self._colours = colours.astype(np.float32)
+        self._group[:] = -1
 
     def _allocate(self, capacity: int) -> None:
         self._release_data()

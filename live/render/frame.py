@@ -1,12 +1,13 @@
 """The block of uniforms that all programs share, written once a frame."""
 
+import math
 from typing import Final
 
 import moderngl
 import numpy as np
-import numpy.typing as npt
 
-from live.base.stage_view import FLOOR_MARGIN, Camera, Colour, Scene, StageView
+from live.base.picture import BY_ADDRESS, CAMERA, COLOURS, LEVEL, STANDING, Float64, camera_of, picture_of
+from live.base.stage_view import FLOOR_MARGIN, Camera, Scene, StageView
 from live.render.camera import view_matrix, world_to_clip
 from live.render.shader import FRAME_BINDING
 
@@ -30,48 +31,68 @@ _BLOCK: Final = np.dtype(
         ("stage", "f4", 4),
         ("edge", "f4", 4),
         ("picture", "f4", 4),
+        ("ambient", "f4", 4),
     ]
 )
 
 
-def _unit(vector: tuple[float, float, float]) -> npt.NDArray[np.float64]:
-    array = np.array(vector, np.float64)
-    length = float(np.linalg.norm(array))
-    if length < 1e-6:
-        raise ValueError("look: key_direction must not be zero")
-    return array / length
-
-
-def _coloured(colour: Colour, last: float) -> tuple[float, float, float, float]:
-    return (*colour, last)
+CLOSEST: Final = 1e-3
+"""A camera nearer to what it looks at than this [m] looks nowhere: the last one stays."""
 
 
 class FrameBlock:
-    """Holds the block and its buffer; `fit` when scene or size change, `write` every frame."""
+    """Holds the block and its buffer; `resize` when the picture's size changes, `write` every frame."""
 
     def __init__(self, ctx: moderngl.Context, scene: Scene, size: tuple[int, int]) -> None:
-        self._data = np.zeros((), _BLOCK)
+        """ValueError for a light that goes nowhere."""
+        self._data = data = np.zeros((), _BLOCK)
         self._buffer = ctx.buffer(reserve=_BLOCK.itemsize, dynamic=True)
-        self.fit(scene, size)
-
-    def fit(self, scene: Scene, size: tuple[int, int]) -> None:
-        """Everything that depends on the scene and the picture's size."""
-        camera, look, data = scene.camera, scene.look, self._data
-        data["world_to_clip"] = world_to_clip(camera, size).T  # GLSL reads columns
-        self._fit_rays(camera, size)
+        self._start = picture_of(scene)
+        if not np.abs(self._start[BY_ADDRESS["/dance/light/key/direction"].where]).max() > 0.0:
+            raise ValueError("look: key_direction must not be zero")
         width, depth = self._stage_size = scene.stage_size
-        front = max(float(np.hypot(camera.eye[1], camera.eye[2] - 0.5 * depth)) - 0.5, 0.0)
-        data["eye"] = (*camera.eye, front)
-        light = -_unit(look.key_direction)
-        light[1] = max(light[1], 0.2)  # a light from below or along the floor would cast endless shadows
-        data["key_direction"] = (*light, 0.0)
-        data["key_light"] = _coloured(look.key_light, 1.0)
-        data["rim_light"] = _coloured(look.rim_light, look.ambient)
-        data["background"] = _coloured(look.background, look.haze)
-        data["floor_colour"] = _coloured(look.floor, 0.0)
         margin = FLOOR_MARGIN
         data["stage"] = (0.5 * width, 0.5 * depth, 0.5 * width + margin, 0.5 * depth + margin)
-        data["picture"] = (size[0], size[1], 1.0 / size[0], 1.0 / size[1])
+        self.moved = self.relit = self.recoloured = False
+        """What was different in the frame that was written last: the camera, anything that the kept backdrop shows,
+        the groups' colours."""
+        self._row = self._start.copy()
+        self.camera = scene.camera
+        """The camera of the frame that was written last."""
+        self.resize(size)
+        self._light(self._row)
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """New size of the picture [pixels]."""
+        self._size = size
+        self._data["picture"] = (size[0], size[1], 1.0 / size[0], 1.0 / size[1])
+        self._place(self.camera)
+
+    def _place(self, camera: Camera) -> None:
+        """Take a camera."""
+        data, self.camera = self._data, camera
+        data["world_to_clip"] = world_to_clip(camera, self._size).T  # GLSL reads columns
+        self._fit_rays(camera, self._size)
+        front = max(float(np.hypot(camera.eye[1], camera.eye[2] - 0.5 * self._stage_size[1])) - 0.5, 0.0)
+        data["eye"] = (*camera.eye, front)
+
+    def _light(self, row: Float64) -> None:
+        """Take the light of a picture's row."""
+
+        def of(address: str) -> Float64:
+            return row[BY_ADDRESS[f"/dance/light/{address}"].where]
+
+        data, direction = self._data, of("key/direction")
+        length = float(np.linalg.norm(direction))
+        if length > 1e-6:
+            light = -(direction / length)
+            light[1] = max(light[1], 0.2)  # a light from below or along the floor would cast endless shadows
+            data["key_direction"][:3] = light
+        data["key_light"][:3] = of("key/colour") * of("key")
+        data["rim_light"] = (*(of("rim/colour") * of("rim")), *of("ambient"))
+        data["background"] = (*of("background"), *of("haze"))
+        data["floor_colour"][:3] = of("floor")
+        data["ambient"] = (*of("ambient/colour"), *of("saturation"))
 
     def _fit_rays(self, camera: Camera, size: tuple[int, int]) -> None:
         axes = view_matrix(camera)[:3, :3]
@@ -83,18 +104,45 @@ class FrameBlock:
         self._data["ray_up"][:3] = 2.0 * up
 
     def write(self, view: StageView) -> None:
-        """What changes with the moment: brightness and the pulse of the beat; then uploads and binds the block."""
+        """What changes with the moment: the picture's row, brightness, the pulse of the beat; then uploads and binds
+        the block."""
+        self._take(self._start if view.picture is None else view.picture)
         phase = view.beat - float(np.floor(view.beat))
         pulse = (1.0 - phase) ** 3
         downbeat = 1.0 if view.phase < 1.0 else 0.55
         self._data["key_direction"][3] = pulse * downbeat
-        self._data["key_light"][3] = min(max(view.brightness, 0.0), 1.0)
+        self._data["key_light"][3] = min(max(view.brightness, 0.0), 1.0) * self._row[LEVEL]
         self._data["floor_colour"][3] = phase
         width, depth = view.stage_size if view.stage_size[0] > 0.0 else self._stage_size
         changed = max(abs(width - self._stage_size[0]), abs(depth - self._stage_size[1]))
         self._data["edge"] = (0.5 * width, 0.5 * depth, min(changed / BORDER_SHOWN, 1.0), 0.0)
         self._buffer.write(self._data)
         self._buffer.bind_to_uniform_block(FRAME_BINDING)
+
+    def _take(self, row: Float64) -> None:
+        """Take what is new in a picture's row, and say what that is."""
+        last = self._row
+        self.moved = self.relit = self.recoloured = False
+        if np.array_equal(row, last):
+            return
+        self.moved = not np.array_equal(row[CAMERA], last[CAMERA])
+        self.relit = not np.array_equal(row[STANDING], last[STANDING])
+        self.recoloured = not np.array_equal(row[COLOURS:], last[COLOURS:])
+        last[:] = row
+        camera = camera_of(row)
+        if self.moved and math.dist(camera.eye, camera.target) > CLOSEST:
+            self._place(camera)
+        self._light(row)
+
+    @property
+    def group_colours(self) -> Float64:
+        """Colours of the groups in the frame that was written last, shape (16, 3)."""
+        return self._row[COLOURS:].reshape(-1, 3)
+
+    @property
+    def level(self) -> float:
+        """How much of the light there is in the frame that was written last."""
+        return float(self._data["key_light"][3])
 
     def release(self) -> None:
         """Free the buffer."""

@@ -5,7 +5,7 @@ from typing import Final
 import moderngl
 import numpy as np
 
-from live.base.stage_view import FLOOR_MARGIN, PATH, Scene, StageView
+from live.base.stage_view import FLOOR_MARGIN, PATH, Camera, Scene, StageView
 from live.render.camera import covered, view_matrix, world_to_clip
 from live.render.crowd import Crowd
 from live.render.frame import WALL_BEHIND, FrameBlock
@@ -53,7 +53,7 @@ class Renderer:
         width, depth = scene.stage_size
         self._floor = FloorPass(ctx, self.quality, (width + 2 * FLOOR_MARGIN, depth + 2 * FLOOR_MARGIN))
         self._mirror = MirrorPass(ctx, size, self.quality.mirror_divisor)
-        self._backdrop = BackdropPass(ctx, size)
+        self._backdrop = BackdropPass(ctx, size, coarse=self.quality.samples == 0)
         self._stage = StagePass(ctx, self.quality)
         self._guide = GuidePass(ctx)
         self._overlay = OverlayPass(ctx)
@@ -64,9 +64,14 @@ class Renderer:
         else:
             self._surface = SurfacePass(ctx, self.quality, size)
             self._smooth = SmoothPass(ctx, self._surface.depth, size)
-        self._floor_rows = _rows_of_floor(scene, size)
-        self._world_to_clip = world_to_clip(scene.camera, size)
+        self._look_from(scene.camera)
         self._draw_once()
+
+    def _look_from(self, camera: Camera) -> None:
+        """What depends on the camera beside the block of uniforms."""
+        self._floor_rows = _rows_of_floor(camera, self._scene.stage_size, self._size)
+        self._world_to_clip = world_to_clip(camera, self._size)
+        self._crowd.look_from(camera)
 
     def _draw_once(self) -> None:
         """Drivers compile a program when it first draws: better now than in the show."""
@@ -88,13 +93,20 @@ class Renderer:
 
     def draw(self, view: StageView, target: moderngl.Framebuffer) -> None:
         """Draw one moment into `target` (the screen's framebuffer or any other of this size)."""
-        self._frame.write(view)
-        if view.brightness <= 0.0:
+        frame = self._frame
+        frame.write(view)
+        if frame.moved:
+            self._look_from(frame.camera)
+        if frame.relit:
+            self._backdrop.forget()
+        if frame.recoloured:
+            self._crowd.recolour(frame.group_colours)
+        if frame.level <= 0.0:
             target.use()
             target.clear(0.0, 0.0, 0.0, 1.0)
         else:
             self._crowd.update(view)
-            self._backdrop.draw()
+            self._backdrop.draw(moving=frame.relit)
             self._floor.draw(self._crowd, view)
             self._mirror.draw(self._crowd)
             if self._lit_while_drawn:
@@ -139,7 +151,7 @@ class Renderer:
         if size == self._size:
             return
         self._size = size
-        self._frame.fit(self._scene, size)
+        self._frame.resize(size)
         self._mirror.resize(size)
         self._backdrop.resize(size)
         if self._lit_while_drawn:
@@ -147,8 +159,7 @@ class Renderer:
         else:
             self._surface.resize(size)
             self._smooth.resize(self._surface.depth, size)
-        self._floor_rows = _rows_of_floor(self._scene, size)
-        self._world_to_clip = world_to_clip(self._scene.camera, size)
+        self._look_from(self._frame.camera)
 
     def release(self) -> None:
         """Free everything that was made; the renderer must not be used afterwards."""
@@ -170,13 +181,12 @@ def _checked(size: tuple[int, int]) -> tuple[int, int]:
     return max(int(size[0]), 1), max(int(size[1]), 1)
 
 
-def _rows_of_floor(scene: Scene, size: tuple[int, int]) -> int:
+def _rows_of_floor(camera: Camera, stage_size: tuple[float, float], size: tuple[int, int]) -> int:
     """How many rows of pixels from below can show the floor (above them is only the back wall)."""
-    camera = scene.camera
     axes = view_matrix(camera)[:3, :3]
     up = np.tan(0.5 * np.deg2rad(camera.field_of_view_deg))
     rows = (2.0 * (np.arange(size[1]) + 1.0) / size[1] - 1.0) * up
-    wall = -0.5 * scene.stage_size[1] - WALL_BEHIND
+    wall = -0.5 * stage_size[1] - WALL_BEHIND
     seen = 0
     for side in (-1.0, 0.0, 1.0):
         rays = -axes[2] + axes[0] * (side * up * size[0] / size[1]) + rows[:, None] * axes[1]

@@ -22,6 +22,7 @@ from live.motion.step_clip import StepClip
 from live.show.casting import Casting
 from live.show.clock_events import CLOCK_EVENTS, first_seeds, follower_of, tell
 from live.show.dancers import Dancers
+from live.show.desk import DESK_EVENTS, Desk
 from live.show.directions import DIRECTIONS, Directions
 from live.show.exchange import exchange
 from live.show.first_nodes import first_nodes
@@ -91,6 +92,7 @@ class Show:
         node = first_nodes(graph, self.scheduler, self.group, self.motion.partners.mirrored, self.span.number)
         self.dancers.start(node, self.state.position.astype(np.float64), self.motion.starting_heading)
         self.scheduler.aims.headings.begin(self.motion.starting_heading)
+        self.desk = Desk(patch, self.prompter.playhead, self.motion, self.scheduler, self.variation)
         self.blackout = False
         self.brightness = 1.0
         self.time = 0.0
@@ -98,7 +100,7 @@ class Show:
         self.directions = Directions(
             patch, self.casting, self.dancers, self.variation, self.scheduler, self.interrupts, self.refusals
         )
-        self._seen = Seen(self.dancers, self.motion, self.group)
+        self._seen = Seen(self.dancers, self.motion, self.group, self.desk)
         self._new_steps = NewSteps(reserve, self.refusals)
         self.reloading = Reloading(self.refusals)
         self._begin_measure(self.span.end - self.timeline.beats_per_measure)
@@ -126,7 +128,9 @@ class Show:
         if isinstance(event, events.MusicHeard):
             self._hear(event)
         else:
+            self.desk.edits.before(event)
             self._act_on(event)
+            self.desk.edits.after(event)
         return self.refusals.count + self.follower.rejected == before
 
     def _hear(self, event: events.MusicHeard) -> None:
@@ -139,16 +143,14 @@ class Show:
         self.motion.elements.gain = self.reactions.strength
 
     def _act_on(self, event: ControlEvent) -> None:
-        if isinstance(event, GROUP_EVENTS):
-            try:
-                self._controls.act(event, time=self.time, timeline=self.timeline, span=self.span)
-            except PersonError as error:
-                self.refusals.add(f"{event.source}: {error}")
+        if isinstance(event, (*GROUP_EVENTS, *DESK_EVENTS)):
+            self._control(event)
             return
         if isinstance(event, CLOCK_EVENTS):
             self._tell_clock(event)
             return
         if isinstance(event, DIRECTIONS):
+            self.desk.notice(event)
             self.directions.act(event)
             return
         if isinstance(event, SCORE_EVENTS):
@@ -168,6 +170,20 @@ class Show:
                 self.blackout = event.on
             case events.TicksSkipped():
                 self.time += event.count * TICK
+                self.desk.tick(self.timeline, event.count)
+
+    def _control(self, event: ControlEvent) -> None:
+        """What groups do on the floor, and what the desk says."""
+        changes: list[ControlEvent] = []
+        try:
+            if isinstance(event, DESK_EVENTS):
+                changes = self.desk.act(event, timeline=self.timeline, danced=self.danced)
+            else:
+                self._controls.act(event, time=self.time, timeline=self.timeline, span=self.span)
+        except PersonError as error:
+            self.refusals.add(f"{event.source}: {error}")
+        for change in changes:
+            self._act_on(change)
 
     def _tell_prompter(self, event: ControlEvent) -> None:
         """A signal is given, or the score goes elsewhere: what of the coming measure can still be planned anew is."""
@@ -250,6 +266,7 @@ class Show:
             self._fire((self.span.number + 1) * self.patch.clock.beats_per_measure)
             self._cross_measure_line(time)
             crossed = True
+        self.desk.tick(self.timeline)
         self._fire(self.danced)
         if self.reloading.due(self.span.number) and self.scheduler.plan_anew(self.span, self.timeline, time):
             self._take_patch()
@@ -269,7 +286,7 @@ class Show:
     def _fire(self, danced: float) -> None:
         """What waits for a beat up to `danced` happens, and what that calls at once."""
         for _ in range(CALLS_IN_TURN):
-            due = self.prompter.agenda.fire(danced)
+            due = [*self.prompter.agenda.fire(danced), *self.desk.fire(danced, self.time)]
             for event in due:
                 self._act_on(event)
             if not due:
@@ -285,7 +302,7 @@ class Show:
         self._take_patch()
         self.span = self.span.next(self.timeline)
         self._begin_measure(line)
-        for change in self.reactions.cross_measure_line(time):
+        for change in (*self.reactions.cross_measure_line(time), *self.desk.begin_measure(self.danced)):
             self._act_on(change)
 
     def _begin_measure(self, beat: float) -> None:

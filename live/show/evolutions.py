@@ -1,5 +1,6 @@
 """Evolutions: the formations and segments of a show, from its score or asked for live (T085-T089, T095-T103)."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final
 
@@ -15,7 +16,7 @@ from live.agents.wants import Wants
 from live.base.errors import PersonError, named
 from live.control import events
 from live.show.casting import Casting
-from live.show.formations import Formations
+from live.show.formations import Formations, NamedFormation
 from live.show.patch import Patch
 from live.show.score import Score
 from live.show.score_claims import Claims, check_regroups, check_segments
@@ -45,7 +46,7 @@ class Evolutions:
         half = (patch.stage.width / 2, patch.stage.depth / 2)
         self._beats = patch.clock.beats_per_measure
         self._plan = Plan(casting.roster, Repertoire(), measure_beats=self._beats, half=half, radius=radius, seed=seed)
-        self._added = -1
+        self._added = self._measure = -1
         self._of_line: list[Segment] = []
         self._next, self._fresh = 0, False  # the measure after this one, and whether this one has just begun
         self._heading: Float64 | None = None  # as dancers faced at the line, until the next measure is looked at
@@ -136,6 +137,7 @@ class Evolutions:
 
     def begin_measure(self, measure: int, position: Float32, heading: Float64, available: Bool) -> None:
         """The segments of `measure` (from 0) begin, from where the dancers `available` (A,) are now."""
+        self._measure = measure
         if measure < 0:
             return
         self._plan.available = available
@@ -169,7 +171,22 @@ class Evolutions:
 
     def define(self, event: events.DefineFormation, *, measure: int) -> None:
         """Make or change a formation by name, within `measure`; whoever is in it goes to its new places (T087)."""
-        formation = self._formations.define(event.name, event.formation)
+        self._take(self._formations.define(event.name, event.formation), measure)
+
+    @property
+    def formations(self) -> dict[str, NamedFormation]:
+        """All formations that have a name, by it."""
+        return self._formations.named
+
+    def restore(self, formations: Mapping[str, NamedFormation | None]) -> None:
+        """Formations by name are those of before again; None: there is none of that name any more."""
+        for name, formation in formations.items():
+            self._formations.restore(name, formation)
+            if formation is not None:
+                self._take(formation, self._measure)
+
+    def _take(self, formation: NamedFormation, measure: int) -> None:
+        """Whoever is in the formation of this name goes to its new places, from `measure` + 1 on."""
         self._plan.repertoire = self._plan.repertoire.with_formation(formation)
         self._move_to(formation.name, measure + 1)
 

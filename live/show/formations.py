@@ -131,6 +131,19 @@ class Formations:
         }
         return edited
 
+    @property
+    def named(self) -> dict[str, NamedFormation]:
+        """All that have a name, by it, folded."""
+        return dict(self._named)
+
+    def restore(self, name: str, formation: NamedFormation | None) -> None:
+        """The formation of this folded name shall be this one, as it was made before; None: there shall be none."""
+        if formation is None:
+            self._named.pop(name, None)
+        else:
+            formation.half = self._half
+            self._named[name] = formation
+
     def fit(self, half: Float64 | None) -> bool:
         """Let all fit a stage of these half sizes [m], (2,), or (None) be as they were made; False: they are."""
         if half is None and self._half is None:

@@ -56,7 +56,7 @@ LOST_S: Final = 2.0
 """A real dancer of whom nothing is heard for so long [s] has left."""
 FASTEST: Final = 6.0
 """Nobody dances faster than this [m/s]: such leaps are faults of the tracking."""
-_PERFORMER: Final = "performer "
+PERFORMER: Final = "performer "
 """Real dancers' names among the obstacles begin so."""
 
 
@@ -321,9 +321,9 @@ class GroupMotion:
             view.obstacle[: view.obstacle_count, 3] = 1.0
         if self._performers:
             for row, name in enumerate(around.obstacle_names[: view.obstacle_count]):
-                view.obstacle[row, 3] = not name.startswith(_PERFORMER)
+                view.obstacle[row, 3] = not name.startswith(PERFORMER)
 
 
 def _performer(name: str) -> str:
     """The name of a real dancer among the obstacles: no item of the set is called so."""
-    return _PERFORMER + name
+    return PERFORMER + name

@@ -46,6 +46,11 @@ class Headings:
             if old.facing != new.facing:
                 self._facing[index] = fresh._facing[index]
 
+    @property
+    def facings(self) -> tuple[Facing, ...]:
+        """Where each group looks."""
+        return tuple(self._facing)
+
     def set(self, group: int, facing: Facing) -> None:
         """The dancers of that group look there from their next decided measure on."""
         self._facing[group] = facing

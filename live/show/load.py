@@ -10,16 +10,15 @@ from typing import Any, Final
 import numpy as np
 
 from live.base.errors import PersonError
-from live.base.stage_view import Camera, Look, Scene
 from live.graph.library import StepLibrary, build_library
 from live.graph.metric.weights import Metric
 from live.graph.motion_graph import MotionGraph, build_graph
-from live.motion.skeleton import JOINT_COUNT
 from live.motion.step_clip import StepClip
 from live.show.core import Show
 from live.show.patch import Patch
 from live.show.patch_file import PATCHES, find_beside, read_sources
 from live.show.programme_steps import UnknownStep
+from live.show.scene_of import scene_of as scene_of
 from live.show.sections.group import parse_entry
 from live.show.toml_file import field_words
 from live.show.toml_sources import TomlSources
@@ -224,20 +223,3 @@ def library_hash(library: StepLibrary) -> str:
         facts = (clip.step, clip.mirrored, clip.leading_foot, clip.begin_pose, clip.end_pose, clip.weight_transfer)
         digest.update(repr(facts).encode())
     return digest.hexdigest()
-
-
-def scene_of(patch: Patch) -> Scene:
-    """What the renderer must know of a patch."""
-    look = {key: value for key, value in patch.look.model_dump().items() if value is not None}
-    defaults = Look()
-    colours = tuple(
-        group.colour if group.colour is not None else defaults.group_colours[i % len(defaults.group_colours)]
-        for i, group in enumerate(patch.group)
-    )
-    return Scene(
-        stage_size=(patch.stage.width, patch.stage.depth),
-        camera=Camera(patch.camera.eye, patch.camera.target, patch.camera.field_of_view_deg),
-        look=Look(**look, group_colours=colours),
-        dancer_count=patch.dancer_count,
-        joint_count=JOINT_COUNT,
-    )

@@ -8,7 +8,9 @@ from typing import Annotated
 from pydantic import Field, model_validator
 
 from live.base.errors import PersonError
+from live.show.cue_check import check_cues
 from live.show.score_check import check_score
+from live.show.sections.cue import CueSection
 from live.show.sections.element import ElementSection
 from live.show.sections.facing import parse_facing
 from live.show.sections.group import GroupSection
@@ -18,6 +20,7 @@ from live.show.sections.midi import MidiSection
 from live.show.sections.motion import LocomotionSection, MotionSection
 from live.show.sections.music import ClockSection, MusicSection, SoundSection
 from live.show.sections.react import ReactSection
+from live.show.sections.scene import NamedLookSection, SceneSection, ViewSection
 from live.show.sections.score import AtSection, ScoreSection, SignalSection
 from live.show.sections.section import Amiss, Name, Section
 from live.show.sections.segment import FormationTable, RegroupSection, SegmentSection
@@ -58,6 +61,10 @@ class Patch(Section):
     obstacle: Annotated[tuple[ObstacleSection, ...], Field(max_length=64)] = ()
     camera: CameraSection = CameraSection()
     look: LookSection = LookSection()
+    view: Annotated[tuple[ViewSection, ...], Field(max_length=200)] = ()
+    looks: Annotated[tuple[NamedLookSection, ...], Field(max_length=200)] = ()
+    scene: Annotated[tuple[SceneSection, ...], Field(max_length=1000)] = ()
+    cue: Annotated[tuple[CueSection, ...], Field(max_length=2000)] = ()
     locomotion: LocomotionSection = LocomotionSection()
     motion: MotionSection = MotionSection()
     react: Annotated[tuple[ReactSection, ...], Field(max_length=64)] = ()
@@ -141,16 +148,23 @@ class Patch(Section):
         return self
 
     @model_validator(mode="after")
+    def _cues_lead_somewhere(self) -> "Patch":
+        check_cues(self)
+        return self
+
+    @model_validator(mode="after")
     def _names_differ(self) -> "Patch":
         formations = [str(table["name"]) for table in self.formation]
         things = {"group": [group.name for group in self.group], "formation": formations}
+        things |= {"view": [view.name for view in self.view], "looks": [look.name for look in self.looks]}
+        things |= {"scene": [scene.name for scene in self.scene], "cue": [cue.name for cue in self.cue]}
         things |= {"gate": [gate.name for gate in self.gate], "obstacle": [item.name for item in self.obstacle]}
         for what, names in things.items():
             known: set[str] = set()
             for index, name in enumerate(names):
                 folded = name.casefold().strip()
                 if folded in known:
-                    words = f"two {what}s are called {name[:60]!r}: give each its own name"
+                    words = f"two {what.removesuffix('s')}s are called {name[:60]!r}: give each its own name"
                     raise Amiss(words, what, index, "name")
                 known.add(folded)
         return self

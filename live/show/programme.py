@@ -103,6 +103,11 @@ class GroupProgramme:
         self._call, self._live = None, list(wanted)
         self._slot, self._into = 0, 0
 
+    @property
+    def live(self) -> tuple[Wanted, ...]:
+        """The sequence that was set live; empty: none."""
+        return tuple(self._live)
+
     def release(self) -> None:
         """Forget a called step and a sequence set live: the patch's own begins anew."""
         self._call = None

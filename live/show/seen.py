@@ -7,6 +7,7 @@ from live.base.stage_view import StageView
 from live.clock.timeline import Timeline
 from live.motion.skeleton import JOINT_COUNT
 from live.show.dancers import Dancers
+from live.show.desk import Desk
 from live.show.group_motion import GroupMotion
 from live.show.measure import MeasureSpan
 from live.show.state_hash import hash_of
@@ -17,13 +18,15 @@ Int32 = npt.NDArray[np.int32]
 class Seen:
     """Reads the dancers and agents of one show, and changes nothing."""
 
-    def __init__(self, dancers: Dancers, motion: GroupMotion, group: Int32) -> None:
+    def __init__(self, dancers: Dancers, motion: GroupMotion, group: Int32, desk: Desk) -> None:
         """`group` (A,) is shared with the show."""
-        self._dancers, self._motion, self._group = dancers, motion, group
+        self._dancers, self._motion, self._group, self._desk = dancers, motion, group, desk
 
     def view(self) -> StageView:
         """An empty drawing snapshot of the right size, to be filled each frame."""
-        return StageView.allocate(len(self._group), JOINT_COUNT)
+        view = StageView.allocate(len(self._group), JOINT_COUNT)
+        view.picture = self._desk.parameters.picture.copy()
+        return view
 
     def fill(
         self, view: StageView, time: float, timeline: Timeline, span: MeasureSpan, *, tempo: float, brightness: float
@@ -40,6 +43,10 @@ class Seen:
         view.measure, view.beats_per_measure = span.number, timeline.beats_per_measure
         view.phase = fraction * timeline.beats_per_measure
         view.brightness = brightness
+        counted = self._desk.cues.count_in(span.danced(beat, self._desk.beats))
+        view.count_in = 0.0 if counted is None else max(counted[0], 0.0)
+        if view.picture is not None:
+            view.picture[:] = self._desk.parameters.picture
 
     def state_hash(self, time: float, timeline: Timeline, span: MeasureSpan, *, brightness: float) -> str:
         """A short hash over every bit of the agents' and dancers' states and the poses at the tick of `time` [s]."""
@@ -51,4 +58,5 @@ class Seen:
             *dancers.pose(span.fraction(beat), time),
             motion.floor.half, motion.floor.border,
             np.array([beat, timeline.tempo, brightness]),
+            *self._desk.hashed(),
         )  # fmt: skip

@@ -121,15 +121,16 @@ class Status:
             "why": show.why(),
             **show.prompter.facts(),
             "agenda": show.prompter.agenda.figures(),
+            **show.desk.facts(show.danced),
             **{key: tell() for key, tell in self.more.items()},
         }
 
     def overlay(self, time: float) -> tuple[str, ...]:
-        """The operator's lines on the picture, made anew four times a second."""
+        """The operator's lines on the picture, made anew four times a second; those of cues count every beat."""
         if time >= self._overlay_until:
             self._overlay_until = time + 0.25
             self._overlay = self._overlay_lines(time)
-        return self._overlay
+        return (*self._show.desk.words(self._show.danced), *self._overlay)
 
     def _overlay_lines(self, time: float) -> tuple[str, ...]:
         s = self.snapshot(time)

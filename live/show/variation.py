@@ -233,6 +233,16 @@ class Variation:
         self._varieties[group] = replace(self._varieties[group], **{name: value})
         self.regrouped()
 
+    @property
+    def varieties(self) -> list[Variety]:
+        """What each group wants now."""
+        return list(self._varieties)
+
+    def take(self, varieties: list[Variety]) -> None:
+        """Set all fields of all groups; they act on what is drawn from now on."""
+        self._varieties[:] = varieties
+        self.regrouped()
+
     def draw(self, measure: int, danced: Danced) -> None:
         """Vary the measure numbered `measure` (from 0), whose nodes are chosen already."""
         count = len(self._group)

@@ -37,8 +37,8 @@ def desk():
     inbox = Inbox()
     session = SimpleNamespace(
         inbox=inbox,
-        engine=SimpleNamespace(overlay=False),
-        show=SimpleNamespace(blackout=False, follower=SimpleNamespace(held=False)),
+        engine=SimpleNamespace(overlay=False, view=SimpleNamespace(picture=None)),
+        show=SimpleNamespace(blackout=False, follower=SimpleNamespace(held=False), desk=SimpleNamespace(held=False)),
         status=SimpleNamespace(tool=""),
         loaded=SimpleNamespace(patch=SimpleNamespace(formation=({"name": "wedge"}, {"name": "star"}))),
     )

@@ -334,6 +334,44 @@ def clock_and_sound_controls():
     }
 
 
+def scene_controls():
+    """What light desk and stage manager say."""
+
+    def picture(parameter, *numbers, **others):
+        return events.SetPicture(parameter=parameter, **dict(zip("xyz", numbers, strict=False)), **others, **STAMP)
+
+    sent = {
+        "/dance/light/level": (["f", "0.5"], picture("/dance/light/level", 0.5)),
+        "/dance/light/key": (["ff", "2", "4"], picture("/dance/light/key", 2.0, measures=4.0)),
+        "/dance/light/key/direction": (["fff", "0", "-1", "0"], picture("/dance/light/key/direction", 0.0, -1.0, 0.0)),
+        "/dance/camera/field_of_view": (["i", "60"], picture("/dance/camera/field_of_view", 60.0)),
+        "/dance/group/colour": (
+            ["fffsf", "1", "0.5", "0", "tide", "2"],
+            picture("/dance/group/colour", 1.0, 0.5, 0.0, group="tide", measures=2.0),
+        ),
+    }
+    for name, value in (("rim", 2.0), ("ambient", 0.5), ("haze", 0.25), ("saturation", 0.0)):
+        sent[f"/dance/light/{name}"] = (["d", str(value)], picture(f"/dance/light/{name}", value))
+    for name in ("light/key/colour", "light/rim/colour", "light/ambient/colour", "light/background", "light/floor"):
+        sent[f"/dance/{name}"] = (["fff", "1", "0.5", "0"], picture(f"/dance/{name}", 1.0, 0.5, 0.0))
+    for name in ("eye", "target"):
+        sent[f"/dance/camera/{name}"] = (["fff", "1", "2.5", "-3"], picture(f"/dance/camera/{name}", 1.0, 2.5, -3.0))
+    return sent | {
+        "/dance/camera": (["sf", "side", "2"], events.RecallView(name="side", measures=2.0, **STAMP)),
+        "/dance/look": (["s", "dusk"], events.RecallLook(name="dusk", **STAMP)),
+        "/dance/scene": (["si", "finale", "0"], events.RecallScene(name="finale", measures=0.0, **STAMP)),
+        "/dance/scene/store": (["s", "mine"], events.StoreScene(name="mine", **STAMP)),
+        "/dance/go": (["i", "1"], events.Go(**STAMP)),
+        "/dance/cue": (["s", "12.5"], events.GiveCue(name="12.5", **STAMP)),
+        "/dance/standby": (["s", "finale"], events.StandBy(name="finale", **STAMP)),
+        "/dance/back": ([], events.StepBack(**STAMP)),
+        "/dance/panic": ([], events.Panic(**STAMP)),
+        "/dance/hold": (["T"], events.HoldShow(on=True, **STAMP)),
+        "/dance/undo": ([], events.Undo(**STAMP)),
+        "/dance/redo": ([], events.Redo(**STAMP)),
+    }
+
+
 def group_controls():
     """What is sent to each control of elements and group motion, and the event that comes of it."""
 
@@ -442,6 +480,7 @@ def test_liblos_oscsend_sends_every_control(stage):
         "/dance/blackout": (["T"], events.Blackout(on=True, **STAMP)),
         "/dance/ping": ([], None),
         **group_controls(),
+        **scene_controls(),
     }
     assert set(sent) == {control.address for control in REGISTRY}
     for count, (address, (arguments, event)) in enumerate(sent.items(), start=1):

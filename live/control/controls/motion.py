@@ -67,6 +67,8 @@ _MOTION: Final = (
     ),
 )  # fmt: skip
 """Address, parameter of SetMotion, its argument, description."""
+MOTION_PARAMETERS: Final = {address: (parameter, argument) for address, parameter, argument, _ in _MOTION}
+"""Parameter of SetMotion and its argument by address."""
 
 
 def _why(*, time: float, source: str, dancer: float) -> ControlEvent:

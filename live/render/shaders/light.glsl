@@ -18,7 +18,7 @@ vec3 lit(vec3 place, vec3 n, vec3 albedo, float sheen, float openness) {
 
     vec3 light = key_light.rgb * (key * pool * 1.45 * (0.45 + 0.55 * openness));
     light += rim_light.rgb * (rim * (0.30 + edge));
-    light += (rim_light.rgb * 0.35 + 0.12) * (rim_light.w * (0.8 + 0.5 * n.y) * openness);
+    light += ambient.rgb * (rim_light.rgb * 0.35 + 0.12) * (rim_light.w * (0.8 + 0.5 * n.y) * openness);
     float below = (0.5 - 0.5 * n.y) / (1.0 + 1.4 * height);
     light += key_light.rgb * floor_colour.rgb * (pool * 2.0 * below);
     vec3 glow = texture(floor_map, place.xz / (2.0 * stage.zw) + 0.5).rgb;

@@ -25,7 +25,9 @@ vec3 resized(vec3 colour, vec2 place) {
 }
 
 void main() {
-    vec4 kept = texelFetch(backdrop, ivec2(gl_FragCoord.xy), 0);
+    // while light or camera move it may be smaller than the picture
+    vec4 kept = textureSize(backdrop, 0).x == int(picture.x) ? texelFetch(backdrop, ivec2(gl_FragCoord.xy), 0)
+                                                             : texture(backdrop, at);
     vec3 colour = kept.rgb;
 #if FLOOR
     vec2 place = eye.xz - ray.xz * (eye.y / min(ray.y, -1e-3));

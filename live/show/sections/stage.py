@@ -91,9 +91,27 @@ class LookSection(Section):
     """Colour of the floor."""
     key_light: Colour | None = None
     """Colour of the light from the front, which casts the shadows."""
+    key: Annotated[float, Field(ge=0, le=4)] | None = None
+    """Strength of the light from the front; 1 is usual."""
+    key_direction: tuple[Far, Far, Far] | None = None
+    """Where it goes: x, y (up), z."""
     rim_light: Colour | None = None
     """Colour of the light from behind."""
+    rim: Annotated[float, Field(ge=0, le=4)] | None = None
+    """Strength of the light from behind; 1 is usual."""
     ambient: Share | None = None
     """Strength of the light from everywhere."""
+    ambient_colour: Colour | None = None
+    """Tint of the light from everywhere."""
+    level: Annotated[float, Field(ge=0, le=2)] | None = None
+    """All light together; 1 is usual."""
+    saturation: Annotated[float, Field(ge=0, le=2)] | None = None
+    """How colourful all is; 0 is black and white."""
     haze: Annotated[float, Field(ge=0, le=1)] | None = None
     """How fast the depth of the stage fades [1/m]."""
+
+    @model_validator(mode="after")
+    def _light_goes_somewhere(self) -> "LookSection":
+        if self.key_direction is not None and max(map(abs, self.key_direction)) < 1e-3:
+            raise ValueError("key_direction is [0, 0, 0]: the light goes nowhere")
+        return self

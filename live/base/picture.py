@@ -1,0 +1,149 @@
+"""The picture's parameters: light, colours and camera as one row of numbers that may change while a show runs.
+
+One table says all of them, with address, range, start value and unit: controls, scenes, fades, the reference and the
+renderer are made from it. A new one is a new line here, and a use in the renderer. Colours are linear RGB.
+"""
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.stage_view import Camera, Look, Scene
+
+Float64 = npt.NDArray[np.float64]
+Kind = Literal["number", "colour", "place"]
+
+GROUPS: Final = 16
+"""Groups that have a colour of their own."""
+COLOUR_OF_GROUP: Final = "/dance/group/colour"
+
+
+@dataclass(frozen=True, slots=True)
+class PictureParameter:
+    """One parameter: a number, a colour (r, g, b) or a place or direction (x, y, z)."""
+
+    address: str
+    kind: Kind
+    low: float
+    high: float
+    start: tuple[float, ...]
+    """Where it is if patch and scene say nothing."""
+    unit: str
+    words: str
+    first: int
+    """Where its first number lies in the row."""
+
+    @property
+    def size(self) -> int:
+        """How many numbers it has."""
+        return 1 if self.kind == "number" else 3
+
+    @property
+    def where(self) -> slice:
+        """Its numbers in the row."""
+        return slice(self.first, self.first + self.size)
+
+
+_LOOK: Final = Look()
+_CAMERA: Final = Camera()
+_Line = tuple[str, Kind, float, float, tuple[float, ...], str, str]
+_LINES: Final[tuple[_Line, ...]] = (
+    ("/dance/light/level", "number", 0, 2, (1.0,), "", "All light together; 1 is the usual light, 0 is dark."),
+    ("/dance/light/key", "number", 0, 4, (1.0,), "", "Strength of the light from the front, which casts the shadows."),
+    ("/dance/light/key/colour", "colour", 0, 1, _LOOK.key_light, "", "Colour of the light from the front."),
+    (
+        "/dance/light/key/direction", "place", -100, 100, _LOOK.key_direction, "",
+        "Where the light from the front goes: x, y (up), z; its length means nothing.",
+    ),
+    ("/dance/light/rim", "number", 0, 4, (1.0,), "", "Strength of the light from behind, and of its beams."),
+    ("/dance/light/rim/colour", "colour", 0, 1, _LOOK.rim_light, "", "Colour of the light from behind."),
+    ("/dance/light/ambient", "number", 0, 1, (_LOOK.ambient,), "", "Strength of the light from everywhere."),
+    ("/dance/light/ambient/colour", "colour", 0, 1, (1.0, 1.0, 1.0), "", "Tint of the light from everywhere."),
+    ("/dance/light/haze", "number", 0, 1, (_LOOK.haze,), "1/m", "How fast the depth of the stage fades."),
+    ("/dance/light/background", "colour", 0, 1, _LOOK.background, "", "Colour of the dark behind the stage."),
+    ("/dance/light/floor", "colour", 0, 1, _LOOK.floor, "", "Colour of the floor."),
+    ("/dance/light/saturation", "number", 0, 2, (1.0,), "", "How colourful all is; 0 is black and white."),
+    ("/dance/camera/eye", "place", -1000, 1000, _CAMERA.eye, "m", "Where the camera stands: x, y (up), z."),
+    ("/dance/camera/target", "place", -1000, 1000, _CAMERA.target, "m", "What the camera looks at: x, y (up), z."),
+    (
+        "/dance/camera/field_of_view", "number", 5, 120, (_CAMERA.field_of_view_deg,), "degrees",
+        "The camera's vertical angle of view.",
+    ),
+)  # fmt: skip
+
+
+def _laid_out() -> tuple[PictureParameter, ...]:
+    first, table = 0, []
+    for address, kind, low, high, start, unit, words in _LINES:
+        table.append(PictureParameter(address, kind, low, high, start, unit, words, first))
+        first += table[-1].size
+    return tuple(table)
+
+
+PARAMETERS: Final = _laid_out()
+"""All of them but the groups' colours, in the order of the row."""
+BY_ADDRESS: Final = {parameter.address: parameter for parameter in PARAMETERS}
+COLOURS: Final = PARAMETERS[-1].first + PARAMETERS[-1].size
+"""Where the groups' colours begin, three numbers for each."""
+SIZE: Final = COLOURS + 3 * GROUPS
+"""Numbers of the row."""
+
+
+def colour_of_group(group: int) -> PictureParameter:
+    """The colour of a group, by its index below `GROUPS`."""
+    words = "Colour of the clothes of a group."
+    return PictureParameter(COLOUR_OF_GROUP, "colour", 0, 1, (0.8, 0.8, 0.8), "", words, COLOURS + 3 * group)
+
+
+def _where(*addresses: str) -> npt.NDArray[np.intp]:
+    return np.concatenate([np.arange(SIZE)[BY_ADDRESS[address].where] for address in addresses])
+
+
+EYE: Final = BY_ADDRESS["/dance/camera/eye"].where
+TARGET: Final = BY_ADDRESS["/dance/camera/target"].where
+FIELD_OF_VIEW: Final = BY_ADDRESS["/dance/camera/field_of_view"].first
+LEVEL: Final = BY_ADDRESS["/dance/light/level"].first
+CAMERA: Final = slice(EYE.start, FIELD_OF_VIEW + 1)
+"""The camera's numbers, which lie side by side."""
+STANDING: Final = _where(
+    "/dance/light/key", "/dance/light/key/colour", "/dance/light/rim", "/dance/light/rim/colour",
+    "/dance/light/haze", "/dance/light/background", "/dance/light/floor",
+    "/dance/camera/eye", "/dance/camera/target", "/dance/camera/field_of_view",
+)  # fmt: skip
+"""The numbers on which floor, back wall and light in the haze depend: what the renderer keeps while they stand."""
+
+
+def picture_of(scene: Scene) -> Float64:
+    """The row of a scene's camera and look, shape (SIZE,): float64, so that it is exactly what the scene says."""
+    row = np.zeros(SIZE)
+    look, camera = scene.look, scene.camera
+    said: dict[str, float | tuple[float, float, float]] = {
+        "/dance/light/level": look.level,
+        "/dance/light/key": look.key,
+        "/dance/light/key/colour": look.key_light,
+        "/dance/light/key/direction": look.key_direction,
+        "/dance/light/rim": look.rim,
+        "/dance/light/rim/colour": look.rim_light,
+        "/dance/light/ambient": look.ambient,
+        "/dance/light/ambient/colour": look.ambient_colour,
+        "/dance/light/saturation": look.saturation,
+        "/dance/light/haze": look.haze,
+        "/dance/light/background": look.background,
+        "/dance/light/floor": look.floor,
+        "/dance/camera/eye": camera.eye,
+        "/dance/camera/target": camera.target,
+        "/dance/camera/field_of_view": camera.field_of_view_deg,
+    }
+    for parameter in PARAMETERS:
+        row[parameter.where] = said[parameter.address]
+    colours = look.group_colours or ((0.8, 0.8, 0.8),)
+    row[COLOURS:] = [value for group in range(GROUPS) for value in colours[group % len(colours)]]
+    return row
+
+
+def camera_of(row: Float64) -> Camera:
+    """The camera of a row."""
+    eye, target = row[EYE].tolist(), row[TARGET].tolist()
+    return Camera((eye[0], eye[1], eye[2]), (target[0], target[1], target[2]), float(row[FIELD_OF_VIEW]))

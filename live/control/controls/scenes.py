@@ -1,0 +1,61 @@
+"""Light, camera, looks and scenes: one control for every parameter of the picture, and what is recalled by name."""
+
+from collections.abc import Callable
+from typing import Final
+
+from live.base.picture import COLOUR_OF_GROUP, PARAMETERS, PictureParameter, colour_of_group
+from live.control import events
+from live.control.control import Argument, Control
+from live.control.controls.arguments import GROUP
+from live.control.events import ControlEvent
+
+_MEASURES: Final = Argument("measures", "float", "how long it takes; 0 is at once", "measures", 0, 1024, 0.0)
+_OWN: Final = Argument(
+    "measures", "float", "how long it takes; 0 is at once, -1 as long as it says itself", "measures", -1, 1024, -1.0
+)
+_NAMES: Final = {
+    "number": (("x", "how much"),),
+    "colour": (("x", "red, linear"), ("y", "green, linear"), ("z", "blue, linear")),
+    "place": (("x", "to the right as the audience sees it"), ("y", "up"), ("z", "towards the audience")),
+}
+
+
+def _set(address: str) -> Callable[..., ControlEvent]:
+    def make(*, time: float, source: str, **others: float | str) -> ControlEvent:
+        return events.SetPicture(time=time, source=source, parameter=address, **others)  # type: ignore[arg-type]
+
+    return make
+
+
+def _control(known: PictureParameter) -> Control:
+    values = tuple(
+        Argument(name, "float", words, known.unit, known.low, known.high) for name, words in _NAMES[known.kind]
+    )
+    group = (GROUP,) if known.address == COLOUR_OF_GROUP else ()
+    return Control(known.address, _set(known.address), (*values, *group, _MEASURES), known.words, "operator")
+
+
+SCENE_CONTROLS: Final = (
+    *map(_control, (*PARAMETERS, colour_of_group(0))),
+    Control(
+        "/dance/camera", events.RecallView,
+        (Argument("name", "name", "a [[view]] of the patch; `start` is its [camera]"), _MEASURES),
+        "Cuts or moves to another camera.", "operator",
+    ),
+    Control(
+        "/dance/look", events.RecallLook,
+        (Argument("name", "name", "one of the patch's [[looks]]; `start` is its [look]"), _OWN),
+        "Changes the light to a look.", "operator",
+    ),
+    Control(
+        "/dance/scene", events.RecallScene,
+        (Argument("name", "name", "a [[scene]] of the patch or one stored live; `start` is the patch itself"), _OWN),
+        "Recalls a scene with a cross-fade.", "operator",
+    ),
+    Control(
+        "/dance/scene/store", events.StoreScene,
+        (Argument("name", "name", "what the scene shall be called; one of this name is replaced"),),
+        "Keeps all parameters as they are now, as a scene of this show.", "operator",
+    ),
+)  # fmt: skip
+"""The addresses under /dance/light and /dance/camera, the groups' colours, looks and scenes."""

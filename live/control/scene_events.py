@@ -1,0 +1,53 @@
+"""Events about the picture, and what is recalled by name: light, camera, looks, scenes."""
+
+from dataclasses import dataclass
+
+from live.control.event import ControlEvent
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SetPicture(ControlEvent):
+    """A parameter of the picture goes to a new value: a number, a colour or a place (`live.base.picture`)."""
+
+    parameter: str
+    """Its address."""
+    x: float
+    y: float = 0.0
+    z: float = 0.0
+    """The second and third number of a colour or place."""
+    measures: float = 0.0
+    group: str = "*"
+    """Whose colour it is."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecallView(ControlEvent):
+    """The camera goes to a view of the patch; a cut if it takes no time."""
+
+    name: str
+    measures: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecallLook(ControlEvent):
+    """The light changes to a look of the patch."""
+
+    name: str
+    measures: float = -1.0
+    """Below 0: as many as the look says."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecallScene(ControlEvent):
+    """Everything that a scene holds goes to its value there."""
+
+    name: str
+    measures: float = -1.0
+    """Below 0: as many as the scene says."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StoreScene(ControlEvent):
+    """A scene of this name keeps where everything is, or is going, now."""
+
+    name: str

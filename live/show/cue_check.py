@@ -1,0 +1,50 @@
+"""What scenes and cues of a patch name is there: looked at before anything plays."""
+
+from typing import TYPE_CHECKING, Final
+
+from live.show.parameter_table import LOOK, VIEW, split
+from live.show.sections.section import Amiss
+
+if TYPE_CHECKING:
+    from live.show.patch import Patch
+
+START: Final = "start"
+"""The view, look and scene that every patch has: what it begins with."""
+
+
+def check_cues(patch: "Patch") -> None:
+    """Amiss for a scene or cue of the patch that names what is not there, and for a scene recalled by the score."""
+    _check_scenes(patch)
+    scenes = {_folded(scene.name) for scene in patch.scene} | {START}
+    sections = {_folded(section.name) for section in patch.section}
+    for number, cue in enumerate(patch.cue):
+        if cue.scene is not None and _folded(cue.scene) not in scenes:
+            raise Amiss(f"cue {cue.name!r}: no scene is called {cue.scene!r}", "cue", number, "scene")
+        if cue.section is not None and _folded(cue.section) not in sections:
+            raise Amiss(f"cue {cue.name!r}: no section is called {cue.section!r}", "cue", number, "section")
+        if cue.when == "section" and not sections:
+            words = f'cue {cue.name!r}: when = "section", but the patch has no [[section]]'
+            raise Amiss(words, "cue", number, "when")
+    for number, at in enumerate(patch.at):
+        if at.scene is not None and _folded(at.scene) not in scenes:
+            words = f"at measure {at.measure}, beat {at.beat:g}: no scene is called {at.scene!r}"
+            raise Amiss(words, "at", number, "scene")
+
+
+def _check_scenes(patch: "Patch") -> None:
+    groups = {_folded(group.name) for group in patch.group}
+    named = {VIEW: {_folded(view.name) for view in patch.view} | {START}}
+    named |= {LOOK: {_folded(look.name) for look in patch.looks} | {START}}
+    for number, scene in enumerate(patch.scene):
+        for key, value in scene.set.items():
+            address, group = split(key)
+            if group != "*" and _folded(group) not in groups:
+                words = f"scene {scene.name!r}: {key!r}: no group is called {group!r}"
+                raise Amiss(words, "scene", number, "set", key)
+            if address in named and _folded(str(value)) not in named[address]:
+                words = f"scene {scene.name!r}: {key!r}: nothing is called {value!r}"
+                raise Amiss(words, "scene", number, "set", key)
+
+
+def _folded(name: str) -> str:
+    return name.casefold().strip()

@@ -1,0 +1,147 @@
+"""Desk: what light desk and stage manager have in a show: parameters and their fades, scenes, cues, panic, undo."""
+
+import math
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.picture import picture_of
+from live.clock.ticks import TICK
+from live.clock.timeline import Timeline
+from live.control import events
+from live.control.events import ControlEvent
+from live.show.cues import Cues
+from live.show.edited_parts import parts_of
+from live.show.edits import Edits
+from live.show.group_motion import GroupMotion
+from live.show.parameter_table import FIELDS, ParameterTable
+from live.show.parameters import Parameters
+from live.show.patch import Patch
+from live.show.playhead import Playhead
+from live.show.scene_of import scene_of
+from live.show.scenes import SCENE_EVENTS, Scenes
+from live.show.scheduler import Scheduler
+from live.show.variation import Variation
+
+DESK_EVENTS: Final = (
+    *SCENE_EVENTS, events.Go, events.GiveCue, events.StandBy, events.StepBack, events.Panic, events.HoldShow,
+    events.Undo, events.Redo,
+)  # fmt: skip
+"""The events that `act` takes."""
+CALM: Final = 2.0
+"""Beats in which the patch's own light comes back when somebody panics."""
+
+
+class Desk:
+    """The desk of one show. What it says the show does it returns as events. Thread: the show's."""
+
+    def __init__(
+        self, patch: Patch, playhead: Playhead, motion: GroupMotion, scheduler: Scheduler, variation: Variation
+    ) -> None:
+        """PersonError for a scene that names what is not there."""
+        table = ParameterTable([section.name for section in patch.group])
+        self.parameters = Parameters(table, picture_of(scene_of(patch)), variation)
+        self.scenes = Scenes(patch, self.parameters)
+        self.cues = Cues(patch.cue, playhead, beats=patch.clock.beats_per_measure)
+        self.edits = Edits(parts_of(self.parameters, self.scenes, self.cues, motion, scheduler, variation))
+        self.beats = patch.clock.beats_per_measure
+        """Beats of a danced measure."""
+        self.held = False
+        """Whether cues and score stand still; `parameters.held` says it of fades."""
+
+    # -- events ------------------------------------------------------------------------------------------------
+
+    def act(self, event: ControlEvent, *, timeline: Timeline, danced: float) -> list[ControlEvent]:
+        """Let an event of `DESK_EVENTS` act at the danced beat; PersonError if it asks for what is not there."""
+        match event:
+            case events.Go():
+                return [*self._let_go(event, danced), *self.cues.go(event, danced)]
+            case events.GiveCue():
+                return [*self._let_go(event, danced), *self.cues.give(event.name, danced)]
+            case events.StandBy():
+                self.cues.stand_by(event.name)
+            case events.StepBack():
+                return self.cues.back()
+            case events.Panic():
+                return self._panic(event)
+            case events.HoldShow():
+                return self._hold(event) if event.on else self._let_go(event, danced)
+            case events.Undo():
+                self.edits.undo()
+            case events.Redo():
+                self.edits.redo()
+            case _:
+                self.scenes.act(event, beats_per_measure=float(timeline.beats_per_measure))
+        return []
+
+    def _panic(self, event: ControlEvent) -> list[ControlEvent]:
+        self.cues.stop()
+        self.parameters.held = False
+        self.parameters.reset(beats=CALM)
+        self.held = True
+        time, source = event.time, event.source
+        return [events.Clear(time=time, source=source), events.HoldScore(time=time, source=source, on=True)]
+
+    def _hold(self, event: ControlEvent) -> list[ControlEvent]:
+        self.held = self.parameters.held = True
+        return [events.HoldScore(time=event.time, source=event.source, on=True)]
+
+    def _let_go(self, event: ControlEvent, danced: float) -> list[ControlEvent]:
+        if not self.held:
+            return []
+        self.held = self.parameters.held = False
+        self.cues.let_go(danced)
+        return [events.HoldScore(time=event.time, source=event.source, on=False)]
+
+    def notice(self, event: ControlEvent) -> None:
+        """Take note of an event that others act on: who sets a value by hand takes it out of its fade."""
+        if isinstance(event, events.SetMotion) and event.parameter in FIELDS:
+            everybody = event.group in ("", "*")
+            known = self.parameters.table
+            groups = known.groups if everybody or not known.has(event.group) else [known.group(event.group)]
+            self.parameters.told(event.parameter, groups)
+
+    # -- time --------------------------------------------------------------------------------------------------
+
+    def tick(self, timeline: Timeline, ticks: int = 1) -> None:
+        """So many ticks have passed."""
+        self.parameters.tick(ticks * TICK * timeline.tempo / 60.0)
+
+    def fire(self, danced: float, time: float) -> list[ControlEvent]:
+        """What cues bring by the danced beat, at `time` [s]."""
+        return [] if self.held else self.cues.fire(danced, time)
+
+    def begin_measure(self, danced: float) -> list[ControlEvent]:
+        """A measure has begun."""
+        return [] if self.held else self.cues.begin_measure(danced)
+
+    # -- what is told --------------------------------------------------------------------------------------------
+
+    def hashed(self) -> tuple[npt.NDArray[np.float64], ...]:
+        """What belongs to the state of the show; nothing until somebody has used the desk."""
+        used = self.parameters.touched or self.cues.state() != [0, -1] or self.held
+        return (self.parameters.value, np.array([self.held, *self.cues.state()], np.float64)) if used else ()
+
+    def words(self, danced: float) -> tuple[str, ...]:
+        """The overlay's lines on cues; none in a show without any."""
+        facts = self.cues.facts(danced)
+        lines = ["HELD: score, fades and cues stand still"] if self.held else []
+        counted = self.cues.count_in(danced)
+        if counted is not None:
+            beats = f"{max(math.ceil(counted[0]), 0)} beats" if math.isfinite(counted[0]) else "the next section"
+            lines.append(f"GO in {beats}: {counted[1]}")
+        if facts["standby"] is not None:
+            lines.append("stands by: " + "   ".join(word for word in (facts["standby"], facts["text"]) if word))
+        if facts["next"] is not None:
+            lines.append(f"then: {facts['next']}")
+        return tuple(lines)
+
+    def facts(self, danced: float) -> dict[str, Any]:
+        """For the status: cues, fades, edits, and whether the show is held."""
+        return {
+            "cues": {**self.cues.facts(danced), "held": self.held},
+            "scenes": self.scenes.names,
+            "fading": self.parameters.fading,
+            **self.edits.facts(),
+        }

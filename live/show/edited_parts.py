@@ -1,0 +1,176 @@
+"""The parts of a show that can be edited, as values by key: see `live.show.edits`."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from live.agents.crowd.surroundings import Surroundings
+from live.show.cues import Cues
+from live.show.edits import Kept, Part
+from live.show.group_motion import PERFORMER, GroupMotion
+from live.show.headings import Headings
+from live.show.parameters import Parameters
+from live.show.scenes import Scenes
+from live.show.scheduler import Scheduler
+from live.show.variation import Variation
+
+
+class EditedParameters:
+    """Where each parameter is, or is going, by its place in the row."""
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = parameters
+
+    def take(self) -> Kept:
+        """See `Part`."""
+        return dict(enumerate(self._parameters.goals().tolist()))
+
+    def give(self, values: Mapping[Any, Any]) -> None:
+        """See `Part`."""
+        self._parameters.fade(values, beats=0.0)
+
+
+class EditedScenes:
+    """Scenes stored live, by name."""
+
+    def __init__(self, scenes: Scenes) -> None:
+        self._scenes = scenes
+
+    def take(self) -> Kept:
+        """See `Part`."""
+        return dict(self._scenes.stored)
+
+    def give(self, values: Mapping[Any, Any]) -> None:
+        """See `Part`."""
+        for name, scene in values.items():
+            if scene is None:
+                self._scenes.stored.pop(name, None)
+            else:
+                self._scenes.stored[name] = scene
+
+
+class EditedFormations:
+    """Formations by name."""
+
+    def __init__(self, motion: GroupMotion) -> None:
+        self._motion = motion
+
+    def take(self) -> Kept:
+        """See `Part`."""
+        return self._motion.evolutions.formations
+
+    def give(self, values: Mapping[Any, Any]) -> None:
+        """See `Part`."""
+        self._motion.evolutions.restore(values)
+
+
+class EditedSequences:
+    """Sequences set live, by group."""
+
+    def __init__(self, scheduler: Scheduler) -> None:
+        self._scheduler = scheduler
+
+    def take(self) -> Kept:
+        """See `Part`."""
+        return {index: programme.live or None for index, programme in enumerate(self._scheduler.programmes)}
+
+    def give(self, values: Mapping[Any, Any]) -> None:
+        """See `Part`."""
+        for index, wanted in values.items():
+            if wanted is None:
+                self._scheduler.programmes[index].release()
+            else:
+                self._scheduler.programmes[index].dance(list(wanted))
+
+
+class EditedFacings:
+    """Where groups look."""
+
+    def __init__(self, headings: Headings) -> None:
+        self._headings = headings
+
+    def take(self) -> Kept:
+        """See `Part`."""
+        return dict(enumerate(self._headings.facings))
+
+    def give(self, values: Mapping[Any, Any]) -> None:
+        """See `Part`."""
+        for group, facing in values.items():
+            self._headings.set(group, facing)
+
+
+class EditedRipples:
+    """What runs over groups."""
+
+    def __init__(self, variation: Variation) -> None:
+        self._variation = variation
+
+    def take(self) -> Kept:
+        """See `Part`."""
+        return dict(enumerate(self._variation.ripples))
+
+    def give(self, values: Mapping[Any, Any]) -> None:
+        """See `Part`."""
+        for group, ripple in values.items():
+            self._variation.ripples[group] = ripple
+
+
+class EditedSet:
+    """Walls and obstacles by kind and name; real dancers are none."""
+
+    def __init__(self, surroundings: Surroundings) -> None:
+        self._surroundings = surroundings
+
+    def take(self) -> Kept:
+        """See `Part`."""
+        around = self._surroundings
+        walls = {("wall", name): _row(around.walls[row]) for row, name in enumerate(around.wall_names)}
+        obstacles = {("obstacle", name): _row(around.obstacles[row]) for row, name in enumerate(around.obstacle_names)}
+        return {key: row for key, row in {**walls, **obstacles}.items() if not key[1].startswith(PERFORMER)}
+
+    def give(self, values: Mapping[Any, Any]) -> None:
+        """See `Part`."""
+        now = {**self.take(), **values}
+        for name in {name for _, name in values}:  # a wall and an obstacle of one name go together
+            self._surroundings.remove(name)
+            wall, obstacle = now.get(("wall", name)), now.get(("obstacle", name))
+            if wall is not None:
+                self._surroundings.put_wall(name, *wall)
+            if obstacle is not None:
+                self._surroundings.put_obstacle(name, *obstacle)
+
+
+class EditedStandBy:
+    """The cue that stands by."""
+
+    def __init__(self, cues: Cues) -> None:
+        self._cues = cues
+
+    def take(self) -> Kept:
+        """See `Part`."""
+        return {"standby": self._cues.standby}
+
+    def give(self, values: Mapping[Any, Any]) -> None:
+        """See `Part`."""
+        self._cues.standby = values["standby"]
+
+
+def _row(row: np.ndarray[Any, Any]) -> tuple[float, ...]:
+    return tuple(row.tolist())
+
+
+def parts_of(
+    parameters: Parameters, scenes: Scenes, cues: Cues, motion: GroupMotion, scheduler: Scheduler, variation: Variation
+) -> dict[str, Part]:
+    """All parts of a show that can be edited, by the names in `EDITED`."""
+    return {
+        "parameters": EditedParameters(parameters),
+        "scenes": EditedScenes(scenes),
+        "formations": EditedFormations(motion),
+        "sequences": EditedSequences(scheduler),
+        "facings": EditedFacings(scheduler.aims.headings),
+        "ripples": EditedRipples(variation),
+        "set": EditedSet(motion.surroundings),
+        "standby": EditedStandBy(cues),
+    }

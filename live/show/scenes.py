@@ -1,0 +1,142 @@
+"""Scenes: named values of any parameters, from the patch or stored live, recalled with a cross-fade; views and looks.
+
+A scene that was stored keeps everything; one of the patch what it says. `start` is what the patch begins with.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from live.base import picture
+from live.base.errors import PersonError
+from live.control import events
+from live.control.events import ControlEvent
+from live.show.parameter_table import LOOK, VIEW, ParameterTable, numbers_of, split
+from live.show.parameters import Parameters
+from live.show.patch import Patch
+from live.show.sections.scene import LOOK_ADDRESSES, Setting
+
+MOST: Final = 1000
+"""Scenes that are kept at most."""
+START: Final = "start"
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What a scene brings: numbers by their place in the row of parameters."""
+
+    name: str
+    goals: Mapping[int, float]
+    measures: float
+    """Measures of its cross-fade."""
+
+
+class Scenes:
+    """The scenes, views and looks of one show. Thread: the show's."""
+
+    def __init__(self, patch: Patch, parameters: Parameters) -> None:
+        """PersonError for a scene that names what is not there."""
+        self._parameters = parameters
+        self.stored: dict[str, Scene] = {}
+        """Scenes that were stored live, by their folded names."""
+        table, start = parameters.table, parameters.start
+        light = [place for address in LOOK_ADDRESSES.values() for one in table.find(address) for place in one.numbers]
+        camera = range(picture.CAMERA.start, picture.CAMERA.stop)
+        self._views = {START: Scene(START, {place: float(start[place]) for place in camera}, 0.0)}
+        self._looks = {START: Scene(START, {place: float(start[place]) for place in light}, 1.0)}
+        for view in patch.view:
+            self._views[_folded(view.name)] = Scene(view.name, self._goals(table, view.settings()), 0.0)
+        for look in patch.looks:
+            self._looks[_folded(look.name)] = Scene(look.name, self._goals(table, look.settings()), look.measures)
+        self._scenes = {START: Scene(START, dict(enumerate(start.tolist())), 2.0)}
+        for scene in patch.scene:
+            self._scenes[_folded(scene.name)] = Scene(scene.name, self._goals(table, scene.set), scene.measures)
+
+    def take_patch(self, fresh: "Scenes") -> None:
+        """Take over the views, looks and scenes of an edited patch; those that were stored live stay."""
+        self._views, self._looks, self._scenes = fresh._views, fresh._looks, fresh._scenes
+
+    def _goals(self, table: ParameterTable, settings: Mapping[str, Setting]) -> dict[int, float]:
+        goals: dict[int, float] = {}
+        for key, value in settings.items():
+            address, group = split(key)
+            if address in (VIEW, LOOK):
+                kept = self._views if address == VIEW else self._looks
+                goals |= _of(kept, str(value), "view" if address == VIEW else "look").goals
+                continue
+            numbers = numbers_of(address, value)
+            for one in table.find(address, group):
+                goals |= dict(zip(one.numbers, numbers, strict=True))
+        return goals
+
+    @property
+    def names(self) -> list[str]:
+        """All scenes."""
+        return [scene.name for scene in (self._scenes | self.stored).values()]
+
+    def act(self, event: ControlEvent, *, beats_per_measure: float) -> None:
+        """Let an event of `SCENE_EVENTS` act; PersonError if it names what is not there."""
+        _ACTS[type(event)](self, event, beats_per_measure)
+
+    def recall(self, name: str, *, measures: float, beats_per_measure: float) -> None:
+        """Fade to a scene in so many measures; below 0 in as many as it says. PersonError if there is none."""
+        scene = _of(self._scenes | self.stored, name, "scene")
+        self._go(scene, measures, beats_per_measure)
+
+    def _go(self, scene: Scene, measures: float, size: float) -> None:
+        lasts = scene.measures if measures < 0.0 else measures
+        self._parameters.fade(scene.goals, beats=lasts * size)
+
+    def _set(self, event: events.SetPicture, size: float) -> None:
+        known = picture.BY_ADDRESS.get(event.parameter) or picture.colour_of_group(0)
+        if known.address != event.parameter:
+            raise PersonError(f"the picture has no {event.parameter!r}")
+        numbers = numbers_of(known.address, (event.x, event.y, event.z)[: known.size])
+        for parameter in self._parameters.table.find(known.address, event.group):
+            self._parameters.set(parameter, numbers, beats=event.measures * size)
+
+    def _view(self, event: events.RecallView, size: float) -> None:
+        self._go(_of(self._views, event.name, "view"), max(event.measures, 0.0), size)
+
+    def _look(self, event: events.RecallLook, size: float) -> None:
+        self._go(_of(self._looks, event.name, "look"), event.measures, size)
+
+    def _recall(self, event: events.RecallScene, size: float) -> None:
+        self.recall(event.name, measures=event.measures, beats_per_measure=size)
+
+    def _store(self, event: events.StoreScene, size: float) -> None:
+        folded = _folded(event.name)
+        if folded == START:
+            raise PersonError(f"{START!r} is the patch's own scene", "give yours another name")
+        if folded not in self.stored and len(self.stored) >= MOST:
+            raise PersonError(f"{MOST} scenes are stored already", "replace one of them")
+        old = (self._scenes | self.stored).get(folded)
+        goals = self._parameters.goals()
+        measures = 2.0 if old is None else old.measures
+        self.stored[folded] = Scene(event.name, dict(enumerate(np.asarray(goals).tolist())), measures)
+
+
+def _folded(name: str) -> str:
+    return name.casefold().strip()
+
+
+def _of(kept: Mapping[str, Scene], name: str, what: str) -> Scene:
+    found = kept.get(_folded(name))
+    if found is None:
+        raise PersonError(
+            f"no {what} is called {name!r}", f"there are: {', '.join(scene.name for scene in kept.values())}"
+        )
+    return found
+
+
+_ACTS: Final[dict[type, Callable[..., None]]] = {
+    events.SetPicture: Scenes._set,
+    events.RecallView: Scenes._view,
+    events.RecallLook: Scenes._look,
+    events.RecallScene: Scenes._recall,
+    events.StoreScene: Scenes._store,
+}
+SCENE_EVENTS: Final = tuple(_ACTS)
+"""The events that `act` takes."""

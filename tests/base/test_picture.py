@@ -1,0 +1,47 @@
+"""The row of the picture: one table, laid out without gaps, exactly what a scene says."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from live.base import picture
+from live.base.stage_view import Camera, Look, Scene
+
+SCENE = Scene((10.0, 8.0), Camera((0.1, 3.4, 11.7), (0.3, 0.9, -0.2), 37.3), Look(ambient=0.3), 3, 22)
+
+
+def test_the_numbers_of_all_parameters_lie_side_by_side():
+    places = [place for known in picture.PARAMETERS for place in range(picture.SIZE)[known.where]]
+    groups = [place for n in range(picture.GROUPS) for place in range(picture.SIZE)[picture.colour_of_group(n).where]]
+    assert places + groups == list(range(picture.SIZE))
+
+
+def test_every_parameter_starts_within_its_range_and_has_words():
+    for known in picture.PARAMETERS:
+        assert len(known.start) == known.size
+        assert all(known.low <= value <= known.high for value in known.start)
+        assert known.words.endswith(".")
+        assert known.address.startswith("/dance/")
+
+
+def test_a_scene_comes_back_from_its_row_bit_by_bit():
+    row = picture.picture_of(SCENE)
+    assert picture.camera_of(row) == SCENE.camera
+    assert row[picture.BY_ADDRESS["/dance/light/ambient"].first] == 0.3
+    for address, value in (("/dance/light/floor", SCENE.look.floor), ("/dance/light/rim/colour", SCENE.look.rim_light)):
+        assert tuple(row[picture.BY_ADDRESS[address].where]) == value
+
+
+def test_the_row_of_a_default_scene_is_the_table_s():
+    row = picture.picture_of(Scene((10.0, 8.0), Camera(), Look(), 3, 22))
+    for known in picture.PARAMETERS:
+        assert tuple(row[known.where]) == known.start
+
+
+def test_groups_beyond_the_colours_begin_with_the_first_again():
+    colours = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    row = picture.picture_of(replace(SCENE, look=replace(SCENE.look, group_colours=colours)))
+    rows = row[picture.COLOURS :].reshape(-1, 3)
+    assert len(rows) == picture.GROUPS
+    assert np.array_equal(rows[0], rows[2])
+    assert np.array_equal(rows[1], rows[5])
