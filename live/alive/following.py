@@ -3,15 +3,13 @@
 import json
 from collections import deque
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, Final
 
 from live.clock.ticks import TICK
 from live.control.events import ControlEvent, SetLatency, StepsAdded, TicksSkipped, event_from_json
 from live.show.core import Show
-from live.show.journal import Journal, JournalLine
 from live.show.load import LoadedShow, library_hash
-from live.show.replay import reload
+from live.show.replay_start import loaded_of
 
 UNSAFE: Final = 128
 """Ticks before an end in a crash whose events are left out when nothing else has helped: one may be the cause."""
@@ -122,7 +120,6 @@ def _start(loaded: LoadedShow, header: dict[str, Any], waiting: list[dict[str, A
     same = header["steps_hash"] == library_hash(loaded.graph.library)
     if same and not later and header["patch"] == loaded.patch.model_dump(mode="json"):
         return loaded.start(seed=header["seed"], tempo=header["tempo"])
-    lines = tuple(
-        JournalLine(value["tick"], event=event_from_json(value["event"])) for value in waiting if "event" in value
-    )
-    return reload(Journal({**header, "patch_path": str(Path(header["patch_path"]))}, lines, complete=False))
+    added = (event_from_json(value["event"]) for value in waiting if "event" in value)
+    keys = (event.clips.split("\n") for event in added if isinstance(event, StepsAdded))
+    return loaded_of(header, keys).start(seed=header["seed"], tempo=header["tempo"])

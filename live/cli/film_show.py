@@ -71,9 +71,9 @@ def film_show(
     frames = max(1, math.ceil(seconds * wish.film_fps))
     figures = FrameReport(show) if report is not None else None
     heard = film_sound(sound.music)
-    mixed = _mixed(loaded, show, heard, click, taps)
+    mixed = mixed_sound(loaded, show, heard, click, taps)
     with contextlib.ExitStack() as stack:
-        target, renderer = _canvas(stack, wish, loaded, fine)
+        target, renderer = canvas(stack, wish, loaded, fine)
         writer = stack.enter_context(
             film_writer(
                 path, size=wish.size, fps=wish.film_fps, sound=heard if mixed is None else mixed.film, live=False
@@ -85,7 +85,7 @@ def film_show(
         def draw(view: StageView) -> None:
             renderer.draw(view, target.framebuffer)
 
-        progress = stack.enter_context(_progress(console))
+        progress = stack.enter_context(progress_bar(console))
         task = progress.add_task("", total=frames)
         try:
             for frame in range(frames):
@@ -114,18 +114,22 @@ def film_show(
         _write_report(report, figures.result() | {"status": status.snapshot(frames / wish.film_fps)})
 
 
-def _mixed(
-    loaded: LoadedShow, show: Show, music: FilmSound | None, click: bool | None, taps: bool | None
+def mixed_sound(
+    loaded: LoadedShow,
+    show: Show,
+    music: FilmSound | None,
+    click: bool | None = None,
+    taps: bool | None = None,
+    *,
+    begin: float = 0.0,
 ) -> ShowSound | None:
-    """The mixer of the film's sound; None if there is nothing to add to the music."""
+    """The mixer of the sound of a film from `begin` [s] of the show; None if there is nothing to add to the music."""
     own = loaded.patch.sound
     click, taps = own.click if click is None else click, own.taps if taps is None else taps
-    return ShowSound(show, music, click=click, taps=taps) if click or taps else None
+    return ShowSound(show, music, click=click, taps=taps, begin=begin) if click or taps else None
 
 
-def _canvas(
-    stack: contextlib.ExitStack, wish: Wish, loaded: LoadedShow, fine: bool
-) -> tuple[OffscreenTarget, Renderer]:
+def canvas(stack: contextlib.ExitStack, wish: Wish, loaded: LoadedShow, fine: bool) -> tuple[OffscreenTarget, Renderer]:
     """What is drawn into, and what draws; released with the stack."""
     try:
         ctx = create_headless_context()
@@ -169,7 +173,8 @@ def _status_file(stack: contextlib.ExitStack, wish: Wish, status: Status, clock:
     return lines
 
 
-def _progress(console: Console) -> Progress:
+def progress_bar(console: Console) -> Progress:
+    """A bar for the frames of a film."""
     return Progress(
         TextColumn("rendering"), BarColumn(), MofNCompleteColumn(), TextColumn("frames"), TimeRemainingColumn(),
         console=console,

@@ -1,15 +1,29 @@
-"""`live replay`: run a journal again and compare the state of every measure."""
+"""`live replay`: run a journal again, compare the state of every measure, and film it if asked for."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+if TYPE_CHECKING:
+    from live.show.journal_reading import Journal
+    from live.show.replay import Replayed
 
 
 def replay(
     journal: Annotated[Path, typer.Argument(help="A journal written by --journal.")],
     verify: Annotated[
         bool, typer.Option("--verify", help="Exit 1 unless every measure's state is the same, bit for bit.")
+    ] = False,
+    first: Annotated[
+        int, typer.Option("--from", min=1, help="Begin with this measure, from the snapshot before it.", metavar="N")
+    ] = 1,
+    last: Annotated[int | None, typer.Option("--to", min=1, help="End with this measure.", metavar="N")] = None,
+    render: Annotated[Path | None, typer.Option(help="Film it, with its sound.", metavar="FILE.mp4")] = None,
+    size: Annotated[str, typer.Option(help="Size of the film.", metavar="WxH")] = "1920x1080",
+    fps: Annotated[float, typer.Option(help="Frames per second of the film.")] = 60.0,
+    fine: Annotated[
+        bool, typer.Option("--fine", help="Film as a graphics card would draw it even without one.")
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
 ) -> None:
@@ -20,49 +34,79 @@ def replay(
     from rich.console import Console
 
     from live.base.errors import PersonError
+    from live.cli.options import film_file, parse_number, parse_size, writable_file
     from live.cli.warm import warm_kernels
     from live.clock.ticks import TICK
-    from live.show.journal import JournalError, read_journal
-    from live.show.replay import ReplayError, reload, replay
+    from live.show.journal_reading import JournalError, read_journal
+    from live.show.replay import ReplayError, run_from
+    from live.show.replay_start import loaded_by, start_before
 
+    parse_number(fps, "--fps", 1, 480)
+    picture = parse_size(size)
+    writable_file(render, "--render")
+    film_file(render, "--render", never=[str(journal)])
+    if last is not None and last < first:
+        raise PersonError(f"--from {first} --to {last}: the first measure comes last")
     warm_kernels(Console(stderr=True))
+    problems: list[str] = []
     try:
         recorded = read_journal(journal)
-        show = reload(recorded)
+        loaded = loaded_by(recorded)
+        start = start_before(recorded, loaded, first, problems)
     except (JournalError, ReplayError) as error:
         raise PersonError(str(error)) from None
     begin = time.perf_counter()
-    try:
-        result = replay(show, recorded)
-    except ReplayError as error:
-        raise PersonError(f"{journal}: {error}") from None
-    seconds = time.perf_counter() - begin
-    length = result.ticks * TICK
-    if as_json:
-        print(
-            json.dumps(
-                {
-                    "journal": str(journal),
-                    "complete": recorded.complete,
-                    "seconds": length,
-                    "measures": result.measures,
-                    "different": [
-                        {"measure": m, "tick": t, "then": then, "now": now} for m, t, then, now in result.differences
-                    ],
-                    "speed": length / seconds if seconds else None,
-                }
-            )
-        )
+    if render is not None:
+        from live.cli.replay_film import film_replay
+
+        console = Console(stderr=True, highlight=False)
+        result = film_replay(start, recorded, loaded, render, picture, fps, first=first, to=last, fine=fine)
+        console.print(f"the film is here: {render.resolve()}", soft_wrap=True, markup=False)
     else:
-        console = Console(highlight=False)
-        end = "" if recorded.complete else " (the journal was cut off)"
-        console.print(
-            f"{length:.1f} s, {result.measures} measures compared, {len(result.differences)} differ{end}; "
-            f"{length / max(seconds, 1e-9):.0f} times as fast as life"
-        )
-        for measure, tick, then, now in result.differences[:10]:
-            console.print(f"  measure {measure}, tick {tick}: {then} then, {now} now")
+        result = run_from(start, recorded, loaded=loaded, to=last)
+    result.problems[:0] = problems
+    seconds = time.perf_counter() - begin
+    if as_json:
+        print(json.dumps(_facts(recorded, result, seconds)))
+    else:
+        _tell(recorded, result, (result.ticks - result.begun) * TICK / max(seconds, 1e-9))
     if verify and not result.measures:
         raise PersonError(f"{journal}: nothing to compare: no measure was finished in it")
-    if verify and result.differences:
+    if verify and (result.different or result.problems):
         raise typer.Exit(1)
+
+
+def _facts(journal: "Journal", result: "Replayed", seconds: float) -> dict[str, Any]:
+    from live.clock.ticks import TICK
+
+    length = (result.ticks - result.begun) * TICK
+    return {
+        "journal": str(journal.path),
+        "complete": journal.complete,
+        "seconds": length,
+        "from_tick": result.begun,
+        "measures": result.measures,
+        "different": [{"measure": m, "tick": t, "then": then, "now": now} for m, t, then, now in result.differences],
+        "measures_different": result.different,
+        "problems": result.problems,
+        "speed": length / seconds if seconds else None,
+    }
+
+
+def _tell(journal: "Journal", result: "Replayed", speed: float) -> None:
+    from rich.console import Console
+
+    from live.clock.ticks import TICK
+
+    console = Console(highlight=False)
+    end = "" if journal.complete else " (the journal was cut off)"
+    console.print(
+        f"{(result.ticks - result.begun) * TICK:.1f} s, {result.measures} measures compared, {result.different} "
+        f"differ{end}; {speed:.0f} times as fast as life"
+    )
+    for measure, tick, then, now in result.differences[:10]:
+        console.print(f"  measure {measure}, tick {tick}: {then} then, {now} now")
+    for problem in result.problems[:10]:
+        console.print(f"  {problem}", style="yellow", soft_wrap=True, markup=False)
+    if len(result.problems) > 10:
+        console.print(f"  and {len(result.problems) - 10} more that could not be used", style="yellow")

@@ -80,9 +80,10 @@ class JournalWriter:
     """Notes what enters the show; a sink writes the lines. Thread: all methods from the show's."""
 
     def __init__(
-        self, path: Path, header: dict[str, Any], *, sink: JournalSink | None = None, snapshots: bool = True
+        self, path: Path, header: dict[str, Any] | None, *, sink: JournalSink | None = None, snapshots: bool = True
     ) -> None:
-        """`header`: what is needed to run the show again. Raises JournalError if the file cannot be made.
+        """`header`: what is needed to run the show again; None: it is there already, and the journal goes on. Raises
+        JournalError if the file cannot be made.
 
         With a `sink` that is where everything goes, and there is no file. `snapshots`: whether states are kept.
         """
@@ -96,7 +97,8 @@ class JournalWriter:
                 raise JournalError(f"cannot write the journal {path}: {error.strerror}") from None
         self.sink = sink
         self._keeping = Keeping(sink.snapshot) if snapshots else None
-        self._put({"journal": FORMAT, "version": __version__, "ticks_per_second": round(1 / TICK), **header})
+        if header is not None:
+            self._put({"journal": FORMAT, "version": __version__, "ticks_per_second": round(1 / TICK), **header})
 
     @property
     def dropped(self) -> int:

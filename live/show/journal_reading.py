@@ -75,12 +75,24 @@ class Journal:
                         yield _line(value, self.path, number, min(int(value.get("tick", 0)), 1 << 40))
 
     @property
-    def complete(self) -> bool:
-        """False if the end is not there (the machine stopped): everything before it counts."""
+    def last_tick(self) -> int:
+        """The tick of its last whole line; 0 if that cannot be read."""
+        for row in reversed(self._tail()[:-1]):
+            with contextlib.suppress(JournalError, ValueError, TypeError, KeyError):
+                return int(_parse(row.decode("utf-8", "replace"), self.path, 0)["tick"])
+        return 0
+
+    def _tail(self) -> list[bytes]:
+        """Its last rows; the last of them is empty where the file is whole."""
         with self.path.open("rb") as file:
             size = file.seek(0, 2)
-            file.seek(max(0, size - 4096))
-            last = file.read().split(b"\n")
+            file.seek(max(0, size - (1 << 16)))
+            return file.read().split(b"\n")
+
+    @property
+    def complete(self) -> bool:
+        """False if the end is not there (the machine stopped): everything before it counts."""
+        last = self._tail()
         return len(last) > 1 and last[-1] == b"" and b'"end":true' in last[-2].replace(b" ", b"")
 
 

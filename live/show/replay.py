@@ -80,6 +80,11 @@ class Replaying:
                 self._act(line)
         self.found.ticks = self.tick
 
+    def advance_to(self, measure: int) -> None:
+        """Run until `measure` (from 1) begins, if the journal goes so far."""
+        while not self.over and self.damaged is None and self.show.span.number + 1 < measure:
+            self.advance(self.tick + 1)
+
     def _run_tick(self) -> None:
         self.tick += 1
         if not self.show.tick(self.tick * TICK):
@@ -113,16 +118,16 @@ class Replaying:
             found.differences += ((line.measure or 0, line.tick, line.state or "", now),)
 
 
-def replay(show: Show, journal: Journal, *, loaded: LoadedShow | None = None) -> Replayed:
-    """Run `show` (fresh, of the journal's patch and seed) through the journal, as fast as the machine can.
-
-    Where a line is damaged it goes on from the next snapshot, if `loaded` is given and there is one.
-    """
-    return run_from(Start(show, 0), journal, loaded=loaded)
+def replay(show: Show, journal: Journal) -> Replayed:
+    """Run `show` (fresh, of the journal's patch and seed) through the journal, as fast as the machine can."""
+    return run_from(Start(show, 0), journal)
 
 
 def run_from(start: Start, journal: Journal, *, loaded: LoadedShow | None = None, to: int | None = None) -> Replayed:
-    """The same from any start; `to`: the replay ends with that measure (from 1)."""
+    """The same from any start; `to`: the replay ends with that measure (from 1).
+
+    Where a line is damaged it goes on from the next snapshot, if `loaded` is given and there is one.
+    """
     running = Replaying(start.show, journal.usable(), tick=start.tick, to=to)
     found = running.found
     while True:

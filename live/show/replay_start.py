@@ -1,8 +1,9 @@
 """Where a replay begins: with the show as it began, or with a snapshot; each with the steps that were there by then."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from live.base.errors import PersonError
 from live.control.events import StepsAdded
@@ -29,12 +30,16 @@ class Start:
 
 def reload(journal: Journal) -> Show:
     """A fresh show of the journal's patch, steps and seed; ReplayError if the steps are not the same any more."""
-    return first_start(journal, loaded_of(journal)).show
+    return first_start(journal, loaded_by(journal)).show
 
 
-def loaded_of(journal: Journal) -> LoadedShow:
+def loaded_by(journal: Journal) -> LoadedShow:
     """Patch and steps with which the journal's show began, those that came later in reserve; ReplayError as above."""
-    header = journal.header
+    return loaded_of(journal.header, _added(journal))
+
+
+def loaded_of(header: dict[str, Any], added: Iterable[list[str]]) -> LoadedShow:
+    """The same by a journal's header, and by what each StepsAdded has added; ReplayError as above."""
     try:
         patch = Patch.model_validate(header["patch"])
         path = Path(header["patch_path"])
@@ -44,7 +49,7 @@ def loaded_of(journal: Journal) -> LoadedShow:
     except (KeyError, TypeError, ValueError) as error:
         raise ReplayError(f"the journal's first line does not hold a whole show: {error}") from None
     try:
-        later = frozenset(key for keys in _added(journal) for key in keys)
+        later = frozenset(key for keys in added for key in keys)
         loaded = show_of(patch, path, recordings=recordings, later=later)
     except PersonError as error:
         raise ReplayError(str(error)) from None

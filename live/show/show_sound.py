@@ -36,7 +36,8 @@ class ShowSound:
     from the camera is softer. Thread: `frame` on the main thread, reading on the encoder's.
     """
 
-    def __init__(self, show: Show, music: FilmSound | None, *, click: bool, taps: bool) -> None:
+    def __init__(self, show: Show, music: FilmSound | None, *, click: bool, taps: bool, begin: float = 0.0) -> None:
+        """`music` from the show's first moment; the film begins at `begin` [s]."""
         self._show = show
         self._music = music
         self.rate = RATE if music is None else music.rate
@@ -50,7 +51,7 @@ class ShowSound:
         self._sounding: deque[float] = deque()
         self.left_out = 0
         """Taps for which no voice was left."""
-        self._made = 0
+        self._made = round(begin * self.rate)
         self._ahead: Float32 = np.zeros((0, 2), np.float32)
         self._ahead_taps: Float32 = np.zeros((0, 2), np.float32)
         self._blocks: deque[Float32] = deque()
@@ -73,7 +74,7 @@ class ShowSound:
     def _add_clicks(self, view: StageView) -> None:
         assert self._click is not None
         timeline = self._show.timeline
-        first = timeline.beat_at(0.0) - 1e-6 if self._beat is None else self._beat
+        first = timeline.beat_at(self._made / self.rate) - 1e-6 if self._beat is None else self._beat
         for beat in range(math.floor(first) + 1, math.floor(view.beat + 1e-9) + 1):
             place = (beat - timeline.measure_origin) % timeline.beats_per_measure
             accent = min(place, timeline.beats_per_measure - place) < 1e-3
