@@ -116,7 +116,8 @@ class Following:
 
 def _start(loaded: LoadedShow, header: dict[str, Any], waiting: list[dict[str, Any]]) -> Show:
     """The show of that header at its first moment: of what is loaded if it is the same, else as a replay loads it."""
-    later = any(value.get("event", {}).get("type") == StepsAdded.__name__ for value in waiting)
+    events = (value["event"] for value in waiting if "event" in value)
+    later = any(isinstance(event, dict) and event.get("type") == StepsAdded.__name__ for event in events)
     same = header["steps_hash"] == library_hash(loaded.graph.library)
     if same and not later and header["patch"] == loaded.patch.model_dump(mode="json"):
         return loaded.start(seed=header["seed"], tempo=header["tempo"])

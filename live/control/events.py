@@ -112,8 +112,10 @@ __all__ = [
     "Travel",
     "Undo",
     "Voice",
+    "columns_of",
     "event_from_json",
     "event_to_json",
+    "event_to_row",
 ]
 
 
@@ -258,9 +260,31 @@ def event_to_json(event: ControlEvent) -> dict[str, Any]:
     return {"type": type(event).__name__, **asdict(event)}
 
 
-def event_from_json(data: dict[str, Any]) -> ControlEvent:
-    """The event that `event_to_json` wrote; ValueError for an unknown type, field or a value of the wrong kind."""
-    values = dict(data)
+IN_ROWS: tuple[type[ControlEvent], ...] = (BeatHeard, MusicHeard, Performer, PlaceObstacle)
+"""Events that come by the thousand: the journal has them as rows, [type, value, ...] in the order of their fields."""
+
+
+def event_to_row(event: ControlEvent) -> list[Any]:
+    """The event as a row: its type, and its values without the last ones that are as usual."""
+    values = [getattr(event, field.name) for field in fields(event)]
+    for field in reversed(fields(event)):
+        if values[-1] != field.default:
+            break
+        values.pop()
+    return [type(event).__name__, *values]
+
+
+def columns_of(kind: type[ControlEvent]) -> list[str]:
+    """What the values of a row are, in their order."""
+    return [field.name for field in fields(kind)]
+
+
+def event_from_json(data: dict[str, Any] | list[Any], columns: dict[str, list[str]] | None = None) -> ControlEvent:
+    """The event that `event_to_json` or `event_to_row` wrote; ValueError for an unknown type, field or a wrong value.
+
+    `columns`: what the values of rows are, by type; where left out, the fields in their order.
+    """
+    values = dict(data) if not isinstance(data, list) else _values_of(data, columns or {})
     name = values.pop("type", None)
     cls = EVENT_TYPES.get(name) if isinstance(name, str) else None
     if cls is None:
@@ -280,3 +304,12 @@ def event_from_json(data: dict[str, Any]) -> ControlEvent:
         return cls(**values)
     except TypeError as error:
         raise ValueError(f"event {name}: {error}") from None
+
+
+def _values_of(row: list[Any], columns: dict[str, list[str]]) -> dict[str, Any]:
+    name = row[0] if row else None
+    cls = EVENT_TYPES.get(name) if isinstance(name, str) else None
+    names = [] if cls is None else columns.get(cls.__name__, columns_of(cls))
+    if len(row) - 1 > len(names) and cls is not None:
+        raise ValueError(f"event {name}: {len(row) - 1} values, {len(names)} expected")
+    return {"type": name, **dict(zip(names, row[1:], strict=False))}

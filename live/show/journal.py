@@ -13,7 +13,7 @@ from typing import Any, Final, Protocol
 from live import __version__
 from live.clock.ticks import TICK
 from live.control.event import ControlEvent
-from live.control.events import EVENT_TYPES, event_to_json
+from live.control.events import EVENT_TYPES, IN_ROWS, columns_of, event_to_json, event_to_row
 from live.show.core import Show
 from live.show.journal_file import JournalFile
 from live.show.journal_reading import (
@@ -98,7 +98,9 @@ class JournalWriter:
         self.sink = sink
         self._keeping = Keeping(sink.snapshot) if snapshots else None
         if header is not None:
-            self._put({"journal": FORMAT, "version": __version__, "ticks_per_second": round(1 / TICK), **header})
+            columns = {kind.__name__: columns_of(kind) for kind in IN_ROWS}
+            facts = {"version": __version__, "ticks_per_second": round(1 / TICK), "columns": columns}
+            self._put({"journal": FORMAT, **facts, **header})
 
     @property
     def dropped(self) -> int:
@@ -140,6 +142,8 @@ class JournalWriter:
 
 def line_of(tick: int, event: ControlEvent) -> str:
     """The line of an event that acts from the tick after `tick` on; what is as usual is left out."""
+    if isinstance(event, IN_ROWS):
+        return _compact({"tick": tick, "event": event_to_row(event)})
     usual = _usual(type(event).__name__)
     values = {key: value for key, value in event_to_json(event).items() if usual.get(key, MISSING) != value}
     return _compact({"tick": tick, "event": values})

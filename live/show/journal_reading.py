@@ -22,6 +22,9 @@ LONGEST_GAP: Final = 64 * 600
 """Ticks between two lines at most: a measure is noted at least once in ten minutes."""
 
 
+Columns = dict[str, list[str]]
+
+
 class JournalError(Exception):
     """A journal cannot be written or read; the message names file and line."""
 
@@ -49,6 +52,11 @@ class Journal:
     header: dict[str, Any]
 
     @property
+    def _columns(self) -> Columns:
+        columns = self.header.get("columns")
+        return columns if isinstance(columns, dict) else {}
+
+    @property
     def lines(self) -> Iterator[JournalLine]:
         """Its lines in order; JournalError at the first that is damaged. A last one that is cut off ends it."""
         for line in self.usable():
@@ -60,7 +68,7 @@ class Journal:
         """Its lines in order, damaged ones with the word `damaged`, at the tick of the line before."""
         with self.path.open(encoding="utf-8", errors="replace") as file:
             _row(file)
-            yield from _lines(file, self.path)
+            yield from _lines(file, self.path, self._columns)
 
     def rows_with(self, words: str) -> Iterator[JournalLine]:
         """Those of its whole lines that hold these words, quickly: the others are not looked into."""
@@ -72,7 +80,7 @@ class Journal:
                 if words in row:
                     with contextlib.suppress(JournalError):
                         value = _parse(row, self.path, number)
-                        yield _line(value, self.path, number, min(int(value.get("tick", 0)), 1 << 40))
+                        yield _line(value, self.path, number, min(int(value.get("tick", 0)), 1 << 40), self._columns)
 
     @property
     def last_tick(self) -> int:
@@ -129,13 +137,13 @@ def _parse(row: str, path: Path, number: int) -> dict[str, Any]:
     return value
 
 
-def _lines(file: TextIO, path: Path) -> Iterator[JournalLine]:
+def _lines(file: TextIO, path: Path, columns: Columns) -> Iterator[JournalLine]:
     last, number, lost = 0, 1, 0
     while (row := _row(file)) is not None:
         number += 1
         try:
             value = _parse(row, path, number)
-            line = _line(value, path, number, last)
+            line = _line(value, path, number, last, columns)
         except JournalError as error:
             yield JournalLine(last, number=number, damaged=str(error))
             continue
@@ -150,7 +158,7 @@ def _lines(file: TextIO, path: Path) -> Iterator[JournalLine]:
             last += line.event.count
 
 
-def _line(value: dict[str, Any], path: Path, number: int, last: int) -> JournalLine:
+def _line(value: dict[str, Any], path: Path, number: int, last: int, columns: Columns) -> JournalLine:
     tick = value.get("tick")
     if not isinstance(tick, int) or isinstance(tick, bool) or tick < last or tick > 1 << 40:
         raise JournalError(f"{path}, line {number}: 'tick' must be a number not below {last}, found {tick!r}")
@@ -158,7 +166,7 @@ def _line(value: dict[str, Any], path: Path, number: int, last: int) -> JournalL
         raise JournalError(f"{path}, line {number}: damaged: its tick {tick} lies far after {last}")
     if "event" in value:
         try:
-            event = event_from_json(value["event"])
+            event = event_from_json(value["event"], columns)
         except (ValueError, AttributeError, TypeError) as error:
             raise JournalError(f"{path}, line {number}: {error}") from None
         if not math.isfinite(event.time):

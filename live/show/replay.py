@@ -1,5 +1,6 @@
 """Replay: run a journal again, from its beginning or from a snapshot, and compare the state hash of every measure."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Final
@@ -46,8 +47,8 @@ class Replaying:
         self.tick = tick
         self.over = False
         """Whether there is nothing more to run."""
-        self.damaged: JournalLine | None = None
-        """The damaged line before which it stands: what comes after it would act on another state."""
+        self.damaged: float | None = None
+        """The tick up to which something is lost, if it has come to a damaged line and stands before it."""
         self.found = Replayed(ticks=tick, begun=tick)
         self._lines = lines
         self._line: JournalLine | None = None
@@ -96,8 +97,7 @@ class Replaying:
 
     def _act(self, line: JournalLine) -> None:
         if line.damaged is not None:
-            self.damaged = line
-            self.found.problems.append(line.damaged)
+            self._stop(line)
             return
         if line.event is not None:
             self.show.apply(line.event)
@@ -106,6 +106,13 @@ class Replaying:
         elif line.measure is not None and line.state is not None and self._compare:
             self._compare_with(line)
         self._take()
+
+    def _stop(self, line: JournalLine | None) -> None:
+        """Stop before a damaged line: what was in it acted, at the latest, at the tick of the next line that is whole."""
+        while line is not None and line.damaged is not None:
+            self.found.problems.append(line.damaged)
+            line = next(self._lines, None)
+        self.damaged = math.inf if line is None else line.tick
 
     def _compare_with(self, line: JournalLine) -> None:
         found = self.found
@@ -131,10 +138,10 @@ def run_from(start: Start, journal: Journal, *, loaded: LoadedShow | None = None
     running = Replaying(start.show, journal.usable(), tick=start.tick, to=to)
     found = running.found
     while True:
-        running.advance(float("inf"))
+        running.advance(math.inf)
         if running.damaged is None:
             return found
-        after = None if loaded is None else next(starts(journal, loaded, running.damaged.tick, found.problems), None)
+        after = None if loaded is None else next(starts(journal, loaded, running.damaged, found.problems), None)
         if after is None:
             return found
         found.problems.append(f"the replay goes on from the snapshot in measure {after.show.span.number + 1}")

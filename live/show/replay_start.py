@@ -83,7 +83,7 @@ def start_before(journal: Journal, loaded: LoadedShow, measure: int, problems: l
     return first_start(journal, loaded)
 
 
-def starts(journal: Journal, loaded: LoadedShow, tick: int, problems: list[str]) -> Iterator[Start]:
+def starts(journal: Journal, loaded: LoadedShow, tick: float, problems: list[str]) -> Iterator[Start]:
     """The snapshots that were taken after `tick`, in order."""
     for data in read_snapshots(snapshots_of(journal), problems):
         if facts_of(data)["tick"] > tick:

@@ -166,3 +166,45 @@ def test_a_tick_out_of_all_proportion_is_told_and_not_waited_for(tmp_path):
     assert "damaged" in result.problems[0]
     assert f"line {len(path.read_text().splitlines())}" in result.problems[0]
     assert not result.different
+
+
+def test_events_that_come_by_the_thousand_are_rows_that_survive_bit_by_bit(tmp_path):
+    said = events.BeatHeard(
+        time=1 / 3, source="audio", beat_time=2 / 7, period=0.51, confidence=0.1 + 0.2, beat=2, anchored=False
+    )
+    path = tmp_path / "a.jsonl"
+    writer = JournalWriter(path, {})
+    plain = events.BeatHeard(time=1.5, source="midi", beat_time=1.5, period=0.5, confidence=1.0)
+    writer.event(3, said)
+    writer.event(4, plain)
+    writer.close(5)
+    rows = path.read_text().splitlines()
+    assert json.loads(rows[2])["event"] == ["BeatHeard", 1.5, "midi", 1.5, 0.5, 1.0]
+    assert [line.event for line in read_journal(path).lines][:2] == [said, plain]
+
+
+def test_a_row_is_read_by_the_columns_that_its_journal_names(tmp_path):
+    path = tmp_path / "a.jsonl"
+    columns = {"Performer": ["source", "time", "name", "z", "x"]}
+    path.write_text(
+        json.dumps({"journal": 2, "columns": columns}) + '\n{"tick":1,"event":["Performer","osc",0.5,"anna",2.0,1.0]}\n'
+    )
+    (line,) = read_journal(path).lines
+    assert (line.event.name, line.event.x, line.event.z) == ("anna", 1.0, 2.0)
+    path.write_text('{"journal": 2}\n{"tick":1,"event":["Performer","osc",0.5,"anna",2.0,1.0,3,4,5,6,7]}\n')
+    with pytest.raises(JournalError, match="line 2: event Performer: 10 values"):
+        list(read_journal(path).lines)
+
+
+def test_a_journal_of_format_1_is_read(tmp_path):
+    path = tmp_path / "a.jsonl"
+    recorded(path, seconds=6.0)
+    rows = [json.loads(row) for row in path.read_text().splitlines()]
+    rows[0] = {"journal": 1, "seed": 3}
+    for row in rows[1:]:
+        if "event" in row:
+            row["event"] = events.event_to_json(events.event_from_json(row["event"]))
+    path.write_text("".join(json.dumps(row) + "\n" for row in rows))
+    result = replay(made_show(), read_journal(path))
+    assert result.measures >= 2
+    assert not result.different

@@ -1,0 +1,275 @@
+"""Replay from any measure, at any frame rate, over damage; the files of a journal and what becomes of a slow disk."""
+
+import json
+import math
+import shutil
+import threading
+import tracemalloc
+from pathlib import Path
+
+import pytest
+
+from live.base.inbox import Inbox
+from live.clock.source import ManualClock
+from live.clock.ticks import TICK
+from live.control import events
+from live.show.engine import Engine
+from live.show.journal import JournalWriter, read_journal
+from live.show.journal_file import KEEP_EVERY, SnapshotFile, read_snapshots
+from live.show.load import LoadedShow
+from live.show.patch_file import parse_patch
+from live.show.replay import Replaying, run_from
+from live.show.replay_start import first_start, start_before
+from live.show.snapshot import Snapshots, facts_of
+from live.show.status import Status
+from tests.show.made_show import GRAPH, PATCH
+
+MADE = LoadedShow(Path("test.toml"), parse_patch(PATCH, "test.toml"), GRAPH)
+SCRIPT = {
+    40: events.Attract(time=0.8, source="osc", x=1.0, z=0.5, measures=3.0),
+    150: events.SetMotion(time=3.0, source="osc", parameter="warp_beats", value=0.4, group="*"),
+    260: events.Evolve(time=5.2, source="osc", formation="circle", group="front", measures=2.0),
+    330: events.StepNow(time=6.6, source="osc", name="spin", group="back"),
+    470: events.One(time=9.4, source="key"),
+    560: events.Spread(time=11.2, source="osc"),
+    650: events.SetTempo(time=13.0, source="osc", tempo=128.0),
+}
+
+
+def record(path, seconds=18.0, fps=50, sink=None):
+    """A show with events and a stall, journalled at `fps`; the engine."""
+    show, clock, inbox = MADE.start(), ManualClock(), Inbox()
+    writer = JournalWriter(path, {"seed": 3, "tempo": None}, sink=sink)
+    status = Status(show, rejected=dict, memory=lambda: 0.0)
+    engine = Engine(show, clock=clock, inbox=inbox, status=status, journal=writer)
+    for frame in range(1, round(seconds * fps) + 1):
+        if 700 <= frame < 720:  # the machine stands still for a moment
+            continue
+        clock.set(frame / fps)
+        if frame in SCRIPT:
+            inbox.put(SCRIPT[frame])
+        engine.frame(lambda view: None)
+    writer.close(engine.ticks.index)
+    return engine
+
+
+@pytest.fixture(scope="module")
+def night(tmp_path_factory):
+    """A journal with its snapshots, and the hash at its end."""
+    path = tmp_path_factory.mktemp("night") / "a.jsonl"
+    engine = record(path)
+    return path, engine.show.state_hash()
+
+
+@pytest.fixture
+def copy(night, tmp_path):
+    """The same journal, to be damaged."""
+    for file in (night[0], night[0].with_name("a.jsonl.snap")):
+        shutil.copy(file, tmp_path / file.name)
+    return tmp_path / "a.jsonl"
+
+
+@pytest.mark.parametrize("fps", [25, 60, 144])
+def test_one_journal_has_the_same_hashes_at_any_frame_rate(night, fps):
+    path, last = night
+    journal = read_journal(path)
+    start = first_start(journal, MADE)
+    running, view, frame = Replaying(start.show, journal.usable()), start.show.view(), 0
+    while not running.over:
+        frame += 1
+        running.advance(math.floor(frame / fps / TICK))
+        start.show.fill(view, max(frame / fps, running.tick * TICK))
+    assert running.found.measures >= 7
+    assert running.found.different == 0
+    assert start.show.state_hash() == last
+    assert abs(frame - journal.last_tick * TICK * fps) <= fps * 0.6  # but for the stall, it is as long as the show
+
+
+@pytest.mark.parametrize("first", [2, 4, 6, 8])
+def test_a_replay_from_a_measure_begins_with_the_snapshot_before_it(night, first):
+    path, last = night
+    journal, problems = read_journal(path), []
+    start = start_before(journal, MADE, first, problems)
+    assert not problems
+    assert start.show.span.number + 1 == first - 1
+    assert start.tick > 0 or first == 2
+    found = run_from(start, journal, loaded=MADE)
+    assert found.different == 0
+    assert found.measures == max(line.measure or 0 for line in journal.lines) - first + 1
+    assert start.show.state_hash() == last
+
+
+def test_a_replay_to_a_measure_ends_with_it(night):
+    journal = read_journal(night[0])
+    found = run_from(start_before(journal, MADE, 3, []), journal, to=4)
+    assert found.measures == 2
+    assert found.different == 0
+    assert found.ticks < journal.last_tick
+
+
+def _damage(path, which):
+    rows = path.read_text().splitlines()
+    number = next(n for n, row in enumerate(rows) if which in row)
+    rows[number] = rows[number][:25] + "#" + rows[number][25:]
+    path.write_text("\n".join(rows) + "\n")
+    return number + 1
+
+
+def test_a_damaged_line_is_named_and_the_replay_goes_on_from_the_next_snapshot(copy, night):
+    number = _damage(copy, '"StepNow"')
+    journal = read_journal(copy)
+    start = first_start(journal, MADE)
+    found = run_from(start, journal, loaded=MADE)
+    assert f"line {number}" in found.problems[0]
+    assert "goes on from the snapshot in measure" in found.problems[1]
+    assert found.different == 0
+    assert found.ticks == journal.last_tick
+    assert found.measures >= 5
+    copy.with_name("a.jsonl.snap").unlink()
+    found = run_from(first_start(journal, MADE), journal, loaded=MADE)
+    assert found.ticks < 0.5 * journal.last_tick
+    assert len(found.problems) == 1
+
+
+def test_a_flipped_bit_in_a_snapshot_is_named_and_an_older_one_serves(copy, night):
+    file = copy.with_name("a.jsonl.snap")
+    whole = list(read_snapshots(file, []))
+    assert [facts_of(data)["measure"] for data in whole] == list(range(2, len(whole) + 2))
+    data = bytearray(file.read_bytes())
+    place = sum(len(one) for one in whole[:3]) + len(whole[3]) // 2
+    data[place] ^= 1
+    file.write_bytes(data)
+    problems = []
+    start = start_before(read_journal(copy), MADE, 6, problems)
+    assert len(problems) == 1
+    assert "snapshot 4: the snapshot is damaged" in problems[0]
+    assert start.show.span.number + 1 == 4
+    assert run_from(start, read_journal(copy)).different == 0
+
+
+def test_a_cut_off_file_of_snapshots_still_serves(copy):
+    file = copy.with_name("a.jsonl.snap")
+    file.write_bytes(file.read_bytes()[:-1000])
+    problems = []
+    assert start_before(read_journal(copy), MADE, 99, problems).tick > 0
+    assert len(problems) == 1
+
+
+def test_snapshots_of_another_patch_are_not_used(copy):
+    other = LoadedShow(MADE.path, parse_patch(PATCH.replace("bpm = 120", "bpm = 121"), "test.toml"), GRAPH)
+    problems = []
+    start = start_before(read_journal(copy), other, 5, problems)
+    assert start.tick == 0
+    assert "other patch" in problems[0]
+
+
+class Sink:
+    """Keeps what it is given, and what the show had refused by then."""
+
+    def __init__(self):
+        self.show, self.lines, self.states, self.refused = None, [], [], []
+
+    def put(self, line):
+        self.lines.append(line)
+        if self.show is not None:
+            self.refused.append(self.show.refusals.count)
+
+    def snapshot(self, taken):
+        self.states.append(taken)
+
+    def facts(self):
+        return {"dropped": 0}
+
+    def close(self):
+        self.lines.append("closed")
+
+
+def test_a_line_is_in_the_sink_before_its_event_acts():
+    sink, show, clock, inbox = Sink(), MADE.start(), ManualClock(), Inbox()
+    writer = JournalWriter(Path("no file"), {}, sink=sink)
+    engine = Engine(
+        show, clock=clock, inbox=inbox, status=Status(show, rejected=dict, memory=lambda: 0.0), journal=writer
+    )
+    sink.show = show
+    engine.apply(events.CallStep(time=0.0, source="test", name="no such step"))
+    assert show.refusals.count == 1
+    assert sink.refused == [0]
+    for frame in range(1, 200):
+        clock.set(frame / 30)
+        engine.frame(lambda view: None)
+    writer.close(engine.ticks.index)
+    assert sink.lines[-1] == "closed"
+    assert [taken.measure for taken in sink.states] == sorted({taken.measure for taken in sink.states})
+    assert len(sink.states) >= 2
+    assert not Path("no file").exists()
+
+
+def _some(measures):
+    show = MADE.start()
+    source = Snapshots(show)
+    taken = source.take(0)
+    assert taken is not None
+    return [type(taken)(taken.payload, n * 100, n, taken.seed, taken.of) for n in range(1, measures + 1)]
+
+
+def test_of_older_snapshots_some_stay(tmp_path):
+    file = SnapshotFile(tmp_path / "s")
+    for taken in _some(2 * KEEP_EVERY + 4):
+        file._add(taken.seal())
+        assert [facts_of(data)["measure"] for data in read_snapshots(tmp_path / "s", [])][-1] == taken.measure
+    file.close()
+    kept = [facts_of(data)["measure"] for data in read_snapshots(tmp_path / "s", [])]
+    assert kept == [1, 1 + KEEP_EVERY, 1 + 2 * KEEP_EVERY, *(2 * KEEP_EVERY + n for n in (2, 3, 4))]
+
+
+def test_a_slow_disk_is_counted_and_never_waited_for(tmp_path, monkeypatch):
+    go, begun = threading.Event(), threading.Event()
+
+    def slow(_self, _data):
+        begun.set()
+        go.wait(20.0)
+
+    monkeypatch.setattr(SnapshotFile, "_add", slow)
+    file = SnapshotFile(tmp_path / "s")
+    some = _some(6)
+    file.put(some[0])
+    assert begun.wait(20.0)
+    for taken in some[1:]:
+        file.put(taken)
+    assert file.dropped == 3  # one is being written, two wait
+    go.set()
+    file.close()
+
+
+def test_lines_that_were_lost_are_told_where_they_are_missing(tmp_path):
+    sink = Sink()
+    writer = JournalWriter(tmp_path / "x", {}, sink=sink)
+    writer.measure(10, 1, "ab")
+    sink.facts = lambda: {"dropped": 4}
+    writer.measure(20, 2, "cd")
+    writer.measure(30, 3, "ef")
+    path = tmp_path / "a.jsonl"
+    path.write_text("\n".join(sink.lines) + "\n")
+    lines = list(read_journal(path).usable())
+    assert [line.measure for line in lines] == [1, None, 2, 3]
+    assert "line 3: before it lines could not be written, 4 by then" in lines[1].damaged
+
+
+def test_a_long_night_is_never_in_memory(tmp_path):
+    path = tmp_path / "long.jsonl"
+    with path.open("w") as file:
+        file.write('{"journal":2}\n')
+        for tick in range(20_000):
+            file.write(json.dumps({"tick": tick, "event": ["BeatHeard", tick / 64, "audio", 1.0, 0.5, 1.0]}) + "\n")
+        file.write('{"tick":20000,"end":true}\n')
+    tracemalloc.start()
+    try:
+        journal = read_journal(path)
+        count = sum(line.event is not None for line in journal.lines)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert count == 20_000
+    assert journal.complete
+    assert journal.last_tick == 20_000
+    assert peak < 1_000_000
