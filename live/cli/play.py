@@ -139,9 +139,12 @@ def play(
     with shift = repulsor. Closing the window, Esc in a window or Ctrl-C here ends the show; music from a file begins
     again at its end. Without a screen, 20 s of the show become a film, first-show.mp4.
     """
+    from rich.console import Console
+
     from live.cli.options import film_file, parse_choice, parse_endpoint, parse_number, parse_size, writable_file
     from live.cli.played import Played
     from live.cli.supervised import is_supervised, supervise
+    from live.cli.warm import warm_kernels
     from live.cli.wish import Wish
 
     parse_number(bpm, "--bpm", 20, 400)
@@ -179,6 +182,7 @@ def play(
     if is_supervised(played, alone=alone):
         supervise(played)
         return
+    warm_kernels(Console(stderr=True, highlight=False))  # before anything is imported that has kernels
     from live.cli.stage import play_show
 
     play_show(played.wish, monitor=monitor, fullscreen=fullscreen, headless=headless)

@@ -34,11 +34,8 @@ def render(
     from rich.console import Console
 
     from live.base.errors import PersonError
-    from live.cli.film_show import film_show
     from live.cli.options import film_file, parse_number, parse_size, writable_file
-    from live.cli.session_sound import choose_sound
     from live.cli.warm import warm_kernels
-    from live.cli.wish import Wish
 
     parse_number(bpm, "--bpm", 20, 400)
     parse_number(seconds, "--seconds", 0.02, 7 * 86400)
@@ -47,7 +44,11 @@ def render(
         writable_file(path, name)
     film_file(out, "--out", never=[audio, patch])
     console = Console(stderr=True, highlight=False)
-    warm_kernels(console)
+    warm_kernels(console)  # before anything is imported that has kernels
+    from live.cli.film_show import film_show
+    from live.cli.session_sound import choose_sound
+    from live.cli.wish import Wish
+
     wish = Wish(
         patch=patch, audio=audio, bpm=bpm, steps=steps, seed=seed, journal=journal, size=parse_size(size), fps=fps
     )

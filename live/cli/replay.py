@@ -36,10 +36,6 @@ def replay(
     from live.base.errors import PersonError
     from live.cli.options import film_file, parse_number, parse_size, writable_file
     from live.cli.warm import warm_kernels
-    from live.clock.ticks import TICK
-    from live.show.journal_reading import JournalError, read_journal
-    from live.show.replay import ReplayError, run_from
-    from live.show.replay_start import loaded_by, start_before
 
     parse_number(fps, "--fps", 1, 480)
     picture = parse_size(size)
@@ -47,7 +43,12 @@ def replay(
     film_file(render, "--render", never=[str(journal)])
     if last is not None and last < first:
         raise PersonError(f"--from {first} --to {last}: the first measure comes last")
-    warm_kernels(Console(stderr=True))
+    warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
+    from live.clock.ticks import TICK
+    from live.show.journal_reading import JournalError, read_journal
+    from live.show.replay import ReplayError, run_from
+    from live.show.replay_start import loaded_by, start_before
+
     problems: list[str] = []
     try:
         recorded = read_journal(journal)

@@ -4,12 +4,14 @@ import contextlib
 import hashlib
 import importlib
 import os
+import signal
 import subprocess
 import sys
+import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -55,6 +57,35 @@ def _from_the_other_end(names: list[str]) -> Iterator[None]:
         helper.wait()
 
 
+@contextlib.contextmanager
+def _ending_between_kernels() -> Iterator[Callable[[], None]]:
+    """Who ends the program is obeyed when a kernel is ready: gives what must be called then.
+
+    An exception out of a signal in the middle of numba's work would end with numba's own errors, told at length.
+    """
+    asked: list[int] = []
+    usual: dict[int, Any] = {}
+    if threading.current_thread() is threading.main_thread():
+        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+            if hasattr(signal, name):
+                number = getattr(signal, name)
+                usual[number] = signal.signal(number, lambda number, _frame: asked.append(number))
+
+    def end_if_asked() -> None:
+        while asked:
+            number = asked.pop(0)
+            if callable(usual[number]):
+                usual[number](number, None)
+
+    try:
+        yield end_if_asked
+        end_if_asked()
+    finally:
+        for number, handler in usual.items():
+            if signal.getsignal(number) is not signal.SIG_IGN:  # a handler that was called wants no second signal
+                signal.signal(number, handler)
+
+
 def warm_kernels(console: "Console") -> int:
     """Import every kernel module, which compiles what the cache does not hold; the number of kernels in all.
 
@@ -78,20 +109,25 @@ def warm_kernels(console: "Console") -> int:
         TextColumn("{task.fields[kernel]}"),
     )
     total = jit.kernel_count()
-    with Progress(*columns, console=console) as progress:
-        task = progress.add_task("", total=total, kernel="")
+    try:
+        with _ending_between_kernels() as end_if_asked, Progress(*columns, console=console) as progress:
+            task = progress.add_task("", total=total, kernel="")
 
-        def advance(kernel: str) -> None:
-            progress.update(task, advance=1, kernel=kernel)
+            def advance(kernel: str) -> None:
+                progress.update(task, advance=1, kernel=kernel)
+                end_if_asked()
 
-        jit.kernel_compiled.append(advance)
-        try:
-            with _from_the_other_end(names):
-                for name in names:
-                    importlib.import_module(name)
-        finally:
-            jit.kernel_compiled.remove(advance)
-        progress.update(task, completed=total, kernel="")  # modules loaded before us did not call back
+            jit.kernel_compiled.append(advance)
+            try:
+                with _from_the_other_end(names):
+                    for name in names:
+                        importlib.import_module(name)
+            finally:
+                jit.kernel_compiled.remove(advance)
+            progress.update(task, completed=total, kernel="")  # modules loaded before us did not call back
+    except (KeyboardInterrupt, SystemExit):
+        console.print("ended; the next start compiles the kernels that are left", highlight=False)
+        raise
     if not jit.JIT_DISABLED:
         _ready_mark().touch()
     return total

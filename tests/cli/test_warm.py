@@ -48,3 +48,34 @@ def test_warm_compiles_once_and_leaves_its_mark_in_the_stamp(tmp_path: Path) -> 
     second = warm(tmp_path / "cache")
     assert "Compiling" not in second.stderr
     assert {path: path.stat().st_mtime_ns for path in folder.rglob("*.nbc")} == compiled
+
+
+@pytest.mark.skipif(jit.JIT_DISABLED, reason="NUMBA_DISABLE_JIT=1: nothing is compiled")
+@pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
+def test_who_ends_it_while_kernels_are_compiled_is_told_one_line(tmp_path: Path, name: str, code: int) -> None:
+    """The signal comes where it is worst: in the middle of numba's work on the second kernel."""
+    tripped = FEW.replace(
+        "main()\n",
+        f"""
+import os, signal
+from numba.core import codegen
+finalize, calls = codegen.CPUCodeLibrary.finalize, []
+def trip(self):
+    calls.append(1)
+    if len(calls) == 2:
+        os.kill(os.getpid(), signal.{name})
+    return finalize(self)
+codegen.CPUCodeLibrary.finalize = trip
+main()
+""",
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", tripped, "warm"],
+        capture_output=True, text=True, check=False,
+        env={**os.environ, **WITHOUT_TERMINAL, "LIVE_CACHE_DIR": str(tmp_path / "cache")},
+    )  # fmt: skip
+    assert done.returncode == code, done.stderr
+    assert "Traceback" not in done.stderr
+    assert done.stderr.splitlines()[-1] == "ended; the next start compiles the kernels that are left"
+    assert list((tmp_path / "cache").rglob("*.nbc"))  # what was ready is kept
+    assert not list((tmp_path / "cache").rglob("ready-*"))
