@@ -4,6 +4,7 @@ All chance comes of (seed, section, turn, group, measure): the same events give 
 """
 
 from collections import OrderedDict
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -25,24 +26,33 @@ Kept = tuple[int, int, int]
 """The step that was drawn last, measures of it that are left, and by whose table."""
 Told = tuple[int, tuple[Wanted, ...], int]
 
-REMEMBERED: Final = 2100
-"""Measures kept of what each group has danced: more than two of the longest phrases."""
+REMEMBERED: Final = 128
+"""Measures kept of what each group has danced, unless phrases are long."""
 NOBODY: Final = -1
 SALT: Final = 0x1A9
 """Keeps this chance apart from that of a group's own steps."""
 
 
+def remembered(sections: Sequence[ImproviseSection]) -> int:
+    """How many measures of a dance must be remembered for these."""
+    longest = max((section.phrase for section in sections), default=0)
+    limits = [section.most for section in sections if section.most < 1000]
+    return max(REMEMBERED, 2 * longest + 64, 16 * max(limits, default=0))
+
+
 class Ledger:
     """What each group was asked to dance in the last measures: step, and how many measures of it were over."""
 
-    def __init__(self, groups: int) -> None:
+    def __init__(self, groups: int, kept: int = REMEMBERED) -> None:
+        """`kept`: how many measures are remembered."""
+        self.kept = kept
         self._of: list[OrderedDict[int, tuple[int, int]]] = [OrderedDict() for _ in range(groups)]
 
     def note(self, group: int, measure: int, step: int, into: int) -> None:
         """`group` is asked to dance this in `measure`; the last word on a measure counts."""
         said = self._of[group]
         said[measure] = step, into
-        if len(said) > REMEMBERED:
+        while len(said) > self.kept:
             said.popitem(last=False)
 
     def said(self, group: int, measure: int) -> tuple[int, int] | None:
@@ -86,6 +96,7 @@ class Improviser:
     def take_patch(self, fresh: "Improviser") -> None:
         """Improvise as another patch says."""
         self._tables, self._usual = fresh._tables, fresh._usual
+        self._ledger.kept = max(self._ledger.kept, fresh._ledger.kept)
 
     def take_graph(self, graph: MotionGraph) -> None:
         """Choose in a graph that has all nodes and steps of the old one."""

@@ -39,8 +39,10 @@ def part_of(
     usual = table_of(free, score, graph, steps, names, group) if not tables else tables[0]
     assert usual is not None
     improviser = Improviser(tables, usual, score, ledger, mood, group=group, seed=seed, graph=graph)
-    in_order = [(index, section) for index, section in sequences if section.choose == "sequence"]
-    return Part(score, Sequences(in_order, score, graph), improviser)
+    ordered = [(index, section) for index, section in sequences if section.choose == "sequence"]
+    sequences_of = Sequences(ordered, score, graph)
+    score.written.parts.append((sequences_of, tables, usual))
+    return Part(score, sequences_of, improviser)
 
 
 def _as_improvised(section: SequenceSection) -> ImproviseSection:

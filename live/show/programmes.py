@@ -2,7 +2,7 @@
 
 from live.graph.motion_graph import MotionGraph
 from live.show.echo import Echo, Programme
-from live.show.improviser import Ledger
+from live.show.improviser import Ledger, remembered
 from live.show.mood import Mood
 from live.show.parts import part_of
 from live.show.patch import Patch
@@ -19,7 +19,7 @@ def programmes_of(
     score, mood = score or Score(patch), mood or Mood()
     check_calls(patch, graph)
     own: list[GroupProgramme] = []
-    ledger = Ledger(len(patch.group))
+    ledger = Ledger(len(patch.group), remembered(patch.improvise))
     for index, section in enumerate(patch.group):
         leader = patch.leader_of(section)
         if leader is not section:

@@ -1,7 +1,7 @@
 """Score: what the patch puts at measures, handed out when they come (T132)."""
 
 from collections.abc import Iterable
-from typing import Final, Protocol, TypeVar
+from typing import Any, Final
 
 from live.show.patch import Patch
 from live.show.playhead import END, Place, Playhead, Stretch
@@ -13,14 +13,17 @@ WHOLE: Final = ""
 """The name of the one section of a score without sections."""
 
 
-class _Placed(Protocol):
-    @property
-    def measure(self) -> float | None: ...
-    @property
-    def section(self) -> str | None: ...
+KINDS: Final = ("element", "segment", "regroup", "at", "signal")
 
 
-Entry = TypeVar("Entry", bound=_Placed)
+class Written:
+    """What is written in a score, which no measure changes: entries by place, and the parts of the groups."""
+
+    def __init__(self) -> None:
+        self.entries: dict[str, dict[tuple[int, int], list[Any]]] = {}
+        """By kind, section and measure."""
+        self.parts: list[Any] = []
+        """What the parts of the groups have: see `live.show.parts`."""
 
 
 def stretches_of(patch: Patch) -> tuple[Stretch, ...]:
@@ -48,16 +51,13 @@ class Score:
         """`playhead` says where the score is; left out: one of its own that nobody leads elsewhere."""
         self.playhead = Playhead(stretches_of(patch)) if playhead is None else playhead
         self._sections = {stretch.name.casefold(): i for i, stretch in enumerate(self.playhead.stretches)}
-        self._element = self._by_place(patch.element)
-        self._segment = self._by_place(patch.segment)
-        self._regroup = self._by_place(patch.regroup)
-        self._at = self._by_place(patch.at)
-        self._signal = self._by_place(patch.signal)
+        self.written = Written()
+        for kind in KINDS:
+            self.written.entries[kind] = self._by_place(getattr(patch, kind))
 
     def take_patch(self, fresh: "Score") -> None:
         """Take over the entries of another score; where it is, the playhead knows."""
-        for name in ("_sections", "_element", "_segment", "_regroup", "_at", "_signal"):
-            setattr(self, name, getattr(fresh, name))
+        self._sections, self.written = fresh._sections, fresh.written
 
     def place_of(self, section: str | None, measure: float) -> tuple[int, int] | None:
         """Section and measure (from 0) of an entry of the patch; None for one that never comes."""
@@ -70,20 +70,20 @@ class Score:
             return None
         return place.section, place.measure
 
-    def _by_place(self, entries: Iterable[Entry]) -> dict[tuple[int, int], list[Entry]]:
-        found: dict[tuple[int, int], list[Entry]] = {}
+    def _by_place(self, entries: Iterable[Any]) -> dict[tuple[int, int], list[Any]]:
+        found: dict[tuple[int, int], list[Any]] = {}
         for entry in entries:
             place = None if entry.measure is None else self.place_of(entry.section, entry.measure)
             if place is not None:
                 found.setdefault(place, []).append(entry)
         return found
 
-    def _of(self, entries: dict[tuple[int, int], list[Entry]], measure: int) -> list[Entry]:
+    def _of(self, kind: str, measure: int) -> list[Any]:
         """What begins with `measure` (from 0): nothing before the first, after the end, or while the score is held."""
         if measure < 0 or not self.playhead.entered(measure):
             return []
         place = self.playhead.place(measure)
-        return entries.get((place.section, place.measure), [])
+        return self.written.entries[kind].get((place.section, place.measure), [])
 
     def place(self, measure: int) -> Place:
         """Where the score is in `measure` (from 0)."""
@@ -91,20 +91,20 @@ class Score:
 
     def elements(self, measure: int) -> list[ElementSection]:
         """Elements whose first measure is `measure` (from 0); a start within it is theirs. Below 0 there are none."""
-        return self._of(self._element, measure)
+        return self._of("element", measure)
 
     def regroups(self, measure: int) -> list[RegroupSection]:
         """Who changes the group with `measure` (from 0)."""
-        return self._of(self._regroup, measure)
+        return self._of("regroup", measure)
 
     def segments(self, measure: int) -> list[SegmentSection]:
         """Segments whose first measure is `measure` (from 0)."""
-        return self._of(self._segment, measure)
+        return self._of("segment", measure)
 
     def calls(self, measure: int) -> list[AtSection]:
         """What is called within `measure` (from 0)."""
-        return self._of(self._at, measure)
+        return self._of("at", measure)
 
     def signals(self, measure: int) -> list[SignalSection]:
         """Signals that the score gives within `measure` (from 0)."""
-        return self._of(self._signal, measure)
+        return self._of("signal", measure)

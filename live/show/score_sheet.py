@@ -154,7 +154,7 @@ def _others(show: Show, measure: int, length: int, rows: dict[str, list[Box]]) -
             rows["signals"].append(Box(measure, measure, _at(call.signal, call.beat), "signal"))
         else:
             said = call.call or f"scene {call.scene}"
-            words = " ".join([said.removeprefix("/dance/"), *(str(value) for value in call.values)])
+            words = " ".join([said.removeprefix("/dance/"), *(_value(value) for value in call.values)])
             rows["calls"].append(Box(measure, measure, _at(words, call.beat), "call"))
 
 
@@ -165,6 +165,10 @@ def _segment_words(segment: SegmentSection) -> str:
 
 def _for(group: str) -> str:
     return "" if group.strip() in ("", "*") else f" ({group})"
+
+
+def _value(value: str | float | bool) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _at(words: str, beat: float) -> str:

@@ -23,6 +23,7 @@ LARGEST: Final = 1 << 28
 """Bytes of a state at most: a damaged header asks for no more memory."""
 CONSTANT: Final = (
     "graph", "patch", "scheduler.choosing", "scheduler.aims.foresight", "motion.elements._field._cosines",
+    "prompter.score.written",
 )  # fmt: skip
 """What patch, steps and seed alone decide: found again in a fresh show, ..."""
 VARIABLE: Final = ("scheduler.choosing.most", "scheduler.choosing.facts")

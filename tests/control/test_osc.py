@@ -372,6 +372,21 @@ def scene_controls():
     }
 
 
+def score_controls():
+    """What moves the score, and signals."""
+    return {
+        "/dance/section": (
+            ["ssi", "solo", "section", "3"],
+            events.JumpTo(section="solo", when="section", measure=3, **STAMP),
+        ),
+        "/dance/advance": ([], events.Advance(when="section", **STAMP)),
+        "/dance/hold/score": (["T"], events.HoldScore(on=True, **STAMP)),
+        "/dance/practice": (["ii", "17", "24"], events.Practice(first=17, last=24, **STAMP)),
+        "/dance/improvise": (["is", "1", "left"], events.Improvise(on=True, group="left", **STAMP)),
+        "/dance/signal": (["sf", "hit", "0.5"], events.Signal(name="hit", value=0.5, **STAMP)),
+    }
+
+
 def group_controls():
     """What is sent to each control of elements and group motion, and the event that comes of it."""
 
@@ -481,6 +496,7 @@ def test_liblos_oscsend_sends_every_control(stage):
         "/dance/ping": ([], None),
         **group_controls(),
         **scene_controls(),
+        **score_controls(),
     }
     assert set(sent) == {control.address for control in REGISTRY}
     for count, (address, (arguments, event)) in enumerate(sent.items(), start=1):

@@ -1,0 +1,171 @@
+"""Signals, calls at beats and jumps in a running show: what happens, and with which tick."""
+
+import pytest
+
+from live.base.errors import PersonError
+from live.clock.ticks import TICK
+from live.control import events
+from live.control.events import MusicHeard
+from live.show.prompter import Prompter
+from live.show.reactions import Reactions
+from tests.show.made_show import PATCH, made_show
+
+
+def run(show, seconds, *, at=None, seen=None):
+    """Tick on; `at`: events by tick; `seen(tick)` after every tick."""
+    first = round(show.time / TICK) + 1
+    for tick in range(first, first + round(64 * seconds)):
+        if at and tick in at:
+            show.apply(at[tick](tick * TICK))
+        show.tick(tick * TICK)
+        if seen:
+            seen(tick)
+    return show
+
+
+def heard(show, monkeypatch):
+    """The ticks with which events act, as (tick, event), from the score and whatever reacts."""
+    acted = []
+    act = show._act_on
+    monkeypatch.setattr(show, "_act_on", lambda event: (acted.append((round(show.time / TICK), event)), act(event))[1])
+    return acted
+
+
+def test_calls_happen_with_the_tick_that_holds_their_beat(monkeypatch):
+    """At 120 bpm a beat is 32 ticks, and the measure 128."""
+    calls = "".join(
+        f'[[at]]\nmeasure = {measure}\nbeat = {beat}\ncall = "/dance/motion/larger"\nvalues = [0.1]\n'
+        for measure, beat in ((2, 1.0), (2, 2.5), (2, 4.99), (3, 1.0))
+    )
+    show = made_show(calls)
+    acted = heard(show, monkeypatch)
+    run(show, 6)
+    assert [tick for tick, event in acted if isinstance(event, events.SetMotion)] == [128, 176, 256, 256]
+    figures = show.prompter.agenda.figures()
+    assert (figures["fired"], figures["late_ticks_max"], figures["waiting"]) == (4, 0, 0)
+
+
+def test_a_signal_of_the_score_calls_what_reacts_to_it_at_once_at_the_beat_or_at_the_line(monkeypatch):
+    reacts = "".join(
+        f'[[react]]\non = "Hit"\nwhen = "{when}"\ncall = "/dance/attract"\nvalues = [{n}, 0]\n'
+        for n, when in enumerate(("now", "beat", "measure"))
+    )
+    show = made_show('[[signal]]\nname = "hit"\nmeasure = 1\nbeat = 2.5\n' + reacts)
+    acted = heard(show, monkeypatch)
+    run(show, 3)
+    assert [(tick, event.x) for tick, event in acted if isinstance(event, events.Attract)] == [
+        (48, 0.0), (64, 1.0), (128, 2.0),
+    ]  # fmt: skip
+    assert show.prompter.signals == {"hit": 1}
+
+
+def test_signals_come_by_hand_from_the_score_and_from_what_is_heard():
+    show = made_show(
+        '[[signal]]\nname = "big"\non = "loud"\nlevel = 0.8\n[[at]]\nmeasure = 1\nbeat = 3.0\nsignal = "big"\n'
+        '[[react]]\non = "big"\nwhen = "now"\ncall = "/dance/spread"\n'
+    )
+    by_hand = {10: lambda time: events.Signal(time=time, source="osc", name="BIG")}
+    run(show, 1.5, at=by_hand)
+    assert show.prompter.signals["big"] == 2
+    for loud in (0.5, 0.85, 0.9, 0.75, 0.85, 0.6, 0.85):  # it counts again once it has been left by a tenth
+        show.apply(
+            MusicHeard(
+                time=show.time, source="audio", beat_time=show.time, loudness=loud, density=3.0, brightness=0.5,
+                low=0.5, build=0.0, drop=False,
+            )
+        )  # fmt: skip
+    assert show.prompter.signals["big"] == 4
+    run(show, 0.1)
+    assert show.prompter.agenda.fired == 1 + 4
+
+
+def test_a_signal_that_nobody_knows_is_refused_and_counted():
+    show = made_show()
+    assert not show.apply(events.Signal(time=0.0, source="osc", name="hit"))
+    assert show.refusals.count == 1
+    assert "no signal is called 'hit'" in show.refusals.words
+    assert show.apply(events.Signal(time=0.0, source="osc", name="drop"))
+
+
+def test_a_signal_may_move_the_score():
+    show = made_show(
+        '[[section]]\nname = "a"\nmeasures = 4\n[[section]]\nname = "b"\nmeasures = 2\nthen = "end"\n'
+        '[[at]]\nsection = "a"\nmeasure = 2\nbeat = 2.0\nsignal = "now"\n'
+        '[[react]]\non = "now"\nwhen = "now"\ncall = "/dance/section"\nvalues = ["b"]\n'
+    )
+    places = {}
+    run(show, 11, seen=lambda tick: places.setdefault(show.span.number, show.prompter.facts()["section"]))
+    assert list(places.values()) == ["a", "a", "b", "b", None, None]
+
+
+def test_what_the_score_has_elsewhere_ends_with_a_jump_and_what_hands_placed_stays():
+    show = made_show(
+        '[[section]]\nname = "a"\nmeasures = 8\n[[section]]\nname = "b"\nmeasures = 8\n'
+        '[[element]]\nkind = "spread"\nsection = "a"\nmeasure = 2\nmeasures = 6\n'
+    )
+    at = {
+        200: lambda time: events.Attract(time=time, source="osc", x=1.0, z=1.0, measures=20.0),
+        300: lambda time: events.JumpTo(time=time, source="osc", section="b"),
+    }
+    run(show, 5.9, at=at)
+    assert {element.source for element in show.motion.elements.in_force} == {"score", "osc"}
+    run(show, 3.0)
+    assert {element.source for element in show.motion.elements.in_force} == {"osc"}
+
+
+@pytest.mark.parametrize("beat", [4.2, 6.1, 6.6, 7.6])
+def test_a_jump_takes_back_what_was_put_there_for_the_coming_measure(beat):
+    """Elements and segments of measure 3 of `a` are there from beat 6.25 on; the jump to `b` takes them back."""
+    show = made_show(
+        '[[section]]\nname = "a"\nmeasures = 8\n[[section]]\nname = "b"\nmeasures = 8\n'
+        '[[element]]\nkind = "spread"\nsection = "a"\nmeasure = 3\nmeasures = 6\n'
+        '[[segment]]\nsection = "a"\nmeasure = 3\nformation = "line"\n'
+        '[[segment]]\nsection = "b"\nmeasure = 1\nformation = "circle"\n'
+    )
+    jump = {round(32 * beat): lambda time: events.JumpTo(time=time, source="osc", section="b")}
+    run(show, 5, at=jump)
+    assert not show.motion.elements.in_force
+    assert [motion.intention.formation for motion in show.motion.evolutions._plan.motions] == ["circle"]
+
+
+def test_jumps_to_nowhere_are_refused_and_the_show_is_left_as_it_was():
+    show, plain = made_show(), made_show()
+    for event in (
+        events.JumpTo(time=0.0, source="osc", section="coda"),
+        events.JumpTo(time=0.0, source="osc", section="coda", when="soon"),
+        events.Advance(time=0.0, source="osc", when="never"),
+        events.Practice(time=0.0, source="osc", first=9, last=3),
+        events.Practice(time=0.0, source="osc", first=0, last=3),
+        events.Improvise(time=0.0, source="osc", on=True, group="choir"),
+    ):
+        assert not show.apply(event)
+    assert show.refusals.count == 6
+    run(show, 3)
+    run(plain, 3)
+    assert show.state_hash() == plain.state_hash()
+
+
+def test_practice_comes_again_and_again_and_ends():
+    show = made_show("loop_measures = 8\n", top=True)
+    at = {
+        10: lambda time: events.Practice(time=time, source="osc", first=3, last=4),
+        64 * 11: lambda time: events.Practice(time=time, source="osc", first=0, last=0),
+    }
+    places = {}
+    run(
+        show, 15, at=at, seen=lambda tick: places.setdefault(show.span.number, show.prompter.facts()["section_measure"])
+    )
+    assert list(places.values()) == [1, 3, 4, 3, 4, 3, 4, 5]
+
+
+def test_signals_that_call_each_other_for_ever_stop_no_show():
+    """Named at load where the patch says so; here a hand makes it so: the agenda takes only so many in a tick."""
+    from live.show.patch_file import parse_patch
+
+    patch = parse_patch(PATCH, "x")
+    prompter = Prompter(patch, Reactions(patch), seed=1)
+    for _ in range(3000):
+        prompter.agenda.put(0.0, events.Signal(time=0.0, source="score", name="drop"))
+    assert len(prompter.agenda.fire(0.0)) < 3000
+    with pytest.raises(PersonError, match="the patch has none"):
+        prompter.section("x")
