@@ -116,11 +116,13 @@ class Following:
 
 def _start(loaded: LoadedShow, header: dict[str, Any], waiting: list[dict[str, Any]]) -> Show:
     """The show of that header at its first moment: of what is loaded if it is the same, else as a replay loads it."""
-    events = (value["event"] for value in waiting if "event" in value)
+    events = [value["event"] for value in waiting if "event" in value]
     later = any(isinstance(event, dict) and event.get("type") == StepsAdded.__name__ for event in events)
     same = header["steps_hash"] == library_hash(loaded.graph.library)
     if same and not later and header["patch"] == loaded.patch.model_dump(mode="json"):
         return loaded.start(seed=header["seed"], tempo=header["tempo"])
-    added = (event_from_json(value["event"]) for value in waiting if "event" in value)
-    keys = (event.clips.split("\n") for event in added if isinstance(event, StepsAdded))
-    return loaded_of(header, keys).start(seed=header["seed"], tempo=header["tempo"])
+    kinds = (StepsAdded.__name__, StepsChanged.__name__)
+    known = [event_from_json(event) for event in events if isinstance(event, dict) and event.get("type") in kinds]
+    keys = (event.clips.split("\n") for event in known if isinstance(event, StepsAdded))
+    changed = (event for event in known if isinstance(event, StepsChanged))
+    return loaded_of(header, keys, changed).start(seed=header["seed"], tempo=header["tempo"])

@@ -232,7 +232,8 @@ class Session:
         if folder is None:
             return None
         return LibraryWatch(
-            folder, self.show.graph, offer=self.show.offer, post=self.inbox.put, now=self.clock.now
+            folder, self.show.graph, offer=self.show.offer, post=self.inbox.put, now=self.clock.now,
+            read=self.loaded.clips,
         )  # fmt: skip
 
     def _start_audio(self) -> None:

@@ -39,7 +39,7 @@ from live.control.group_events import (
     SetStage,
     Travel,
 )
-from live.control.patch_events import PatchChanged
+from live.control.patch_events import PatchChanged, StepsChanged
 from live.control.scene_events import RecallLook, RecallScene, RecallView, SetPicture, StoreScene
 from live.control.score_events import Advance, HoldScore, Improvise, JumpTo, Practice, Signal
 
@@ -106,6 +106,7 @@ __all__ = [
     "StepBack",
     "StepNow",
     "StepsAdded",
+    "StepsChanged",
     "StoreScene",
     "Tap",
     "TicksSkipped",
@@ -247,7 +248,7 @@ EVENT_TYPES: dict[str, type[ControlEvent]] = {
         Tap, One,
         SetTempo, Nudge, ShiftBeats, ScaleTempo, HoldTempo, SetMetre, CountIn, ChooseSource, Blackout, BeatHeard,
         SourceChanged, StepsAdded, TicksSkipped, MusicHeard, RestartAudio, ChooseAudio, SetLatency,
-        SetClick, JumpTo, Advance, HoldScore, Practice, Improvise, Signal, PatchChanged,
+        SetClick, JumpTo, Advance, HoldScore, Practice, Improvise, Signal, PatchChanged, StepsChanged,
         SetPicture, RecallView, RecallLook, RecallScene, StoreScene,
         Go, GiveCue, StandBy, StepBack, Panic, HoldShow, Undo, Redo,
     )

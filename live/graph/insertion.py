@@ -8,7 +8,7 @@ the old graph but not in the new one (a larger component has come into being els
 `stranded`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -31,7 +31,25 @@ def insert_clips(graph: MotionGraph, clips: Sequence[StepClip]) -> MotionGraph:
     """
     part = build_library(clips)
     library = joined_library(graph.library, part)
-    old = NodeFacts(
+    boundaries = graph.boundaries.joined(Boundaries.of(part, graph.rule))
+    joins = joins_with(library, boundaries, graph.joins, graph.library.node_count, graph.rule)
+    facts = facts_of(graph).joined(node_facts(part, graph.window))
+    leaving = np.concatenate([graph.leaving, np.zeros(part.node_count, np.bool_)])
+    return graph_of(library, boundaries, joins, facts, graph.rule, leaving)
+
+
+def without_clips(graph: MotionGraph, clips: Iterable[int]) -> MotionGraph:
+    """The same graph, but that nobody begins these `clips` (indices into its library's) any more.
+
+    Whoever dances in one finishes her step and goes on as before. Indices stay. ValueError if nothing is left.
+    """
+    leaving = graph.leaving | np.isin(graph.library.node_clip, list(clips))
+    return graph_of(graph.library, graph.boundaries, graph.joins, facts_of(graph), graph.rule, leaving)
+
+
+def facts_of(graph: MotionGraph) -> NodeFacts:
+    """What a graph knows of its nodes."""
+    return NodeFacts(
         start=graph.node_start,
         end=graph.node_end,
         facing=graph.node_facing,
@@ -44,10 +62,6 @@ def insert_clips(graph: MotionGraph, clips: Sequence[StepClip]) -> MotionGraph:
         holds=graph.node_holds,
         moments=graph.moments,
     )
-    boundaries = graph.boundaries.joined(Boundaries.of(part, graph.rule))
-    joins = joins_with(library, boundaries, graph.joins, graph.library.node_count, graph.rule)
-    facts = old.joined(node_facts(part, graph.window))
-    return graph_of(library, boundaries, joins, facts, graph.rule)
 
 
 def stranded(graph: MotionGraph, nodes: Int32) -> npt.NDArray[np.bool_]:

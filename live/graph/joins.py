@@ -51,7 +51,10 @@ class Joins:
         """Those between nodes that are `alive` (N,)."""
         if alive.all():
             return self
-        kept = alive[self.source] & alive[self.target]
+        return self.chosen(alive[self.source] & alive[self.target])
+
+    def chosen(self, kept: Bool) -> "Joins":
+        """Those that are `kept` (E,)."""
         return Joins(self.source[kept], self.target[kept], self.cost[kept], self.transform[kept])
 
 

@@ -76,6 +76,8 @@ class MotionGraph:
     """The clouds between which they are, for the same purpose."""
     rule: JoinRule
     """What made them."""
+    leaving: Bool
+    """Measures of clips that were taken away: whoever dances one finishes her step, nobody begins it, shape (N,)."""
 
     @property
     def edge_count(self) -> int:
@@ -121,13 +123,26 @@ def build_graph(
 
 
 def graph_of(
-    library: StepLibrary, boundaries: Boundaries, joins: Joins, facts: NodeFacts, rule: JoinRule
+    library: StepLibrary,
+    boundaries: Boundaries,
+    joins: Joins,
+    facts: NodeFacts,
+    rule: JoinRule,
+    leaving: Bool | None = None,
 ) -> MotionGraph:
-    """The graph of a library whose joins and facts are known; ValueError if it is pruned and nothing connects."""
+    """The graph of a library whose joins and facts are known; ValueError if it is pruned and nothing connects.
+
+    `leaving` (N,): measures that nobody may begin, see `MotionGraph`.
+    """
     alive = np.ones(library.node_count, np.bool_)
+    leaving = np.zeros(library.node_count, np.bool_) if leaving is None else leaving
+    open_ = joins.chosen(~leaving[joins.target] | (library.node_measure[joins.target] > 0)) if leaving.any() else joins
     if rule.prune:
-        alive = largest_component(library.node_count, joins.source, joins.target)
+        alive = largest_component(library.node_count, open_.source, open_.target)
     edges = joins.among(alive)
+    if leaving.any():
+        alive &= ~leaving
+        edges = open_.chosen((alive | leaving)[open_.source] & (alive | leaving)[open_.target])
     if rule.prune and not len(edges.source):
         raise ValueError(
             f"no step of {', '.join(library.steps)} leads to another within {rule.threshold} m: "
@@ -152,13 +167,14 @@ def graph_of(
         node_gives=facts.gives,
         node_holds=facts.holds,
         moments=facts.moments,
-        takes=find_takes(library),
+        takes=find_takes(library, leaving),
         alive=alive,
         window=rule.window,
-        missing=_missing(library, alive, rule.threshold),
+        missing=_missing(library, alive | leaving, rule.threshold),
         joins=joins,
         boundaries=boundaries,
         rule=rule,
+        leaving=leaving,
     )
 
 

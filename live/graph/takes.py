@@ -37,10 +37,11 @@ class Takes:
         return np.where(count > 0, found, NO_TAKE).astype(np.int32)
 
 
-def find_takes(library: StepLibrary) -> Takes:
+def find_takes(library: StepLibrary, leaving: npt.NDArray[np.bool_] | None = None) -> Takes:
     """All takes of a library. Only clips of one structural variation are mixed (T046): same foot, same poses.
 
-    The rule is that of `check_same_structure`; a measure of a stream (T037) is no other's take.
+    The rule is that of `check_same_structure`; a measure of a stream (T037) is no other's take, and neither is one of
+    those that are `leaving` (N,).
     """
     numbers: dict[tuple[object, ...], int] = {}
     # what two takes share: all that must be equal but the side; -1 where there is nothing that could
@@ -50,6 +51,8 @@ def find_takes(library: StepLibrary) -> Takes:
     clip = library.node_clip
     place = kind[clip].astype(np.int64) * (int(library.node_measure.max()) + 1) + library.node_measure
     place[kind[clip] < 0] = -1
+    if leaving is not None:
+        place[leaving] = -1
     order = np.argsort(place, kind="stable")
     pairs = [np.zeros((2, 0), np.int64)]
     for group in np.split(order, np.flatnonzero(np.diff(place[order])) + 1):

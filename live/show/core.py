@@ -162,8 +162,8 @@ class Show:
                 self.interrupts.clear()
                 for programme in self.scheduler.programmes:
                     programme.release()
-            case events.StepsAdded():
-                self._new_steps.add(event, self.graph)
+            case events.StepsAdded() | events.StepsChanged():
+                self._new_steps.hear(event, self.graph)
             case events.PatchChanged():
                 self.reloading.ask(event, self.another, self.patch, self.latest_graph)
             case events.Blackout():

@@ -2,7 +2,7 @@
 
 import contextlib
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
@@ -15,6 +15,7 @@ from live.graph.metric.weights import Metric
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.motion.step_clip import StepClip
 from live.show.core import Show
+from live.show.new_steps import clip_key
 from live.show.patch import Patch
 from live.show.patch_file import PATCHES, find_beside, read_sources
 from live.show.programme_steps import UnknownStep
@@ -56,6 +57,10 @@ class LoadedShow:
             return str(self.path)
         return f"{self.sources.told(place)}: {field_words(place)}"
 
+    def clips(self) -> list[StepClip]:
+        """All clips as a start would find them now."""
+        return clips_of(self.patch, self.path, self.recordings)
+
     @property
     def steps_folder(self) -> Path | None:
         """The folder of this show's own steps, None if it dances the project's."""
@@ -85,6 +90,7 @@ class LoadedShow:
             "tempo": tempo,
             "music": None if music is None else str(music.resolve()),
             "steps_hash": library_hash(self.graph.library),
+            "steps": [clip_key(clip) for clip in self.graph.library.clips],
         }
 
 
@@ -94,17 +100,36 @@ def load_show(path: Path, *, recordings: Path | None = None) -> LoadedShow:
     return replace(show_of(patch, path, recordings=recordings), sources=sources)
 
 
+def clips_of(patch: Patch, path: Path, recordings: Path | None) -> list[StepClip]:
+    """The clips that a show of the patch begins with, in their order."""
+    return _sketched(patch, path) if recordings is None else load_folder(recordings)
+
+
+def as_they_were(clips: list[StepClip], names: Sequence[str], was: Mapping[str, StepClip]) -> list[StepClip]:
+    """The clips called `names`, in that order, followed by all others; those in `was` as they were."""
+    there = {clip_key(clip): clip for clip in clips} | dict(was)
+    first = [there.pop(name) for name in names if name in there]
+    return first + [clip for name, clip in there.items() if name not in was or not names]
+
+
 def show_of(
-    patch: Patch, path: Path, *, recordings: Path | None = None, later: frozenset[str] = frozenset()
+    patch: Patch,
+    path: Path,
+    *,
+    recordings: Path | None = None,
+    later: frozenset[str] = frozenset(),
+    names: Sequence[str] = (),
+    was: Mapping[str, StepClip] | None = None,
 ) -> LoadedShow:
     """The show of a patch that was read already; `path` is where its names are looked up.
 
-    Clips whose `clip_key` is in `later` are left out, and kept in reserve.
+    Clips whose `clip_key` is in `later` are left out, and kept in reserve. For a replay: `names` of the clips that it
+    began with, and what files held that have changed since (`was`).
     """
-    if recordings is None:
-        clips = _sketched(patch, path)
-    else:
-        clips = load_folder(recordings)
+    clips = clips_of(patch, path, recordings)
+    if names:
+        clips = as_they_were(clips, names, was or {})
+    if recordings is not None:
         patch = for_recordings(patch, clips)
     reserve = {key: clip for clip in clips if (key := clip_key(clip)) in later}
     clips = [clip for clip in clips if clip_key(clip) not in reserve]
@@ -207,11 +232,6 @@ def patch_for(patch: Patch, graph: MotionGraph, running: Patch, *, recordings: b
     return with_steps_of(patch, graph)
 
 
-def clip_key(clip: StepClip) -> str:
-    """What tells a clip from all others of a folder, on one line."""
-    return f"{clip.step} | {clip.clip.name} | {'mirrored' if clip.mirrored else 'as made'}"
-
-
 def library_hash(library: StepLibrary) -> str:
     """A short hash over every bit of the library's motion and of what decides its edges: a replay needs the same."""
     digest = hashlib.blake2b(digest_size=8)
@@ -223,3 +243,11 @@ def library_hash(library: StepLibrary) -> str:
         facts = (clip.step, clip.mirrored, clip.leading_foot, clip.begin_pose, clip.end_pose, clip.weight_transfer)
         digest.update(repr(facts).encode())
     return digest.hexdigest()
+
+
+def steps_hash(graph: MotionGraph) -> str:
+    """The same of a graph's library, that some of its clips are not begun any more included."""
+    found = library_hash(graph.library)
+    if not graph.leaving.any():
+        return found
+    return hashlib.blake2b(found.encode() + graph.leaving.tobytes(), digest_size=8).hexdigest()

@@ -47,6 +47,8 @@ class PatchWatch:
         self._library = library
         self._patch, self._graph = show.patch, show.graph
         self._text = self._patch.model_dump_json()
+        if library is not None:
+            library.prove = lambda graph: show.another(self._patch, graph)
         self._seen = self._taken = stamp_of_files(loaded.path)
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="patch watch", daemon=True)
@@ -112,6 +114,7 @@ class PatchWatch:
         self._text, self._patch, self._graph, self.version = text, patch, prepared.fresh.graph, prepared.version
         if self._library is not None:
             self._library.graph = prepared.fresh.graph
+            self._library.again()
         self.problem = ""
         self._show.offer_patch(prepared)
         self._post(PatchChanged(time=self._now(), source="patch", patch=packed(text), version=prepared.version))

@@ -22,7 +22,17 @@ PLAIN: Final = (type(None), bool, int, float, complex, str, bytes, type)
 CORE: Final = ("live.agents.", "live.base.", "live.clock.", "live.graph.", "live.motion.", "live.show.")
 DEVICES: Final = frozenset(
     f"live.show.{name}"
-    for name in ("engine", "journal", "library_watch", "line_writer", "load", "patch_file", "replay", "status")
+    for name in (
+        "engine",
+        "journal",
+        "library_watch",
+        "line_writer",
+        "load",
+        "patch_file",
+        "patch_watch",
+        "replay",
+        "status",
+    )
 )
 """Modules of the show's package that touch files or run threads: a state holds nothing of them."""
 OTHERS: Final = {

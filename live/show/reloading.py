@@ -4,10 +4,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from live.base.errors import PersonError
 from live.base.packed import unpacked
 from live.control.events import PatchChanged
-from live.graph.insertion import Int32, stranded
+from live.graph.insertion import Int32, stranded, without_clips
 from live.graph.metric.weights import Metric
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.show.edit import changed, fitted, version_of
@@ -39,7 +41,9 @@ def graph_for(graph: MotionGraph, running: Patch, new: Patch) -> MotionGraph:
     limits = new.locomotion
     window = min(1.0, limits.transition_beats / new.clock.beats_per_measure)
     metric = Metric.of(limits.weights, limits.emphasis)
-    return build_graph(graph.library, window=window, threshold=limits.threshold_m, metric=metric)
+    made = build_graph(graph.library, window=window, threshold=limits.threshold_m, metric=metric)
+    leaving = np.unique(graph.library.node_clip[graph.leaving]).tolist()
+    return without_clips(made, leaving) if leaving else made
 
 
 Start = Callable[[Patch, MotionGraph], Any]
@@ -79,8 +83,8 @@ class Reloading:
         """What was different in the last one."""
 
     def __getstate__(self) -> dict[str, Any]:
-        """Without what was prepared: a show that goes on elsewhere prepares it anew."""
-        return {**self.__dict__, "_offered": {}, "waiting": None}
+        """Without what was prepared: that belongs to the process."""
+        return {**self.__dict__, "_offered": {}}
 
     def offer(self, prepared: Prepared) -> None:
         """Hold a patch ready for the event that names its version. Thread: any."""

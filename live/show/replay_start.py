@@ -6,14 +6,19 @@ from pathlib import Path
 from typing import Any
 
 from live.base.errors import PersonError
-from live.control.events import StepsAdded
+from live.base.packed import unpacked
+from live.control.events import ControlEvent, PatchChanged, StepsAdded, StepsChanged
 from live.graph.insertion import insert_clips
+from live.motion.step_clip import StepClip
 from live.show.core import Show
 from live.show.journal_file import read_snapshots
 from live.show.journal_reading import Journal
-from live.show.load import LoadedShow, library_hash, show_of
+from live.show.load import LoadedShow, library_hash, show_of, steps_hash
+from live.show.new_steps import changed_graph, clip_key
 from live.show.patch import Patch
-from live.show.snapshot import SnapshotError, facts_of, restore
+from live.show.reloading import graph_for
+from live.show.snapshot import SnapshotError, facts_of, patch_hash, restore
+from live.steps.clip_text import clips_from_text
 
 
 class ReplayError(Exception):
@@ -35,11 +40,15 @@ def reload(journal: Journal) -> Show:
 
 def loaded_by(journal: Journal) -> LoadedShow:
     """Patch and steps with which the journal's show began, those that came later in reserve; ReplayError as above."""
-    return loaded_of(journal.header, _added(journal))
+    changed = (row.event for row in journal.rows_with('"StepsChanged"') if isinstance(row.event, StepsChanged))
+    return loaded_of(journal.header, _added(journal), changed)
 
 
-def loaded_of(header: dict[str, Any], added: Iterable[list[str]]) -> LoadedShow:
-    """The same by a journal's header, and by what each StepsAdded has added; ReplayError as above."""
+def loaded_of(
+    header: dict[str, Any], added: Iterable[list[str]], changed: Iterable[StepsChanged] = ()
+) -> LoadedShow:
+    """The same by a journal's header, by what each StepsAdded has added, and by every StepsChanged; ReplayError as
+    above."""
     try:
         patch = Patch.model_validate(header["patch"])
         path = Path(header["patch_path"])
@@ -50,8 +59,9 @@ def loaded_of(header: dict[str, Any], added: Iterable[list[str]]) -> LoadedShow:
         raise ReplayError(f"the journal's first line does not hold a whole show: {error}") from None
     try:
         later = frozenset(key for keys in added for key in keys)
-        loaded = show_of(patch, path, recordings=recordings, later=later)
-    except PersonError as error:
+        names, was = [str(name) for name in header.get("steps", ())], _as_they_were(changed)
+        loaded = show_of(patch, path, recordings=recordings, later=later, names=names, was=was)
+    except (PersonError, ValueError, TypeError) as error:
         raise ReplayError(str(error)) from None
     found = library_hash(loaded.graph.library)
     if found != wanted:
@@ -99,15 +109,51 @@ def snapshots_of(journal: Journal) -> Path:
 
 
 def _restored(journal: Journal, loaded: LoadedShow, data: bytes) -> Start:
-    """The show of a snapshot, with the steps that had come by then."""
+    """The show of a snapshot, with the patch and the steps that it had by then."""
     facts = facts_of(data)
-    if facts["steps_hash"] != library_hash(loaded.graph.library):
-        for keys in _added(journal):
-            clips = [loaded.reserve[key] for key in keys if key in loaded.reserve]
-            loaded = replace(loaded, graph=insert_clips(loaded.graph, clips))
-            if facts["steps_hash"] == library_hash(loaded.graph.library):
-                break
+    for event in _changes(journal):
+        if (facts["steps_hash"], facts["patch_hash"]) == (steps_hash(loaded.graph), patch_hash(loaded.patch)):
+            break
+        try:
+            loaded = _changed(loaded, event)
+        except ValueError as error:
+            raise SnapshotError(f"the journal is damaged: {error}") from None
     return Start(restore(loaded, data), facts["tick"])
+
+
+def _changed(loaded: LoadedShow, event: ControlEvent) -> LoadedShow:
+    """The show as it goes on after an event that changed its patch or steps; ValueError for a damaged one."""
+    match event:
+        case StepsAdded():
+            clips = [loaded.reserve[key] for key in event.clips.split("\n") if key in loaded.reserve]
+            return replace(loaded, graph=insert_clips(loaded.graph, clips))
+        case StepsChanged():
+            graph = changed_graph(loaded.graph, event.gone.split("\n"), clips_from_text(event.now))
+            return replace(loaded, graph=graph)
+        case PatchChanged():
+            patch = Patch.model_validate_json(unpacked(event.patch))
+            return replace(loaded, patch=patch, graph=graph_for(loaded.graph, loaded.patch, patch))
+        case _:
+            return loaded
+
+
+def _changes(journal: Journal) -> Iterator[ControlEvent]:
+    """The events that changed patch or steps, in order."""
+    for row in journal.rows_with('"StepsAdded"', '"StepsChanged"', '"PatchChanged"'):
+        if isinstance(row.event, StepsAdded | StepsChanged | PatchChanged):
+            yield row.event
+
+
+def _as_they_were(changed: Iterable[StepsChanged]) -> dict[str, StepClip]:
+    """Clips whose files were changed or taken away during the show, as they were before."""
+    was: dict[str, StepClip] = {}
+    came: set[str] = set()
+    for event in changed:
+        for clip in clips_from_text(event.was):
+            if clip_key(clip) not in came:
+                was.setdefault(clip_key(clip), clip)
+        came.update(clip_key(clip) for clip in clips_from_text(event.now))
+    return was
 
 
 def _added(journal: Journal) -> Iterator[list[str]]:

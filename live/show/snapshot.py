@@ -14,7 +14,7 @@ from live import __version__
 from live.clock.ticks import TICK
 from live.graph.motion_graph import MotionGraph
 from live.show.core import Show
-from live.show.load import LoadedShow, library_hash
+from live.show.load import LoadedShow, steps_hash
 from live.show.patch import Patch
 from live.show.pickled import Known, Unreadable, dotted, read_state, resolve, write_state
 
@@ -51,7 +51,7 @@ class _Of:
     def hashes(self) -> dict[str, str]:
         """Worked out when they are first asked for. Thread: any one."""
         if not self._hashes:
-            self._hashes = {"steps_hash": library_hash(self.graph.library), "patch_hash": patch_hash(self.patch)}
+            self._hashes = {"steps_hash": steps_hash(self.graph), "patch_hash": patch_hash(self.patch)}
         return self._hashes
 
 
@@ -118,7 +118,9 @@ class Snapshots:
 def at_rest(show: Show) -> bool:
     """Whether nothing is half planned, so that the state is plain values."""
     steps = resolve(show, ("_new_steps",))
-    return bool(show.scheduler.at_rest and show.motion.evolutions.at_rest and steps.at_rest)
+    return bool(
+        show.scheduler.at_rest and show.motion.evolutions.at_rest and steps.at_rest and show.reloading.waiting is None
+    )
 
 
 def snapshot(show: Show, tick: int | None = None) -> bytes:
@@ -154,7 +156,7 @@ def restore(loaded: LoadedShow, data: bytes, *, fresh: Show | None = None) -> Sh
     """
     facts = facts_of(data)
     for key, found, words in (
-        ("steps_hash", library_hash(loaded.graph.library), "steps"),
+        ("steps_hash", steps_hash(loaded.graph), "steps"),
         ("patch_hash", patch_hash(loaded.patch), "patch"),
     ):
         if facts.get(key) != found:

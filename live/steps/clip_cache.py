@@ -8,11 +8,11 @@ import contextlib
 import hashlib
 import json
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
-from typing import Any, Final
+from typing import IO, Any, Final
 
 import numpy as np
 
@@ -58,13 +58,7 @@ class ClipCache:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             with unfinished.open("wb") as file:
-                np.savez(
-                    file,
-                    root=np.concatenate([c.clip.root_position for c in clips]),
-                    rotation=np.concatenate([c.clip.rotation for c in clips]),
-                    contact=np.concatenate([c.clip.contact for c in clips]),
-                    rows=np.frombuffer(json.dumps([_row(c) for c in clips]).encode(), np.uint8),
-                )
+                write_clips(file, clips)
             unfinished.replace(path)
             self._make_room(path.parent)
         except OSError:
@@ -104,16 +98,34 @@ def _read(path: Path) -> list[StepClip] | None:
     try:
         if not path.is_file():
             return None
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as data:
-            root, rotation, contact = data["root"], data["rotation"], data["contact"]
-            rows = json.loads(data["rows"].tobytes())
-        clips, at = [], 0
-        for row in rows:
-            end = at + row["samples"]
-            clip = Clip(row["name"], root[at:end], rotation[at:end], row["sample_rate"], contact[at:end])
-            clips.append(StepClip(clip=clip, **row["step"] | {"tags": tuple(row["step"]["tags"])}))
-            at = end
+        with path.open("rb") as file:
+            clips = read_clips(file)
         os.utime(path)
     except Exception:  # a broken file breaks zipfile, numpy, json and our own checks in their own ways
         return None
+    return clips
+
+
+def write_clips(file: IO[bytes], clips: Sequence[StepClip]) -> None:
+    """Write clips, bit by bit, as numpy's npz; at least one."""
+    np.savez(
+        file,
+        root=np.concatenate([c.clip.root_position for c in clips]),
+        rotation=np.concatenate([c.clip.rotation for c in clips]),
+        contact=np.concatenate([c.clip.contact for c in clips]),
+        rows=np.frombuffer(json.dumps([_row(c) for c in clips]).encode(), np.uint8),
+    )
+
+
+def read_clips(file: IO[bytes]) -> list[StepClip]:
+    """The clips that `write_clips` wrote; any exception for what it did not write."""
+    with np.load(file, allow_pickle=False) as data:
+        root, rotation, contact = data["root"], data["rotation"], data["contact"]
+        rows = json.loads(data["rows"].tobytes())
+    clips, at = [], 0
+    for row in rows:
+        end = at + row["samples"]
+        clip = Clip(row["name"], root[at:end], rotation[at:end], row["sample_rate"], contact[at:end])
+        clips.append(StepClip(clip=clip, **row["step"] | {"tags": tuple(row["step"]["tags"])}))
+        at = end
     return clips

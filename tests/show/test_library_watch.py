@@ -162,3 +162,103 @@ def test_a_journal_whose_steps_are_others_is_refused(patch):
     add_step(patch)
     with pytest.raises(ReplayError, match="changed"):
         reload(read_journal(night.journal))
+
+
+class Changing(Night):
+    """A night whose watch knows the whole library."""
+
+    def __init__(self, patch):
+        super().__init__(patch)
+        self.watch = LibraryWatch(
+            self.loaded.steps_folder,
+            self.show.graph,
+            offer=self.show.offer,
+            post=self.inbox.put,
+            now=self.clock.now,
+            read=self.loaded.clips,
+        )
+
+    def look(self):
+        self.watch.look()
+        return self.watch.look()
+
+    def clips(self):
+        """The clips danced now, by their index in the library."""
+        return set(self.show.graph.library.node_clip[self.show.dancers.node].tolist())
+
+
+def louder(patch, name="groove"):
+    """Change a step's file: it takes another beat's worth of way up and down."""
+    path = patch.parent / "moves" / f"{name}.toml"
+    text = path.read_text()
+    keys = [line for line in text.splitlines() if line.startswith("root = ") or "hips" in line]
+    changed = (STEPS / "reach.toml").read_text().replace('name = "reach"', f'name = "{name.replace("_", " ")}"')
+    assert changed != text, keys
+    path.write_text(changed)
+
+
+def test_a_changed_step_is_danced_as_it_is_now_and_a_replay_as_it_was_then(patch):
+    night = Changing(patch)
+    night.run(3)
+    before = night.show.graph.library
+    louder(patch)
+    assert night.look()
+    assert night.watch.joined == "new steps: groove danced as they are now"
+    night.run(8)
+    library = night.show.graph.library
+    assert library.steps == before.steps
+    old = {n for n, clip in enumerate(before.clips) if clip.step == "groove"}
+    assert not night.clips() & old
+    assert "groove" in night.names()
+    takes = night.show.graph.takes
+    assert not night.show.graph.leaving[takes.node].any()
+    (patch.parent / "moves" / "groove.toml").unlink()  # a replay does not ask the file, neither then nor now
+    night.writer.close(night.engine.ticks.index)
+    journal = read_journal(night.journal)
+    result = replay(reload(journal), journal)
+    assert result.measures >= 4
+    assert result.differences == ()
+
+
+def test_a_step_that_is_gone_is_finished_and_not_begun_any_more(patch):
+    (patch.parent / "show.toml").write_text(PATCH.replace('["groove", "side step"]', '["groove", "side step", "walk"]'))
+    add_step(patch)
+    text = (patch.parent / "show.toml").read_text()
+    (patch.parent / "show.toml").write_text(text.replace('"walk"', '"walk", "new bow"', 1))
+    night = Changing(patch)
+    night.run(3)
+    (patch.parent / "moves" / "another.toml").unlink()
+    assert night.look()
+    assert night.watch.joined == "new steps: new bow not begun any more"
+    night.run(4)
+    later = set()
+    for _ in range(8):
+        night.run(2)
+        later |= night.names()
+    assert "new bow" not in later
+    assert night.show.refusals.count == 0
+    night.writer.close(night.engine.ticks.index)
+    journal = read_journal(night.journal)
+    assert replay(reload(journal), journal).differences == ()
+
+
+def test_a_step_that_a_group_needs_cannot_be_taken_away(patch):
+    add_step(patch)
+    (patch.parent / "show.toml").write_text(PATCH.replace('["groove"]', '["new bow"]'))
+    night = Changing(patch)
+    night.watch.prove = lambda graph: night.show.another(night.show.patch, graph)
+    night.run(1)
+    before = night.watch.graph
+    (patch.parent / "moves" / "another.toml").unlink()
+    assert not night.look()
+    assert "new bow" in night.watch.problem
+    assert night.watch.graph is before
+    night.watch.again()
+    assert not night.watch.look()  # as before: it is looked at once more
+
+
+def test_an_event_that_takes_away_what_is_not_there_is_refused(patch):
+    night = Changing(patch)
+    for gone, now in (("nothing | here | as made", ""), ("", "AAAA"), ("x", "no base64!")):
+        event = events.StepsChanged(time=0.0, source="library", gone=gone, was="", now=now, library="0")
+        assert not night.show.apply(event)
