@@ -12,7 +12,7 @@ from live.graph.motion_graph import MotionGraph
 from live.motion.step_clip import StepClip
 from live.show.load import library_hash, steps_hash
 from live.show.new_steps import changed_graph, clip_key
-from live.show.programme import UnknownStep
+from live.show.programme_steps import UnknownStep
 from live.steps.clip_text import clips_to_text
 from live.steps.step_folder import load_folder
 
