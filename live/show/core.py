@@ -17,6 +17,7 @@ from live.clock.moment import Moment
 from live.clock.ticks import TICK
 from live.control import events
 from live.control.events import ControlEvent
+from live.graph.choosing.choosing import Choosing
 from live.graph.motion_graph import MotionGraph
 from live.motion.step_clip import StepClip
 from live.show.casting import Casting
@@ -65,8 +66,10 @@ class Show:
         seed: int | None = None,
         tempo: float | None = None,
         reserve: Mapping[str, StepClip] | None = None,
+        choosing: Choosing | None = None,
     ) -> None:
-        """`seed` and `tempo` [bpm] override the patch's; `reserve` holds clips that events may add, by name.
+        """`seed` and `tempo` [bpm] override the patch's; `reserve` holds clips that events may add, by name;
+        `choosing` is what is prepared of the graph, if it is known.
 
         Raises UnknownStep for a step the library lacks.
         """
@@ -85,7 +88,7 @@ class Show:
         self.variation = Variation.of(patch, self.group, seed=self.seed, window=graph.window)
         self.dancers = Dancers(graph, self.variation, len(self.group))
         programmes = programmes_of(patch, graph, self.seed, self.prompter.score, self.prompter.mood)
-        self.scheduler = Scheduler(patch, self.dancers, self.motion, programmes, self.group)
+        self.scheduler = Scheduler(patch, self.dancers, self.motion, programmes, self.group, choosing)
         self.interrupts = Interrupts(patch, self.dancers, self.motion, self.scheduler)
         self._controls = GroupControls(patch, self.motion, self.dancers, self.variation, self.prompter.score)
         self.span = MeasureSpan.at(self.timeline, self.timeline.beat_at(0.0))
@@ -214,8 +217,9 @@ class Show:
         self._new_steps.offer(library, graph)
 
     def another(self, patch: Patch, graph: MotionGraph) -> "Show":
-        """A fresh show of another patch, with this one's seed. Takes a while; thread: any."""
-        return Show(patch, graph, seed=self.seed)
+        """A fresh show of another patch, with this one's seed; not to be run. Takes a while; thread: any."""
+        choosing = self.scheduler.choosing  # of a show that does not run nobody reads or changes it
+        return Show(patch, graph, seed=self.seed, choosing=choosing if choosing.graph is graph else None)
 
     def offer_patch(self, prepared: Prepared) -> None:
         """Hold a patch ready for the event PatchChanged that names its version. Thread: any."""

@@ -3,6 +3,7 @@
 from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -21,6 +22,10 @@ BODY: Final = 0.3
 """Room [m] around each place of a formation that is fitted to a smaller stage."""
 KEPT: Final = 64
 """Counts for which a formation's places are kept."""
+
+
+known_formation = lru_cache(maxsize=1024)(formation_of)
+"""The same formation, count and seed are worked out once, whoever asks: nobody changes what comes out."""
 
 
 @dataclass(slots=True, eq=False)
@@ -43,7 +48,7 @@ class NamedFormation:
     def made(self, count: int) -> Places:
         """The places for `count` dancers: made smaller, and moved, as far as a stage that shrank asks for it."""
         if count not in self._made:
-            formation = formation_of(self.spec, count, self.seed)
+            formation = known_formation(self.spec, count, self.seed)
             self._made[count] = Places(self.name, formation.slots, formation.heading, formation.marks)
             if len(self._made) > KEPT:
                 self._made.popitem(last=False)
@@ -169,7 +174,7 @@ class Formations:
             spec = self._named[folded].spec
         else:
             spec = replace(spec_from_words(section.formation), centre=section.centre, size=section.size)
-        places = formation_of(spec, section.dancers, self._seed).slots
+        places = known_formation(spec, section.dancers, self._seed).slots
         missing = section.dancers - len(places)
         if missing > 0:
             rows = FormationSpec(shape="grid", centre=section.centre, size=section.size)

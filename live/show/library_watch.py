@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from live.base.errors import PersonError
+from live.base.polite import polite
 from live.control.events import ControlEvent, StepsAdded, StepsChanged
 from live.graph.insertion import insert_clips
 from live.graph.motion_graph import MotionGraph
@@ -85,9 +86,10 @@ class LibraryWatch:
             return False
         self._taken = stamp
         try:
-            clips = load_folder(self._folder) if self._read is None else self._read()
-            self.problem = ""
-            return self._take(clips)
+            with polite():
+                clips = load_folder(self._folder) if self._read is None else self._read()
+                self.problem = ""
+                return self._take(clips)
         except (PersonError, UnknownStep, ValueError, OSError) as error:
             self.problem = f"new steps: {error}"
             return False

@@ -4,6 +4,7 @@ The thread reads the files, checks them, and builds a whole fresh show of them: 
 never reaches the stage, where the last good patch goes on. Only then the event is posted that the show acts on.
 """
 
+import gc
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any, Final
 
 from live.base.errors import PersonError
 from live.base.packed import packed
+from live.base.polite import polite
 from live.control.events import ControlEvent, PatchChanged
 from live.graph.motion_graph import MotionGraph
 from live.show.core import Show
@@ -76,10 +78,13 @@ class PatchWatch:
         return {"version": self.version, "problem": self.problem, "waits": list(self.waits)}
 
     def _run(self) -> None:
-        turn = 0
+        turn, taken = 0, 0
         while not self._ended.wait(POLL_S):
             turn += 1
             self.look(steps=turn % STEPS_EVERY == 0)
+            if self._show.reloading.taken != taken:  # the show it was taken from is left over, in circles
+                taken = self._show.reloading.taken
+                gc.collect()
 
     def look(self, *, steps: bool = True) -> bool:
         """Look once, at the `steps` as well or not; True if a patch was offered."""
@@ -91,7 +96,8 @@ class PatchWatch:
             return False
         self._taken = stamp
         try:
-            return self._read()
+            with polite():
+                return self._read()
         except (PersonError, OSError) as error:
             self.problem = f"patch: {error}; the last good one goes on"
             return False

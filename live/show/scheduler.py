@@ -63,9 +63,16 @@ class Scheduler:
     """Decides for A dancers in their groups; deterministic."""
 
     def __init__(
-        self, patch: Patch, dancers: Dancers, motion: GroupMotion, programmes: list[Programme], group: Int32
+        self,
+        patch: Patch,
+        dancers: Dancers,
+        motion: GroupMotion,
+        programmes: list[Programme],
+        group: Int32,
+        choosing: Choosing | None = None,
     ) -> None:
-        """`group` (A,) is shared with the show, which may change it between measures."""
+        """`group` (A,) is shared with the show, which may change it between measures; `choosing` is that of the
+        dancers' graph if it is known."""
         self._patch = patch
         self._dancers = dancers
         self._motion = motion
@@ -86,7 +93,7 @@ class Scheduler:
         self._left = 0.0  # what they weigh together
         self._looked = False  # whether headings have been asked for
         self._seconds = 2.0
-        self.take_graph(dancers.graph, Choosing.of(dancers.graph))
+        self.take_graph(dancers.graph, choosing or Choosing.of(dancers.graph))
         self.last_target: Float64 | None = None
         """Where the dancers were last sent, no farther than their steps reach [m], (A, 2); None before the first
         decision."""

@@ -15,7 +15,8 @@ from live.show.library_watch import LibraryWatch
 from live.show.load import load_show
 from live.show.patch_file import PATCHES
 from live.show.patch_watch import PatchWatch
-from live.show.replay import reload, replay
+from live.show.replay import reload, replay, run_from
+from live.show.replay_start import loaded_of, start_before
 from live.show.status import Status
 
 STEPS = PATCHES / "steps"
@@ -268,3 +269,28 @@ def test_the_thread_starts_and_stops(patch):
     night.watch.start()
     night.watch.stop()
     night.watch.stop()
+
+
+def test_a_replay_can_begin_after_an_edit_of_patch_and_steps(patch):
+    night = Night(patch)
+    night.run(2.5)
+    assert night.edit('["groove"]', '["side step"]', more="[locomotion]\ntransition_beats = 0.5\n")
+    night.run(4.0)
+    library = night.watch._library
+    library._read = night.loaded.clips
+    text = (STEPS / "samba.toml").read_text().replace('name = "samba"', 'name = "side step"')
+    (patch.parent / "moves" / "side_step.toml").write_text(text)
+    library.look()
+    assert library.look()
+    night.run(6.5)
+    assert night.show.graph.leaving.any()
+    night.writer.close(night.engine.ticks.index)
+    journal, problems = read_journal(night.journal), []
+    loaded = loaded_of(journal)
+    for measure in (3, 6, 99):
+        start = start_before(journal, loaded, measure, problems)
+        assert start.tick > 0
+        result = run_from(start, journal, loaded=loaded)
+        assert problems == []
+        assert result.differences == ()
+        assert result.measures >= (measure < 10)
