@@ -18,6 +18,26 @@ A patch is a TOML file, or a folder with `show.toml`. Positions are stage metres
 stage, +x to the right as the audience sees it, +z towards the audience. Measures count from 1. Files, folders
 and steps are looked up beside the patch first, then in the project's `patches/`. `live check PATCH` says what is wrong,
 and where.
+
+**A folder** may hold parts of the patch in files of their own: beside `show.toml` those of `formations/`, `looks/` and
+`score/` whose names end in `.toml`, read in this order and that of their names. Tables in double brackets follow each
+other, keys of one table come together; one key twice is refused, with both places. Together they have at most 256 files
+and 16 MB, each at most 4 MB.
+
+**An editor** that knows TOML schemas (taplo, Even Better TOML) completes keys, shows what they are for and underlines
+what is not allowed: `live schema --out patch.schema.json`, and `#:schema patch.schema.json` in the first line of a file.
+
+**While a show runs** from files they may be edited: within a beat the new patch is read, checked and tried out beside
+the show, which takes it up at the next measure: what has begun goes on, what is planned is planned anew. Of the last
+beats of a measure the steps of the next one are chosen already; then they come a measure later. What was changed live
+(faders, facing, formations) stays, unless the edit changes that very value. A section that runs is found again by its
+name. What is wrong is told on the terminal, in the overlay and in the status (`patch`: `version`, `problem`, `waits`),
+and the last good patch goes on. These count from the next start on, and are told by name: `seed`, `reserve`, `[music]`,
+`[sound]`, `[clock]`, `[link]`, ports and time code of `[midi]`, `[stage]`, `steering.separation` and
+`steering.combine`, how many gates and groups there are, and of a group `dancers`, `soloists`, `radius`, `partners`,
+`arm_length`, `hands`, `formation`, `centre` and `size`. Steps may be edited too: whoever dances one finishes it, and
+begins it as it is now; a step whose file is gone is not begun any more. The journal holds the whole patch, and steps
+that have changed as they were and are: a replay needs neither of the files.
 """
 
 
