@@ -20,6 +20,7 @@ from live.show.edit import changed, fitted, version_of
 from live.show.library_watch import LibraryWatch, Stamp
 from live.show.load import LoadedShow, patch_for
 from live.show.patch_file import patch_files, read_sources
+from live.show.pickled import walk_ahead
 from live.show.reloading import Prepared, prepare
 from live.show.toml_file import field_words
 from live.show.toml_sources import TomlSources
@@ -116,6 +117,7 @@ class PatchWatch:
         if len(packed(text)) > LONGEST:
             raise PersonError("the patch is too long to be taken while the show runs")
         prepared = self._proved(text, graph, sources)
+        walk_ahead(prepared.fresh.patch, "patch")  # for snapshots
         different = changed(self._patch, patch)
         self._text, self._patch, self._graph, self.version = text, patch, prepared.fresh.graph, prepared.version
         if self._library is not None:

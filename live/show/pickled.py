@@ -67,27 +67,23 @@ def dotted(words: str) -> Path:
     return tuple(words.split("."))
 
 
-class Known:
-    """Which objects of a tree are not written: constants, by their path, and scratch arrays."""
+class Walked:
+    """All objects that one constant holds, by their path."""
 
-    def __init__(self, root: object, constant: Iterable[str], scratch: Iterable[str] = ()) -> None:
-        """`constant` and `scratch`: paths from `root`; all that a constant holds is constant, too."""
+    def __init__(self, value: object, path: Path, met: Iterable[Mapping[int, Path]] = ()) -> None:
+        """Objects in `met` have a path already."""
+        self.value = value
         self.path: dict[int, Path] = {}
-        self.scratch: set[int] = set()
-        self._held: list[object] = []  # so that no other object gets their identity
         self.kinds: set[type] = set()
-        for words in constant:
-            self._walk(resolve(root, dotted(words)), dotted(words))
-        for words in scratch:
-            found = resolve(root, dotted(words))
-            arrays = found if isinstance(found, tuple) else (found,)
-            self.scratch |= {id(array) for array in arrays}
-            self._held += arrays
+        self._met = tuple(met)
+        self._held: list[object] = []  # so that no other object gets their identity
+        self._walk(value, path)
 
     def _walk(self, value: Any, path: Path) -> None:
-        if isinstance(value, PLAIN) or id(value) in self.path:
+        name = id(value)
+        if isinstance(value, PLAIN) or name in self.path or any(name in met for met in self._met):
             return
-        self.path[id(value)] = path
+        self.path[name] = path
         self._held.append(value)
         if isinstance(value, np.ndarray):
             if isinstance(value.base, np.ndarray):
@@ -102,8 +98,47 @@ class Known:
                 self._walk(each, (*path, number))
             return
         self.kinds.add(type(value))
-        for name in _attributes(value):
-            self._walk(getattr(value, name, None), (*path, name))
+        for attribute in _attributes(value):
+            self._walk(getattr(value, attribute, None), (*path, attribute))
+
+
+_ahead: dict[str, Walked] = {}
+
+
+def walk_ahead(value: object, constant: str) -> None:
+    """Walk through what will soon be a show's `constant`, so that no frame has to; it must share nothing with those
+    before it. Thread: any one."""
+    _ahead[constant] = Walked(value, dotted(constant))
+
+
+class Known:
+    """Which objects of a tree are not written: constants, by their path, and scratch arrays."""
+
+    def __init__(
+        self, root: object, constant: Iterable[str], scratch: Iterable[str] = (), before: "Known | None" = None
+    ) -> None:
+        """`constant` and `scratch`: paths from `root`; all that a constant holds is constant, too.
+
+        What was the same `before`, or was walked through ahead, is not walked through again.
+        """
+        self.path: dict[int, Path] = {}
+        self.kinds: set[type] = set()
+        self.parts: dict[str, Walked] = {}
+        for words in constant:
+            value = resolve(root, dotted(words))
+            known = (None if before is None else before.parts.get(words), _ahead.get(words))
+            part = next((each for each in known if each is not None and each.value is value), None)
+            part = part or Walked(value, dotted(words), [self.path])
+            self.parts[words] = part
+            self.path |= part.path
+            self.kinds |= part.kinds
+        arrays = [array for words in scratch for array in _arrays(resolve(root, dotted(words)))]
+        self.scratch = {id(array) for array in arrays}
+        self._held = arrays
+
+
+def _arrays(found: Any) -> tuple[object, ...]:
+    return found if isinstance(found, tuple) else (found,)
 
 
 def _attributes(value: object) -> Iterable[str]:

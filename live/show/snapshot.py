@@ -87,12 +87,13 @@ class Snapshots:
     def __init__(self, show: Show) -> None:
         """Looks once through all that is constant: some milliseconds, not within a frame."""
         self.show = show
+        self._known = Known(show, CONSTANT, SCRATCH)
         self._begin()
 
     def _begin(self) -> None:
         show = self.show
         self._of = _Of(show.graph, show.patch)
-        self._known = Known(show, CONSTANT, SCRATCH)
+        self._known = Known(show, CONSTANT, SCRATCH, self._known)
         self._variable = [resolve(show, dotted(path)) for path in VARIABLE]
 
     def take(self, tick: int) -> Taken | None:
