@@ -1,51 +1,35 @@
-"""Polite work is the same work, and gives the interpreter away while it lasts."""
+"""Polite work lets others in soon while it lasts, and only then."""
 
 import sys
 import threading
 
-from live.base import polite as module
-from live.base.polite import polite
+import pytest
+
+from live.base.polite import LETS_IN_S, polite
 
 
-def _count(number):
-    return number + 1
-
-
-def _work(calls):
-    number = 0
-    for _ in range(calls):
-        number = _count(number)
-    return number
-
-
-def test_the_work_is_done_and_the_thread_is_as_before(monkeypatch):
-    rests = []
-    monkeypatch.setattr(module.time, "sleep", rests.append)
-    before = sys.getprofile()
-    with polite():
-        assert _work(20_000) == 20_000
-    assert sys.getprofile() is before
-    assert len(rests) >= 2
-    assert set(rests) == {module.RESTS_S}
-    count = len(rests)
-    _work(20_000)
-    assert len(rests) == count
-
-
-def test_an_error_passes_and_other_threads_are_not_touched():
-    seen = []
+def test_others_are_let_in_soon_until_the_last_one_is_done():
+    before = sys.getswitchinterval()
+    inside, leave = threading.Event(), threading.Event()
 
     def other():
-        seen.append(sys.getprofile())
-
-    before = sys.getprofile()
-    try:
         with polite():
-            thread = threading.Thread(target=other)
-            thread.start()
-            thread.join()
-            raise KeyError("x")
-    except KeyError:
-        pass
-    assert seen == [None]
-    assert sys.getprofile() is before
+            inside.set()
+            leave.wait(10.0)
+
+    thread = threading.Thread(target=other)
+    with polite():
+        assert sys.getswitchinterval() == pytest.approx(LETS_IN_S)
+        thread.start()
+        assert inside.wait(10.0)
+    assert sys.getswitchinterval() == pytest.approx(LETS_IN_S)
+    leave.set()
+    thread.join()
+    assert sys.getswitchinterval() == before
+
+
+def test_an_error_passes():
+    before = sys.getswitchinterval()
+    with pytest.raises(KeyError), polite():
+        raise KeyError("x")
+    assert sys.getswitchinterval() == before
