@@ -26,6 +26,7 @@ from live.cli import (
     doctor,
     export,
     formation,
+    journal,
     play,
     render,
     replay,
@@ -69,6 +70,7 @@ app.command("schema")(schema.schema)
 app.command("simulate")(simulate.simulate)
 app.command("warm")(warm.warm)
 app.command("sync")(sync.sync)
+app.add_typer(journal.app, name="journal")
 app.add_typer(steps.app, name="steps")
 
 

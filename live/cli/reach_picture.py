@@ -99,9 +99,10 @@ def outline(ways: Float64) -> list[Point]:
 
 
 class SvgCanvas:
-    """Collects SVG elements."""
+    """Collects SVG elements; `size` in pixels."""
 
-    def __init__(self) -> None:
+    def __init__(self, size: tuple[int, int] = (SIZE, SIZE + TOP)) -> None:
+        self._size = size
         self._parts: list[str] = []
 
     def polygon(self, points: list[Point], fill: str) -> None:
@@ -130,7 +131,7 @@ class SvgCanvas:
 
     def data(self) -> bytes:
         """The file."""
-        size = f'width="{SIZE}" height="{SIZE + TOP}"'
+        size = 'width="{}" height="{}"'.format(*self._size)
         head = f'<svg xmlns="http://www.w3.org/2000/svg" {size} font-family="Helvetica, Arial, sans-serif">'
         return "\n".join([head, f'<rect {size} fill="white"/>', *self._parts, "</svg>", ""]).encode()
 
@@ -140,10 +141,11 @@ class PngCanvas:
 
     FINE = 2
 
-    def __init__(self) -> None:
+    def __init__(self, size: tuple[int, int] = (SIZE, SIZE + TOP)) -> None:
         from PIL import Image, ImageDraw
 
-        self._image = Image.new("RGB", (self.FINE * SIZE, self.FINE * (SIZE + TOP)), "white")
+        self._size = size
+        self._image = Image.new("RGB", (self.FINE * size[0], self.FINE * size[1]), "white")
         self._draw = ImageDraw.Draw(self._image)
 
     def polygon(self, points: list[Point], fill: str) -> None:
@@ -174,5 +176,5 @@ class PngCanvas:
     def data(self) -> bytes:
         """The file."""
         buffer = io.BytesIO()
-        self._image.resize((SIZE, SIZE + TOP), resample=3).save(buffer, "PNG")
+        self._image.resize(self._size, resample=3).save(buffer, "PNG")
         return buffer.getvalue()

@@ -108,7 +108,7 @@ class Replaying:
         self._take()
 
     def _stop(self, line: JournalLine | None) -> None:
-        """Stop before a damaged line: what was in it acted, at the latest, at the tick of the next line that is whole."""
+        """Stop before a damaged line: what was in it acted at the tick of the next whole line, at the latest."""
         while line is not None and line.damaged is not None:
             self.found.problems.append(line.damaged)
             line = next(self._lines, None)
