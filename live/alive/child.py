@@ -69,6 +69,14 @@ class Child:
         with contextlib.suppress(OSError):
             self.process.send_signal(number)
 
+    def kill(self) -> None:
+        """End it at once."""
+        self.signal(signal.SIGKILL)
+
+    def terminate(self) -> None:
+        """Ask it to end."""
+        self.signal(signal.SIGTERM)
+
     def end(self, *, within: float = 2.0) -> int:
         """Close its wire, wait, and kill it if need be; its exit code (negative: the signal)."""
         self.wire.close()

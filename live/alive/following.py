@@ -1,6 +1,7 @@
 """Following: a show that runs after another one's lines, and stands where that one stood."""
 
 import json
+import time
 from collections import deque
 from collections.abc import Callable
 from typing import Any, Final
@@ -11,6 +12,8 @@ from live.show.core import Show
 from live.show.load import LoadedShow, library_hash
 from live.show.replay_start import loaded_of
 
+ARRIVALS: Final = 256
+"""Lines whose delay is remembered: some seconds, in which clocks do not drift apart."""
 UNSAFE: Final = 128
 """Ticks before an end in a crash whose events are left out when nothing else has helped: one may be the cause."""
 
@@ -35,20 +38,42 @@ class Following:
         self.compared = 0
         self.differences = 0
         """Measures whose state was another one than told, of those compared."""
+        self.repaired = 0
+        """How often a snapshot made them the same again."""
+        self._arrivals: deque[float] = deque(maxlen=ARRIVALS)
         self.refused = 0
         """Events that could not be applied."""
         self.latencies: dict[str, float] = {}
         """Delays that were changed by hand."""
         self._hash: tuple[int, str] = (0, "")
+        self._astray = False
 
     @property
     def origin(self) -> float:
         """The clock's, for a process on the same machine [s of perf_counter]."""
         return float(self.header["origin"])
 
-    def take(self, line: str) -> None:
-        """Take a line; nothing is run yet."""
+    @property
+    def begun(self) -> float | None:
+        """When the music began [s of the show]; None if none plays, or the show listens."""
+        return self.header.get("begun")
+
+    def origin_here(self, lead: float) -> float:
+        """The clock's for another machine: of all ticks heard of lately that one counts that came soonest.
+
+        `lead` [s]: how far ahead of the clock ticks are run.
+        """
+        return min(self._arrivals) + lead if self._arrivals else time.perf_counter()
+
+    def facts(self) -> dict[str, int]:
+        """How well it follows."""
+        return {"compared": self.compared, "different": self.differences, "repaired": self.repaired}
+
+    def take(self, line: str, *, arrived: float | None = None) -> None:
+        """Take a line; nothing is run yet. `arrived` [s of perf_counter]: when it came from another machine."""
         value = json.loads(line)
+        if arrived is not None and len(value) == 1:
+            self._arrivals.append(arrived - value["tick"] * TICK)
         if "journal" in value:
             self.header = value
             return
@@ -88,20 +113,29 @@ class Following:
         return self.show
 
     def _run(self, value: dict[str, Any]) -> None:
-        show = self._begun()
         self._measures -= "measure" in value
         until = value["tick"]
+        if self.show is None and "snapshot" in value:
+            self._restore(value)
+            return
+        show = self._begun()
         while self.tick < until:
             self.tick += 1
             if show.tick(self.tick * TICK):
                 self._hash = (self.tick, show.state_hash())
             if self.tick % 64 == 0:
                 self._alive(self.tick)
-        if "event" in value:
+        if "snapshot" in value:
+            self._restore(value)
+        elif "event" in value:
             self._apply(show, event_from_json(value["event"]))
         elif "measure" in value:
             self.compared += 1
-            self.differences += self._hash != (self.tick, value["hash"])
+            self._astray = self._hash != (self.tick, value["hash"])
+            self.differences += self._astray
+
+    def _restore(self, value: dict[str, Any]) -> None:
+        """Stand where a snapshot stands, if this show does not stand there anyway."""
 
     def _apply(self, show: Show, event: ControlEvent) -> None:
         try:

@@ -40,6 +40,7 @@ class Lifeline:
         self.sound: int | None = None
         """The same of the socket to the process that listens or plays."""
         self._told_tick = -1
+        self._told_following: dict[str, int] = {}
 
     @classmethod
     def inherited(cls, wire: int, heart: int) -> "Lifeline":
@@ -62,7 +63,7 @@ class Lifeline:
             line += piece
         self.wire.socket.setblocking(False)
         told = json.loads(line)
-        self.osc, self.sound = told["osc"], told["sound"]
+        self.osc, self.sound = told.get("osc"), told.get("sound")
         return Brief(told["alive"], told["show"])
 
     def listen(self) -> None:
@@ -106,6 +107,17 @@ class Lifeline:
     def tell_screen(self, fullscreen: bool, monitor: str) -> None:
         """The picture is full screen on that monitor now, or in a window."""
         self.wire.tell(alive="screen", fullscreen=fullscreen, monitor=monitor)
+
+    def tell_following(self, facts: dict[str, int]) -> None:
+        """How well this machine follows another, if that has changed."""
+        if facts != self._told_following:
+            self._told_following = facts
+            self.wire.tell(alive="following", **facts)
+
+    @property
+    def fenced(self) -> bool:
+        """Whether another machine leads, and this one is to be dark."""
+        return bool(self.facts.get("fenced"))
 
     def status(self) -> dict[str, Any]:
         """For the status line."""

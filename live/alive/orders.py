@@ -2,8 +2,9 @@
 
 import socket
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +28,10 @@ class Orders:
     """Seconds that an engine has danced before the next one begins to prepare itself."""
     spare: bool = True
     """Whether another engine waits; without it one is started when it is needed."""
+    lead: socket.socket | None = None
+    """Where machines that stand by may follow this show; bound and listening."""
+    follow: tuple[str, int] | None = None
+    """The machine whose show is followed; this one takes over from it."""
     budget: int = 0
     """Bytes that an engine may come to need before the spare takes over from it; 0: any number."""
 
@@ -47,3 +52,23 @@ class Report:
     lines: int = 0
     """Lines of the show that the supervisor has."""
     memory_mb: dict[str, float] = field(default_factory=dict)
+    epoch: int = 1
+    """Which leader this is; whoever takes over counts one on, and the higher number rules."""
+    fenced: bool = False
+    """Whether another machine leads: this one is dark."""
+    followers: int = 0
+    """Machines that stand by."""
+    follows: str = ""
+    """Whom this machine follows; empty: nobody, it leads."""
+    silent_s: float | None = None
+    """How long the leader had been silent when this machine took over; None: it has not."""
+    compared: int = 0
+    """Measures whose state was compared with the leader's, ..."""
+    different: int = 0
+    """... that were another one, ..."""
+    repaired: int = 0
+    """... and how often a snapshot made them one again."""
+
+    def facts(self) -> dict[str, Any]:
+        """As plain values."""
+        return asdict(self)

@@ -59,6 +59,9 @@ class Sounding:
         """Take up one order."""
         if "start" in told and self._source is None:
             self._start(told["start"])
+        if "stop" in told:
+            self.stop()
+            self._source = None
         if "seed" in told:
             self._seeds.append(Seed(**told["seed"]))
         if "latency" in told:

@@ -16,6 +16,7 @@ from typing import Any, Final
 
 from live.base.errors import PersonError
 from live.base.inbox import Inbox
+from live.cli.resumed import Resumed
 from live.clock.following.seed import Seed
 from live.clock.source import SystemClock
 from live.control.events import (
@@ -43,21 +44,23 @@ class RemoteAudio:
 
     def __init__(
         self, descriptor: int, plan: dict[str, Any], show: Show, latencies: Latencies, inbox: Inbox[ControlEvent],
-        clock: SystemClock, *, running: bool,
+        clock: SystemClock, *, resumed: Resumed | None,
     ) -> None:  # fmt: skip
-        """`plan`: what is played or listened to; `running`: it is already, for another engine began it."""
+        """`plan`: what is played or listened to; `resumed`: the show that is gone on with, if another engine began."""
         self._socket = socket.socket(fileno=os.dup(descriptor))
         self._socket.setblocking(False)
         self._plan, self._show, self._latencies, self._inbox, self._clock = plan, show, latencies, inbox, clock
-        self._running = running
-        self._begun = 0.0
+        self._running = resumed is not None and not resumed.elsewhere
+        self._waits = resumed is None
+        self.begun = None if resumed is None else resumed.begun
+        """When the sound began [s of the show]."""
         self._facts: dict[str, Any] = {"state": "starting", "problem": ""}
         self._seeds: deque[dict[str, Any]] = deque(maxlen=64)
         self._heard_at = clock.now()
         self._lost = False
         self.level: float | None = None
         """RMS of what an input device hears; None where music plays."""
-        if running:
+        if self._running:
             show.follower.on_seed = self._tell_seed
         else:
             show.seed_tracker(self._tell_seed)
@@ -67,6 +70,8 @@ class RemoteAudio:
         if self._running:
             return
         self._order()
+        if not self._waits:
+            return  # the show goes on; the sound comes when it comes
         deadline = time.monotonic() + START_WITHIN
         while not self._began():
             if time.monotonic() > deadline:
@@ -110,6 +115,10 @@ class RemoteAudio:
             self._tell_seed(Seed("forget", event.time))
             self._show.seed_tracker(self._tell_seed)
 
+    def silence(self) -> None:
+        """Play and listen no more."""
+        self._send(stop=True)
+
     def _take(self, told: dict[str, Any]) -> None:
         self._heard_at = self._clock.now()
         if "hello" in told and self._running:  # another process in place of one that ended
@@ -118,7 +127,7 @@ class RemoteAudio:
             with contextlib.suppress(ValueError):
                 self._inbox.put(event_from_json(told["event"]))
         if "started" in told:
-            self._running, self._begun = True, float(told["started"])
+            self._running, self.begun = True, float(told["started"])
         if "facts" in told:
             self._facts, self.level = told["facts"], told["level"]
             if self._lost:
@@ -127,8 +136,7 @@ class RemoteAudio:
 
     def _order(self) -> None:
         latency = [self._latencies.input, self._latencies.output]
-        begun = self._begun if self._running else None
-        self._send(start=self._plan | {"origin": self._clock.origin, "latency": latency, "begun": begun})
+        self._send(start=self._plan | {"origin": self._clock.origin, "latency": latency, "begun": self.begun})
         for seed in self._seeds:
             self._send(seed=seed)
 

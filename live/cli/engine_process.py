@@ -27,9 +27,15 @@ def play(lifeline: Lifeline) -> None:
             lifeline=lifeline,
         )
         return
+    console = Console(stderr=True, highlight=False)
+    if brief.role == "standby":
+        from live.cli.standby import stand_by
+
+        stand_by(played, lifeline, console)
+        return
     from live.cli.heir import take_over
 
-    take_over(played, lifeline, waits=brief.role == "spare", console=Console(stderr=True, highlight=False))
+    take_over(played, lifeline, waits=brief.role == "spare", console=console)
 
 
 def main() -> None:

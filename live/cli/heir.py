@@ -17,6 +17,7 @@ from live.cli.warm import warm_kernels
 from live.control.events import ChooseSource
 from live.show.load import LoadedShow, scene_of
 from live.show.venue import Venue
+from live.show.venue_latency import Latencies
 
 PATIENCE = 0.5
 """Seconds between two looks whether anybody is left, while nothing comes."""
@@ -28,25 +29,44 @@ def take_over(played: Played, lifeline: Lifeline, *, waits: bool, console: Conso
     warm_kernels(console)
     loaded = played.wish.load()
     venue = played.wish.read_venue()
-    sound = _sound(played, loaded, venue)
-    picture = _picture(played, loaded)
+    sound = sound_of(played, loaded, venue)
+    picture = open_picture(played, loaded, hidden=True)
     try:
         order, following = _follow(loaded, lifeline)
         if order is None:
             return
         come_forward(ENGINE_NICE, processors)
-        calm = bool(order["calm"])
-        show = following.finish(careful=calm)
-        resumed = Resumed(show, following.tick, following.origin, following.latencies, calm)
-        session = Session(
-            played.wish, loaded, Sound() if calm else sound, venue, lifeline=lifeline, resumed=resumed
-        )  # fmt: skip
-        if calm:
-            session.inbox.put(ChooseSource(time=session.clock.now(), source="supervisor", name="internal"))
-        _play(session, played, picture, order, console)
+        go_on(played, loaded, venue, sound, lifeline, following, picture, order, console)
     finally:
         if picture is not None:
             picture.close()
+
+
+def go_on(
+    played: Played, loaded: LoadedShow, venue: Venue | None, sound: Sound, lifeline: Lifeline, following: Following,
+    picture: Any, order: dict[str, Any], console: Console, *, elsewhere: bool = False,
+) -> None:  # fmt: skip
+    """Play on where what was followed ended; `elsewhere`: that was another machine."""
+    calm = bool(order["calm"])
+    show = following.finish(careful=calm)
+    lead = Latencies.of(venue).lead
+    origin = following.origin_here(lead) if elsewhere else following.origin
+    resumed = Resumed(
+        show, following.tick, origin, following.latencies, calm, elsewhere=elsewhere, begun=following.begun
+    )  # fmt: skip
+    session = Session(played.wish, loaded, Sound() if calm else sound, venue, lifeline=lifeline, resumed=resumed)
+    if calm:
+        session.inbox.put(ChooseSource(time=session.clock.now(), source="supervisor", name="internal"))
+    scene = scene_of(loaded.patch)
+    if picture is None:
+        from live.cli.headless_show import play_headless
+
+        play_headless(session, scene, console)
+        return
+    from live.cli.window_show import play_picture
+
+    reveal = None if elsewhere else bool(order["screen"]["fullscreen"])
+    play_picture(session, scene, picture, console=console, reveal=reveal)
 
 
 def _follow(loaded: LoadedShow, lifeline: Lifeline) -> tuple[dict[str, Any] | None, Following]:
@@ -67,7 +87,7 @@ def _follow(loaded: LoadedShow, lifeline: Lifeline) -> tuple[dict[str, Any] | No
             lifeline.wait(PATIENCE)
 
 
-def _sound(played: Played, loaded: LoadedShow, venue: Venue | None) -> Sound:
+def sound_of(played: Played, loaded: LoadedShow, venue: Venue | None) -> Sound:
     """What the show listens to; nothing if that is not there any more, for the show goes on all the same."""
     try:
         return choose_sound(played.wish, loaded, venue)
@@ -75,8 +95,8 @@ def _sound(played: Played, loaded: LoadedShow, venue: Venue | None) -> Sound:
         return Sound()
 
 
-def _picture(played: Played, loaded: LoadedShow) -> Any:
-    """A window that is not seen yet, with everything that draws; None for a show without a picture."""
+def open_picture(played: Played, loaded: LoadedShow, *, hidden: bool) -> Any:
+    """A window with everything that draws, seen or not yet; None for a show without a picture."""
     from live.render.monitors import list_monitors
 
     if played.headless or not list_monitors():
@@ -86,20 +106,7 @@ def _picture(played: Played, loaded: LoadedShow) -> Any:
 
     scene = scene_of(loaded.patch)
     picture = Picture.opened(
-        played.wish, scene, monitor=find_screen(played.monitor), fullscreen=played.fullscreen, hidden=True
+        played.wish, scene, monitor=find_screen(played.monitor), fullscreen=played.fullscreen, hidden=hidden
     )
     picture.rehearse(loaded.start(seed=played.wish.seed))
     return picture
-
-
-def _play(session: Session, played: Played, picture: Any, order: dict[str, Any], console: Console) -> None:
-    scene = scene_of(session.loaded.patch)
-    if picture is None:
-        from live.cli.headless_show import play_headless
-
-        play_headless(session, scene, console)
-        return
-    from live.cli.window_show import play_picture
-
-    screen = order["screen"] or {"fullscreen": played.fullscreen}
-    play_picture(session, scene, picture, console=console, reveal=bool(screen["fullscreen"]))

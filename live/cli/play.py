@@ -132,6 +132,20 @@ def play(
             rich_help_panel=PANEL_ALIVE,
         ),
     ] = False,
+    lead: Annotated[
+        str | None,
+        typer.Option(
+            help="Let machines that stand by follow this show here.", metavar="[HOST:]PORT", rich_help_panel=PANEL_ALIVE
+        ),
+    ] = None,
+    standby: Annotated[
+        str | None,
+        typer.Option(
+            help="Follow the show of the machine that leads there, and take over when it falls silent.",
+            metavar="HOST[:PORT]",
+            rich_help_panel=PANEL_ALIVE,
+        ),
+    ] = None,
 ) -> None:
     """Play a show: music in, dancers on the projector.
 
@@ -179,8 +193,8 @@ def play(
         fullscreen=fullscreen,
         headless=headless,
     )
-    if is_supervised(played, alone=alone):
-        supervise(played)
+    if is_supervised(played, alone=alone, machines=lead is not None or standby is not None):
+        supervise(played, lead=lead, standby=standby)
         return
     warm_kernels(Console(stderr=True, highlight=False))  # before anything is imported that has kernels
     from live.cli.stage import play_show

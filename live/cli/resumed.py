@@ -18,3 +18,7 @@ class Resumed:
     """Delays that were changed by hand, by name [s]."""
     calm: bool = False
     """Without sound and other clocks: too much went wrong."""
+    elsewhere: bool = False
+    """Whether another machine danced it: sound and other devices are to be begun here."""
+    begun: float | None = None
+    """When the music began [s of the show]; None if none plays."""

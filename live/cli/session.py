@@ -129,7 +129,8 @@ class Session:
     def _open_journal(self) -> None:
         """Begin the journal, last of all: a start that is refused leaves an old one of its name where it is."""
         if self.lifeline is not None:
-            header = {**self.loaded.header(self.show, tempo=self._tempo), "origin": self.clock.origin}
+            begun = None if self._remote is None else self._remote.begun
+            header = self.loaded.header(self.show, tempo=self._tempo) | {"origin": self.clock.origin, "begun": begun}
             self._journal = RelayedJournal(self.lifeline.wire, header if self._resumed is None else None)
             self.engine.journal = self._journal
             return
@@ -207,9 +208,9 @@ class Session:
         there = None if self.lifeline is None else self.lifeline.sound
         if there is None or (self.sound.music is None and self.sound.device is None):
             return make_audio(self.sound, self.loaded, self.show, self.latencies, self.inbox, self.clock)
-        plan, running = sound_plan(self.sound, self.loaded), self._resumed is not None
+        plan = sound_plan(self.sound, self.loaded)
         self._remote = RemoteAudio(
-            there, plan, self.show, self.latencies, self.inbox, self.clock, running=running
+            there, plan, self.show, self.latencies, self.inbox, self.clock, resumed=self._resumed
         )  # fmt: skip
         return self._remote, self._remote.act
 
@@ -285,7 +286,19 @@ class Session:
             self._status_file.frame(started)
         if self.lifeline is not None:
             self.lifeline.frame(self.engine.ticks.index)
+            if self.lifeline.fenced and not self.engine.dark:
+                self._go_dark()
         gc.collect(0)
+
+    def _go_dark(self) -> None:
+        """Another machine leads: nothing is shown, sent or played here any more."""
+        self.engine.dark = True
+        for sends in (self._link, self._midi, None if self._click is None else self._click.output):
+            if sends is not None:
+                sends.stop()
+        self._link = self._midi = self._click = None
+        if self._remote is not None:
+            self._remote.silence()
 
     def finished(self, time: float) -> bool:
         """Whether `--seconds` are over."""

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import socket
 import sys
 from typing import Final
 
@@ -14,26 +15,36 @@ from live.cli.played import Played
 
 SHORT: Final = 60.0
 """A run of so few seconds [s] is a try-out: nobody waits to take over."""
+PORT: Final = 9020
+"""Where a machine that leads is found, if nothing else is said."""
 SHARE: Final = 0.6
 """Share of the machine's memory that an engine may come to need."""
 
 
-def is_supervised(played: Played, *, alone: bool) -> bool:
+def is_supervised(played: Played, *, alone: bool, machines: bool) -> bool:
     """Whether to watch over this show: one on a screen or without a picture that runs for longer than a try-out.
 
-    Films are made by one process: half a film is of no use to who would take over.
+    Films are made by one process: half a film is of no use to who would take over. `machines`: others follow this
+    one, or it follows another; PersonError if that cannot be.
     """
     wish = played.wish
     screen = played.headless or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+    able = sys.platform == "linux" and screen and wish.record is None and not alone
+    if machines and not able:
+        raise PersonError(
+            "--lead and --standby need a supervisor: Linux, a screen or --headless, no --record and no --alone"
+        )
     short = wish.seconds is not None and wish.seconds < SHORT
-    return sys.platform == "linux" and screen and wish.record is None and not short and not alone
+    return able and (machines or not short)
 
 
-def supervise(played: Played) -> None:
+def supervise(played: Played, *, lead: str | None, standby: str | None) -> None:
     """Run the show with everything that keeps it alive; ends with the engine's exit code."""
     from live.control.osc import CannotListen, bound_socket
 
     console = Console(stderr=True, highlight=False)
+    leads = None if lead is None else _listening(*_endpoint(lead, "--lead"))
+    follows = None if standby is None else _endpoint(standby, "--standby")
     try:
         osc = bound_socket(*played.wish.osc)
     except CannotListen as error:
@@ -48,16 +59,38 @@ def supervise(played: Played) -> None:
         screen=(played.fullscreen, played.monitor),
         osc=osc,
         journal=played.wish.journal,
+        lead=leads,
+        follow=follows,
         budget=int(SHARE * _memory()),
     )
-    supervisor = Supervisor(
-        orders, lambda line: console.print(f"note: {line}", style="yellow", soft_wrap=True, markup=False)
-    )
-    code = supervisor.run()
+
+    def say(line: str) -> None:
+        console.print(f"note: {line}", style="yellow", soft_wrap=True, markup=False)
+
+    code = Supervisor(orders, say).run()
     if code == 128 + signal.SIGINT:
         raise KeyboardInterrupt
     if code:
         raise SystemExit(code)
+
+
+def _endpoint(text: str, option: str) -> tuple[str, int]:
+    """[HOST:]PORT or HOST[:PORT]; a host alone means the usual port, a port alone this machine."""
+    host, _, port = text.strip().rpartition(":")
+    if not host and not port.isdecimal():
+        host, port = port, str(PORT)
+    if not port.isdecimal() or not 0 <= int(port) <= 65535 or any(mark.isspace() for mark in host):
+        raise PersonError(f"{option} {text!r}: HOST:PORT expected", f"{option} 127.0.0.1:{PORT}")
+    return (host or "127.0.0.1").strip("[]"), int(port)
+
+
+def _listening(host: str, port: int) -> socket.socket:
+    try:
+        return socket.create_server((host, port), backlog=4)
+    except OSError as error:
+        raise PersonError(
+            f"--lead: nobody can follow at {host}:{port}: {error.strerror}", "choose another port"
+        ) from None
 
 
 def _memory() -> int:

@@ -157,6 +157,13 @@ class Picture:
         self.renderer.draw(view, self.window.target)
         self.window.ctx.finish()
 
+    def draw(self, view: StageView) -> None:
+        """Draw a picture and show it."""
+        if self.renderer.size != self.window.size:
+            self.renderer.resize(self.window.size)
+        self.renderer.draw(view, self.window.target)
+        self.window.swap()
+
     def close(self) -> None:
         """Release what draws and close the window."""
         self.renderer.release()

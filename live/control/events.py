@@ -39,6 +39,7 @@ from live.control.group_events import (
     SetStage,
     Travel,
 )
+from live.control.machine_events import TakeOver
 from live.control.patch_events import PatchChanged, StepsChanged
 from live.control.scene_events import RecallLook, RecallScene, RecallView, SetPicture, StoreScene
 from live.control.score_events import Advance, HoldScore, Improvise, JumpTo, Practice, Signal
@@ -108,6 +109,7 @@ __all__ = [
     "StepsAdded",
     "StepsChanged",
     "StoreScene",
+    "TakeOver",
     "Tap",
     "TicksSkipped",
     "Travel",
@@ -251,6 +253,7 @@ EVENT_TYPES: dict[str, type[ControlEvent]] = {
         SetClick, JumpTo, Advance, HoldScore, Practice, Improvise, Signal, PatchChanged, StepsChanged,
         SetPicture, RecallView, RecallLook, RecallScene, StoreScene,
         Go, GiveCue, StandBy, StepBack, Panic, HoldShow, Undo, Redo,
+        TakeOver,
     )
 }  # fmt: skip
 """Every kind of event by its name in the journal."""

@@ -12,6 +12,7 @@ from live.control.controls.clock import CLOCK_CONTROLS
 from live.control.controls.cues import CUE_CONTROLS
 from live.control.controls.elements import ELEMENT_CONTROLS
 from live.control.controls.group_motion import GROUP_CONTROLS
+from live.control.controls.machines import MACHINE_CONTROLS
 from live.control.controls.motion import MOTION_CONTROLS
 from live.control.controls.scenes import SCENE_CONTROLS
 from live.control.controls.score import SCORE_CONTROLS
@@ -58,6 +59,7 @@ REGISTRY: Final = Registry(
         *CLOCK_CONTROLS,
         *AUDIO_CONTROLS,
         *SCORE_CONTROLS,
+        *MACHINE_CONTROLS,
     )
 )
 """Every control there is."""

@@ -62,6 +62,8 @@ class Engine:
         self.view = show.view()
         self.overlay = False
         """Whether the operator's overlay is shown."""
+        self.dark = False
+        """Whether nothing is to be seen, for another machine leads."""
         self.guides = False
         """Whether the operator's guides are drawn: agents, predictions, held feet."""
         self.on_error: Callable[[Exception], None] | None = None
@@ -85,6 +87,8 @@ class Engine:
                 tell(self._patch)
         self.show.fill(self.view, max(target, self.ticks.time))
         self.view.overlay = self._status.overlay(now) if self.overlay else ()
+        if self.dark:
+            self.view.brightness = 0.0
         self.view.guide_count = 0
         if self.guides:
             draw_guides(self.show, self.view)

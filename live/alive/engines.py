@@ -1,0 +1,190 @@
+"""Engines: the one that dances, the one that waits, and how the show goes from one to the other."""
+
+import json
+import signal
+from collections.abc import Callable
+from typing import Any, Final
+
+from live.alive.child import Child
+from live.alive.heartbeat import Phase
+from live.alive.limits import LEAVES_WITHIN, RestartLimit
+from live.alive.log import Log
+from live.alive.orders import Orders, Report
+from live.alive.starter import Starter
+
+ENDED_WELL: Final = (0, 2, 130, 128 + signal.SIGTERM, 128 + signal.SIGHUP)
+"""Exit codes that somebody wanted; any other one of a running engine is a crash."""
+CALM_APART: Final = 5.0
+"""Seconds between two starts once there were too many."""
+GIVE_UP: Final = 50
+"""Engines that ended in crashes; a show whose engines cannot even begin any more is over then."""
+
+
+class Engines:
+    """Thread: the supervisor's."""
+
+    def __init__(
+        self, orders: Orders, starter: Starter, report: Report, say: Callable[[str], None], inherit: dict[str, int]
+    ) -> None:
+        """`inherit`: descriptors that every engine has, by what they are called in its brief."""
+        self._orders, self._starter, self._report, self._say, self._inherit = orders, starter, report, say, inherit
+        self.log = Log()
+        self.engine: Child | None = None
+        self.spare: Child | None = None
+        self.code: int | None = None
+        """The exit code with which the show is over."""
+        self.on_line: Callable[[str, bool], None] = lambda line, kept: None
+        """Told each line of the show, and whether it belongs into the journal."""
+        self.on_asked: Callable[[dict[str, Any]], None] = lambda asked: None
+        """Told what an engine asks of the others."""
+        self.screen: dict[str, Any] = {}
+        self.role = "engine"
+        """What the next engine begins as: engine, heir (there is a show to go on with), standby."""
+        self.since: float | None = None
+        """Since when the engine has been running [s, monotonic]."""
+        self._limit = RestartLimit()
+        self._start_at = self._spare_at = 0.0
+        self._died: float | None = None
+
+    def take(self, line: str) -> None:
+        """A line of the show: into the log, to the spare, and to whoever else is told."""
+        begun = bool(self.log.header)
+        kept = self.log.take(line)
+        if self.spare is not None and begun:
+            self.spare.wire.put(line)
+        self.on_line(line, kept)
+
+    def look(self, now: float) -> None:
+        """Who lives, who hangs, who is to be started."""
+        if self.engine is None and now >= self._start_at:
+            self._begin()
+        engine = self.engine
+        if engine is not None:
+            engine.wire.flush()
+            self._look_at(engine, now)
+        self._look_at_spare(now)
+
+    def facts(self) -> dict[str, Any]:
+        """What every engine is told of the others."""
+        self._report.restarts = self._limit.count
+        self._report.late = 0 if self.engine is None else self.engine.watch.late
+        self._report.spare = self.spare is not None and self.spare.phase is Phase.WAITING
+        return self._report.facts()
+
+    def go(self, **more: Any) -> None:
+        """Tell the engine that follows to go on by itself."""
+        if self.engine is not None:
+            order = {"calm": self._report.calm, "screen": self.screen, "facts": self.facts()}
+            self.engine.wire.tell(alive="go", **order, **more)
+
+    def leave(self, number: int) -> int:
+        """Pass the signal on, and wait until the engine has closed everything; its exit code."""
+        engine = self.engine
+        if engine is None:
+            return 128 + number
+        engine.signal(number)
+        self._starter.hear_rest(engine.wire, LEAVES_WITHIN)
+        code, self.engine = engine.end(within=LEAVES_WITHIN), None
+        return code if code >= 0 else 128 - code
+
+    def close(self) -> None:
+        """End them."""
+        for child in (self.spare, self.engine):
+            if child is not None:
+                child.terminate()
+                child.end()
+
+    def _begin(self) -> None:
+        self.engine = self._start(self.role)
+        if self.role == "heir":
+            self._brief(self.engine)
+            self.go()
+        elif self.role == "standby" and self.log.header:
+            self._brief(self.engine)
+
+    def _start(self, role: str) -> Child:
+        def hear(line: str) -> None:
+            if line.startswith('{"alive"'):
+                self.on_asked(json.loads(line))
+            elif child is self.engine:
+                self._report.lines += 1
+                self.take(line)
+
+        child = self._starter.start(role, self._orders.engine, hear, *self._inherit.values())
+        child.wire.tell(alive=role, show=self._orders.show, **self._inherit)
+        return child
+
+    def _brief(self, child: Child) -> None:
+        for line in self.log.since():
+            child.wire.put(line)
+
+    # -- the one that dances -------------------------------------------------------------------------------------
+
+    def _look_at(self, engine: Child, now: float) -> None:
+        if engine.phase is Phase.RUNNING and self.since is None:
+            self.since, self._spare_at = now, now + self._orders.spare_after
+            if self._died is not None:
+                self._taken_over(engine, self._died)
+        if engine.hangs(now, self._starter.awake):
+            self._say(f"the engine has given no sign of life for {now - engine.heart.last:.1f} s")
+            engine.kill()
+        if not engine.wire.ended and engine.process.poll() is None:
+            return
+        self._starter.hear_rest(engine.wire, LEAVES_WITHIN)
+        phase, code = engine.phase, engine.end(within=LEAVES_WITHIN)
+        begun = phase is Phase.RUNNING or self._died is not None
+        well = code in ENDED_WELL and phase is not Phase.STARTING
+        if well or not begun or self._limit.count >= GIVE_UP:
+            self.code = code if code >= 0 else 1
+            if code not in ENDED_WELL:
+                self._say(f"the engine ended while it was {phase.name.lower()}: {how(code)}")
+            return
+        self._go_on(code, now)
+
+    def _go_on(self, code: int, now: float) -> None:
+        """The engine died: let another one go on."""
+        self._report.calm = self._limit.note(now) or self._report.calm
+        self._died, self.since = self._died or now, None
+        words = "without sound and other clocks, for it has happened too often" if self._report.calm else "in its place"
+        self._say(f"the engine ended ({how(code)}); another one goes on {words}")
+        self.engine, self.spare = self.spare, None
+        if self.role == "engine":
+            self.role = "heir"
+        if self.engine is not None and self.engine.process.poll() is not None:
+            self.engine.end()
+            self.engine = None
+        if self.engine is None:
+            self._start_at = now + (CALM_APART if self._report.calm else 0.0)
+        else:
+            self.go()
+
+    def _taken_over(self, engine: Child, died: float) -> None:
+        self._report.takeover_s = round(engine.heart.last - died, 3)
+        self._died = None
+        self._say(f"the show goes on, {self._report.takeover_s:.1f} s later")
+
+    # -- the one that waits --------------------------------------------------------------------------------------
+
+    def _look_at_spare(self, now: float) -> None:
+        spare = self.spare
+        if spare is not None:
+            spare.wire.flush()
+            if spare.process.poll() is None:
+                return
+            self._starter.forget(spare.wire)
+            spare.end()
+            self.spare, self._spare_at = None, now + 5.0 * self._orders.spare_after
+        leads = self.role != "standby" and self.since is not None and not self._report.calm
+        if self._orders.spare and leads and now >= self._spare_at and self.log.header:
+            self.spare = self._start("spare")
+            self._brief(self.spare)
+
+
+def how(code: int) -> str:
+    """How a process ended, in words."""
+    if code >= 0:
+        return f"exit code {code}"
+    try:
+        return signal.Signals(-code).name
+    except ValueError:
+        return f"signal {-code}"

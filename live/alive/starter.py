@@ -1,0 +1,70 @@
+"""Starter: starts processes and hears what they say; the one place that selects."""
+
+import selectors
+import time
+from collections.abc import Callable, Sequence
+from typing import Final
+
+from live.alive.child import Child
+from live.alive.wire import Wire, WireBroken
+
+ROUND: Final = 0.05
+"""Seconds between two looks at the hearts."""
+
+Hear = Callable[[str], None]
+
+
+class Starter:
+    """The selector, and all wires in it. Thread: the supervisor's."""
+
+    def __init__(self) -> None:
+        self.selector = selectors.DefaultSelector()
+        self.awake = time.monotonic()
+        """When this process itself was last found to have slept: nobody's heart is to blame for the time before."""
+
+    def turn(self) -> float:
+        """Hear what comes within a round; the time [s, monotonic]."""
+        before = time.monotonic()
+        for key, _ in self.selector.select(ROUND):
+            key.data()
+        now = time.monotonic()
+        if now - before > 10 * ROUND:
+            self.awake = now
+        return now
+
+    def start(self, role: str, command: Sequence[str], hear: Hear, *inherit: int) -> Child:
+        """Start a process; `hear` gets every line it says."""
+        child = Child(role, command, inherit=inherit)
+        self.listen(child.wire, hear, child.kill)
+        return child
+
+    def listen(self, wire: Wire, hear: Hear, broken: Callable[[], None] = lambda: None) -> None:
+        """Hear what comes over a wire, until it ends; `broken`: what it said made no sense."""
+
+        def read() -> None:
+            try:
+                lines = wire.lines()
+            except WireBroken:
+                lines, wire.ended = [], True
+                broken()
+            if wire.ended:
+                self.forget(wire)
+            for line in lines:
+                hear(line)
+
+        self.selector.register(wire.socket, selectors.EVENT_READ, read)
+
+    def forget(self, wire: Wire) -> None:
+        """Hear it no more; harmless if it was not heard."""
+        if wire.fileno() >= 0 and wire.socket in self.selector.get_map():
+            self.selector.unregister(wire.socket)
+
+    def hear_rest(self, wire: Wire, within: float) -> None:
+        """Hear a wire to its end: what was said last counts, however its process ended."""
+        deadline = time.monotonic() + within
+        while not wire.ended and time.monotonic() < deadline:
+            self.turn()
+
+    def close(self) -> None:
+        """Select no more."""
+        self.selector.close()
