@@ -1,8 +1,9 @@
 """Loading a show: patch, steps and graph, ready to run; the same for live, offline and replay."""
 
 import contextlib
+import gc
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
@@ -94,9 +95,25 @@ class LoadedShow:
         }
 
 
+@contextlib.contextmanager
+def _no_collection() -> Iterator[None]:
+    """No automatic garbage collection meanwhile: in a score of 20,000 entries it takes a third of the time.
+
+    Thread: the main one, before the show runs.
+    """
+    was = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was:
+            gc.enable()
+
+
 def load_show(path: Path, *, recordings: Path | None = None) -> LoadedShow:
     """Read the patch at `path` and its steps, or the recordings of a folder in their place."""
-    patch, sources = read_sources(path)
+    with _no_collection():
+        patch, sources = read_sources(path)
     return replace(show_of(patch, path, recordings=recordings), sources=sources)
 
 
