@@ -195,7 +195,9 @@ class Improviser:
                 possible = good
                 break
         weights = np.where(possible, weights, 0.0)
-        seeds = (self._seed, SALT, place.section + 1, place.turn, self._group, max(place.measure, 0))
+        seeds = [self._seed, SALT, place.section + 1, place.turn, self._group, max(place.measure, 0)]
+        if not self._score.playhead.entered(measure):  # held in one measure: it is not drawn the same again and again
+            seeds.append(measure)
         chance = float(np.random.default_rng(seeds).random())
         row = int(np.searchsorted(np.cumsum(weights), chance * weights.sum(), side="right"))
         return int(steps[min(row, len(steps) - 1)])
@@ -260,10 +262,7 @@ def table_of(
             )
         caller = NOBODY
         if section.answers is not None:
-            folded = [name.casefold() for name in groups]
-            if section.answers.casefold() not in folded:
-                raise PersonError(f"no group is called {section.answers!r}", f"there are: {', '.join(groups)}")
-            caller = folded.index(section.answers.casefold())
+            caller = [name.casefold() for name in groups].index(section.answers.casefold())
     size = score.playhead.stretches[place[0]].measures if place[0] != END else None
     end = size if section.measures is None else place[1] + section.measures
     return Table(place[0], place[1], end, section, steps, np.array(list(weights.values())), tuple(factors), caller,

@@ -40,7 +40,7 @@ def part_of(
     assert usual is not None
     improviser = Improviser(tables, usual, score, ledger, mood, group=group, seed=seed, graph=graph)
     ordered = [(index, section) for index, section in sequences if section.choose == "sequence"]
-    sequences_of = Sequences(ordered, score, graph)
+    sequences_of = Sequences(ordered, score, graph, score.written.made)
     score.written.parts.append((sequences_of, tables, usual))
     return Part(score, sequences_of, improviser)
 

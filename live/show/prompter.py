@@ -125,6 +125,33 @@ class Prompter:
             )
         return index
 
+    def words(self) -> tuple[str, ...]:
+        """Where the score is, for the overlay: a line, or none where a score has one section and nothing is asked."""
+        playhead = self.playhead
+        place = playhead.place(playhead.measure)
+        if place.section == END:
+            return () if place.measure < 0 else ("score: over",)
+        stretch = playhead.stretches[place.section]
+        asked = [
+            "held" if playhead.held else "",
+            "waits for GO" if playhead.waiting else "",
+            "practice" if playhead.practice is not None else "",
+            "" if playhead.going is None or playhead.going[0] == END else "goes to " + self._going(playhead.going),
+            self.said,
+        ]
+        told = [word for word in asked if word]
+        if not stretch.name and not told:
+            return ()
+        of = "" if stretch.measures is None else f" of {stretch.measures}"
+        again = f", pass {playhead.passes} of {stretch.repeat}" if stretch.repeat > 1 else ""
+        line = f"{stretch.name or 'score'}: measure {place.measure + 1}{of}{again}"
+        return (", ".join([line, *told]),)
+
+    def _going(self, going: tuple[int, int, When]) -> str:
+        section, measure, when = going
+        name = self.playhead.stretches[section].name or "score"
+        return name + (f" {measure + 1}" if measure else "") + (" at the section's end" if when == "section" else "")
+
     def facts(self) -> dict[str, Any]:
         """Where the score is, for the status; measures and turns count from 1."""
         playhead = self.playhead

@@ -22,6 +22,8 @@ class Written:
     def __init__(self) -> None:
         self.entries: dict[str, dict[tuple[int, int], list[Any]]] = {}
         """By kind, section and measure."""
+        self.made: dict[int, Any] = {}
+        """Sequences that are made already, for groups that have the same."""
         self.parts: list[Any] = []
         """What the parts of the groups have: see `live.show.parts`."""
 

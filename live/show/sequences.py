@@ -38,12 +38,23 @@ class Sequence:
 class Sequences:
     """The sequences in order of one group: `choose = "random"` is improvised instead."""
 
-    def __init__(self, sections: list[tuple[int, SequenceSection]], score: Score, graph: MotionGraph) -> None:
-        """`sections` with their places in the patch. PersonError for a step that is not there or does not end with its
+    def __init__(
+        self,
+        sections: list[tuple[int, SequenceSection]],
+        score: Score,
+        graph: MotionGraph,
+        made: dict[int, tuple[int, Sequence]] | None = None,
+    ) -> None:
+        """`sections` with their places in the patch; `made`: what another group's have made of them already, by
+        these places, with their sections. PersonError for a step that is not there or does not end with its
         sequence, and for sequences that overlap or go on after their section."""
         self._of: dict[int, list[Sequence]] = {}
         known: dict[tuple[str, ...], tuple[Wanted, ...]] = {}
+        made = {} if made is None else made
         for index, section in sections:
+            if index in made:
+                self._of.setdefault(made[index][0], []).append(made[index][1])
+                continue
             place = score.place_of(section.section, section.measure)
             if place is None:
                 continue
@@ -60,6 +71,7 @@ class Sequences:
                         f"it goes on to measure {sequence.end}, and its section has {size}",
                         f"measures = {size - place[1]}",
                     )
+            made[index] = place[0], sequence
             self._of.setdefault(place[0], []).append(sequence)
         for sequences in self._of.values():
             sequences.sort(key=lambda sequence: sequence.begin)

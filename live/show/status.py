@@ -144,7 +144,8 @@ class Status:
             f"frame {frame['p50']:.1f} ms   p99 {frame['p99']:.1f}   cpu {cpu:.1f}   late {s['late_frames']}",
             f"dancers {s['dancers']}   events {s['events_accepted']}   refused {sum(s['events_rejected'].values())}",
         )
-        more = (f"pointer: {self.tool}",) if self.tool else ()
+        more = self._show.prompter.words()
+        more = (*more, f"pointer: {self.tool}") if self.tool else more
         record = [f"{name}: {told['record']}" for name, told in s["behind"].items() if told["record"]]
         more = (*more, *record[:1], *(why_in_words(s["why"]) if s["why"] else ()))
         more = (*more, *(note for tell in self.notes if (note := tell())))

@@ -147,7 +147,6 @@ def test_limits_that_cannot_be_kept_and_unknown_names_are_named():
     for table, words in (
         ("steps = {sway = 1}", "more than 2 times in a row"),
         ("steps = {moonwalk = 1}", "no step is called 'moonwalk'"),
-        ('answers = "choir"', "no group is called 'choir'"),
         ('steps = {sway = 1, spin = 1}\nrule = [{of = "low", above = 0.5, favours = {jete = 2}}]', "'jete'"),
     ):
         with pytest.raises(PersonError, match=r"improvise of group 'front' in measure 5") as caught:

@@ -169,3 +169,19 @@ def test_signals_that_call_each_other_for_ever_stop_no_show():
     assert len(prompter.agenda.fire(0.0)) < 3000
     with pytest.raises(PersonError, match="the patch has none"):
         prompter.section("x")
+
+
+def test_the_overlay_says_where_the_score_is_and_what_it_waits_for():
+    assert made_show().prompter.words() == ()
+    show = made_show(
+        '[[section]]\nname = "a"\nmeasures = 2\nrepeat = 2\n[[section]]\nname = "b"\nmeasures = 2\nwait = true\n'
+    )
+    assert show.prompter.words() == ("a: measure 1 of 2, pass 1 of 2",)
+    show.apply(events.JumpTo(time=0.0, source="osc", section="b", when="section", measure=2))
+    assert show.prompter.words() == ("a: measure 1 of 2, pass 1 of 2, goes to b 2 at the section's end",)
+    show.apply(events.HoldScore(time=0.0, source="osc", on=True))
+    run(show, 2.1)
+    assert show.prompter.words()[0].startswith("a: measure 1 of 2, pass 1 of 2, held, goes to b")
+    show.apply(events.HoldScore(time=0.0, source="osc", on=False))
+    run(show, 4.0)
+    assert show.prompter.words() == ("b: measure 2 of 2, waits for GO",)
