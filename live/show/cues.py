@@ -169,7 +169,7 @@ class Cues:
             made.append(events.JumpTo(time=time, source=source, section=cue.section))
         self.last, self.fired = given.index, self.fired + 1
         if cue.then == "auto" and given.index + 1 < len(self._cues) and len(self._given) < MOST:
-            due = given.due + cue.after * self._beats
+            due = given.due + (cue.after or 1) * self._beats
             self._given.append(_Given(given.index + 1, due, due))
             self.standby = max(self.standby, given.index + 2)
         return made

@@ -24,6 +24,7 @@ LARGEST: Final = 1 << 28
 CONSTANT: Final = (
     "graph", "patch", "scheduler.choosing", "scheduler.aims.foresight", "motion.elements._field._cosines",
     "prompter.score.written",
+    "desk.parameters.table", "desk.scenes._views", "desk.scenes._looks", "desk.scenes._scenes", "desk.cues._cues",
 )  # fmt: skip
 """What patch, steps and seed alone decide: found again in a fresh show, ..."""
 VARIABLE: Final = ("scheduler.choosing.most", "scheduler.choosing.facts")

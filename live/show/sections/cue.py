@@ -36,8 +36,8 @@ class CueSection(Section):
     """Controls that are called, in order, by address and values: `[["/dance/step", "jump"], ["/dance/spread", 2]]`."""
     then: Literal["go", "auto"] = "go"
     """The next cue waits for GO, or comes by itself ..."""
-    after: Annotated[int, Field(ge=1, le=10000)] = 1
-    """... so many measures later."""
+    after: Annotated[int, Field(ge=1, le=10000)] | None = None
+    """... so many measures later; left out: one."""
 
     @model_validator(mode="after")
     def _calls_are_known(self) -> "CueSection":
@@ -47,7 +47,7 @@ class CueSection(Section):
                 raise ValueError(f"cue {self.name!r}: {call[0]!r} with {list(call[1:])!r}: {made}; see docs/osc.md")
         if self.measures is not None and self.scene is None:
             raise ValueError(f"cue {self.name!r}: measures go with scene")
-        if "after" in self.model_fields_set and self.then != "auto":
+        if self.after is not None and self.then != "auto":
             raise ValueError(f'cue {self.name!r}: after goes with then = "auto"')
         return self
 
