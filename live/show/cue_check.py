@@ -1,18 +1,40 @@
 """What scenes and cues of a patch name is there: looked at before anything plays."""
 
-from typing import TYPE_CHECKING, Final
+from collections.abc import Sequence
+from typing import Final, Protocol
 
 from live.show.parameter_table import LOOK, VIEW, split
+from live.show.sections.cue import CueSection
+from live.show.sections.group import GroupSection
+from live.show.sections.scene import NamedLookSection, SceneSection, ViewSection
+from live.show.sections.score import AtSection, ScoreSection
 from live.show.sections.section import Amiss
 
-if TYPE_CHECKING:
-    from live.show.patch import Patch
+
+class Recalled(Protocol):
+    """What is looked at of a patch."""
+
+    @property
+    def group(self) -> Sequence[GroupSection]: ...
+    @property
+    def view(self) -> Sequence[ViewSection]: ...
+    @property
+    def looks(self) -> Sequence[NamedLookSection]: ...
+    @property
+    def scene(self) -> Sequence[SceneSection]: ...
+    @property
+    def cue(self) -> Sequence[CueSection]: ...
+    @property
+    def section(self) -> Sequence[ScoreSection]: ...
+    @property
+    def at(self) -> Sequence[AtSection]: ...
+
 
 START: Final = "start"
 """The view, look and scene that every patch has: what it begins with."""
 
 
-def check_cues(patch: "Patch") -> None:
+def check_cues(patch: Recalled) -> None:
     """Amiss for a scene or cue of the patch that names what is not there, and for a scene recalled by the score."""
     _check_scenes(patch)
     scenes = {_folded(scene.name) for scene in patch.scene} | {START}
@@ -31,7 +53,7 @@ def check_cues(patch: "Patch") -> None:
             raise Amiss(words, "at", number, "scene")
 
 
-def _check_scenes(patch: "Patch") -> None:
+def _check_scenes(patch: Recalled) -> None:
     groups = {_folded(group.name) for group in patch.group}
     named = {VIEW: {_folded(view.name) for view in patch.view} | {START}}
     named |= {LOOK: {_folded(look.name) for look in patch.looks} | {START}}
