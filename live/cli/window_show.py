@@ -1,5 +1,6 @@
 """The show in a window: the frame loop, the operator's keys and pointer, and a film of it if asked for."""
 
+import math
 import time
 from dataclasses import dataclass, replace
 from typing import Any
@@ -16,6 +17,7 @@ from live.control.events import Attract, ControlEvent, Repel
 from live.control.keys import FORMATION_KEYS, KEYS, event_for_formation, event_for_key
 from live.control.pointer import TOOLS, event_for_place, event_for_stroke
 from live.render.camera import floor_point
+from live.render.frame import CLOSEST
 from live.render.monitors import Monitor, UnknownMonitor
 from live.render.pacing import Pacer
 from live.render.renderer import Renderer
@@ -107,6 +109,8 @@ class Operator:
     def _point(self, value: PointerPressed | PointerMoved, now: float, *, drag: bool) -> None:
         row = self._session.engine.view.picture
         camera = self._scene.camera if row is None else camera_of(row)  # as the picture shows it now
+        if math.dist(camera.eye, camera.target) < CLOSEST:
+            return
         place = floor_point(camera, self._window.size, (value.x, value.y))
         if not drag:
             self._stroke, self._shift = [], value.shift

@@ -3,7 +3,7 @@
 import math
 from typing import Any, Final
 
-from live.control.events import ControlEvent, MusicHeard, SetMotion
+from live.control.events import ControlEvent, MusicHeard, SetMotion, SetPicture
 from live.show.patch import Patch
 from live.show.sections.react import ReactSection
 
@@ -16,6 +16,8 @@ BUILDING: Final = 0.5
 NOT_BUILDING: Final = 0.2
 """... until it has come down to this."""
 
+SMOOTH: Final = 0.25
+"""Light goes to what a beat asks for within so many measures: until the next one."""
 STRENGTH: Final = "strength"
 
 
@@ -58,6 +60,10 @@ class Reactions:
             value = self._smoothed(index, section, event)
             if section.sets == STRENGTH:
                 self.strength = max(value, 0.0)
+            elif section.sets is not None and section.sets.startswith("/"):
+                changes.append(
+                    SetPicture(time=event.time, source="music", parameter=section.sets, x=value, measures=SMOOTH)
+                )
             elif section.sets is not None:
                 group = "" if section.group == "*" else section.group
                 changes.append(

@@ -35,12 +35,14 @@ class FakeWindow:
 @pytest.fixture
 def desk():
     inbox = Inbox()
+    patch = SimpleNamespace(formation=({"name": "wedge"}, {"name": "star"}))
     session = SimpleNamespace(
         inbox=inbox,
         engine=SimpleNamespace(overlay=False, view=SimpleNamespace(picture=None)),
-        show=SimpleNamespace(blackout=False, follower=SimpleNamespace(held=False), desk=SimpleNamespace(held=False)),
+        show=SimpleNamespace(
+            blackout=False, follower=SimpleNamespace(held=False), desk=SimpleNamespace(held=False), patch=patch
+        ),
         status=SimpleNamespace(tool=""),
-        loaded=SimpleNamespace(patch=SimpleNamespace(formation=({"name": "wedge"}, {"name": "star"}))),
     )
     window = FakeWindow()
     return SimpleNamespace(operator=Operator(session, window, SCENE), inbox=inbox, session=session, window=window)

@@ -2,6 +2,7 @@
 of its own of JSON Schema, draft 7."""
 
 import json
+import re
 import tomllib
 
 import pytest
@@ -14,9 +15,11 @@ from live.show.patch_schema import patch_schema
 
 SCHEMA = patch_schema()
 KINDS = {"object": dict, "array": list, "string": str, "boolean": bool, "integer": int, "number": (int, float)}
+LENGTHS = {str: ("minLength", "maxLength"), list: ("minItems", "maxItems"), dict: ("minProperties", "maxProperties")}
 KNOWN = {
     *("type", "properties", "additionalProperties", "items", "anyOf", "allOf", "$ref", "enum", "const", "required"),
     *("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum", "minItems", "maxItems", "minLength", "maxLength"),
+    *("minProperties", "maxProperties", "pattern"),
     *("description", "default", "title", "definitions", "$schema"),
 }
 
@@ -39,8 +42,10 @@ def faults(value, schema=SCHEMA, where="patch"):
         below, above = schema.get("exclusiveMinimum"), schema.get("exclusiveMaximum")
         inside = low <= value <= high and (below is None or value > below) and (above is None or value < above)
         found += [] if inside else [f"{where}: out of range"]
-    if isinstance(value, str | list):
-        least, most = ("minLength", "maxLength") if isinstance(value, str) else ("minItems", "maxItems")
+    if isinstance(value, str) and not re.search(schema.get("pattern", ""), value):
+        found.append(f"{where}: of another form")
+    if isinstance(value, str | list | dict):
+        least, most = LENGTHS[type(value)]
         if not schema.get(least, 0) <= len(value) <= schema.get(most, len(value)):
             found.append(f"{where}: too short or too long")
     return found + contents(value, schema, where)

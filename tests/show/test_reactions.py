@@ -8,6 +8,7 @@ from live.base.errors import PersonError
 from live.control.events import CallStep, MusicHeard, SetMotion
 from live.show.patch_file import parse_patch
 from live.show.reactions import Reactions
+from tests.show.made_show import made_show
 
 GROUP = '\n[[group]]\nname = "ember"\ndancers = 4\nsteps = ["sway"]\n'
 
@@ -83,3 +84,30 @@ def test_what_a_patch_may_not_say(table: str, why: str) -> None:
         reactions("[[react]]\n" + table)
     assert "show.toml, line " in str(caught.value)
     assert why in str(caught.value)
+
+
+def test_light_follows_the_music_smoothly_from_beat_to_beat() -> None:
+    show = made_show('[[react]]\nto = "loudness"\nsets = "/dance/light/rim"\nlow = 0.5\nhigh = 2.5\nbeats = 0\n')
+    first = show.desk.parameters.table.find("/dance/light/rim")[0].first
+    show.apply(beat(0.0, loudness=1.0))
+    values = []
+    for tick in range(1, 40):
+        show.tick(tick / 64)
+        values.append(float(show.desk.parameters.value[first]))
+    assert values[15] == pytest.approx(1.75)  # half a beat later: half way from 1 to 2.5
+    assert values[31:] == [2.5] * 8
+    assert show.desk.edits.facts()["edits"] == 0
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ('sets = "/dance/light/rmi"', "there are: /dance/light/level"),
+        ('sets = "/dance/light/floor"', "no number of the picture"),
+        ('sets = "/dance/light/ambient"\nhigh = 3', "0 to 1 expected"),
+        ('sets = "/dance/light/rim"\ngroup = "front"', "belong to no group"),
+    ],
+)
+def test_light_that_cannot_follow_is_named(line: str, words: str) -> None:
+    with pytest.raises(PersonError, match=words):
+        made_show(f'[[react]]\nto = "loudness"\n{line}\n')
