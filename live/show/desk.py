@@ -126,7 +126,8 @@ class Desk:
     def words(self, danced: float) -> tuple[str, ...]:
         """The overlay's lines on cues; none in a show without any."""
         facts = self.cues.facts(danced)
-        lines = ["HELD: score, fades and cues stand still"] if self.held else []
+        still = "score, fades and cues" if self.parameters.held else "score and cues"
+        lines = [f"HELD: {still} stand still"] if self.held else []
         counted = self.cues.count_in(danced)
         if counted is not None:
             beats = f"{max(math.ceil(counted[0]), 0)} beats" if math.isfinite(counted[0]) else "the next section"
