@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from live.cli.main import app
 from live.show.patch import Patch
-from live.show.patch_file import PATCHES
+from live.show.patch_file import PATCHES, read_sources
 from live.show.patch_schema import patch_schema
 
 SCHEMA = patch_schema()
@@ -71,9 +71,9 @@ def contents(value, schema, where):
 
 @pytest.mark.parametrize("path", sorted(PATCHES.glob("*/show.toml")) + sorted(PATCHES.glob("*.toml")), ids=str)
 def test_the_projects_patches_are_good(path):
-    data = tomllib.loads(path.read_text(encoding="utf-8"))
-    assert faults(data) == []
-    assert Patch.model_validate(data)
+    patch, sources = read_sources(path)  # with what the folder beside it adds
+    assert faults(sources.data) == []
+    assert patch.group
 
 
 @pytest.mark.parametrize(
