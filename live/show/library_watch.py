@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Final
 
 from live.base.errors import PersonError
-from live.base.polite import polite
 from live.control.events import ControlEvent, StepsAdded, StepsChanged
 from live.graph.insertion import insert_clips
 from live.graph.motion_graph import MotionGraph
 from live.motion.step_clip import StepClip
 from live.show.load import library_hash, steps_hash
 from live.show.new_steps import changed_graph, clip_key
+from live.show.polite import polite
 from live.show.programme_steps import UnknownStep
 from live.steps.clip_text import clips_to_text
 from live.steps.step_folder import load_folder

@@ -12,7 +12,6 @@ from typing import Any, Final
 
 from live.base.errors import PersonError
 from live.base.packed import packed
-from live.base.polite import polite
 from live.control.events import ControlEvent, PatchChanged
 from live.graph.motion_graph import MotionGraph
 from live.show.core import Show
@@ -21,6 +20,7 @@ from live.show.library_watch import LibraryWatch, Stamp
 from live.show.load import LoadedShow, patch_for
 from live.show.patch_file import patch_files, read_sources
 from live.show.pickled import walk_ahead
+from live.show.polite import polite
 from live.show.reloading import Prepared, prepare
 from live.show.toml_file import field_words
 from live.show.toml_sources import TomlSources

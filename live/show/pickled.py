@@ -30,6 +30,7 @@ DEVICES: Final = frozenset(
         "load",
         "patch_file",
         "patch_watch",
+        "polite",
         "replay",
         "status",
     )

@@ -44,9 +44,7 @@ def loaded_by(journal: Journal) -> LoadedShow:
     return loaded_of(journal.header, _added(journal), changed)
 
 
-def loaded_of(
-    header: dict[str, Any], added: Iterable[list[str]], changed: Iterable[StepsChanged] = ()
-) -> LoadedShow:
+def loaded_of(header: dict[str, Any], added: Iterable[list[str]], changed: Iterable[StepsChanged] = ()) -> LoadedShow:
     """The same by a journal's header, by what each StepsAdded has added, and by every StepsChanged; ReplayError as
     above."""
     try:
