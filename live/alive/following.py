@@ -153,7 +153,7 @@ def _start(loaded: LoadedShow, header: dict[str, Any], waiting: list[dict[str, A
     events = [value["event"] for value in waiting if "event" in value]
     later = any(isinstance(event, dict) and event.get("type") == StepsAdded.__name__ for event in events)
     same = header["steps_hash"] == library_hash(loaded.graph.library)
-    if same and not later and header["patch"] == loaded.patch.model_dump(mode="json"):
+    if same and not later and header["patch"] == loaded.patch.written():
         return loaded.start(seed=header["seed"], tempo=header["tempo"])
     kinds = (StepsAdded.__name__, StepsChanged.__name__)
     known = [event_from_json(event) for event in events if isinstance(event, dict) and event.get("type") in kinds]

@@ -85,7 +85,7 @@ class LoadedShow:
         """What a journal must hold so that the show can be run again; `music`: the file that is played to it."""
         return {
             "patch_path": str(self.path.resolve()),
-            "patch": self.patch.model_dump(mode="json"),
+            "patch": self.patch.written(),
             "recordings": None if self.recordings is None else str(self.recordings.resolve()),
             "seed": show.seed,
             "tempo": tempo,

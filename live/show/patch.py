@@ -3,7 +3,7 @@
 Metres, seconds, beats, bpm, degrees; measures count from 1. `patch_file` reads it and explains what is wrong.
 """
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
@@ -79,6 +79,13 @@ class Patch(Section):
     improvise: Annotated[tuple[ImproviseSection, ...], Field(max_length=1000)] = ()
     at: Annotated[tuple[AtSection, ...], Field(max_length=20000)] = ()
     signal: Annotated[tuple[SignalSection, ...], Field(max_length=20000)] = ()
+
+    def written(self) -> dict[str, Any]:
+        """What was written, as values for JSON: read again they make the same patch.
+
+        What was left out is left out: it means something in a `[group.motion]`, and in cues.
+        """
+        return self.model_dump(mode="json", exclude_unset=True)
 
     @property
     def dancer_count(self) -> int:

@@ -49,7 +49,7 @@ class PatchWatch:
         self._loaded, self._show, self._post, self._now = loaded, show, post, now
         self._library = library
         self._patch, self._graph = show.patch, show.graph
-        self._text = self._patch.model_dump_json()
+        self._text = self._patch.model_dump_json(exclude_unset=True)
         if library is not None:
             library.prove = lambda graph: show.another(self._patch, graph)
         self._seen = self._taken = stamp_of_files(loaded.path)
@@ -109,7 +109,7 @@ class PatchWatch:
         patch, sources = read_sources(self._loaded.path)
         patch = patch_for(patch, graph, self._patch, recordings=self._loaded.recordings is not None)
         patch, self.waits = fitted(patch, self._patch)
-        text = patch.model_dump_json()
+        text = patch.model_dump_json(exclude_unset=True)
         if text == self._text:  # only what has to wait, comments, or back to what it was
             self.problem = ""
             self._tell((), sources)

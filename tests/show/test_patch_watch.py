@@ -6,9 +6,10 @@ import shutil
 import pytest
 
 from live.base.inbox import Inbox
+from live.base.picture import LEVEL
 from live.clock.source import ManualClock
 from live.control import events
-from live.control.events import PatchChanged
+from live.control.events import GiveCue, PatchChanged
 from live.show.engine import Engine
 from live.show.journal import JournalWriter, read_journal
 from live.show.library_watch import LibraryWatch
@@ -294,3 +295,69 @@ def test_a_replay_can_begin_after_an_edit_of_patch_and_steps(patch):
         assert problems == []
         assert result.differences == ()
         assert result.measures >= (measure < 10)
+
+
+def test_what_a_group_leaves_out_is_left_out_in_the_journal_too(patch):
+    patch.write_text(PATCH + "[group.motion]\nlarger = 0.1\n[motion]\nhead = 0.4\n")
+    night = Night(patch)
+    night.run(2.5)
+    assert night.edit("head = 0.4", "head = 0.6")
+    night.run(3.0)
+    assert (night.show.variation.head[0], night.show.variation.larger[0]) == (0.6, 0.1)
+    assert night.replayed().differences == ()
+
+
+def test_sections_scenes_cues_and_signals_act_as_soon_as_they_are_written(patch):
+    night = Night(patch)
+    night.run(2.5)
+    assert night.edit(
+        more="""[look]
+haze = 0.02
+[[view]]
+name = "near"
+eye = [0, 2, 5]
+[[scene]]
+name = "dim"
+set = { "/dance/light/level" = 0.2 }
+measures = 1
+[[cue]]
+name = "one"
+scene = "dim"
+[[section]]
+name = "a"
+measures = 8
+[[sequence]]
+group = "all"
+section = "a"
+measure = 4
+measures = 2
+steps = ["side step"]
+[[at]]
+section = "a"
+measure = 5
+beat = 2.0
+scene = "dim"
+[[signal]]
+name = "hey"
+section = "a"
+measure = 4
+[[react]]
+on = "hey"
+call = "/dance/motion/head"
+values = [0.7, "*"]
+"""
+    ), night.watch.problem
+    danced = night.run(8.5)
+    show = night.show
+    assert show.prompter.facts()["section"] == "a"
+    assert danced[3] == {"groove"}
+    assert danced[4] == danced[5] == {"side step"}
+    assert show.variation.head[0] == 0.7
+    row = show.desk.parameters.picture
+    assert row[LEVEL] == pytest.approx(0.2, abs=0.02)
+    assert night.edit('"/dance/light/level" = 0.2', '"/dance/light/level" = 0.9')
+    night.inbox.put(GiveCue(time=0.0, source="test", name="one"))
+    night.run(6.0)
+    assert show.desk.parameters.picture[LEVEL] == pytest.approx(0.9, abs=0.02)
+    assert show.refusals.words == ""
+    assert night.replayed().differences == ()
