@@ -123,10 +123,9 @@ def clips_of(patch: Patch, path: Path, recordings: Path | None) -> list[StepClip
 
 
 def as_they_were(clips: list[StepClip], names: Sequence[str], was: Mapping[str, StepClip]) -> list[StepClip]:
-    """The clips called `names`, in that order, followed by all others; those in `was` as they were."""
+    """The clips called `names`, in that order, those in `was` as they were."""
     there = {clip_key(clip): clip for clip in clips} | dict(was)
-    first = [there.pop(name) for name in names if name in there]
-    return first + [clip for name, clip in there.items() if name not in was or not names]
+    return [there[name] for name in names if name in there]
 
 
 def show_of(
@@ -141,15 +140,14 @@ def show_of(
     """The show of a patch that was read already; `path` is where its names are looked up.
 
     Clips whose `clip_key` is in `later` are left out, and kept in reserve. For a replay: `names` of the clips that it
-    began with, and what files held that have changed since (`was`).
+    began with (whatever has come since is left out), and what files held that have changed since (`was`).
     """
-    clips = clips_of(patch, path, recordings)
-    if names:
-        clips = as_they_were(clips, names, was or {})
+    found = clips_of(patch, path, recordings)
+    there = {clip_key(clip): clip for clip in found} | dict(was or {})
+    reserve = {key: there[key] for key in sorted(later) if key in there}
+    clips = as_they_were(found, names, was or {}) if names else [c for c in found if clip_key(c) not in reserve]
     if recordings is not None:
         patch = for_recordings(patch, clips)
-    reserve = {key: clip for clip in clips if (key := clip_key(clip)) in later}
-    clips = [clip for clip in clips if clip_key(clip) not in reserve]
     fitting = [clip for clip in clips if clip.beats_per_measure == patch.clock.beats_per_measure]
     if not fitting:
         metres = ", ".join(str(beats) for beats in sorted({clip.beats_per_measure for clip in clips}))

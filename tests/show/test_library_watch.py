@@ -1,8 +1,10 @@
 """LibraryWatch: takes that are recorded while the show runs join the dance, and a replay knows them."""
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from live.base.inbox import Inbox
@@ -10,7 +12,7 @@ from live.clock.source import ManualClock
 from live.control import events
 from live.show.engine import Engine
 from live.show.journal import JournalWriter, read_journal
-from live.show.library_watch import LibraryWatch
+from live.show.library_watch import LibraryWatch, same_clip
 from live.show.load import load_show
 from live.show.replay import ReplayError, reload, replay
 from live.show.status import Status
@@ -262,3 +264,12 @@ def test_an_event_that_takes_away_what_is_not_there_is_refused(patch):
     for gone, now in (("nothing | here | as made", ""), ("", "AAAA"), ("x", "no base64!")):
         event = events.StepsChanged(time=0.0, source="library", gone=gone, was="", now=now, library="0")
         assert not night.show.apply(event)
+
+
+def test_clips_are_compared_bit_by_bit(patch):
+    first, again = load_show(patch).clips(), load_show(patch).clips()
+    assert all(same_clip(one, other) for one, other in zip(first, again, strict=True))
+    assert not same_clip(first[0], first[1])
+    moved = replace(first[0].clip, root_position=first[0].clip.root_position + np.float32(1e-6))
+    assert not same_clip(first[0], replace(first[0], clip=moved))
+    assert not same_clip(first[0], replace(first[0], author="else"))
