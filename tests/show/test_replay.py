@@ -13,6 +13,7 @@ from live.base.inbox import Inbox
 from live.clock.source import ManualClock
 from live.clock.ticks import TICK
 from live.control import events
+from live.show.edit import version_of
 from live.show.engine import Engine
 from live.show.journal import JournalWriter, read_journal
 from live.show.journal_file import KEEP_EVERY, SnapshotFile, read_snapshots
@@ -273,3 +274,27 @@ def test_a_long_night_is_never_in_memory(tmp_path):
     assert journal.complete
     assert journal.last_tick == 20_000
     assert peak < 1_000_000
+
+
+def test_a_snapshot_after_an_edit_of_the_patch_is_found_again(tmp_path):
+    show, clock, inbox = MADE.start(), ManualClock(), Inbox()
+    path = tmp_path / "a.jsonl"
+    writer = JournalWriter(path, {"seed": 3, "tempo": None})
+    engine = Engine(
+        show, clock=clock, inbox=inbox, status=Status(show, rejected=dict, memory=lambda: 0.0), journal=writer
+    )
+    text = parse_patch(PATCH.replace('steps = ["glide", "sway", "spin"]', 'steps = ["spin"]'), "x").model_dump_json()
+    for frame in range(1, 451):
+        clock.set(frame / 30)
+        if frame == 100:
+            inbox.put(events.PatchChanged(time=3.3, source="patch", patch=text, version=version_of(text)))
+        engine.frame(lambda view: None)
+    writer.close(engine.ticks.index)
+    assert show.patch.group[1].steps == ("spin",)
+    journal, problems = read_journal(path), []
+    start = start_before(journal, MADE, 7, problems)
+    assert not problems
+    assert start.show.span.number + 1 == 6
+    found = run_from(start, journal, loaded=MADE)
+    assert (found.different, start.show.state_hash()) == (0, show.state_hash())
+    assert found.measures >= 2

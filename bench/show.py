@@ -1,0 +1,11 @@
+"""The show: replay, journal, snapshots, score, reload, and what happens when something ends."""
+
+from pathlib import Path
+
+from bench import _show_journal as journal
+from live.cli.bench import Row
+
+
+def run(full: bool, shared: Path | None) -> list[Row]:
+    """Figures against the bars of the show."""
+    return [*journal.rows(full)]
