@@ -3,80 +3,27 @@
 All chance comes of (seed, section, turn, group, measure): the same events give the same dance, live or replayed.
 """
 
-from collections import OrderedDict
-from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-from live.base.errors import PersonError, named
 from live.graph.motion_graph import NEVER, MotionGraph
 from live.graph.specification import Wanted
+from live.show.improvise_table import NOBODY, Table
+from live.show.ledger import Ledger
 from live.show.mood import Mood
-from live.show.playhead import END, Place
-from live.show.programme_steps import UnknownStep, find_step, in_place, length_of
+from live.show.playhead import Place
+from live.show.programme_steps import in_place, length_of
 from live.show.score import Score
-from live.show.sections.improvise import ImproviseSection
-from live.show.sequences import where_of
 
 Nodes = npt.NDArray[np.int32]
 Kept = tuple[int, int, int]
 """The step that was drawn last, measures of it that are left, and by whose table."""
 Told = tuple[int, tuple[Wanted, ...], int]
 
-REMEMBERED: Final = 128
-"""Measures kept of what each group has danced, unless phrases are long."""
-NOBODY: Final = -1
 SALT: Final = 0x1A9
 """Keeps this chance apart from that of a group's own steps."""
-
-
-def remembered(sections: Sequence[ImproviseSection]) -> int:
-    """How many measures of a dance must be remembered for these."""
-    longest = max((section.phrase for section in sections), default=0)
-    limits = [section.most for section in sections if section.most < 1000]
-    return max(REMEMBERED, 2 * longest + 64, 16 * max(limits, default=0))
-
-
-class Ledger:
-    """What each group was asked to dance in the last measures: step, and how many measures of it were over."""
-
-    def __init__(self, groups: int, kept: int = REMEMBERED) -> None:
-        """`kept`: how many measures are remembered."""
-        self.kept = kept
-        self._of: list[OrderedDict[int, tuple[int, int]]] = [OrderedDict() for _ in range(groups)]
-
-    def note(self, group: int, measure: int, step: int, into: int) -> None:
-        """`group` is asked to dance this in `measure`; the last word on a measure counts."""
-        said = self._of[group]
-        said[measure] = step, into
-        while len(said) > self.kept:
-            said.popitem(last=False)
-
-    def said(self, group: int, measure: int) -> tuple[int, int] | None:
-        """What `group` was asked to dance in `measure`; None if nobody remembers."""
-        return self._of[group].get(measure)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Table:
-    """One `[[improvise]]` for one group: names are looked up, and where it holds."""
-
-    section: int
-    begin: int
-    """Its first measure within the section, from 0."""
-    end: int | None
-    """The measure after its last; None: it has none."""
-    asked: ImproviseSection
-    steps: tuple[int, ...]
-    weights: npt.NDArray[np.float64]
-    factors: tuple[npt.NDArray[np.float64], ...]
-    """What each rule multiplies the weights with."""
-    caller: int
-    """Group that is answered, NOBODY for none."""
-    listening: int | None
 
 
 class Improviser:
@@ -225,45 +172,3 @@ class Improviser:
             if (rule.above is None or value >= rule.above) and (rule.below is None or value <= rule.below):
                 favoured *= factors
         return favoured if favoured.any() else others
-
-
-def table_of(
-    section: ImproviseSection,
-    score: Score,
-    graph: MotionGraph,
-    own: list[int],
-    groups: list[str],
-    group: int,
-    where: tuple[str | int, ...] = (),
-) -> Table | None:
-    """One `[[improvise]]` for the group `group`, whose own steps are `own`; None if its place never comes.
-
-    PersonError for names that are not there, or limits that cannot be kept.
-    """
-    place = score.place_of(section.section, section.measure)
-    if place is None:
-        return None
-    with named(where_of(section.section, section.measure, f"improvise of group {groups[group]!r}"), where):
-        try:
-            given = {find_step(graph, name): weight for name, weight in section.steps.items()}
-            weights = given or dict.fromkeys(own, 1.0)
-            steps = tuple(weights)
-            factors = []
-            for rule in section.rule:
-                favours = {find_step(graph, name): factor for name, factor in rule.favours.items()}
-                factors.append(np.array([favours.get(step, 1.0) for step in steps]))
-            listening = None if section.listening is None else find_step(graph, section.listening)
-        except UnknownStep as error:
-            raise PersonError(str(error)) from None
-        if sum(weight > 0.0 for weight in weights.values()) < 2 and section.most < 1000:
-            raise PersonError(
-                f"with one step alone it would come more than {section.most} times in a row",
-                "give it more steps, or most = 1000",
-            )
-        caller = NOBODY
-        if section.answers is not None:
-            caller = [name.casefold() for name in groups].index(section.answers.casefold())
-    size = score.playhead.stretches[place[0]].measures if place[0] != END else None
-    end = size if section.measures is None else place[1] + section.measures
-    return Table(place[0], place[1], end, section, steps, np.array(list(weights.values())), tuple(factors), caller,
-                 listening)  # fmt: skip

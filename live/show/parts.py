@@ -3,7 +3,9 @@
 from typing import Final
 
 from live.graph.motion_graph import MotionGraph
-from live.show.improviser import Improviser, Ledger, table_of
+from live.show.improvise_table import table_of
+from live.show.improviser import Improviser
+from live.show.ledger import Ledger
 from live.show.mood import Mood
 from live.show.part import Part
 from live.show.patch import Patch

@@ -2,7 +2,7 @@
 
 from live.graph.motion_graph import MotionGraph
 from live.show.echo import Echo, Programme
-from live.show.improviser import Ledger, remembered
+from live.show.ledger import Ledger, remembered
 from live.show.mood import Mood
 from live.show.parts import part_of
 from live.show.patch import Patch

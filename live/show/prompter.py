@@ -2,6 +2,7 @@
 
 import math
 from collections import Counter
+from dataclasses import replace
 from typing import Any, Final
 
 from live.base.errors import PersonError
@@ -15,7 +16,14 @@ from live.show.patch import Patch
 from live.show.playhead import END, Playhead, When
 from live.show.reactions import Reactions
 from live.show.score import Score, stretches_of
+from live.show.sections.score import AtSection
 
+AHEAD: Final = (events.CallStep, events.SetSequence, events.Improvise)
+"""Calls that must be known before their measure begins: those at its line are given ahead of it."""
+AHEAD_BEATS: Final = 2.0
+"""So many beats, a little before the planning of the measure begins."""
+GIVEN_AHEAD: Final = "score ahead"
+"""Their source."""
 SCORE_EVENTS: Final = (events.JumpTo, events.Advance, events.HoldScore, events.Practice, events.Signal)
 """The events that `act` takes."""
 
@@ -34,6 +42,7 @@ class Prompter:
         self.signals: Counter[str] = Counter()
         """How often each signal was given, by its name."""
         self.last_signal = ""
+        self._given: list[AtSection] = []  # calls of the coming measure that are given ahead of it
         self._reactions = reactions
         self._occasions = Occasions(patch.signal)
         self._motion = ImprovisedMotion(patch.improvise, self.score, seed)
@@ -55,14 +64,24 @@ class Prompter:
         """`measure` (from 0) begins at `time` [s]: what the score has at its beats waits for them."""
         self.playhead.cross(measure)
         line = measure * self._beats
+        given, self._given = self._given, []
         for call in self.score.calls(measure):
             event = call.event(time)
-            if isinstance(event, ControlEvent):
+            if isinstance(event, ControlEvent) and call not in given:
                 self.agenda.put(line + call.beat - 1.0, event)
+        self._look_ahead(measure + 1, time)
         for event in self._motion.calls(measure, time):
             self.agenda.put(line, event)
         for signal in self.score.signals(measure):
             self.agenda.put(line + signal.beat - 1.0, events.Signal(time=time, source="score", name=signal.name))
+
+    def _look_ahead(self, measure: int, time: float) -> None:
+        """Steps that the score calls at the line of `measure`, which is to come, are called before it is planned."""
+        for call in self.score.calls(measure):
+            event = call.event(time)
+            if call.beat == 1.0 and isinstance(event, AHEAD):
+                self._given.append(call)
+                self.agenda.put(measure * self._beats - AHEAD_BEATS, replace(event, source=GIVEN_AHEAD))
 
     def act(self, event: ControlEvent) -> bool:
         """Let an event of `SCORE_EVENTS` act; whether the coming measure is another one now. PersonError: no place."""
@@ -85,7 +104,12 @@ class Prompter:
         except ValueError as error:
             raise PersonError(str(error)) from None
         self.said = ""
-        return before != (self.playhead.place(coming), self.playhead.entered(coming))
+        moved = before != (self.playhead.place(coming), self.playhead.entered(coming))
+        if moved:
+            self.agenda.withdraw(GIVEN_AHEAD, -math.inf)
+            self._given.clear()
+            self._look_ahead(coming, event.time)
+        return moved
 
     def hear(self, event: events.MusicHeard) -> list[events.Signal]:
         """One beat of the music: the signals that it gives."""

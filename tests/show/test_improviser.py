@@ -7,7 +7,9 @@ import pytest
 from live.base.errors import PersonError
 from live.control import events
 from live.control.events import MusicHeard
-from live.show.improviser import Improviser, Ledger, table_of
+from live.show.improvise_table import table_of
+from live.show.improviser import Improviser
+from live.show.ledger import Ledger
 from live.show.mood import Mood
 from live.show.playhead import Playhead
 from live.show.score import Score, stretches_of

@@ -103,3 +103,20 @@ def test_steps_that_do_not_end_with_their_sequence_are_named(table, words):
     with pytest.raises(PersonError) as caught:
         made_show(f"[[sequence]]\n{table}\n")
     assert words in str(caught.value)
+
+
+@pytest.mark.parametrize("call", ['"/dance/step"\nvalues = ["spin", 1]', '"/dance/sequence"\nvalues = ["spin"]'])
+def test_steps_that_the_score_calls_at_a_line_are_danced_from_that_line_on(call):
+    danced = steps_of(made_show(f"[[at]]\nmeasure = 4\ncall = {call}\n"), 10)
+    assert danced[:3] == ["sway", "glide", "glide"]
+    assert danced[3] == "spin"
+
+
+def test_what_was_given_ahead_is_taken_back_with_a_jump():
+    show = made_show(
+        '[[section]]\nname = "a"\nmeasures = 4\n[[section]]\nname = "b"\nmeasures = 4\n'
+        '[[at]]\nsection = "a"\nmeasure = 3\ncall = "/dance/step"\nvalues = ["spin", 4]\n'
+        '[[at]]\nsection = "b"\nmeasure = 1\ncall = "/dance/step"\nvalues = ["sway", 2]\n'
+    )
+    jump = {round(32 * 5.5): lambda time: events.JumpTo(time=time, source="osc", section="b")}
+    assert steps_of(show, 9, does=jump)[:4] == ["sway", "glide", "sway", "sway"]
