@@ -95,7 +95,7 @@ class Show:
         node = first_nodes(graph, self.scheduler, self.group, self.motion.partners.mirrored, self.span.number)
         self.dancers.start(node, self.state.position.astype(np.float64), self.motion.starting_heading)
         self.scheduler.aims.headings.begin(self.motion.starting_heading)
-        self.desk = Desk(patch, self.prompter.playhead, self.motion, self.scheduler, self.variation)
+        self.desk = Desk(patch, self.prompter, self.motion, self.scheduler, self.variation)
         self.blackout = False
         self.brightness = 1.0
         self.time = 0.0

@@ -51,6 +51,9 @@ class Cues:
         self.fired = self.bounced = 0
         """Cues that have happened, and presses of GO that were bounces."""
         self._given: list[_Given] = []
+        self.late_ticks_max = 0
+        """The most ticks by which one happened after the tick that holds its beat."""
+        self._before, self._tick = -math.inf, 1.0
         self._pressed: dict[str, float] = {}
         self._ways: tuple[object, ...] = ()
 
@@ -131,9 +134,14 @@ class Cues:
     def fire(self, danced: float, time: float) -> list[ControlEvent]:
         """What the cues bring whose beat has come by the danced beat, in the order of their beats."""
         self._look()
+        before, self._before = self._before, max(danced, self._before)
+        if danced > before > -math.inf:
+            self._tick = danced - before
         made: list[ControlEvent] = []
         due = sorted((given for given in self._given if given.due <= danced), key=lambda given: given.due)
         for given in due:
+            late = math.ceil((before - given.due) / self._tick) if given.due < before else 0
+            self.late_ticks_max = max(self.late_ticks_max, late)
             self._given.remove(given)
             made += self._happen(given, time)
         return made
@@ -241,4 +249,5 @@ class Cues:
             ],
             "fired": self.fired,
             "bounced": self.bounced,
+            "late_ticks_max": self.late_ticks_max,
         }

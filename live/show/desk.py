@@ -18,7 +18,7 @@ from live.show.group_motion import GroupMotion
 from live.show.parameter_table import FIELDS, ParameterTable
 from live.show.parameters import Parameters
 from live.show.patch import Patch
-from live.show.playhead import Playhead
+from live.show.prompter import Prompter
 from live.show.scene_of import scene_of
 from live.show.scenes import SCENE_EVENTS, Scenes
 from live.show.scheduler import Scheduler
@@ -37,13 +37,14 @@ class Desk:
     """The desk of one show. What it says the show does it returns as events. Thread: the show's."""
 
     def __init__(
-        self, patch: Patch, playhead: Playhead, motion: GroupMotion, scheduler: Scheduler, variation: Variation
+        self, patch: Patch, prompter: Prompter, motion: GroupMotion, scheduler: Scheduler, variation: Variation
     ) -> None:
         """PersonError for a scene that names what is not there."""
         table = ParameterTable([section.name for section in patch.group])
         self.parameters = Parameters(table, picture_of(scene_of(patch)), variation)
         self.scenes = Scenes(patch, self.parameters)
-        self.cues = Cues(patch.cue, playhead, beats=patch.clock.beats_per_measure)
+        self._prompter = prompter
+        self.cues = Cues(patch.cue, prompter.playhead, beats=patch.clock.beats_per_measure)
         self.edits = Edits(parts_of(self.parameters, self.scenes, self.cues, motion, scheduler, variation))
         self.beats = patch.clock.beats_per_measure
         """Beats of a danced measure."""
@@ -80,6 +81,7 @@ class Desk:
         self.parameters.held = False
         self.parameters.reset(beats=CALM)
         self.held = True
+        self._prompter.calm(True)
         time, source = event.time, event.source
         return [events.Clear(time=time, source=source), events.HoldScore(time=time, source=source, on=True)]
 
@@ -91,6 +93,7 @@ class Desk:
         if not self.held:
             return []
         self.held = self.parameters.held = False
+        self._prompter.calm(False)
         self.cues.let_go(danced)
         return [events.HoldScore(time=event.time, source=event.source, on=False)]
 

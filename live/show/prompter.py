@@ -134,6 +134,13 @@ class Prompter:
                 self.agenda.put(danced if section.when == "now" else math.ceil(danced - 1e-9), event)
         self._reactions.soon.clear()
 
+    def calm(self, on: bool) -> None:
+        """Nothing is prompted any more that waits for its beat, and nothing that happens calls anything; or it does."""
+        self._reactions.calm = on
+        if on:
+            self.agenda.clear()
+            self._reactions.forget()
+
     def came_late(self) -> None:
         """The coming measure is another one, but its steps are decided already: it is danced with those."""
         self.late_jumps += 1

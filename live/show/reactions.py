@@ -31,6 +31,8 @@ class Reactions:
         self._waiting: list[ReactSection] = []
         self.soon: list[ReactSection] = []
         """What is to be called before the next line, for whoever calls it."""
+        self.calm = False
+        """Whether nothing is called, whatever happens in the music; values go on following it."""
         self._building = False
         self._last: MusicHeard | None = None
         self.strength = 1.0
@@ -76,9 +78,16 @@ class Reactions:
         self._happens([name.casefold()])
 
     def _happens(self, names: list[str]) -> None:
+        if self.calm:
+            return
         for section in self._calls:
             if (section.on or "").casefold() in names and section not in self._waiting + self.soon:
                 (self._waiting if section.when == "measure" else self.soon).append(section)
+
+    def forget(self) -> None:
+        """What was waiting to be called is not."""
+        self._waiting.clear()
+        self.soon.clear()
 
     def cross_measure_line(self, time: float) -> list[ControlEvent]:
         """What was waiting for the measure line."""

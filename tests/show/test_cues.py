@@ -211,3 +211,33 @@ def test_a_cue_to_nowhere_is_named_with_its_line(lines, words):
         Hands(f'[[cue]]\nname = "x"\n{lines}\n')
     assert words in str(error.value)
     assert "test.toml, line 2" in str(error.value)
+
+
+def test_after_a_panic_neither_score_nor_music_calls_anything_until_it_goes_on():
+    text = (
+        '[[section]]\nname = "a"\nmeasures = 1\nwait = true\n[[at]]\nmeasure = 1\nbeat = 3.0\ncall = "/dance/spread"\n'
+    )
+    text += (
+        '[[signal]]\nname = "hit"\nmeasure = 1\n[[react]]\non = "hit"\ncall = "/dance/attract"\nvalues = [1.0, 1.0]\n'
+    )
+    hands = Hands(text).run(5)
+    hands.say("/dance/panic")
+    hands.run(6)
+    view = hands.show.view()
+    hands.say("/dance/signal", "hit")
+    hands.run(5)
+    hands.show.fill(view, hands.ticks / 64)
+    assert view.element_count == 0
+    hands.say("/dance/hold", 0)
+    hands.run(8)
+    hands.show.fill(view, hands.ticks / 64)
+    assert view.element_count >= 1
+
+
+def test_every_cue_happens_in_the_tick_that_holds_its_beat(hands):
+    for name in ("dim", "up", "solo", "top"):
+        hands.say("/dance/cue", name)
+        hands.run(ticks=37)
+    hands.run(30)
+    assert hands.cues["fired"] == 5  # one came by itself
+    assert hands.cues["late_ticks_max"] == 0
