@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from live.clock.ticks import TICK
+from live.show.exchange import exchange
 from live.show.load import LoadedShow
 from live.show.patch import Patch
 from live.show.patch_file import parse_patch
@@ -62,6 +63,22 @@ def test_an_edited_patch_fades_to_its_light_and_leaves_what_was_set_by_hand():
     hands.run(3)
     assert hands.value("/dance/light/haze") == 0.2
     assert hands.value("/dance/light/level") == 1.0
+
+
+def test_a_running_show_takes_the_cues_and_scenes_of_an_edited_patch():
+    hands = Hands().run(5)
+    hands.say("/dance/standby", "up")
+    hands.say("/dance/motion/head", 0.5)
+    edited = parse_patch(TEXT.replace("0.25", "0.35").replace('text = "lights down"', 'text = "x"'), "test.toml")
+    show = hands.show
+    exchange(show, show.another(edited, show.graph), show.patch, edited)
+    assert show.patch is edited
+    assert hands.cues["standby"] == "up"
+    hands.say("/dance/undo")
+    assert hands.value("/dance/motion/head") == 0.0
+    hands.say("/dance/cue", "dim")
+    hands.run(14)
+    assert hands.value("/dance/light/level") == 0.35
 
 
 def test_the_example_of_the_documents_is_a_patch_and_its_cues_happen():
