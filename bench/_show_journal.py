@@ -166,7 +166,7 @@ def _sizes(night: Night) -> list[Row]:
 
 def _snapshot(loaded: LoadedShow) -> list[Row]:
     show = loaded.start()
-    source, spent, sealed = Snapshots(show).prepare(), [], []
+    source, spent, sealed = Snapshots(show), [], []
     tick = 0
     for tick in range(1, round(30.0 / TICK)):
         show.tick(tick * TICK)

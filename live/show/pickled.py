@@ -8,6 +8,8 @@ import io
 import pickle
 import sys
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, fields
+from operator import attrgetter
 from types import MethodType
 from typing import Any, Final
 
@@ -43,7 +45,9 @@ OTHERS: Final = {
     "numpy.core.multiarray": {"scalar"},
     "numpy._core.multiarray": {"scalar"},
 }
-HELPERS: Final = {"array_of", "bound", "empty", "found", "part_of", "whole"}
+LONG: Final = 512
+"""A constant with more entries than this is not looked through: they are written should anybody hold them."""
+HELPERS: Final = {"array_of", "bound", "empty", "found", "made", "part_of", "whole"}
 
 
 class Unreadable(Exception):
@@ -89,6 +93,8 @@ class Walked:
         if isinstance(value, np.ndarray):
             if isinstance(value.base, np.ndarray):
                 self._walk(value.base, (*path, "base"))
+            return
+        if isinstance(value, Mapping | list | tuple) and len(value) > LONG:
             return
         if isinstance(value, Mapping):
             for key, each in value.items():
@@ -136,6 +142,7 @@ class Known:
         arrays = [array for words in scratch for array in _arrays(resolve(root, dotted(words)))]
         self.scratch = {id(array) for array in arrays}
         self._held = arrays
+        self.reducers = _Reducers(self)
 
 
 def _arrays(found: Any) -> tuple[object, ...]:
@@ -149,39 +156,84 @@ def _attributes(value: object) -> Iterable[str]:
         yield from (slots,) if isinstance(slots, str) else slots
 
 
-def write_state(value: object, known: Known) -> bytes:
-    """The bytes of `value`; raises whatever pickle raises for what is no plain value (a file, a lambda)."""
+class _Reducers(dict[type, Callable[[Any], Reduced]]):
+    """How objects of each kind are taken apart; those of new kinds are looked at when the first one comes."""
 
-    paths, scratch = known.path, known.scratch
+    def __init__(self, known: "Known") -> None:
+        super().__init__(dict.fromkeys(known.kinds, self._constant))
+        self._path, self._scratch = known.path, known.scratch
+        self._parts: dict[int, tuple[Array, Reduced]] = {}
+        self[np.ndarray] = self._array
+        self[MethodType] = _method
 
-    def array(value: Array) -> Reduced:
-        if (name := id(value)) in paths:
-            return found, (paths[name],)
+    def __missing__(self, kind: type) -> Callable[[Any], Reduced]:
+        if issubclass(kind, type):
+            raise KeyError(kind)
+        self[kind] = _fields_of(kind) if getattr(kind, "__getstate__", None) is _FROZEN else _as_usual
+        return self[kind]
+
+    def _constant(self, value: Any) -> Reduced:
+        path = self._path.get(id(value))
+        return (found, (path,)) if path is not None else _as_usual(value)
+
+    def _array(self, value: Array) -> Reduced:
+        name = id(value)
+        if name in self._path:
+            return found, (self._path[name],)
         base = value.base
         if base is None:
-            if name in scratch:
+            if name in self._scratch:
                 return empty, (value.shape, value.dtype.char)
         elif isinstance(base, np.ndarray) and base.flags.c_contiguous:
-            offset = value.__array_interface__["data"][0] - base.__array_interface__["data"][0]
-            return part_of, (base, offset, value.shape, value.strides, value.dtype.char)
+            return self._part(value, base)
         if value.flags.c_contiguous and value.flags.writeable:
             return whole, (value.tobytes(), value.shape, value.dtype.char)
         axes = tuple(sorted(range(value.ndim), key=lambda axis: -abs(value.strides[axis])))
         laid = value.transpose(axes)
         return array_of, (laid.tobytes(), laid.shape, value.dtype.char, axes, value.flags.writeable)
 
-    def other(value: Any) -> Reduced:
-        path = known.path.get(id(value))
-        return (found, (path,)) if path is not None else value.__reduce_ex__(5)
+    def _part(self, value: Array, base: Array) -> Reduced:
+        kept = self._parts.get(id(value))
+        if kept is None or kept[0] is not value:
+            offset = value.__array_interface__["data"][0] - base.__array_interface__["data"][0]
+            kept = value, (part_of, (base, offset, value.shape, value.strides, value.dtype.char))
+            if len(self._parts) > LONG:
+                self._parts.clear()
+            self._parts[id(value)] = kept
+        return kept[1]
 
+
+def _method(value: MethodType) -> Reduced:
+    return bound, (value.__self__, value.__func__.__name__)
+
+
+def _as_usual(value: Any) -> Reduced:
+    usual: Reduced = value.__reduce_ex__(5)
+    return usual
+
+
+@dataclass(frozen=True, slots=True)
+class _Frozen:
+    """What the standard library does for values like this is slow, and is known by its function."""
+
+
+_FROZEN: Final = _Frozen.__getstate__
+
+
+def _fields_of(kind: type) -> Callable[[Any], Reduced]:
+    """Takes apart a frozen value with slots."""
+    names = [field.name for field in fields(kind)]
+    if len(names) < 2:
+        return _as_usual
+    values = attrgetter(*names)
+    return lambda value: (made, (kind, *values(value)))
+
+
+def write_state(value: object, known: Known) -> bytes:
+    """The bytes of `value`; raises whatever pickle raises for what is no plain value (a file, a lambda)."""
     out = io.BytesIO()
     pickler = pickle.Pickler(out, protocol=5)
-    table: dict[type, Callable[[Any], Reduced]] = dict.fromkeys(known.kinds, other)
-    pickler.dispatch_table = {
-        **table,
-        np.ndarray: array,
-        MethodType: lambda method: (bound, (method.__self__, method.__func__.__name__)),
-    }
+    pickler.dispatch_table = known.reducers
     pickler.dump(value)
     return out.getvalue()
 
@@ -223,6 +275,14 @@ def read_state(data: bytes, root: object) -> Any:
 def found(path: Path) -> Any:
     """A constant: `_Reader` puts the one of its own root in the place of this."""
     raise Unreadable(f"there is no {path} here")
+
+
+def made(kind: type, *values: object) -> object:
+    """A frozen value with slots, of its fields in their order."""
+    value: object = object.__new__(kind)
+    for field, each in zip(fields(kind), values, strict=True):
+        object.__setattr__(value, field.name, each)
+    return value
 
 
 def empty(shape: tuple[int, ...], kind: str) -> Array:
