@@ -33,6 +33,7 @@ from live.cli import (
     schema,
     score,
     simulate,
+    soak,
     steps,
     sync,
     warm,
@@ -68,6 +69,7 @@ app.command("export")(export.export)
 app.command("formation")(formation.formation)
 app.command("schema")(schema.schema)
 app.command("simulate")(simulate.simulate)
+app.command("soak")(soak.soak)
 app.command("warm")(warm.warm)
 app.command("sync")(sync.sync)
 app.add_typer(journal.app, name="journal")

@@ -119,6 +119,7 @@ __all__ = [
     "event_from_json",
     "event_to_json",
     "event_to_row",
+    "is_finite",
 ]
 
 
@@ -266,6 +267,12 @@ def event_to_json(event: ControlEvent) -> dict[str, Any]:
 
 IN_ROWS: tuple[type[ControlEvent], ...] = (BeatHeard, MusicHeard, Performer, PlaceObstacle)
 """Events that come by the thousand: the journal has them as rows, [type, value, ...] in the order of their fields."""
+
+
+def is_finite(event: ControlEvent) -> bool:
+    """Whether every number in the event is one."""
+    values = (getattr(event, field.name) for field in fields(event))
+    return all(math.isfinite(value) for value in values if type(value) is float)
 
 
 def event_to_row(event: ControlEvent) -> list[Any]:

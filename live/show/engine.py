@@ -6,7 +6,7 @@ from live.base.inbox import Inbox
 from live.base.stage_view import StageView
 from live.clock.source import Clock
 from live.clock.ticks import STALL, TICK, Ticks
-from live.control.events import BeatHeard, ControlEvent, MusicHeard, SourceChanged, TicksSkipped
+from live.control.events import BeatHeard, ControlEvent, MusicHeard, SourceChanged, TicksSkipped, is_finite
 from live.show.core import Show
 from live.show.guides import draw_guides
 from live.show.journal import JournalWriter
@@ -103,7 +103,13 @@ class Engine:
             self._status.faults += 1
 
     def apply(self, event: ControlEvent) -> None:
-        """Write an event to the journal and let it act from the next tick on; the show counts what it refuses."""
+        """Write an event to the journal and let it act from the next tick on; the show counts what it refuses.
+
+        What a source says that is no number is counted, and goes nowhere: no journal could be read with it.
+        """
+        if isinstance(event, BeatHeard | MusicHeard) and not is_finite(event):
+            self._status.impossible += 1
+            return
         if self.journal is not None:
             self.journal.event(self.ticks.index, event)
         if self.show.apply(event) and not isinstance(event, TicksSkipped | BeatHeard | SourceChanged | MusicHeard):

@@ -71,6 +71,8 @@ class Status:
         self.skipped_ticks = 0
         self.events_accepted = 0
         self.dropped_events = 0
+        self.impossible = 0
+        """What sources said that is no number."""
         self.more: dict[str, Callable[[], dict[str, Any]]] = {}
         """What other parts have to say, by its key in the snapshot."""
         self.tool = ""
@@ -92,8 +94,8 @@ class Status:
             rejected["inbox full"] += self.dropped_events
         if show.refusals.count:
             rejected["unknown step"] += show.refusals.count
-        if show.follower.rejected:
-            rejected["impossible beat"] += show.follower.rejected
+        if impossible := show.follower.rejected + self.impossible:
+            rejected["impossible beat"] += impossible
         return {
             "time": round(time, 3),
             "measure": show.span.number + 1,

@@ -1,0 +1,96 @@
+"""Watching: a journal that looks at the show after every tick, and says what must never happen."""
+
+import math
+from typing import Any, Final
+
+import numpy as np
+
+from live.base.stage_view import StageView
+from live.clock.ticks import TICK
+from live.control.event import ControlEvent
+from live.control.events import TicksSkipped
+from live.show.core import Show
+from live.show.journal import JournalWriter
+
+PICTURED: Final = ("joint_position", "joint_rotation", "element_position", "element_level", "element_corner", "picture")
+"""What of a picture is looked at."""
+BACK: Final = 1e-6
+"""Danced beats that rounding may take back."""
+MOST: Final = 50
+"""Problems that are kept in words; all are counted."""
+
+
+class Watching(JournalWriter):
+    """A `JournalWriter` that counts measure lines, and values that are no numbers."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self.problems: list[str] = []
+        """The first of what went wrong."""
+        self.count = 0
+        """How much went wrong."""
+        self.lines = 0
+        """Measure lines crossed."""
+        self.leapt = 0
+        """Measures that fell into ticks which the machine left out."""
+        self.told: dict[str, int] = {}
+        """Events by kind."""
+        self._measure: int | None = None
+        self._danced = -math.inf
+        self._skipped = 0.0
+
+    def event(self, tick: int, event: ControlEvent) -> None:
+        """Write and count an event."""
+        kind = type(event).__name__
+        self.told[kind] = self.told.get(kind, 0) + 1
+        if isinstance(event, TicksSkipped):
+            self._skipped += event.count * TICK
+        super().event(tick, event)
+
+    def keep(self, show: Show, tick: int, *, begins: bool) -> None:
+        """To be called after each tick."""
+        self._measures(show, tick, begins)
+        state = show.state
+        for name in ("position", "velocity", "acceleration"):
+            if not np.isfinite(getattr(state, name)).all():
+                self.add(f"tick {tick}: agents' {name} is no number")
+        if not math.isfinite(show.timeline.beat_at(show.time)):
+            self.add(f"tick {tick}: the beat is no number")
+        super().keep(show, tick, begins=begins)
+
+    def _measures(self, show: Show, tick: int, begins: bool) -> None:
+        """Each measure begins once, right after the one before it, and runs while its beats do."""
+        number, last = show.span.number, self._measure
+        self._measure = number
+        danced, before = show.danced, self._danced
+        self._danced = danced
+        if not danced >= before - BACK:
+            self.add(f"tick {tick}: the dance goes back from beat {before:.6f} to {danced:.6f}")
+        if last is None:
+            return
+        step = number - last
+        self.lines += max(step, 0)
+        if step < 0:
+            self.add(f"tick {tick}: measure {number + 1} is danced again after {last + 1}")
+        elif (step > 0) != begins:
+            self.add(f"tick {tick}: measure {number + 1} begins, and is not told (or the other way round)")
+        elif step > 1:
+            if self._skipped > 0.0:
+                self.leapt += step - 1
+            else:
+                self.add(f"tick {tick}: measures {last + 2} to {number} are missed")
+        if step <= 1 and begins:
+            self._skipped = 0.0
+
+    def look(self, view: StageView, tick: int) -> None:
+        """Look at a picture's values."""
+        for name in PICTURED:
+            array = getattr(view, name)
+            if array is not None and not np.isfinite(array).all():
+                self.add(f"tick {tick}: the picture's {name} is no number")
+
+    def add(self, words: str) -> None:
+        """Note a problem."""
+        self.count += 1
+        if len(self.problems) < MOST:
+            self.problems.append(words)

@@ -1,0 +1,51 @@
+"""Made-up players: Poisson, seeded, and what they say is what controls take."""
+
+from itertools import islice, pairwise, takewhile
+
+import numpy as np
+import pytest
+
+from live.control.events import ControlEvent
+from live.control.registry import REGISTRY
+from live.rehearse.players import FakePlayers
+from live.rehearse.words import Words
+from live.show.patch_file import parse_patch
+from tests.show.desk_show import DESK
+from tests.show.made_show import PATCH
+
+
+@pytest.fixture(scope="module")
+def words():
+    return Words(parse_patch(PATCH + DESK, "made.toml"), ("sway", "glide", "spin"))
+
+
+def test_what_makes_sense_is_taken_by_every_control(words):
+    chance = np.random.default_rng(0)
+    for control in REGISTRY:
+        for _ in range(20):
+            made = REGISTRY.call(control.address, words.values(control, chance), 0.0, "phone")
+            assert "Rejection" not in type(made).__name__, (control.address, made)
+
+
+def test_nonsense_never_raises_and_is_mostly_refused(words):
+    calls = list(islice(FakePlayers(1, words, nonsense=1.0).calls(), 3000))
+    made = [REGISTRY.call(call.address, call.values, call.time, call.source) for call in calls]
+    assert np.mean([isinstance(event, ControlEvent) for event in made]) < 0.1
+
+
+def test_they_come_as_often_as_asked_and_in_order(words):
+    players = FakePlayers(2, words, count=10, rate=6.0, role="musician")
+    calls = list(takewhile(lambda call: call.time < 3600.0, players.calls()))
+    assert all(a.time <= b.time for a, b in pairwise(calls))
+    assert len({call.source for call in calls}) == 10
+    assert len(calls) > 3600 * 0.8  # once a second, and fingers that move
+    assert all(REGISTRY[call.address].who != "operator" for call in calls)
+
+
+def test_the_same_seed_says_the_same(words):
+    first, again = (list(islice(FakePlayers(3, words, nonsense=0.0).calls(), 500)) for _ in range(2))
+    assert first == again
+
+
+def test_nobody_says_nothing(words):
+    assert list(FakePlayers(1, words, count=0).calls()) == []

@@ -1,0 +1,115 @@
+"""The long run in short: nothing goes wrong in a sound show, and what would be wrong is seen."""
+
+import json
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from live.control.events import TicksSkipped
+from live.rehearse.faults import KINDS, Fault, faults
+from live.rehearse.proving import prove
+from live.rehearse.soak import FAULTS, Plan, Soak
+from live.rehearse.watching import Watching
+from live.show.patch_file import find_patch
+
+
+@pytest.fixture(scope="module")
+def soaked(tmp_path_factory):
+    """Half a minute, in which every kind of fault happens."""
+    soak = Soak(
+        Plan(find_patch("score"), seed=4, hours=30.0 / 3600.0, fps=8.0, faults=0.0), tmp_path_factory.mktemp("s")
+    )
+    coming = iter([Fault(2.0 + 2.0 * number, kind, 0.3) for number, kind in enumerate(KINDS)])
+    soak._faults = coming
+    soak._next_fault = next(coming)
+    return soak, soak.run()
+
+
+def test_half_a_minute_with_every_fault_goes_well(soaked):
+    _, report = soaked
+    assert report.problems == []
+    assert report.faults == dict.fromkeys(KINDS, 1)
+    assert report.measures >= 8
+    assert report.skipped > 0
+    assert report.edits == {"good": 1, "bad": 1, "back": 1}
+    assert report.refused["garbage"] > 0
+    json.dumps(report.as_json(), allow_nan=False)
+
+
+def test_its_journal_replays_to_the_same_states(soaked):
+    soak, report = soaked
+    found = prove(soak.journal_path, seed=1, stretches=2)
+    assert found["problems"] == []
+    assert found["different"] == 0
+    assert found["measures"] > report.measures
+    assert found["stretches"] == 2
+
+
+def test_every_fault_can_happen_and_comes_as_often_as_it_should():
+    assert set(FAULTS) == set(KINDS)
+    times, kinds = [], []
+    for fault in faults(1, rate=2.0, start=0.0):
+        if fault.time > 36000.0:
+            break
+        times.append(fault.time)
+        kinds.append(fault.kind)
+    assert times == sorted(times)
+    assert len(times) == pytest.approx(2.0 * sum(KINDS.values()) * 600.0, rel=0.1)
+    assert kinds.count("flood") == pytest.approx(2.0 * KINDS["flood"] * 600.0, rel=0.4)
+    assert list(faults(1, rate=0.0)) == []
+
+
+class _Show:
+    """As much of a show as is watched."""
+
+    def __init__(self):
+        self.span = SimpleNamespace(number=3)
+        self.danced = 12.0
+        self.time = 0.0
+        zeros = np.zeros((2, 2))
+        self.state = SimpleNamespace(position=zeros.copy(), velocity=zeros.copy(), acceleration=zeros.copy())
+        self.timeline = SimpleNamespace(beat_at=lambda time: time)
+
+
+@pytest.fixture
+def watched(tmp_path):
+    watching = Watching(tmp_path / "j", {}, snapshots=False)
+    show = _Show()
+    watching.keep(show, 1, begins=False)
+    yield watching, show
+    watching.close(9)
+
+
+@pytest.mark.parametrize(
+    ("number", "danced", "begins", "words"),
+    [
+        (5, 20.0, True, "missed"),
+        (2, 12.5, False, "danced again"),
+        (4, 16.0, False, "is not told"),
+        (3, 11.0, False, "goes back"),
+        (3, float("nan"), False, "goes back"),
+    ],
+)
+def test_a_measure_that_is_missed_or_danced_twice_is_seen(watched, number, danced, begins, words):
+    watching, show = watched
+    show.span.number, show.danced = number, danced
+    watching.keep(show, 2, begins=begins)
+    assert watching.count == 1
+    assert words in watching.problems[0]
+
+
+def test_a_measure_that_the_machine_slept_through_is_not_missed(watched):
+    watching, show = watched
+    watching.event(1, TicksSkipped(time=0.0, source="engine", count=500))
+    show.span.number, show.danced = 6, 24.0
+    watching.keep(show, 502, begins=True)
+    assert watching.count == 0
+    assert watching.leapt == 2
+
+
+def test_what_is_no_number_is_seen(watched):
+    watching, show = watched
+    show.state.velocity[1, 0] = np.nan
+    watching.keep(show, 2, begins=False)
+    assert "velocity" in watching.problems[0]
