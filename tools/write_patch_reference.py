@@ -25,7 +25,7 @@ other, keys of one table come together; one key twice is refused, with both plac
 and 16 MB, each at most 4 MB.
 
 **An editor** that knows TOML schemas (taplo, Even Better TOML) completes keys, shows what they are for and underlines
-what is not allowed: `live schema --out patch.schema.json`, and `#:schema patch.schema.json` in the first line of a file.
+what is not allowed: `live schema --out patch.schema.json`, and `#:schema patch.schema.json` in a file's first line.
 
 **While a show runs** from files they may be edited: within a beat the new patch is read, checked and tried out beside
 the show, which takes it up at the next measure: what has begun goes on, what is planned is planned anew. Of the last

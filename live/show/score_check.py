@@ -1,12 +1,39 @@
 """What of a written score cannot be: told before it plays, with the keys that lead there (T015)."""
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final, Protocol
 
+from live.show.sections.group import GroupSection
+from live.show.sections.improvise import ImproviseSection
+from live.show.sections.music import ClockSection
+from live.show.sections.react import ReactSection
+from live.show.sections.score import AtSection, ScoreSection, SignalSection
 from live.show.sections.section import Amiss
+from live.show.sections.sequence import SequenceSection
 
-if TYPE_CHECKING:
-    from live.show.patch import Patch
+
+class Written(Protocol):
+    """What is looked at of a patch."""
+
+    @property
+    def loop_measures(self) -> int | None: ...
+    @property
+    def clock(self) -> ClockSection: ...
+    @property
+    def group(self) -> Sequence[GroupSection]: ...
+    @property
+    def section(self) -> Sequence[ScoreSection]: ...
+    @property
+    def sequence(self) -> Sequence[SequenceSection]: ...
+    @property
+    def improvise(self) -> Sequence[ImproviseSection]: ...
+    @property
+    def at(self) -> Sequence[AtSection]: ...
+    @property
+    def signal(self) -> Sequence[SignalSection]: ...
+    @property
+    def react(self) -> Sequence[ReactSection]: ...
+
 
 PLACED: Final = ("element", "segment", "regroup", "sequence", "improvise", "at", "signal")
 """Tables whose entries have a measure, and may have a section."""
@@ -14,7 +41,7 @@ OLDER: Final = ("segment", "regroup")
 """Of these it was never asked that they come before `loop_measures` are over."""
 
 
-def check_score(patch: "Patch") -> None:
+def check_score(patch: Written) -> None:
     """Raise Amiss for the first thing that cannot be."""
     lengths = _section_lengths(patch)
     for kind in PLACED:
@@ -27,12 +54,12 @@ def check_score(patch: "Patch") -> None:
     _check_calls(patch, set(lengths))
 
 
-def written_length(patch: "Patch") -> int | None:
+def written_length(patch: Written) -> int | None:
     """Measures of the whole written score; None if it has no end."""
     return sum(section.measures for section in patch.section) if patch.section else patch.loop_measures
 
 
-def _section_lengths(patch: "Patch") -> dict[str, int]:
+def _section_lengths(patch: Written) -> dict[str, int]:
     """Measures of each section by its name."""
     lengths: dict[str, int] = {}
     for index, section in enumerate(patch.section):
@@ -53,7 +80,7 @@ def _section_lengths(patch: "Patch") -> dict[str, int]:
     return lengths
 
 
-def _check_place(patch: "Patch", lengths: dict[str, int], kind: str, index: int, entry: Any) -> None:
+def _check_place(patch: Written, lengths: dict[str, int], kind: str, index: int, entry: Any) -> None:
     if entry.measure is None:
         return
     if entry.section is None:
@@ -71,7 +98,7 @@ def _check_place(patch: "Patch", lengths: dict[str, int], kind: str, index: int,
         raise Amiss(words, kind, index, "measure")
 
 
-def _check_beats(patch: "Patch") -> None:
+def _check_beats(patch: Written) -> None:
     beats = patch.clock.beats_per_measure
     placed: tuple[tuple[str, Sequence[Any]], ...] = (("at", patch.at), ("signal", patch.signal))
     for kind, entries in placed:
@@ -83,7 +110,7 @@ def _check_beats(patch: "Patch") -> None:
                 raise Amiss(words, kind, index, "beat")
 
 
-def _check_groups(patch: "Patch") -> None:
+def _check_groups(patch: Written) -> None:
     names = {group.name.casefold() for group in patch.group}
     known = ", ".join(group.name for group in patch.group)
     placed: tuple[tuple[str, Sequence[Any]], ...] = (("sequence", patch.sequence), ("improvise", patch.improvise))
@@ -96,7 +123,7 @@ def _check_groups(patch: "Patch") -> None:
             raise Amiss(f"no group is called {entry.answers!r}; there are: {known}", "improvise", index, "answers")
 
 
-def _check_improvised(patch: "Patch", lengths: dict[str, int]) -> None:
+def _check_improvised(patch: Written, lengths: dict[str, int]) -> None:
     """Two improvisations of one group do not overlap, and none goes on after its section."""
     taken: dict[tuple[str, str], list[tuple[int, float, int]]] = {}
     for index, entry in enumerate(patch.improvise):
@@ -121,7 +148,7 @@ def _check_improvised(patch: "Patch", lengths: dict[str, int]) -> None:
             taken[section, group].append((begin, end, index))
 
 
-def _check_signals(patch: "Patch") -> None:
+def _check_signals(patch: Written) -> None:
     known = {"drop", "build", *(one.name.casefold() for one in patch.signal)}
     known |= {one.signal.casefold() for one in patch.at if one.signal is not None}
     calls: dict[str, set[str]] = {}
@@ -152,7 +179,7 @@ def _reached(calls: dict[str, set[str]], name: str) -> set[str]:
     return found
 
 
-def _check_calls(patch: "Patch", sections: set[str]) -> None:
+def _check_calls(patch: Written, sections: set[str]) -> None:
     """No call goes to a section that is not there."""
     for call, values, place in calls_of(patch):
         if call == "/dance/section" and str(values[0]).casefold() not in sections:
@@ -160,7 +187,7 @@ def _check_calls(patch: "Patch", sections: set[str]) -> None:
             raise Amiss(f"no section is called {values[0]!r}; there are: {known}", *place, "values")
 
 
-def calls_of(patch: "Patch") -> Iterator[tuple[str, tuple[Any, ...], tuple[str | int, ...]]]:
+def calls_of(patch: Written) -> Iterator[tuple[str, tuple[Any, ...], tuple[str | int, ...]]]:
     """Every call that a patch's score makes: address, values, and the keys that lead there."""
     for index, at in enumerate(patch.at):
         if at.call is not None:
