@@ -41,11 +41,8 @@ def test_improvisation_comes_in_with_an_edit_and_stays_asked_for_through_one():
 
 def test_an_edit_that_overlaps_itself_is_refused_and_the_score_goes_on():
     show = made_show(BEFORE)
-    text = (
-        show.patch.model_dump_json()
-        .replace('"measures":16', '"measures":16')
-        .replace('"sequence":[', '"sequence":[{"group":"front","measure":3,"steps":["spin"]},')
-    )
+    twice = '"sequence":[{"group":"front","measure":3,"steps":["spin"]},'
+    text = show.patch.model_dump_json().replace('"sequence":[', twice)
     does = {64 * 5: lambda time: PatchChanged(time=time, source="patch", patch=text, version=version_of(text))}
     assert steps_of(show, 11, does=does) == ["sway"] * 6
     assert "lasts until the end of measure" in show.refusals.words
