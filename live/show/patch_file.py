@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from live.base.errors import PersonError
+from live.show.long_patches import validated
 from live.show.patch import Patch
 from live.show.toml_file import model_of, parse_model, read_text
 from live.show.toml_sources import TomlSources, parse_text
@@ -77,7 +78,7 @@ def read_sources(path: Path) -> tuple[Patch, TomlSources]:
     """The patch in `path` with, for a folder's show.toml, all that belongs to it; and where each key of it stands."""
     try:
         sources = TomlSources([parse_text(read_text(file, "patch"), str(file), "patch") for file in patch_files(path)])
-        return model_of(sources, Patch, "patch"), sources
+        return model_of(sources, Patch, "patch", validated), sources
     except PersonError as error:
         raise PatchError(error.message, error.remedy, error.place) from None
 

@@ -15,9 +15,10 @@ from live.base.packed import packed
 from live.control.events import ControlEvent, PatchChanged
 from live.graph.motion_graph import MotionGraph
 from live.show.core import Show
-from live.show.edit import changed, fitted, version_of
+from live.show.edit import fitted, version_of
 from live.show.library_watch import LibraryWatch, Stamp
 from live.show.load import LoadedShow, patch_for
+from live.show.long_patches import freed, written_text
 from live.show.patch_file import patch_files, read_sources
 from live.show.pickled import walk_ahead
 from live.show.polite import polite
@@ -49,7 +50,7 @@ class PatchWatch:
         self._loaded, self._show, self._post, self._now = loaded, show, post, now
         self._library = library
         self._patch, self._graph = show.patch, show.graph
-        self._text = self._patch.model_dump_json(exclude_unset=True)
+        self._text = written_text(self._patch)
         if library is not None:
             library.prove = lambda graph: show.another(self._patch, graph)
         self._seen = self._taken = stamp_of_files(loaded.path)
@@ -85,6 +86,7 @@ class PatchWatch:
             self.look(steps=turn % STEPS_EVERY == 0)
             if self._show.reloading.taken != taken:  # the show it was taken from is left over, in circles
                 taken = self._show.reloading.taken
+                freed(self._show.reloading.spent)
                 gc.collect()
 
     def look(self, *, steps: bool = True) -> bool:
@@ -109,7 +111,7 @@ class PatchWatch:
         patch, sources = read_sources(self._loaded.path)
         patch = patch_for(patch, graph, self._patch, recordings=self._loaded.recordings is not None)
         patch, self.waits = fitted(patch, self._patch)
-        text = patch.model_dump_json(exclude_unset=True)
+        text = written_text(patch)
         if text == self._text:  # only what has to wait, comments, or back to what it was
             self.problem = ""
             self._tell((), sources)
@@ -118,7 +120,6 @@ class PatchWatch:
             raise PersonError("the patch is too long to be taken while the show runs")
         prepared = self._proved(text, graph, sources)
         walk_ahead(prepared.fresh.patch, "patch")  # for snapshots
-        different = changed(self._patch, patch)
         self._text, self._patch, self._graph, self.version = text, patch, prepared.fresh.graph, prepared.version
         if self._library is not None:
             self._library.graph = prepared.fresh.graph
@@ -126,7 +127,7 @@ class PatchWatch:
         self.problem = ""
         self._show.offer_patch(prepared)
         self._post(PatchChanged(time=self._now(), source="patch", patch=packed(text), version=prepared.version))
-        self._tell(different, sources)
+        self._tell(prepared.different, sources)
         return True
 
     def _proved(self, text: str, graph: MotionGraph, sources: TomlSources) -> Prepared:

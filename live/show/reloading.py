@@ -1,5 +1,6 @@
 """Reloading: an edited patch, prepared by another thread or here, waits until a running show can take it."""
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -13,6 +14,7 @@ from live.graph.insertion import Int32, stranded, without_clips
 from live.graph.metric.weights import Metric
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.show.edit import changed, fitted, version_of
+from live.show.long_patches import validated
 from live.show.patch import Patch
 from live.show.programme_steps import UnknownStep
 from live.show.refusals import Refusals
@@ -28,6 +30,8 @@ class Prepared:
     version: str
     fresh: Any
     """That show, at its first moment."""
+    different: tuple[str, ...]
+    """What is different in the patch."""
 
 
 def graph_for(graph: MotionGraph, running: Patch, new: Patch) -> MotionGraph:
@@ -56,14 +60,26 @@ def prepare(text: str, start: Start, running: Patch, graph: MotionGraph) -> Prep
     PersonError if it would not start, or cannot take the place of the other one. Takes a while: not in a live frame.
     """
     try:
-        patch = Patch.model_validate_json(text)
+        patch = validated(Patch, _values(text))
         if fitted(patch, running)[1]:
             raise PersonError("the patch needs a new start")
-        return Prepared(version_of(text), start(patch, graph_for(graph, running, patch)))
+        fresh = start(patch, graph_for(graph, running, patch))
+        return Prepared(version_of(text), fresh, changed(running, patch))
     except UnknownStep as error:
         raise PersonError(str(error), place=error.place) from None
     except ValueError as error:  # of pydantic or the graph, or a damaged text
         raise PersonError(str(error)) from None
+
+
+def _values(text: str) -> dict[str, Any]:
+    """A patch written as JSON; ValueError for anything else."""
+    try:
+        found = json.loads(text)
+    except RecursionError:
+        raise ValueError("its brackets are nested too deep") from None
+    if not isinstance(found, dict):
+        raise ValueError("a patch is a table")
+    return found
 
 
 class Reloading:
@@ -81,10 +97,12 @@ class Reloading:
         """How often a patch was taken."""
         self.last: tuple[str, ...] = ()
         """What was different in the last one."""
+        self.spent: list[Patch] = []
+        """Patches that were taken out of force, for another thread to free."""
 
     def __getstate__(self) -> dict[str, Any]:
         """Without what was prepared: that belongs to the process."""
-        return {**self.__dict__, "_offered": {}}
+        return {**self.__dict__, "_offered": {}, "spent": []}
 
     def offer(self, prepared: Prepared) -> None:
         """Hold a patch ready for the event that names its version. Thread: any."""
@@ -119,5 +137,7 @@ class Reloading:
             return None
         self.waiting = None
         self.version, self.taken = prepared.version, self.taken + 1
-        self.last = changed(running, prepared.fresh.patch)
+        self.last = prepared.different
+        self.spent.append(running)
+        del self.spent[:-KEPT]
         return prepared.fresh

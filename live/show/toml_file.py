@@ -1,6 +1,7 @@
 """Reading a TOML file into a model of its sections, with errors that name file, line, field and what is allowed."""
 
 import difflib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
@@ -33,10 +34,18 @@ def parse_model(text: str, file: str, model: type[Model], what: str) -> Model:
     return model_of(TomlSources([parse_text(text, file, what)]), model, what)
 
 
-def model_of(sources: TomlSources, model: type[Model], what: str) -> Model:
-    """What is written in all `sources` together; PersonError says what is wrong, and where."""
+def model_of(
+    sources: TomlSources,
+    model: type[Model],
+    what: str,
+    check: Callable[[type[Model], dict[str, Any]], Model] | None = None,
+) -> Model:
+    """What is written in all `sources` together; PersonError says what is wrong, and where.
+
+    `check` makes the model of the values, as `model_validate` does.
+    """
     try:
-        return model.model_validate(sources.data)
+        return model.model_validate(sources.data) if check is None else check(model, sources.data)
     except ValidationError as error:
         raise PersonError(_explain(error, sources, model, what)) from None
 

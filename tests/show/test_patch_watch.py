@@ -17,7 +17,7 @@ from live.show.load import load_show
 from live.show.patch_file import PATCHES
 from live.show.patch_watch import PatchWatch
 from live.show.replay import reload, replay, run_from
-from live.show.replay_start import loaded_of, start_before
+from live.show.replay_start import loaded_by, start_before
 from live.show.status import Status
 
 STEPS = PATCHES / "steps"
@@ -287,7 +287,7 @@ def test_a_replay_can_begin_after_an_edit_of_patch_and_steps(patch):
     assert night.show.graph.leaving.any()
     night.writer.close(night.engine.ticks.index)
     journal, problems = read_journal(night.journal), []
-    loaded = loaded_of(journal)
+    loaded = loaded_by(journal)
     for measure in (3, 6, 99):
         start = start_before(journal, loaded, measure, problems)
         assert start.tick > 0

@@ -1,0 +1,50 @@
+"""Long patches are read, written and freed in pieces, and are what they would be otherwise."""
+
+import json
+import tomllib
+import weakref
+
+import pytest
+from pydantic import ValidationError
+
+from live.show.long_patches import AT_A_TIME, freed, validated, written_text
+from live.show.patch import Patch
+from live.show.toml_sources import TomlSources, parse_text
+from tests.show.made_show import PATCH
+
+ENTRY = '[[element]]\nkind = "wander"\nmeasure = {}\nmeasures = 1\n'
+LONG = PATCH + "".join(ENTRY.format(n) for n in range(1, 3 * AT_A_TIME)) + "[motion]\nhead = 0.5\n"
+
+
+def test_the_patch_is_the_same_and_so_is_what_it_writes():
+    data = tomllib.loads(LONG)
+    patch = validated(Patch, data)
+    assert patch == Patch.model_validate(data)
+    text = written_text(patch)
+    assert json.loads(text) == patch.written()
+    again = validated(Patch, json.loads(text))
+    assert again == patch
+    assert written_text(again) == text
+    assert again.motion.model_fields_set == {"head"}
+
+
+def test_what_is_wrong_is_told_as_otherwise():
+    data = tomllib.loads(LONG + ENTRY.format(0) + "[stage]\nwidth = 0\n")
+    found = []
+    for read in (lambda: validated(Patch, data), lambda: Patch.model_validate(data)):
+        with pytest.raises(ValidationError) as error:
+            read()
+        found.append(error.value.errors(include_url=False))
+    assert found[0] == found[1]
+    assert {problem["loc"] for problem in found[0]} == {("element", 299, "measure"), ("stage", "width")}
+
+
+def test_a_patch_is_freed():
+    patch = validated(Patch, TomlSources([parse_text(LONG, "x", "patch")]).data)
+    first, last = weakref.ref(patch), patch.element[-1].measure
+    spent = [patch]
+    del patch
+    freed(spent)
+    assert spent == []
+    assert first() is None
+    assert last == 3 * AT_A_TIME - 1
