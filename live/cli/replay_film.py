@@ -2,6 +2,7 @@
 
 import contextlib
 import math
+from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
@@ -47,7 +48,7 @@ def film_replay(
     mixed = mixed_sound(loaded, show, heard, begin=begin)
     frames = max(1, math.ceil((journal.last_tick * TICK - begin) * fps))
     with contextlib.ExitStack() as stack:
-        target, renderer = canvas(stack, Wish(size=size, fps=fps), loaded, fine)
+        target, renderer = canvas(stack, Wish(size=size, fps=fps), replace(loaded, patch=show.patch), fine)
         sound = mixed.film if mixed is not None else _from(music, begin)
         writer = stack.enter_context(film_writer(path, size=size, fps=fps, sound=sound, live=False))
         progress = stack.enter_context(progress_bar(Console(stderr=True)))

@@ -122,8 +122,11 @@ class Session:
         self._watch = PatchWatch(loaded, show, post=self.inbox.put, now=self.clock.now, library=self._library)
         self.status.more["patch"] = self._watch.facts
         self.status.notes.append(lambda: self._watch.problem)
+        self.status.notes.append(self._journal_problem)
         listens = self._audio if sound.device is not None else None
-        self.news = session_news(show, self.osc, listens, self._midi, self._watch, self._library)
+        self.news = session_news(
+            show, self.osc, listens, self._midi, self._watch, self._library, journal=self._journal_problem
+        )
         self._status_file: StatusFile | None = None
 
     def _open_journal(self) -> None:
@@ -187,6 +190,9 @@ class Session:
         self.engine.lead = self.latencies.lead
         self.engine.ticks.index = resumed.tick
         self.engine.run_to(self.clock.now() + self.engine.lead)
+
+    def _journal_problem(self) -> str:
+        return "" if self._journal is None else self._journal.problem
 
     def _open_status(self) -> None:
         if self.wish.status_json is None:

@@ -24,6 +24,8 @@ def session_news(
     midi: "OnMidi | None",
     watch: PatchWatch,
     library: LibraryWatch | None,
+    *,
+    journal: Callable[[], str] = lambda: "",
 ) -> News:
     """Tells on the terminal what is refused and what joins: with `--headless` there is no overlay that does.
 
@@ -31,7 +33,7 @@ def session_news(
     """
     console = Console(stderr=True, highlight=False)
     refusals: list[Callable[[], str]] = [lambda: osc_refusal(osc), lambda: show.refusals.words]
-    others: list[Callable[[], str]] = []
+    others: list[Callable[[], str]] = [journal]
     if listens is not None:
         others.append(lambda: _audio_problem(listens))
     if midi is not None:

@@ -42,6 +42,10 @@ SNAPSHOTS: Final = ".snap"
 """What is added to a journal's name for the file of its snapshots."""
 
 
+BEHIND: Final = 1024
+"""So many lines that wait for the disk are told."""
+
+
 class JournalSink(Protocol):
     """Where a journal goes: a file, or a pipe to another process. No method waits."""
 
@@ -131,6 +135,18 @@ class JournalWriter:
         failed = {} if self._keeping is None else {"snapshots_failed": self._keeping.failed}
         return self.sink.facts() | failed
 
+    @property
+    def problem(self) -> str:
+        """What is wrong with it, for the operator; words change at most with every factor of two. Empty: nothing."""
+        facts = self.facts()
+        if facts["dropped"]:
+            return f"journal: {_about(facts['dropped'])} lines could not be written: is the disk full?"
+        if facts.get("behind", 0) >= BEHIND:
+            return f"journal: the disk is {_about(facts['behind'])} lines behind"
+        if self._keeping is not None and self._keeping.problem:
+            return f"journal: {self._keeping.problem}"
+        return ""
+
     def close(self, tick: int) -> None:
         """Note the last tick, write what waits and close."""
         self._put({"tick": tick, "end": True})
@@ -138,6 +154,11 @@ class JournalWriter:
 
     def _put(self, line: dict[str, Any]) -> None:
         self.sink.put(_compact(line))
+
+
+def _about(count: int) -> str:
+    """One, or a power of two and more."""
+    return str(count) if count < 2 else f"{1 << (count.bit_length() - 1)} and more"
 
 
 def line_of(tick: int, event: ControlEvent) -> str:

@@ -298,3 +298,17 @@ def test_a_snapshot_after_an_edit_of_the_patch_is_found_again(tmp_path):
     found = run_from(start, journal, loaded=MADE)
     assert (found.different, start.show.state_hash()) == (0, show.state_hash())
     assert found.measures >= 2
+
+
+def test_a_full_disk_is_told_to_the_operator_in_words_that_do_not_flicker():
+    sink = Sink()
+    writer = JournalWriter(Path("no file"), {}, sink=sink)
+    assert writer.problem == ""
+    told = set()
+    for dropped in range(1, 2000):
+        sink.facts = lambda dropped=dropped: {"dropped": dropped}
+        told.add(writer.problem)
+    assert len(told) == 11
+    assert all("could not be written" in words for words in told)
+    sink.facts = lambda: {"dropped": 0, "behind": 5000}
+    assert writer.problem == "journal: the disk is 4096 and more lines behind"
