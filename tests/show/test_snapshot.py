@@ -13,6 +13,7 @@ from live.show.load import LoadedShow, load_show
 from live.show.patch_file import find_patch, parse_patch
 from live.show.pickled import Unreadable, read_state
 from live.show.snapshot import FORMAT, SnapshotError, Snapshots, facts_of, restore, snapshot
+from tests.show.desk_show import DESK
 from tests.show.made_show import GRAPH, PATCH, made_show
 
 MADE = LoadedShow(Path("test.toml"), parse_patch(PATCH.replace("reserve = 0", "reserve = 2"), "test.toml"), GRAPH)
@@ -68,7 +69,9 @@ def test_a_restored_show_goes_on_bit_by_bit(tick):
     assert at - tick <= 64
 
 
-@pytest.mark.parametrize("name", ["first_show", "samba", "tap", "contemporary", "ballet", "formations", "pairs"])
+@pytest.mark.parametrize(
+    "name", ["first_show", "samba", "tap", "contemporary", "ballet", "formations", "pairs", "cues", "score"]
+)
 def test_every_patch_of_the_project_can_be_restored(name):
     loaded = load_show(find_patch(None if name == "first_show" else name))
     show = loaded.start(seed=5)
@@ -77,10 +80,10 @@ def test_every_patch_of_the_project_can_be_restored(name):
     assert len(data) < 80_000
     restored = restore(loaded, data)
     again = restore(loaded, snapshot(restored, at))  # and what was restored can be taken again
-    then = run(show, at + 1, at + 320, {})
+    then = run(show, at + 1, at + 256, {})
     assert len(then) > 16
-    assert run(restored, at + 1, at + 320, {}) == then
-    assert run(again, at + 1, at + 320, {}) == then
+    assert run(restored, at + 1, at + 256, {}) == then
+    assert run(again, at + 1, at + 256, {}) == then
 
 
 def test_taking_changes_nothing():
@@ -146,3 +149,30 @@ class Evil:
 def test_nothing_but_a_state_can_be_read(value):
     with pytest.raises(Unreadable):
         read_state(pickle.dumps(value), made_show())
+
+
+@pytest.mark.parametrize("tick", [70, 100, 131, 190, 230])
+def test_fades_count_ins_jumps_and_what_can_be_undone_go_on(tick):
+    desk = LoadedShow(Path("desk.toml"), parse_patch(PATCH + DESK, "desk.toml"), GRAPH)
+    script = {
+        40: events.RecallScene(time=0.6, source="key", name="low", measures=2.0),
+        60: events.StoreScene(time=0.9, source="key", name="mine"),
+        90: events.Go(time=1.4, source="key"),
+        120: events.GiveCue(time=1.9, source="key", name="solo"),
+        180: events.SetPicture(time=2.8, source="osc", parameter="/dance/light/level", x=0.9, measures=3.0),
+        200: events.RecallView(time=3.1, source="osc", name="side", measures=2.0),
+        300: events.Undo(time=4.7, source="key"),
+        330: events.RecallScene(time=5.1, source="key", name="mine", measures=1.0),
+        370: events.JumpTo(time=5.8, source="key", section="verse", measure=2, when="measure"),
+        400: events.Redo(time=6.2, source="key"),
+    }
+    show = desk.start()
+    run(show, 1, tick, script)
+    at, data = taken_at(show, tick, script)
+    restored = restore(desk, data)
+    assert run(restored, at + 1, 480, script) == run(show, at + 1, 480, script)
+    for each in (show, restored):
+        each.view_now = each.view()
+        each.fill(each.view_now, 480 * TICK)
+    assert restored.view_now.picture.tobytes() == show.view_now.picture.tobytes()
+    assert restored.desk.facts(480.0) == show.desk.facts(480.0)
