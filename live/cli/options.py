@@ -40,6 +40,17 @@ def parse_choice(value: str | None, name: str, *choices: str) -> str | None:
     return value
 
 
+def parse_measures(text: str | None) -> tuple[int, int] | None:
+    """Measures as `17-24` or `17`, from 1; PersonError otherwise."""
+    if text is None:
+        return None
+    match = re.fullmatch(r"\s*(\d{1,6})\s*(?:[-–]\s*(\d{1,6})\s*)?", text)
+    first, last = (0, 0) if match is None else (int(match[1]), int(match[2] or match[1]))
+    if not 1 <= first <= last:
+        raise PersonError(f"--measures {text!r}: two measures of the score expected, from 1", "--measures 17-24")
+    return first, last
+
+
 def film_file(path: Path | None, name: str, *, never: list[str | None]) -> None:
     """PersonError unless `path` is None or names an mp4 file that is none of the files in `never` (what is read)."""
     if path is None:

@@ -84,6 +84,20 @@ def play(
     seconds: Annotated[
         float | None, typer.Option(help="End after so many seconds.", rich_help_panel=PANEL_TIME)
     ] = None,
+    measures: Annotated[
+        str | None,
+        typer.Option(
+            help="Practise these measures of the score, again and again, without the patch's music.",
+            metavar="17-24",
+            rich_help_panel=PANEL_TIME,
+        ),
+    ] = None,
+    tempo_share: Annotated[
+        float | None,
+        typer.Option(
+            help="Practise at this share of the tempo: 0.8 is slower.", metavar="0.1-2", rich_help_panel=PANEL_TIME
+        ),
+    ] = None,
     steps: Annotated[
         Path | None,
         typer.Option(
@@ -155,7 +169,15 @@ def play(
     """
     from rich.console import Console
 
-    from live.cli.options import film_file, parse_choice, parse_endpoint, parse_number, parse_size, writable_file
+    from live.cli.options import (
+        film_file,
+        parse_choice,
+        parse_endpoint,
+        parse_measures,
+        parse_number,
+        parse_size,
+        writable_file,
+    )
     from live.cli.played import Played
     from live.cli.supervised import is_supervised, supervise
     from live.cli.warm import warm_kernels
@@ -164,6 +186,7 @@ def play(
     parse_number(bpm, "--bpm", 20, 400)
     parse_number(seconds, "--seconds", 0.1, 7 * 86400)
     parse_number(fps, "--fps", 1, 480)
+    parse_number(tempo_share, "--tempo-share", 0.1, 2.0)
     for path, name in ((record, "--record"), (journal, "--journal"), (status_json, "--status-json")):
         writable_file(path, name)
     film_file(record, "--record", never=[audio, patch])
@@ -181,6 +204,8 @@ def play(
             midi_clock_out=midi_clock_out,
             steps=steps,
             seed=seed,
+            measures=parse_measures(measures),
+            tempo_share=tempo_share,
             osc=parse_endpoint(osc),
             journal=journal,
             status_json=status_json,

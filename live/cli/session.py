@@ -16,6 +16,7 @@ from live.cli.audio_remote import RemoteAudio
 from live.cli.click_part import make_click
 from live.cli.link_part import make_link
 from live.cli.midi_part import make_midi
+from live.cli.practice import practice_events, practice_tempo
 from live.cli.resumed import Resumed
 from live.cli.session_news import osc_rejected, session_news
 from live.cli.session_sound import AudioSource, Sound, choose_sound, make_audio, sound_plan
@@ -38,6 +39,8 @@ from live.show.venue_latency import Latencies
 
 def start_tempo(wish: Wish, loaded: LoadedShow, sound: Sound) -> float | None:
     """The tempo [bpm] to begin with; None if the patch's music is played and its own tempo and downbeat hold."""
+    if wish.practises:
+        return practice_tempo(wish, loaded)
     if wish.bpm is not None:
         return wish.bpm
     return None if sound.known else loaded.patch.clock.bpm
@@ -79,6 +82,7 @@ class Session:
         tempo = start_tempo(wish, loaded, sound)
         show = loaded.start(seed=wish.seed, tempo=tempo) if resumed is None else resumed.show
         self.lifeline = lifeline
+        practice = practice_events(wish, show) if resumed is None else []
         self._resumed = resumed
         self._remote: RemoteAudio | None = None
         self.wish = wish
@@ -87,6 +91,8 @@ class Session:
         self.show: Show = show
         self.clock = SystemClock(None if resumed is None else resumed.origin)
         self.inbox: Inbox[ControlEvent] = Inbox()
+        for event in practice:
+            self.inbox.put(event)
         self.osc = OscInput(*wish.osc, self.inbox, self.clock, inherited=None if lifeline is None else lifeline.osc)
         self._audio, self._tell_audio = self._make_audio()
         self.status = Status(

@@ -69,12 +69,15 @@ def choose_sound(wish: "Wish", loaded: LoadedShow, venue: Venue | None = None) -
     with named("--audio-channel"):
         _channels(channels)
     if wish.audio is not None:
+        if wish.tempo_share is not None:
+            words = "--tempo-share is for the internal clock: what is heard has a tempo of its own"
+            raise PersonError(words, "leave out --audio or --tempo-share")
         path = Path(wish.audio)
         if is_file(path):
             return Sound(music=_music(path), output=output, path=path)
         what = "there is no such file, and " if path.suffix or "/" in wish.audio else ""
         return Sound(device=_device(wish.audio, f"--audio {wish.audio!r}", what), channels=channels)
-    if wish.bpm is not None:
+    if wish.bpm is not None or wish.practises:
         return Sound()
     if audio is not None and audio.device is not None:
         return Sound(device=_device(audio.device, f"the venue's audio.device {audio.device!r}"), channels=channels)

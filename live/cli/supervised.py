@@ -50,7 +50,7 @@ def supervise(played: Played, *, lead: str | None, standby: str | None) -> None:
     except CannotListen as error:
         raise PersonError(str(error)) from None
     python = [sys.executable, "-m"]
-    silent = played.wish.audio is None and played.wish.bpm is not None
+    silent = played.wish.audio is None and (played.wish.bpm is not None or played.wish.practises)
     orders = Orders(
         engine=[*python, "live.cli.engine_process"],
         show=played.packed(),

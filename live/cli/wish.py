@@ -27,6 +27,10 @@ class Wish:
     """Ports by name, or off; None: what the venue says, or the patch."""
     steps: Path | None = None
     seed: int | None = None
+    measures: tuple[int, int] | None = None
+    """First and last measure of the written score, from 1, that are practised; None: the whole show."""
+    tempo_share: float | None = None
+    """The tempo as a share of what it would be; the internal clock keeps it then."""
     osc: tuple[str, int] = ("127.0.0.1", 9010)
     journal: Path | None = None
     status_json: Path | None = None
@@ -34,6 +38,11 @@ class Wish:
     record: Path | None = None
     size: tuple[int, int] = (1280, 720)
     fps: float | None = None
+
+    @property
+    def practises(self) -> bool:
+        """Whether this is practice: the patch's own music cannot follow then, so that it does not play."""
+        return self.measures is not None or self.tempo_share is not None
 
     @property
     def film_fps(self) -> float:
