@@ -32,6 +32,7 @@ from live.cli import (
     replay,
     schema,
     score,
+    sim,
     simulate,
     soak,
     steps,
@@ -68,6 +69,7 @@ app.command("bvh")(bvh.bvh)
 app.command("export")(export.export)
 app.command("formation")(formation.formation)
 app.command("schema")(schema.schema)
+app.command("sim")(sim.sim)
 app.command("simulate")(simulate.simulate)
 app.command("soak")(soak.soak)
 app.command("warm")(warm.warm)

@@ -1,0 +1,108 @@
+"""Sending: made-up players and a made-up band reach a show as from outside, over OSC and MIDI, in real time."""
+
+import heapq
+import socket
+from collections.abc import Callable, Iterator
+from typing import Final
+
+from pythonosc.osc_message_builder import BuildError, OscMessageBuilder
+
+from live.rehearse.band import FakeBand
+from live.rehearse.players import Call
+
+PULSES: Final = 24
+"""Pulses of MIDI clock in a beat."""
+CLOCK, START, STOP = b"\xf8", b"\xfa", b"\xfc"
+Timed = tuple[float, bytes]
+
+
+def packet_of(call: Call) -> bytes | None:
+    """The OSC packet of a call; None if OSC has no type for one of its values."""
+    message = OscMessageBuilder(address=call.address)
+    try:
+        for value in call.values:
+            if value is None:
+                message.add_arg(None, OscMessageBuilder.ARG_TYPE_NIL)
+            else:
+                message.add_arg(value)  # type: ignore[arg-type]
+        return bytes(message.build().dgram)
+    except (BuildError, ValueError, OverflowError, UnicodeError):
+        return None
+
+
+def pulses(band: FakeBand) -> Iterator[Timed]:
+    """MIDI clock of a band: start with the first beat and after each stop, 24 pulses a beat, stop when it rests."""
+    last = None
+    for played in band.played():
+        if last is None or played.before > 0.0:
+            if last is not None:
+                yield last, STOP
+            yield played.time, START
+        for number in range(PULSES):
+            yield played.time + number * played.period / PULSES, CLOCK
+        last = played.time + played.period
+
+
+def packets(calls: Iterator[Call]) -> Iterator[Timed]:
+    """OSC packets of calls, with the times at which they are sent."""
+    for call in calls:
+        packet = packet_of(call)
+        if packet is not None:
+            yield call.time, packet
+
+
+class Outlet:
+    """Sends packets to one address over UDP; what the network refuses is counted."""
+
+    def __init__(self, host: str, port: int) -> None:
+        """OSError if the host has no address."""
+        family, _, _, _, self._to = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
+        self._socket = socket.socket(family, socket.SOCK_DGRAM)
+        self.sent, self.failed = 0, 0
+
+    def send(self, packet: bytes) -> None:
+        """Send one packet; never waits, never raises."""
+        try:
+            self._socket.sendto(packet, self._to)
+            self.sent += 1
+        except OSError:
+            self.failed += 1
+
+    def close(self) -> None:
+        """Free the socket."""
+        self._socket.close()
+
+
+def send_all(
+    streams: list[tuple[Iterator[Timed], Callable[[bytes], None]]],
+    *,
+    now: Callable[[], float],
+    wait: Callable[[float], bool],
+    until: float,
+) -> None:
+    """Send all streams at their times until `until` [s]; `wait` sleeps so many seconds, and is True if it is over.
+
+    Each stream is a row of (time, what), in order, and what takes it.
+    """
+    coming: list[tuple[float, int, bytes]] = []
+    for number, (stream, _) in enumerate(streams):
+        first = next(stream, None)
+        if first is not None:
+            heapq.heappush(coming, (first[0], number, first[1]))
+    while coming and coming[0][0] < until:
+        time, number, what = coming[0]
+        left = time - now()
+        if left > 0.0:
+            if wait(min(left, 0.2)):
+                return
+            continue
+        stream, send = streams[number]
+        send(what)
+        following = next(stream, None)
+        if following is None:
+            heapq.heappop(coming)
+        else:
+            heapq.heapreplace(coming, (following[0], number, following[1]))
+    while now() < until:
+        if wait(min(until - now(), 0.2)):
+            return
