@@ -1,42 +1,61 @@
-"""Disk: the journal's file, written beside the show and not by it, so that it is whole whatever ends an engine."""
+"""Disk: the journal's files, written beside the show and not by it, so that they are whole whatever ends an engine."""
 
+import base64
+import json
+from dataclasses import dataclass
 from pathlib import Path
 
-from live.show.journal import keep_aside
-from live.show.line_writer import LineWriter
+from live.show.journal_file import SNAPSHOTS, JournalFile, keep_aside
+
+
+@dataclass(frozen=True, slots=True)
+class Sealed:
+    """A snapshot as it came from the engine."""
+
+    data: bytes
+
+    def seal(self) -> bytes:
+        """It is sealed already."""
+        return self.data
 
 
 class Disk:
-    """Writes the lines of a journal; begun with its first line, so that a start that is refused leaves an old one."""
+    """Writes a journal; begun with its first line, so that a start that is refused leaves an old one."""
 
     def __init__(self, path: Path | None) -> None:
         """`path`: where to; None: nowhere."""
         self._path = path
-        self._writer: LineWriter | None = None
+        self._file: JournalFile | None = None
         self._notes: list[str] = []
 
     def put(self, line: str) -> None:
         """One line, without its end; never waits."""
-        if self._path is not None and self._writer is None:
+        if self._path is not None and self._file is None:
             self._open(self._path)
-        if self._writer is not None:
-            self._writer.put(line)
+        if self._file is None:
+            return
+        if '"snapshot":' in line[:64]:
+            self._file.snapshot(Sealed(base64.b64decode(json.loads(line)["snapshot"])))
+        else:
+            self._file.put(line)
+
+    def facts(self) -> dict[str, int]:
+        """For the status: lines, bytes, what was dropped."""
+        return {} if self._file is None else self._file.facts()
 
     def close(self) -> list[str]:
         """Write what waits; what there is to tell the person."""
-        if self._writer is not None:
-            self._writer.close()
-            if self._writer.dropped:
-                self._notes.append(
-                    f"{self._writer.dropped} lines of the journal could not be written: it will not replay"
-                )
+        if self._file is not None:
+            self._file.close()
+            if dropped := self._file.facts()["dropped"]:
+                self._notes.append(f"{dropped} lines of the journal could not be written: it will not replay")
         return self._notes
 
     def _open(self, path: Path) -> None:
         self._path = None
         try:
             kept = keep_aside(path)
-            self._writer = LineWriter(path, name="journal")
+            self._file = JournalFile(path, path.with_name(path.name + SNAPSHOTS))
         except OSError as error:
             self._notes.append(f"the journal {path} could not be written: {error.strerror}")
             return

@@ -14,6 +14,8 @@ from live.alive.starter import Starter
 
 ENDED_WELL: Final = (0, 2, 130, 128 + signal.SIGTERM, 128 + signal.SIGHUP)
 """Exit codes that somebody wanted; any other one of a running engine is a crash."""
+STEPS: Final = ('"StepsAdded"', '"StepsChanged"')
+"""Events that only an engine can act on that has read the steps since."""
 CALM_APART: Final = 5.0
 """Seconds between two starts once there were too many."""
 GIVE_UP: Final = 50
@@ -49,9 +51,13 @@ class Engines:
     def take(self, line: str) -> None:
         """A line of the show: into the log, to the spare, and to whoever else is told."""
         begun = bool(self.log.header)
+        if begun and line.startswith('{"journal"'):
+            return  # an engine that goes on says who it is as well; the show has begun with the first
         kept = self.log.take(line)
         if self.spare is not None and begun:
             self.spare.wire.put(line)
+            if any(name in line for name in STEPS) and kept:
+                self.spare.terminate()  # it has the steps of before; the next one has those of now
         self.on_line(line, kept)
 
     def look(self, now: float) -> None:

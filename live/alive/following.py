@@ -1,50 +1,53 @@
 """Following: a show that runs after another one's lines, and stands where that one stood."""
 
+import base64
 import json
 import time
 from collections import deque
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, Final
 
 from live.clock.ticks import TICK
 from live.control.events import ControlEvent, SetLatency, StepsAdded, StepsChanged, TicksSkipped, event_from_json
 from live.show.core import Show
 from live.show.load import LoadedShow, library_hash
-from live.show.replay_start import loaded_of
+from live.show.replay_start import ReplayError, loaded_of
+from live.show.snapshot import SnapshotError, restore
 
 ARRIVALS: Final = 256
 """Lines whose delay is remembered: some seconds, in which clocks do not drift apart."""
 UNSAFE: Final = 128
-"""Ticks before an end in a crash whose events are left out when nothing else has helped: one may be the cause."""
+"""Ticks before a crash whose events are left out when nothing else has helped: one may be the cause."""
+
+Line = dict[str, Any]
 
 
 class Following:
     """Takes the lines of a show (`Log.since`, and those that follow) and runs the same show.
 
     `advance` leaves what came after the last measure line for `finish`: an event that ends one engine shall not end
-    the one that waits as well. Thread: one.
+    the one that waits as well. A state that differs from the other show's is counted, and the next snapshot puts it
+    right. Thread: one.
     """
 
     def __init__(self, loaded: LoadedShow, *, alive: Callable[[int], None] = lambda tick: None) -> None:
         """`alive` is told the tick from time to time while much is run."""
-        self._loaded = loaded
-        self._alive = alive
-        self._waiting: deque[dict[str, Any]] = deque()
+        self._loaded, self._alive = loaded, alive
+        self._waiting: deque[Line] = deque()
+        self._since: deque[Line] = deque()  # what came since the last snapshot, should this one have to be repaired
         self._measures = 0
-        self.header: dict[str, Any] = {}
+        self.header: Line = {}
         self.show: Show | None = None
         self.tick = 0
         """Where the show stands."""
-        self.compared = 0
-        self.differences = 0
-        """Measures whose state was another one than told, of those compared."""
-        self.repaired = 0
-        """How often a snapshot made them the same again."""
-        self._arrivals: deque[float] = deque(maxlen=ARRIVALS)
-        self.refused = 0
-        """Events that could not be applied."""
+        self.compared = self.differences = self.repaired = self.refused = 0
+        """Measures compared; those whose state differed; how often a snapshot put that right; events that failed."""
+        self.problem = ""
+        """Why the last snapshot could not be used."""
         self.latencies: dict[str, float] = {}
         """Delays that were changed by hand."""
+        self._arrivals: deque[float] = deque(maxlen=ARRIVALS)
         self._hash: tuple[int, str] = (0, "")
         self._astray = False
 
@@ -72,14 +75,15 @@ class Following:
     def take(self, line: str, *, arrived: float | None = None) -> None:
         """Take a line; nothing is run yet. `arrived` [s of perf_counter]: when it came from another machine."""
         value = json.loads(line)
-        if arrived is not None and len(value) == 1:
-            self._arrivals.append(arrived - value["tick"] * TICK)
         if "journal" in value:
             self.header = value
             return
-        if len(value) == 1 and self._waiting and len(self._waiting[-1]) == 1:
-            self._waiting[-1] = value
-            return
+        if len(value) == 1:
+            if arrived is not None:
+                self._arrivals.append(arrived - value["tick"] * TICK)
+            if self._waiting and len(self._waiting[-1]) == 1:
+                self._waiting[-1] = value
+                return
         self._measures += "measure" in value
         self._waiting.append(value)
 
@@ -107,35 +111,29 @@ class Following:
         while self._waiting:
             self._run(self._waiting.popleft())
 
-    def _begun(self) -> Show:
-        if self.show is None:
-            self.show = _start(self._loaded, self.header, list(self._waiting))
-        return self.show
-
-    def _run(self, value: dict[str, Any]) -> None:
+    def _run(self, value: Line) -> None:
         self._measures -= "measure" in value
-        until = value["tick"]
-        if self.show is None and "snapshot" in value:
-            self._restore(value)
+        if "snapshot" in value:
+            self._take_snapshot(value)
             return
         show = self._begun()
-        while self.tick < until:
-            self.tick += 1
-            if show.tick(self.tick * TICK):
-                self._hash = (self.tick, show.state_hash())
-            if self.tick % 64 == 0:
-                self._alive(self.tick)
-        if "snapshot" in value:
-            self._restore(value)
-        elif "event" in value:
+        self._run_to(show, value["tick"])
+        if len(value) > 1:
+            self._since.append(value)
+        if "event" in value:
             self._apply(show, event_from_json(value["event"]))
         elif "measure" in value:
             self.compared += 1
             self._astray = self._hash != (self.tick, value["hash"])
             self.differences += self._astray
 
-    def _restore(self, value: dict[str, Any]) -> None:
-        """Stand where a snapshot stands, if this show does not stand there anyway."""
+    def _run_to(self, show: Show, until: int) -> None:
+        while self.tick < until:
+            self.tick += 1
+            if show.tick(self.tick * TICK):
+                self._hash = (self.tick, show.state_hash())
+            if self.tick % 64 == 0:
+                self._alive(self.tick)
 
     def _apply(self, show: Show, event: ControlEvent) -> None:
         try:
@@ -147,16 +145,50 @@ class Following:
         elif isinstance(event, SetLatency):
             self.latencies[event.what] = event.seconds
 
+    def _take_snapshot(self, value: Line) -> None:
+        """Begin with it, or be put right by it; who stands well needs it only to forget what was before."""
+        tick = value["tick"]
+        self._since = deque(kept for kept in self._since if belongs_after(kept, tick))
+        if self.show is not None and not self._astray:
+            return
+        try:
+            self._began_with(self._needed())
+            self.show = restore(self._loaded, base64.b64decode(value["snapshot"]))
+        except (SnapshotError, ReplayError, ValueError) as error:
+            self.problem = str(error)
+            return
+        self.repaired += self._astray
+        stood, self.tick, self._astray = self.tick, tick, False
+        for kept in self._since:
+            self._run_to(self.show, kept["tick"])
+            if "event" in kept:
+                self._apply(self.show, event_from_json(kept["event"]))
+        self._run_to(self.show, stood)
 
-def _start(loaded: LoadedShow, header: dict[str, Any], waiting: list[dict[str, Any]]) -> Show:
-    """The show of that header at its first moment: of what is loaded if it is the same, else as a replay loads it."""
-    events = [value["event"] for value in waiting if "event" in value]
-    later = any(isinstance(event, dict) and event.get("type") == StepsAdded.__name__ for event in events)
-    same = header["steps_hash"] == library_hash(loaded.graph.library)
-    if same and not later and header["patch"] == loaded.patch.written():
-        return loaded.start(seed=header["seed"], tempo=header["tempo"])
-    kinds = (StepsAdded.__name__, StepsChanged.__name__)
-    known = [event_from_json(event) for event in events if isinstance(event, dict) and event.get("type") in kinds]
-    keys = (event.clips.split("\n") for event in known if isinstance(event, StepsAdded))
-    changed = (event for event in known if isinstance(event, StepsChanged))
-    return loaded_of(header, keys, changed).start(seed=header["seed"], tempo=header["tempo"])
+    def _begun(self) -> Show:
+        if self.show is None:
+            self._began_with(self._needed())
+            self.show = self._loaded.start(seed=self.header["seed"], tempo=self.header["tempo"])
+        return self.show
+
+    def _needed(self) -> list[StepsAdded | StepsChanged]:
+        """What becomes of the steps later, and must not be so from the beginning."""
+        events = (value["event"] for value in self._waiting if "event" in value)
+        kinds = (StepsAdded.__name__, StepsChanged.__name__)
+        known = (event_from_json(event) for event in events if isinstance(event, dict) and event["type"] in kinds)
+        return [event for event in known if isinstance(event, StepsAdded | StepsChanged)]
+
+    def _began_with(self, later: list[StepsAdded | StepsChanged]) -> None:
+        """See that what is loaded is what the show began with."""
+        header, loaded = self.header, self._loaded
+        same = header["steps_hash"] == library_hash(loaded.graph.library)
+        if same and not later and header["patch"] == loaded.patch.written():
+            return
+        added = (event.clips.split("\n") for event in later if isinstance(event, StepsAdded))
+        changed = (event for event in later if isinstance(event, StepsChanged))
+        self._loaded = loaded_of(header | {"patch_path": str(loaded.path)}, added, changed)
+
+
+def belongs_after(value: Line, tick: int) -> bool:
+    """Whether a line tells of something after the state that a snapshot holds, taken after `tick` was run."""
+    return bool(value["tick"] > tick or (value["tick"] == tick and "event" in value))

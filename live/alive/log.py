@@ -2,13 +2,17 @@
 
 import json
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, Final
+
+CHANGES: Final = ("PatchChanged", "StepsAdded", "StepsChanged")
+"""Events after which a snapshot can be read only by who has seen them."""
 
 
 class Log:
     """Takes the lines of a running show's journal and keeps as few of them as will do.
 
-    Without snapshots that is all of them (about 3 MB an hour). Lines that only say how far the ticks are, are not kept:
+    Without snapshots that is all of them (about 3 MB an hour), and so it is once patch or steps have changed: the last
+    snapshot from before is kept then, and all that came after. Lines that only say how far the ticks are, are not kept:
     only the last one counts. Times of the show mean nothing to another process, so the clock's origin is kept, too.
     """
 
@@ -20,6 +24,7 @@ class Log:
         self.measures = 0
         self.events = 0
         self._snapshot = ""
+        self._changed = False
         self._lines: list[tuple[int, str]] = []
 
     def take(self, line: str) -> bool:
@@ -42,13 +47,17 @@ class Log:
 
     def _take(self, value: dict[str, Any], tick: int, line: str) -> bool:
         if "snapshot" in value:
-            self._snapshot = line
-            self._lines = [(when, kept) for when, kept in self._lines if when >= tick]
+            if not self._changed:
+                self._snapshot = line
+                self._lines = [(when, kept) for when, kept in self._lines if when >= tick]
             return True
         self.tick = max(self.tick, tick)
         if len(value) == 1:
             return False
-        self.events += "event" in value
+        if "event" in value:
+            self.events += 1
+            event = value["event"]
+            self._changed = self._changed or (isinstance(event, dict) and event.get("type") in CHANGES)
         self.measures += "measure" in value
         if not value.get("end"):
             self._lines.append((tick, line))

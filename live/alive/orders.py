@@ -51,6 +51,8 @@ class Report:
     guard: bool = False
     lines: int = 0
     """Lines of the show that the supervisor has."""
+    disk: dict[str, int] = field(default_factory=dict)
+    """The journal on disk: lines, bytes, what was dropped."""
     memory_mb: dict[str, float] = field(default_factory=dict)
     epoch: int = 1
     """Which leader this is; whoever takes over counts one on, and the higher number rules."""

@@ -101,6 +101,7 @@ class Supervisor:
         engine, since = self.engines.engine, self.engines.since
         children = (engine, self.engines.spare, self.audio.child, self.guard.child)
         self.report.memory_mb = {one.role: round(one.memory() / 1e6, 1) for one in children if one is not None}
+        self.report.disk = self._disk.facts()
         self.report.audio_restarts, self.report.guard = self.audio.restarts, self.guard.child is not None
         if engine is None or since is None:
             return

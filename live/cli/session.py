@@ -3,13 +3,14 @@
 import contextlib
 import gc
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import psutil
 from rich.console import Console
 
 from live.alive.heartbeat import Phase
 from live.alive.lifeline import Lifeline
-from live.alive.relay import RelayedJournal
+from live.alive.relay import RelaySink
 from live.base.errors import PersonError
 from live.base.inbox import Inbox
 from live.cli.audio_remote import RemoteAudio
@@ -85,6 +86,7 @@ class Session:
         practice = practice_events(wish, show) if resumed is None else []
         self._resumed = resumed
         self._remote: RemoteAudio | None = None
+        self._relay: RelaySink | None = None
         self.wish = wish
         self.loaded = loaded
         self.sound = sound
@@ -137,19 +139,20 @@ class Session:
 
     def _open_journal(self) -> None:
         """Begin the journal, last of all: a start that is refused leaves an old one of its name where it is."""
+        header = self.loaded.header(self.show, tempo=self._tempo, music=self.sound.path)
         if self.lifeline is not None:
             begun = None if self._remote is None else self._remote.begun
-            header = self.loaded.header(self.show, tempo=self._tempo) | {"origin": self.clock.origin, "begun": begun}
-            self._journal = RelayedJournal(self.lifeline.wire, header if self._resumed is None else None)
-            self.engine.journal = self._journal
+            self._relay = RelaySink(self.lifeline.wire)
+            self._journal = JournalWriter(
+                Path(), header | {"origin": self.clock.origin, "begun": begun}, sink=self._relay
+            )  # fmt: skip
+        elif self.wish.journal is not None:
+            try:
+                self._journal = JournalWriter(self.wish.journal, header)
+            except JournalError as error:
+                raise PersonError(str(error)) from None
+        else:
             return
-        if self.wish.journal is None:
-            return
-        try:
-            header = self.loaded.header(self.show, tempo=self._tempo, music=self.sound.path)
-            self._journal = JournalWriter(self.wish.journal, header)
-        except JournalError as error:
-            raise PersonError(str(error)) from None
         self._journal.prepare(self.show)
         self.status.more["journal"] = self._journal.facts
         self.engine.journal = self._journal
@@ -296,7 +299,8 @@ class Session:
             self._midi.frame()
         if self._status_file is not None:
             self._status_file.frame(started)
-        if self.lifeline is not None:
+        if self.lifeline is not None and self._relay is not None:
+            self._relay.flush()
             self.lifeline.frame(self.engine.ticks.index)
             if self.lifeline.fenced and not self.engine.dark:
                 self._go_dark()

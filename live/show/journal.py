@@ -8,14 +8,14 @@ import json
 from dataclasses import MISSING, fields
 from functools import cache
 from pathlib import Path
-from typing import Any, Final, Protocol
+from typing import Any, Protocol
 
 from live import __version__
 from live.clock.ticks import TICK
 from live.control.event import ControlEvent
 from live.control.events import EVENT_TYPES, IN_ROWS, columns_of, event_to_json, event_to_row
 from live.show.core import Show
-from live.show.journal_file import JournalFile
+from live.show.journal_file import SNAPSHOTS, JournalFile, keep_aside
 from live.show.journal_reading import (
     FORMAT,
     Journal,
@@ -37,9 +37,6 @@ __all__ = [
     "line_of",
     "read_journal",
 ]
-
-SNAPSHOTS: Final = ".snap"
-"""What is added to a journal's name for the file of its snapshots."""
 
 
 BEHIND: Final = 1024
@@ -64,20 +61,6 @@ class JournalSink(Protocol):
     def close(self) -> None:
         """Write what waits and end."""
         ...
-
-
-def keep_aside(path: Path) -> Path | None:
-    """Move a file that is there, and its snapshots, to the first free of path.1, path.2 …; None if there is none."""
-    if not path.is_file() or path.stat().st_size == 0:
-        return None
-    number = 1
-    while (kept := path.with_name(f"{path.name}.{number}")).exists():
-        number += 1
-    path.replace(kept)
-    beside = path.with_name(path.name + SNAPSHOTS)
-    if beside.is_file():
-        beside.replace(kept.with_name(kept.name + SNAPSHOTS))
-    return kept
 
 
 class JournalWriter:

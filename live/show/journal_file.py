@@ -8,10 +8,9 @@ import queue
 import threading
 from collections.abc import Iterator
 from pathlib import Path
-from typing import BinaryIO, Final
+from typing import BinaryIO, Final, Protocol
 
 from live.show.line_writer import LineWriter
-from live.show.snapshot import SnapshotError, Taken, facts_of
 
 KEEP_EVERY: Final = 8
 """Of so many snapshots one stays."""
@@ -20,6 +19,30 @@ WAITING: Final = 2
 MARK: Final = b'{"snapshot":'
 """With this the first line of a snapshot begins."""
 LONGEST_HEADER: Final = 4096
+SNAPSHOTS: Final = ".snap"
+"""What is added to a journal's name for the file of its snapshots."""
+
+
+class Sealable(Protocol):
+    """A snapshot (`Taken`, or one that another process has sealed)."""
+
+    def seal(self) -> bytes:
+        """As it is written. Thread: any."""
+        ...
+
+
+def keep_aside(path: Path) -> Path | None:
+    """Move a file that is there, and its snapshots, to the first free of path.1, path.2 …; None if there is none."""
+    if not path.is_file() or path.stat().st_size == 0:
+        return None
+    number = 1
+    while (kept := path.with_name(f"{path.name}.{number}")).exists():
+        number += 1
+    path.replace(kept)
+    beside = path.with_name(path.name + SNAPSHOTS)
+    if beside.is_file():
+        beside.replace(kept.with_name(kept.name + SNAPSHOTS))
+    return kept
 
 
 class SnapshotFile:
@@ -28,14 +51,14 @@ class SnapshotFile:
     def __init__(self, path: Path) -> None:
         """Raises OSError if the file cannot be made."""
         self._file = path.open("wb")
-        self._waiting: queue.Queue[Taken | None] = queue.Queue(WAITING)
+        self._waiting: queue.Queue[Sealable | None] = queue.Queue(WAITING)
         self._kept = 0  # where what stays ends
         self.written, self.dropped, self.bytes = 0, 0, 0
         """Snapshots and bytes written, snapshots lost, since the start."""
         self._thread = threading.Thread(target=self._write, name="snapshots", daemon=True)
         self._thread.start()
 
-    def put(self, taken: Taken) -> None:
+    def put(self, taken: Sealable) -> None:
         """Hand over one snapshot; never waits. Thread: the show's."""
         try:
             self._waiting.put_nowait(taken)
@@ -89,7 +112,7 @@ class JournalFile:
         """Take one line, without its end."""
         self._lines.put(line)
 
-    def snapshot(self, taken: Taken) -> None:
+    def snapshot(self, taken: Sealable) -> None:
         """Take a snapshot."""
         if self._snapshots is None:
             try:
@@ -121,6 +144,8 @@ class JournalFile:
 
 def read_snapshots(path: Path, problems: list[str]) -> Iterator[bytes]:
     """The snapshots of a file, one after another; what is damaged is told in `problems` and left out."""
+    from live.show.snapshot import SnapshotError, facts_of  # whoever only writes needs no array
+
     try:
         file = path.open("rb")
     except FileNotFoundError:
