@@ -8,8 +8,10 @@ from typing import Final
 from live.alive.child import Child
 from live.alive.wire import Wire, WireBroken
 
-ROUND: Final = 0.05
+ROUND: Final = 0.02
 """Seconds between two looks at the hearts."""
+SLEPT: Final = 0.5
+"""A round that took so long [s] was one in which this process itself did not run."""
 
 Hear = Callable[[str], None]
 
@@ -28,7 +30,7 @@ class Starter:
         for key, _ in self.selector.select(ROUND):
             key.data()
         now = time.monotonic()
-        if now - before > 10 * ROUND:
+        if now - before > SLEPT:
             self.awake = now
         return now
 
