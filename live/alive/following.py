@@ -5,7 +5,6 @@ import json
 import time
 from collections import deque
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, Final
 
 from live.clock.ticks import TICK

@@ -33,6 +33,7 @@ from live.show.library_watch import LibraryWatch
 from live.show.load import LoadedShow
 from live.show.on_link import OnLink
 from live.show.patch_watch import PatchWatch
+from live.show.pressure import Pressure
 from live.show.status import Status, StatusFile
 from live.show.venue import Venue
 from live.show.venue_latency import Latencies
@@ -111,6 +112,9 @@ class Session:
             show, clock=self.clock, inbox=self.inbox, status=self.status, lead=self.latencies.lead, stall=stall
         )
         self.engine.outward.append(self._tell_devices)
+        self.pressure = Pressure()
+        """How hard it is to keep up, for whoever can draw less."""
+        self.status.more["pressure"] = lambda: round(self.pressure.value, 3)
         self.status.more["latency"] = self.latencies.facts
         self.status.more["music"] = show.reactions.facts
         if self._audio is not None:
@@ -143,9 +147,8 @@ class Session:
         if self.lifeline is not None:
             begun = None if self._remote is None else self._remote.begun
             self._relay = RelaySink(self.lifeline.wire)
-            self._journal = JournalWriter(
-                Path(), header | {"origin": self.clock.origin, "begun": begun}, sink=self._relay
-            )  # fmt: skip
+            header |= {"origin": self.clock.origin, "begun": begun}
+            self._journal = JournalWriter(Path(), None if self._resumed else header, sink=self._relay)
         elif self.wish.journal is not None:
             try:
                 self._journal = JournalWriter(self.wish.journal, header)
@@ -291,6 +294,7 @@ class Session:
         """Housekeeping after a frame: figures, the status line, and garbage of the youngest generation."""
         self.status.work_times.add(self.clock.now() - started)
         self.status.frame_times.add(started - previous)
+        self.pressure.frame(self.status.late_frames, started - previous)
         if self._link is not None:
             self._link.frame()
         if self._click is not None:

@@ -73,7 +73,7 @@ class Status:
         self.dropped_events = 0
         self.impossible = 0
         """What sources said that is no number."""
-        self.more: dict[str, Callable[[], dict[str, Any]]] = {}
+        self.more: dict[str, Callable[[], Any]] = {}
         """What other parts have to say, by its key in the snapshot."""
         self.tool = ""
         """What the pointer places, for the overlay; empty until the operator chose."""
