@@ -49,7 +49,7 @@ class Log:
         if "snapshot" in value:
             if not self._changed:
                 self._snapshot = line
-                self._lines = [(when, kept) for when, kept in self._lines if when >= tick]
+                self._lines = [one for one in self._lines if one[0] > tick or (one[0] == tick and '"event"' in one[1])]
             return True
         self.tick = max(self.tick, tick)
         if len(value) == 1:

@@ -1,0 +1,65 @@
+"""An engine without a show, as a process: it counts ticks, and ends as its brief says.
+
+The brief's `show` is a JSON object: `ends` (exit code when it has counted to `ticks`), `kills` (ticks at which engines
+that began or took over kill themselves, one after another), `hangs` (tick at which it stops beating).
+"""
+
+import json
+import os
+import signal
+import sys
+import time
+
+from live.alive.heartbeat import Phase
+from live.alive.lifeline import Lifeline, nobody_left
+
+
+def follow(lifeline: Lifeline, role: str) -> int:
+    """Take lines until the word comes; the tick from which to go on."""
+    tick = 0
+    while not nobody_left(lifeline):
+        lifeline.listen()
+        for line in lifeline.lines:
+            told = json.loads(line)
+            tick = max(tick, told.get("tick", 0))
+        lifeline.lines.clear()
+        if (order := lifeline.order("go")) is not None:
+            lifeline.wire.put(json.dumps({"tick": tick, "went": role, "calm": order["calm"]}))
+            return tick
+        lifeline.beat(tick, Phase.RUNNING if role == "standby" else Phase.WAITING)
+        lifeline.wait(0.02)
+    sys.exit(0)
+
+
+def main() -> None:
+    lifeline = Lifeline.inherited(int(sys.argv[1]), int(sys.argv[2]))
+    brief = lifeline.brief()
+    plan = json.loads(brief.show)
+    if "start" in plan and brief.role == "engine":
+        sys.exit(plan["start"])
+    if brief.role == "engine":
+        lifeline.wire.put(json.dumps({"journal": 2, "pid": os.getpid()}))
+        tick = 0
+    else:
+        tick = follow(lifeline, brief.role)
+    kills = [at for at in plan.get("kills", []) if at > tick]
+    while True:
+        tick += 1
+        lifeline.wire.put(json.dumps({"tick": tick, "event": {"type": "made", "number": tick}}))
+        if kills and tick >= kills[0]:
+            os.kill(os.getpid(), signal.SIGKILL)
+        if tick == plan.get("hangs") and brief.role == "engine":
+            time.sleep(600)
+        lifeline.frame(tick)
+        if lifeline.fenced:
+            lifeline.wire.put(json.dumps({"tick": tick, "event": {"type": "dark"}}))
+            sys.exit(0)
+        if tick >= plan.get("ticks", 1 << 40):
+            lifeline.beat(tick, Phase.LEAVING)
+            lifeline.wire.put(json.dumps({"tick": tick, "end": True}))
+            sys.exit(plan.get("ends", 0))
+        time.sleep(plan.get("pace", 0.005))
+
+
+if __name__ == "__main__":
+    main()

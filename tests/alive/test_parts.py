@@ -1,0 +1,148 @@
+"""The parts of staying alive, each by itself: hearts, limits, wires, the log, pressure."""
+
+import json
+import math
+import os
+import socket
+import time
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from live.alive.heartbeat import Heartbeat, Phase
+from live.alive.limits import RestartLimit, Watch
+from live.alive.log import Log
+from live.alive.wire import Wire, WireBroken
+from live.show.pressure import FULL, HALFLIFE, Pressure
+
+
+def test_another_mapping_of_the_page_sees_the_beat():
+    mine = Heartbeat()
+    theirs = Heartbeat(os.dup(mine.descriptor))
+    assert (mine.last, mine.phase) == (0.0, Phase.STARTING)
+    before = time.monotonic()
+    theirs.beat(1234, Phase.RUNNING)
+    assert (mine.tick, mine.phase) == (1234, Phase.RUNNING)
+    assert before <= mine.last <= time.monotonic()
+    mine.close()
+    theirs.close()
+
+
+def test_a_heart_is_late_once_however_often_it_is_looked_at():
+    watch = Watch()
+    assert [watch.judge(age) for age in (0.1, 0.6, 0.9, 1.9, 0.0, 0.7, 2.1)] == [False] * 6 + [True]
+    assert watch.late == 2
+
+
+@given(st.lists(st.floats(0.0, 40.0), min_size=1, max_size=40))
+def test_a_restart_is_one_too_many_exactly_if_three_others_lie_within_thirty_seconds(gaps):
+    limit, times = RestartLimit(), []
+    for gap in gaps:
+        now = (times[-1] if times else 100.0) + gap
+        assert limit.note(now) == (sum(now - earlier < 30.0 for earlier in times) >= 3)
+        times.append(now)
+    assert limit.count == len(times)
+
+
+def _wires(**how: int) -> tuple[Wire, Wire]:
+    mine, theirs = socket.socketpair()
+    return Wire(mine, **how), Wire(theirs)
+
+
+@given(st.lists(st.text(st.characters(blacklist_characters="\n", blacklist_categories=("Cs",)), max_size=200)))
+def test_lines_arrive_whole_and_in_order_and_what_was_sent_before_an_end_is_read_after_it(lines):
+    here, there = _wires()
+    for line in lines:
+        here.put(line)
+    here.close()
+    found = []
+    while not there.ended:
+        found += there.lines()
+    assert found == lines
+    there.close()
+
+
+def test_who_reads_no_more_is_never_waited_for_and_what_is_lost_is_counted():
+    here, there = _wires(backlog=100_000)
+    line = "x" * 9_999
+    for _ in range(2_000):  # 20 MB: more than the system holds and the backlog together
+        here.put(line)
+    assert here.dropped > 0
+    assert here.behind <= 100_000
+    read = 0
+    while not here.flush() or not read:
+        read += len(there.lines())
+    read += len(there.lines())
+    assert read + here.dropped == 2_000
+    there.close()
+    here.put("to nobody")
+    assert here.ended
+    here.close()
+
+
+def test_a_line_without_end_is_no_protocol(monkeypatch):
+    monkeypatch.setattr("live.alive.wire.LONGEST", 100)
+    here, there = _wires()
+    here._put(b"y" * 200)
+    with pytest.raises(WireBroken):
+        there.lines()
+    here.close()
+    there.close()
+
+
+def test_the_log_keeps_what_came_after_the_snapshot_and_no_more():
+    log = Log()
+    header = '{"journal": 2}'
+    event = '{"tick": %d, "event": {"type": "Tap"}}'
+    assert log.take(header)
+    assert not log.take(header)  # of the engine that went on
+    for tick in (5, 9, 10, 10):
+        assert log.take(event % tick)
+    assert log.take('{"tick": 10, "measure": 2, "hash": "aa"}')
+    assert not log.take('{"tick": 14}')
+    assert log.take('{"tick": 10, "snapshot": "c3RhdGU="}')
+    log.take(event % 15)
+    assert [json.loads(line) for line in log.since()] == [
+        {"journal": 2},
+        {"tick": 10, "snapshot": "c3RhdGU="},
+        *[{"tick": 10, "event": {"type": "Tap"}}] * 2,
+        {"tick": 15, "event": {"type": "Tap"}},
+        {"tick": 15},
+    ]
+
+
+def test_after_the_patch_has_changed_the_snapshot_from_before_and_all_since_are_kept():
+    log = Log()
+    for line in (
+        '{"journal": 2}',
+        '{"tick": 10, "snapshot": "b2xk"}',
+        '{"tick": 11, "event": {"type": "PatchChanged"}}',
+    ):
+        log.take(line)
+    log.take('{"tick": 20, "snapshot": "bmV3"}')
+    assert [json.loads(line).get("snapshot", "") for line in log.since()] == ["", "b2xk", "", ""]
+
+
+@pytest.mark.parametrize("line", ["", "nonsense", "[]", "7", '{"tick": "x"}', '{"no": 1}', '{"tick": null}'])
+def test_what_is_no_line_of_a_show_is_refused(line):
+    log = Log()
+    assert not log.take(line)
+    assert list(log.since()) == []
+
+
+def test_pressure_is_the_share_of_late_frames_of_the_last_seconds():
+    pressure, late = Pressure(), 0
+    for frame in range(600):  # one of twenty is late
+        late += frame % 20 == 0
+        pressure.frame(late, 1 / 60)
+    assert pressure.value == pytest.approx(0.05 / FULL, rel=0.1)
+    for _ in range(60):
+        late += 1
+        pressure.frame(late, 1 / 60)
+    assert pressure.value == 1.0
+    share = 1.0
+    for _ in range(int(60 * HALFLIFE * math.log2(10 / FULL))):  # until even that is forgotten
+        pressure.frame(late, 1 / 60)
+        share *= 0.5 ** (1 / 60 / HALFLIFE)
+    assert pressure.value <= share / FULL * 1.01

@@ -1,0 +1,87 @@
+"""The supervisor with real processes that end in all ways: what one had said another goes on from."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from live.alive.orders import Orders
+from live.alive.supervisor import Supervisor
+
+ENGINE = [sys.executable, "-m", "tests.alive.made_engine"]
+
+
+def supervised(
+    tmp_path: Path, plan: dict[str, Any], **how: Any
+) -> tuple[int, list[dict[str, Any]], Supervisor, list[str]]:
+    """Exit code, lines of the journal, the supervisor, and what it said."""
+    said: list[str] = []
+    orders = Orders(engine=ENGINE, show=json.dumps(plan), journal=tmp_path / "j", **{"spare_after": 0.1, **how})
+    supervisor = Supervisor(orders, said.append)
+    code = supervisor.run()
+    path = tmp_path / "j"
+    lines = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
+    return code, lines, supervisor, said
+
+
+def numbers(lines: list[dict[str, Any]]) -> list[int]:
+    return [line["event"]["number"] for line in lines if "event" in line]
+
+
+def test_a_show_that_ends_well_ends_the_supervisor_with_its_code_and_leaves_a_whole_journal(tmp_path):
+    code, lines, supervisor, said = supervised(tmp_path, {"ticks": 30, "pace": 0.001})
+    assert code == 0
+    assert numbers(lines) == list(range(1, 31))
+    assert lines[-1] == {"tick": 30, "end": True}
+    assert (supervisor.report.restarts, said) == (0, [])
+
+
+@pytest.mark.parametrize("code", [0, 1, 2, 130])
+def test_an_engine_that_ends_before_it_runs_is_not_started_again(tmp_path, code):
+    found, lines, supervisor, _ = supervised(tmp_path, {"start": code})
+    assert (found, lines, supervisor.report.restarts) == (code, [], 0)
+
+
+def test_a_killed_engine_has_lost_no_line_and_the_spare_goes_on_from_the_last_one(tmp_path):
+    """Every line was with the supervisor before the engine killed itself right after it."""
+    code, lines, supervisor, said = supervised(tmp_path, {"kills": [200], "ticks": 260})
+    assert code == 0
+    assert numbers(lines) == list(range(1, 261))
+    assert [line["went"] for line in lines if "went" in line] == ["spare"]
+    assert supervisor.report.restarts == 1
+    assert supervisor.report.takeover_s is not None
+    assert supervisor.report.takeover_s < 3.0
+    assert "SIGKILL" in said[0]
+
+
+def test_without_a_spare_another_engine_is_started_and_goes_on(tmp_path):
+    code, lines, _, _ = supervised(tmp_path, {"kills": [20], "ticks": 40}, spare=False)
+    assert code == 0
+    assert numbers(lines) == list(range(1, 41))
+    assert [line["went"] for line in lines if "went" in line] == ["heir"]
+
+
+def test_an_engine_that_gives_no_sign_of_life_is_killed_and_replaced(tmp_path):
+    code, lines, supervisor, said = supervised(tmp_path, {"hangs": 120, "ticks": 160})
+    assert code == 0
+    assert numbers(lines) == list(range(1, 161))
+    assert supervisor.report.restarts == 1
+    assert "no sign of life" in said[0]
+
+
+def test_after_three_restarts_in_thirty_seconds_the_show_is_calmer(tmp_path, monkeypatch):
+    monkeypatch.setattr("live.alive.engines.CALM_APART", 0.0)
+    code, lines, supervisor, _ = supervised(tmp_path, {"kills": [10, 20, 30, 40], "ticks": 50}, spare=False)
+    assert code == 0
+    assert numbers(lines) == list(range(1, 51))
+    assert [line["calm"] for line in lines if "calm" in line] == [False, False, False, True]
+    assert supervisor.report.calm
+
+
+def test_the_supervisor_needs_no_array_no_window_and_no_device():
+    heavy = ("numpy", "numba", "glfw", "moderngl", "sounddevice", "pydantic", "av", "rtmidi")
+    code = f"import sys, live.cli.supervised; print([name for name in {heavy!r} if name in sys.modules])"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
