@@ -1,0 +1,152 @@
+"""A show that follows another one's lines stands where that one stands, to the bit, wherever it begins."""
+
+import base64
+import json
+from pathlib import Path
+
+import pytest
+
+from live.alive.following import Following
+from live.alive.log import Log
+from live.clock.ticks import TICK
+from live.control.events import Attract, ControlEvent, SetLatency, SetTempo, TicksSkipped
+from live.show.core import Show
+from live.show.journal import line_of
+from live.show.load import LoadedShow
+from live.show.patch_file import parse_patch
+from live.show.snapshot import snapshot
+from tests.show.made_show import GRAPH, PATCH
+
+LAST = 1500
+EVENTS: dict[int, ControlEvent] = {
+    100: Attract(time=1.5, source="osc", x=2.0, z=-1.0, strength=1.0),
+    400: SetTempo(time=6.3, source="osc", tempo=131.0),
+    401: SetLatency(time=6.3, source="osc", what="projector", seconds=0.05),
+    700: TicksSkipped(time=11.0, source="engine", count=30),
+    1400: SetTempo(time=22.0, source="osc", tempo=97.0),
+}
+
+
+@pytest.fixture(scope="module")
+def loaded() -> LoadedShow:
+    return LoadedShow(Path("test.toml"), parse_patch(PATCH, "test.toml"), GRAPH)
+
+
+class Leading:
+    """A show that is danced and tells of it as an engine does; a hash of each of its ticks."""
+
+    def __init__(self, loaded: LoadedShow, snapshots: tuple[int, ...] = ()) -> None:
+        self.show = loaded.start(seed=5)
+        self.lines = [json.dumps({"journal": 2, "origin": 12.5, **loaded.header(self.show, tempo=None)})]
+        self.hashes: dict[int, str] = {}
+        wanted, tick = list(snapshots), 0
+        while tick < LAST:
+            tick += 1
+            crossed = self.show.tick(tick * TICK)
+            self.hashes[tick] = self.show.state_hash()
+            if crossed:
+                measure = self.show.span.number + 1
+                self.lines.append(json.dumps({"tick": tick, "measure": measure, "hash": self.hashes[tick]}))
+            if wanted and tick >= wanted[0]:
+                wanted.pop(0)
+                state = base64.b64encode(snapshot(self.show, tick)).decode()
+                self.lines.append(json.dumps({"tick": tick, "snapshot": state}))
+            self.lines.append(json.dumps({"tick": tick}))
+            if (event := EVENTS.get(tick)) is not None:
+                self.lines.append(line_of(tick, event))
+                self.show.apply(event)
+                if isinstance(event, TicksSkipped):
+                    tick += event.count
+
+
+@pytest.fixture(scope="module")
+def leading(loaded: LoadedShow) -> Leading:
+    return Leading(loaded, (650, 1250))
+
+
+def follow(loaded: LoadedShow, lines: list[str]) -> tuple[Following, Show]:
+    following = Following(loaded)
+    for line in lines:
+        following.take(line)
+    return following, following.finish()
+
+
+@pytest.mark.parametrize("end", [90, 405, 720, 1100, 1430])
+def test_it_stands_where_the_other_one_was_killed_in_the_middle(loaded, leading, end):
+    """`end`: how many lines the other one could still send."""
+    following, show = follow(loaded, leading.lines[:end])
+    assert show.state_hash() == leading.hashes[following.tick]
+    assert following.differences == 0
+    assert following.origin == 12.5
+
+
+def test_who_comes_late_begins_with_the_snapshot_and_stands_in_the_same_place(loaded, leading):
+    log = Log()
+    for line in leading.lines:
+        log.take(line)
+    lines = list(log.since())
+    assert len(lines) < 20  # header, snapshot, and what came since
+    following, show = follow(loaded, lines)
+    assert following.tick == LAST
+    assert show.state_hash() == leading.hashes[LAST]
+    assert following.compared >= 1
+    assert following.differences == 0
+
+
+def test_the_one_that_waits_stays_behind_the_last_measure_line_until_it_is_needed(loaded, leading):
+    following = Following(loaded)
+    for line in leading.lines[:600]:
+        following.take(line)
+    while following.advance():
+        pass
+    measures = [json.loads(line)["tick"] for line in leading.lines[:600] if "hash" in json.loads(line) and "me" in line]
+    assert following.tick == measures[-1]
+    following.finish()
+    assert following.tick == json.loads(leading.lines[599])["tick"]
+
+
+def test_a_state_that_differs_is_counted_and_the_next_snapshot_puts_it_right(loaded, leading):
+    following = Following(loaded)
+    for line in leading.lines[1:]:
+        if not following.header:
+            following.take(leading.lines[0])
+        following.take(line)
+        following.follow()
+        if following.tick == 300 and following.show is not None:  # something this machine does differently
+            following.show.apply(Attract(time=4.7, source="osc", x=-4.0, z=2.0, strength=1.0))
+    assert following.differences >= 1
+    assert following.repaired >= 1
+    assert following.show is not None
+    assert following.show.state_hash() == leading.hashes[LAST]
+
+
+def test_an_event_that_ends_one_engine_does_not_end_the_next(loaded, leading, monkeypatch):
+    """Whatever an event does to who applies it: who follows leaves it out, counts it and goes on."""
+    apply = Show.apply
+
+    def poisoned(show: Show, event: ControlEvent) -> bool:
+        if isinstance(event, SetTempo):
+            raise RuntimeError("poison")
+        return apply(show, event)
+
+    monkeypatch.setattr(Show, "apply", poisoned)
+    following, _ = follow(loaded, leading.lines)
+    assert following.tick == LAST
+    assert following.refused == 2
+    assert following.latencies == {"projector": 0.05}
+
+
+def test_carefully_the_last_events_are_left_out(loaded, leading):
+    following = Following(loaded)
+    for line in leading.lines:
+        following.take(line)
+    show = following.finish(careful=True)
+    assert (following.tick, following.refused) == (LAST, 1)  # the tempo at tick 1400
+    assert show.follower.tempo == pytest.approx(131.0, abs=0.5)
+
+
+def test_the_clock_of_another_machine_is_that_of_the_tick_that_came_soonest(loaded):
+    following = Following(loaded)
+    for tick, late in ((640, 0.030), (641, 0.004), (642, 0.011)):
+        following.take(json.dumps({"tick": tick}), arrived=1000.0 + tick * TICK + late)
+    assert following.origin_here(lead=TICK) == pytest.approx(1000.0 + 0.004 + TICK)
