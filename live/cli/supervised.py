@@ -77,9 +77,9 @@ def supervise(played: Played, *, lead: str | None, standby: str | None) -> None:
 def _endpoint(text: str, option: str) -> tuple[str, int]:
     """[HOST:]PORT or HOST[:PORT]; a host alone means the usual port, a port alone this machine."""
     host, _, port = text.strip().rpartition(":")
-    if not host and not port.isdecimal():
+    if ":" not in text and not port.isdecimal():
         host, port = port, str(PORT)
-    if not port.isdecimal() or not 0 <= int(port) <= 65535 or any(mark.isspace() for mark in host):
+    if not port.isdecimal() or not (host or ":" not in text) or not 0 <= int(port) <= 65535 or any(mark.isspace() for mark in host):
         raise PersonError(f"{option} {text!r}: HOST:PORT expected", f"{option} 127.0.0.1:{PORT}")
     return (host or "127.0.0.1").strip("[]"), int(port)
 

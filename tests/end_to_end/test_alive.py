@@ -1,0 +1,215 @@
+"""Shows whose processes are killed in the middle: the same measure, the same states, never a desktop."""
+
+import ctypes
+import json
+import os
+import signal
+import socket
+import subprocess
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.cli.command import run_live
+from tests.control.waiting import BUSY, wait_for
+from tests.end_to_end.conftest import Running
+from tests.end_to_end.test_window_show import _needs
+from tests.two_monitor_x import FIRST, TwoMonitorX
+
+RED = "c00000"
+"""What the desktop shows where nothing else is seen."""
+
+
+def children(running: Running, module: str) -> list[int]:
+    """Processes of that module which the command has started, the oldest first."""
+    found = []
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            stat = (folder / "stat").read_text().rpartition(")")[2].split()
+            if int(stat[1]) == running.process.pid and module in (folder / "cmdline").read_text():
+                found.append((int(stat[19]), int(folder.name)))
+        except OSError:
+            continue
+    return [pid for _, pid in sorted(found)]
+
+
+def until_spare(running: Running) -> None:
+    running.wait_for(lambda line: line["alive"].get("spare", False) and line["measure"] > 2, 60)
+
+
+def verified(journal: Path) -> dict[str, object]:
+    done = run_live("replay", str(journal), "--verify", "--json")
+    assert done.returncode == 0, done.stdout + done.stderr
+    found: dict[str, object] = json.loads(done.stdout)
+    return found
+
+
+def test_a_killed_engine_is_gone_on_from_in_the_same_measure_with_the_same_states(play, patch: Path, tmp_path: Path):
+    """The journal of both engines is that of one show; what was sent while nobody danced is in it."""
+    journal = tmp_path / "j.jsonl"
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    running = play(str(patch), "--bpm", "150", "--headless", "--osc", f"127.0.0.1:{port}", "--journal", str(journal))
+    until_spare(running)
+    before = running.lines()[-1]
+    os.kill(children(running, "engine_process")[0], signal.SIGKILL)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:  # /dance/blackout 1, and nobody listens
+        sender.sendto(b"/dance/blackout\0,i\0\0\0\0\0\1", ("127.0.0.1", port))
+    after = running.wait_for(lambda line: line["alive"].get("takeover_s") is not None, 20)
+    assert after["alive"]["restarts"] == 1
+    assert after["alive"]["takeover_s"] < 3.0
+    beats = (after["time"] - before["time"]) * 150 / 60  # the measure is the one that it would have been
+    assert after["measure"] - before["measure"] == pytest.approx(beats / 4, abs=1.0)
+    running.wait_for(lambda line: line["measure"] > after["measure"] + 2, 20)
+    processes = children(running, "process")
+    assert "Traceback" not in running.stop()
+    assert wait_for(lambda: not any(Path(f"/proc/{pid}").exists() for pid in processes), 5)
+    found = verified(journal)
+    assert found["complete"]
+    assert int(str(found["measures"])) > after["measure"]
+    assert journal.read_text().count('"Blackout"') == 1
+
+
+def test_the_music_plays_on_while_engines_change_and_its_process_is_replaced_too(play, patch: Path, tmp_path: Path):
+    running = play("--headless", "--osc", "127.0.0.1:0", "--journal", str(tmp_path / "j.jsonl"))
+    until_spare(running)
+    os.kill(children(running, "audio_process")[0], signal.SIGKILL)
+    running.wait_for(lambda line: line["alive"].get("audio_restarts") == 1, 20)
+    os.kill(children(running, "engine_process")[0], signal.SIGKILL)
+    after = running.wait_for(lambda line: line["alive"].get("takeover_s") is not None, 20)
+    heard = (tmp_path / "j.jsonl").read_text().count('"audio"')
+    assert wait_for(lambda: (tmp_path / "j.jsonl").read_text().count('"audio"') > heard + 3, 20)
+    running.wait_for(lambda line: line["measure"] > after["measure"] + 1, 20)
+    assert "Traceback" not in running.stop()
+    verified(tmp_path / "j.jsonl")
+
+
+def test_a_machine_that_stands_by_dances_the_same_and_goes_on_when_the_other_is_gone(play, patch: Path, tmp_path: Path):
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    how = (str(patch), "--bpm", "150", "--headless", "--osc", "127.0.0.1:0")
+    leader = play(*how, "--lead", str(port))
+    other = play(*how, "--standby", f"127.0.0.1:{port}", "--journal", str(tmp_path / "j.jsonl"))
+    leader.wait_for(lambda line: line["alive"].get("followers") == 1, 60)
+    assert wait_for(lambda: _hashes(tmp_path / "j.jsonl") > 4, 60)
+    for pid in (*children(leader, "engine_process"), leader.process.pid):
+        os.kill(pid, signal.SIGKILL)
+    line = other.wait_for(lambda line: line["alive"].get("epoch") == 2, 20)
+    assert (line["alive"]["different"], line["alive"]["compared"] > 3) == (0, True)
+    other.wait_for(lambda now: now["measure"] > line["measure"] + 2, 20)
+    assert "Traceback" not in other.stop()
+    verified(tmp_path / "j.jsonl")
+
+
+def _hashes(journal: Path) -> int:
+    return journal.read_text().count('"hash"') if journal.exists() else 0
+
+
+class Eye:
+    """Looks at one pixel of a screen, some hundred times a second."""
+
+    def __init__(self, display: str, x: int, y: int) -> None:
+        self._x11 = ctypes.CDLL("libX11.so.6")
+        for name in ("XOpenDisplay", "XGetImage"):
+            getattr(self._x11, name).restype = ctypes.c_void_p
+        for name in ("XDefaultRootWindow", "XGetPixel"):
+            getattr(self._x11, name).restype = ctypes.c_ulong
+        self._display = ctypes.c_void_p(self._x11.XOpenDisplay(display.encode()))
+        self._root = ctypes.c_ulong(self._x11.XDefaultRootWindow(self._display))
+        self._place = x, y
+
+    def see(self) -> str:
+        """Its colour, as in ff8000."""
+        planes = ctypes.c_ulong(0xFFFFFFFF)
+        image = ctypes.c_void_p(self._x11.XGetImage(self._display, self._root, *self._place, 1, 1, planes, 2))
+        pixel = self._x11.XGetPixel(image, 0, 0) & 0xFFFFFF
+        self._x11.XDestroyImage(image)
+        return f"{pixel:06x}"
+
+    def watch(self, until: Callable[[str], bool], seconds: float) -> tuple[set[str], float]:
+        """All colours seen until one is what is waited for, and how long that took [s]."""
+        seen: set[str] = set()
+        begin = time.monotonic()
+        while (now := time.monotonic()) - begin < seconds:
+            colour = self.see()
+            seen.add(colour)
+            if until(colour):
+                return seen, now - begin
+        raise AssertionError(f"not within {seconds} s; seen {seen}")
+
+    def close(self) -> None:
+        self._x11.XCloseDisplay(self._display)
+
+
+@pytest.mark.x11
+def test_on_a_projector_black_is_seen_for_a_moment_and_then_the_dance_but_never_the_desktop(
+    play, patch: Path, two_monitor_x: TwoMonitorX
+):
+    _needs("xsetroot")
+    two_monitor_x.plug_both()
+    two_monitor_x.run("xsetroot", "-solid", f"#{RED}")
+    environment = {"DISPLAY": two_monitor_x.display}
+    running = play(
+        str(patch), "--bpm", "150", "--monitor", "2", "--fullscreen", "--osc", "127.0.0.1:0", env=environment
+    )  # fmt: skip
+    until_spare(running)
+    eye = Eye(two_monitor_x.display, FIRST[0] + 400, 560)  # on the stage's floor, near the audience
+    try:
+        floor = eye.see()
+        assert floor not in (RED, "000000")
+        os.kill(children(running, "engine_process")[0], signal.SIGKILL)
+        black, _ = eye.watch(lambda colour: colour == "000000", 3.0 * BUSY)
+        back, seconds = eye.watch(lambda colour: colour != "000000", 3.0 * BUSY)
+        assert RED not in black | back
+        line = running.wait_for(lambda line: line["alive"].get("takeover_s") is not None, 20)
+        assert line["alive"]["takeover_s"] < 3.0
+        assert seconds < 3.0 * BUSY
+        assert line["alive"]["guard"]
+        processes = children(running, "process")
+        assert "Traceback" not in running.stop()
+        assert wait_for(lambda: not any(Path(f"/proc/{pid}").exists() for pid in processes), 5)
+    finally:
+        eye.close()
+
+
+def test_alone_there_is_one_process(play, patch: Path):
+    running = play(str(patch), "--bpm", "150", "--headless", "--alone", "--osc", "127.0.0.1:0")
+    line = running.wait_for(lambda line: line["measure"] > 1, 60)
+    assert "alive" not in line
+    assert children(running, "process") == []
+    assert running.process.poll() is None
+    assert "Traceback" not in running.stop()
+
+
+def test_machines_need_a_supervisor(tmp_path: Path):
+    for option in (("--lead", "9020"), ("--standby", "somewhere")):
+        done = run_live("play", "--headless", "--alone", *option)
+        assert done.returncode == 2
+        assert "need a supervisor" in done.stderr
+    for wrong in ("a b:1", "host:70000", ":", "host:x"):
+        done = run_live("play", "--headless", "--standby", wrong)
+        assert done.returncode == 2, wrong
+        assert "HOST:PORT expected" in done.stderr
+
+
+@pytest.mark.parametrize("signals", [(signal.SIGINT,), (signal.SIGTERM,)])
+def test_a_start_that_is_broken_off_leaves_nobody_behind(play, patch: Path, signals):
+    running = play(str(patch), "--headless", "--osc", "127.0.0.1:0")
+    assert wait_for(lambda: len(children(running, "process")) > 0, 20)
+    processes = children(running, "process")
+    for number in signals:
+        running.process.send_signal(number)
+    code = running.process.wait(60)
+    assert code in (130, 128 + signals[0])
+    assert wait_for(lambda: not any(Path(f"/proc/{pid}").exists() for pid in processes), 5)
+
+
+def test_a_person_s_error_is_said_once_and_ends_the_command(tmp_path: Path):
+    done = subprocess.run(
+        ["python", "-m", "live", "play", "no-such-patch", "--headless"], capture_output=True, text=True, timeout=120
+    )
+    assert done.returncode == 2
+    assert done.stderr.count("error:") == 1
