@@ -88,9 +88,12 @@ class Engines:
         engine = self.engine
         if engine is None:
             return 128 + number
-        engine.signal(number)
+        starting = engine.phase is Phase.STARTING
+        engine.signal(signal.SIGTERM if starting else number)  # an interpreter that begins knows only this one
         self._starter.hear_rest(engine.wire, LEAVES_WITHIN)
         code, self.engine = engine.end(within=LEAVES_WITHIN), None
+        if starting:
+            return 128 + number
         return code if code >= 0 else 128 - code
 
     def close(self) -> None:
