@@ -493,6 +493,7 @@ def test_liblos_oscsend_sends_every_control(stage):
         ),
         "/dance/why": (["i", "7"], events.AskWhy(dancer=7, **STAMP)),
         "/dance/blackout": (["T"], events.Blackout(on=True, **STAMP)),
+        "/dance/takeover": ([], events.TakeOver(**STAMP)),
         "/dance/ping": ([], None),
         **group_controls(),
         **scene_controls(),
