@@ -79,7 +79,8 @@ def _endpoint(text: str, option: str) -> tuple[str, int]:
     host, _, port = text.strip().rpartition(":")
     if ":" not in text and not port.isdecimal():
         host, port = port, str(PORT)
-    if not port.isdecimal() or not (host or ":" not in text) or not 0 <= int(port) <= 65535 or any(mark.isspace() for mark in host):
+    named = bool(host) or ":" not in text
+    if not (port.isdecimal() and named and int(port) <= 65535) or any(mark.isspace() for mark in host):
         raise PersonError(f"{option} {text!r}: HOST:PORT expected", f"{option} 127.0.0.1:{PORT}")
     return (host or "127.0.0.1").strip("[]"), int(port)
 

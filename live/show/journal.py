@@ -8,7 +8,7 @@ import json
 from dataclasses import MISSING, fields
 from functools import cache
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 from live import __version__
 from live.clock.ticks import TICK
