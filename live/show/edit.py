@@ -7,7 +7,7 @@ from live.show.patch import Patch
 from live.show.sections.section import Section
 
 AT_THE_START: Final = (
-    "seed", "reserve", "music", "sound", "clock", "link", "midi.input", "midi.clock_out", "midi.time_code_bpm",
+    "seed", "steps", "reserve", "music", "sound", "clock", "link", "midi.input", "midi.clock_out", "midi.time_code_bpm",
     "midi.time_code_offset_s", "stage", "steering.separation", "steering.combine",
 )  # fmt: skip
 """Keys that count when a show starts, and not again."""
