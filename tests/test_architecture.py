@@ -45,7 +45,19 @@ def test_layers_are_kept() -> None:
 
 def test_every_package_has_its_place() -> None:
     packages = {path.name for path in (ROOT / "live").iterdir() if path.is_dir() and any(path.rglob("*.py"))}
-    assert packages == {"agents", "base", "cli", "clock", "control", "graph", "motion", "render", "show", "steps"}
+    assert packages == {
+        "agents",
+        "alive",
+        "base",
+        "cli",
+        "clock",
+        "control",
+        "graph",
+        "motion",
+        "render",
+        "show",
+        "steps",
+    }
     without = [path for path in packages if not (ROOT / "live" / path / "__init__.py").exists()]
     assert without == []
 
