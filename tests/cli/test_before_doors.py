@@ -1,0 +1,109 @@
+"""`live check --venue`: what a hall lacks, told with its remedy; the show's own packet; practice options."""
+
+import json
+import socket
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from live.base.errors import PersonError
+from live.cli import before_doors
+from live.cli.before_doors import check_disk, check_osc, venue_checks
+from live.cli.inventory import Section
+from live.cli.options import parse_measures
+from live.cli.practice import practice_events, practice_tempo
+from live.cli.session_sound import choose_sound
+from live.cli.wish import Wish
+from live.show.venue import Venue, VenueAudio, VenueMidi
+from tests.cli.command import run_live
+from tests.show.made_show import made_show
+
+
+def test_the_venue_that_is_not_there_and_the_show_that_is_good(tmp_path):
+    told = run_live("check", "score", "--venue", "nowhere-at-all")
+    assert told.returncode == 2
+    assert "there is no venue" in told.stderr
+    ready = run_live("check", "score", "--json", "--osc", "0", cwd=tmp_path)
+    facts = json.loads(ready.stdout)
+    found = {check["name"]: check for check in facts["checks"]}
+    assert found["steps"]["state"] == found["OSC"]["state"] == found["sections"]["state"] == "ok"
+    missing = [check for check in facts["checks"] if check["needed"] and check["state"] != "ok"]
+    assert facts["ready"] == (not missing)
+    assert ready.returncode == (1 if missing else 0)
+
+
+def test_devices_of_the_venue_are_looked_for_by_a_part_of_their_names(monkeypatch):
+    cards = Section("audio", ({"name": "Scarlett 2i2 USB"}, {"name": "HDMI"}))
+    monkeypatch.setattr(before_doors, "audio", lambda: (cards, cards))
+    monkeypatch.setattr(before_doors, "midi", lambda: (Section("in", (), "no MIDI here"), Section("out", ())))
+    hall = Venue(audio=VenueAudio(device="scarlett", output="Behringer"), midi=VenueMidi(input="nanoKONTROL"))
+    states = {check.name: check for check in venue_checks(hall)}
+    assert states["audio.device"].state == "ok"
+    assert states["audio.output"].state == states["midi.input"].state == "missing"
+    assert "Scarlett 2i2 USB, HDMI" in states["audio.output"].remedy
+    assert "no MIDI here" in states["midi.input"].remedy
+    assert list(venue_checks(None)) == []
+
+
+def test_a_port_that_is_taken_is_missing_and_a_free_one_answers():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.bind(("127.0.0.1", 0))
+        taken = check_osc("127.0.0.1", other.getsockname()[1])
+    assert taken.state == "missing"
+    assert check_osc("127.0.0.1", 0).state == "ok"
+
+
+def test_a_full_disk_is_told(tmp_path, monkeypatch):
+    assert check_disk(tmp_path / "nowhere").state == "limited"
+    for free, state in ((1e8, "missing"), (1e9, "limited"), (1e10, "ok")):
+        monkeypatch.setattr(before_doors.shutil, "disk_usage", lambda folder, free=free: SimpleNamespace(free=free))
+        assert check_disk(tmp_path).state == state
+
+
+@pytest.mark.parametrize(("text", "measures"), [("17-24", (17, 24)), (" 3 – 5", (3, 5)), ("9", (9, 9)), (None, None)])
+def test_measures_are_read(text, measures):
+    assert parse_measures(text) == measures
+
+
+@pytest.mark.parametrize("text", ["", "0-4", "8-4", "a-b", "1-", "-3", "1-2-3", "1.5-2"])
+def test_measures_that_are_none_are_refused(text):
+    with pytest.raises(PersonError, match="--measures"):
+        parse_measures(text)
+
+
+SCORE = '[[section]]\nname = "a"\nmeasures = 4\n[[section]]\nname = "b"\nmeasures = 4\n'
+
+
+def test_practice_loops_the_measures_and_refuses_what_the_score_has_not():
+    show = made_show(SCORE)
+    for event in practice_events(Wish(measures=(3, 5)), show):
+        show.apply(event)
+    places = []
+    for tick in range(1, 64 * 18):
+        if show.tick(tick / 64.0):
+            places.append(show.playhead.written(show.playhead.place(show.span.number)) + 1)
+    assert places == [3, 4, 5, 3, 4, 5, 3, 4]
+    assert practice_events(Wish(), show) == []
+    with pytest.raises(PersonError, match="it has 8"):
+        practice_events(Wish(measures=(7, 9)), show)
+
+
+def loaded(music: float | None) -> Any:
+    clock = SimpleNamespace(bpm=120.0)
+    return SimpleNamespace(patch=SimpleNamespace(clock=clock, music=SimpleNamespace(bpm=music)), music_path=None)
+
+
+def test_the_tempo_of_practice_is_a_share_of_what_it_would_be():
+    assert practice_tempo(Wish(tempo_share=0.8), loaded(None)) == pytest.approx(96.0)
+    assert practice_tempo(Wish(tempo_share=0.5), loaded(100.0)) == pytest.approx(50.0)
+    assert practice_tempo(Wish(tempo_share=0.5, bpm=90.0), loaded(100.0)) == pytest.approx(45.0)
+    assert practice_tempo(Wish(measures=(1, 2)), loaded(None)) == pytest.approx(120.0)
+    with pytest.raises(PersonError, match="12 bpm"):
+        practice_tempo(Wish(tempo_share=0.1), loaded(None))
+
+
+def test_no_music_plays_to_practice_and_none_can_be_slowed():
+    assert choose_sound(Wish(measures=(1, 2)), loaded(None)).music is None
+    with pytest.raises(PersonError, match="--tempo-share"):
+        choose_sound(Wish(tempo_share=0.8, audio="song.wav"), loaded(None))

@@ -1,0 +1,108 @@
+"""What a score makes doubtful, and that a sound one is not doubted."""
+
+import pytest
+
+from live.rehearse.score_doubts import cue_doubts, formation_doubts, section_doubts
+from live.show.patch_file import parse_patch
+from tests.show.desk_show import DESK
+from tests.show.made_show import PATCH, made_show
+
+SECTIONS = """
+[[section]]
+name = "a"
+measures = 4
+then = "c"
+[[section]]
+name = "b"
+measures = 4
+[[section]]
+name = "c"
+measures = 4
+then = "end"
+"""
+SCENES = """
+[[scene]]
+name = "low"
+measures = 4
+[scene.set]
+"/dance/light/level" = 0.2
+[[scene]]
+name = "high"
+[scene.set]
+"/dance/light/level" = 1.0
+[[scene]]
+name = "haze"
+[scene.set]
+"/dance/light/haze" = 0.1
+"""
+
+
+def patch_of(extra):
+    return parse_patch(PATCH + extra, "made.toml")
+
+
+def test_a_section_that_nothing_leads_to_is_named():
+    assert [note.split("'")[1] for note in section_doubts(patch_of(SECTIONS))] == ["b"]
+    assert section_doubts(patch_of("")) == []
+    assert section_doubts(patch_of(DESK)) == []
+
+
+@pytest.mark.parametrize(
+    "leads",
+    [
+        '[[cue]]\nname = "x"\nsection = "B"\n',
+        '[[cue]]\nname = "x"\ncalls = [["/dance/section", "b"]]\n',
+        '[[at]]\nmeasure = 1\ncall = "/dance/section"\nvalues = ["b"]\n',
+        '[[react]]\non = "drop"\ncall = "/dance/section"\nvalues = ["b"]\n',
+    ],
+)
+def test_cues_and_calls_lead_to_sections(leads):
+    assert section_doubts(patch_of(SECTIONS + leads)) == []
+
+
+def cues(first, second):
+    return f'{SCENES}[[cue]]\nname = "one"\n{first}\n[[cue]]\nname = "two"\n{second}\n'
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "words"),
+    [
+        ('scene = "low"\nthen = "auto"\nafter = 2', 'scene = "high"', "never ends"),
+        ('then = "auto"\nafter = 1', "count_in = 8", "later than that"),
+        ('scene = "low"\nthen = "auto"\nafter = 4', 'scene = "high"', None),
+        ('scene = "low"\nthen = "auto"\nafter = 2', 'scene = "haze"', None),
+        ('scene = "low"', 'scene = "high"\ncount_in = 8', None),
+        ('scene = "low"\nmeasures = 1\nthen = "auto"\nafter = 2', 'scene = "high"', None),
+    ],
+)
+def test_cues_that_collide(first, second, words):
+    notes = cue_doubts(patch_of(cues(first, second)))
+    assert len(notes) == (words is not None)
+    assert words is None or words in notes[0]
+
+
+def at(measure, scene, beat=1):
+    return f'[[at]]\nmeasure = {measure}\nbeat = {beat}\nscene = "{scene}"\n'
+
+
+@pytest.mark.parametrize(
+    ("entries", "count"),
+    [
+        (at(2, "low") + at(4, "high", 2), 1),
+        (at(2, "low") + at(6, "high"), 0),
+        (at(2, "low") + at(4, "haze"), 0),
+        (at(2, "high") + at(2, "low"), 1),
+    ],
+)
+def test_scenes_of_the_score_that_meet(entries, count):
+    assert len(cue_doubts(patch_of(SCENES + entries))) == count
+
+
+def test_a_formation_too_tight_for_its_dancers_is_named_with_its_distance():
+    tight = '[[formation]]\nname = "dot"\nshape = "line"\nsize = [1.0, 1.0]\n'
+    wide = tight.replace("[1.0, 1.0]", "[8.0, 1.0]").replace("dot", "row")
+    segments = '[[segment]]\nmeasure = {}\nmeasures = 2\nformation = "{}"\n'
+    notes = formation_doubts(made_show(tight + wide + segments.format(1, "dot") + segments.format(5, "row")))
+    assert len(notes) == 1
+    assert "dot for 9 dancers" in notes[0]
+    assert "0.12 m apart" in notes[0]
