@@ -1,9 +1,12 @@
-"""`live check`: is this patch good? Names file, line, field and remedy if it is not."""
+"""`live check`: is this patch good? Names file, line, field and remedy if it is not. And is the hall ready for it?"""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from live.cli.checks import Check
 
 
 def check(
@@ -11,24 +14,41 @@ def check(
     steps: Annotated[
         Path | None, typer.Option(help="Check it with the recordings of this folder.", file_okay=False)
     ] = None,
+    venue: Annotated[
+        str | None, typer.Option(help="And the hall: its devices, ports, monitors, disk space.", metavar="NAME")
+    ] = None,
+    osc: Annotated[str, typer.Option(help="Where the show will receive OSC.", metavar="HOST:PORT")] = "127.0.0.1:9010",
+    as_json: Annotated[bool, typer.Option("--json", help="All that --venue looks at, as one JSON object.")] = False,
 ) -> None:
-    """Check a patch with its steps and music, without playing it."""
+    """Check a patch with its steps and music, without playing it; with --venue all that a show needs there.
+
+    Exit 1 if something that is needed is missing.
+    """
     from rich.console import Console
 
     from live.base.errors import PersonError
     from live.cli.session_sound import choose_sound
     from live.cli.wish import Wish
+    from live.rehearse.score_doubts import cue_doubts, formation_doubts, section_doubts
     from live.show.rehearsing import rehearsal_notes
 
-    wish = Wish(patch=patch, steps=steps)
+    wish = Wish(patch=patch, steps=steps, venue=venue)
+    hall = wish.read_venue()
     loaded = wish.load()
     show = loaded.start()
+    if venue is not None or as_json:
+        from live.cli.before_doors import all_before_doors
+        from live.cli.options import parse_endpoint
+
+        _tell(all_before_doors(loaded, show, hall, parse_endpoint(osc)), as_json=as_json)
+        return
     choose_sound(wish, loaded)
     library, graph = loaded.graph.library, loaded.graph
     console = Console(highlight=False)
     if graph.missing:
         raise PersonError("; ".join(graph.missing), "raise locomotion.threshold_m, or change those steps' ends")
-    for note in rehearsal_notes(show):
+    doubts = [*section_doubts(show.patch), *cue_doubts(show.patch), *formation_doubts(show)]
+    for note in [*doubts, *rehearsal_notes(show)]:
         console.print(f"note: {note}", style="yellow", soft_wrap=True, markup=False)
     console.print(
         f"ok {loaded.path}: {loaded.patch.name!r}, {loaded.patch.dancer_count} dancers in "
@@ -38,3 +58,26 @@ def check(
         soft_wrap=True,
         markup=False,
     )
+
+
+def _tell(checks: "list[Check]", *, as_json: bool) -> None:
+    """The table, or JSON; exit 1 if something that is needed is missing."""
+    import json
+    from dataclasses import asdict
+
+    ready = not any(check.needed and check.state != "ok" for check in checks)
+    if as_json:
+        print(json.dumps({"ready": ready, "checks": [asdict(check) for check in checks]}))
+        raise typer.Exit(0 if ready else 1)
+    from rich.console import Console
+
+    from live.cli.doctor import table_of
+
+    console = Console(highlight=False)
+    console.print(table_of(checks))
+    limited = sum(check.state == "limited" for check in checks)
+    if not ready:
+        console.print("[red]Doors stay shut:[/] do what the last column says.")
+    else:
+        console.print("[green]Doors may open[/]" + (f", with {limited} limits." if limited else "."))
+    raise typer.Exit(0 if ready else 1)

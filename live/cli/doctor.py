@@ -1,9 +1,15 @@
 """`live doctor`: what this machine has and lacks for a show, and how to get it."""
 
 import json
-from typing import Annotated
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from live.cli.checks import Check
 
 _MARKS = {"ok": "[green]OK[/]", "limited": "[yellow]limited[/]", "missing": "[red]missing[/]"}
 
@@ -23,16 +29,9 @@ def doctor(
         raise typer.Exit(0 if can_run else 1)
 
     from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
 
-    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
-    for heading in ("", "what", "found", "how to get it"):
-        table.add_column(heading, overflow="fold")
-    for check in checks:
-        table.add_row(_MARKS[check.state], check.name, Text(check.detail), Text(check.remedy))
     console = Console()
-    console.print(table)
+    console.print(table_of(checks))
     limited = sum(check.state == "limited" for check in checks)
     if not can_run:
         console.print("[red]No show can run here yet:[/] do what the last column says.")
@@ -41,3 +40,16 @@ def doctor(
     else:
         console.print("[green]A show can run here.[/]")
     raise typer.Exit(0 if can_run else 1)
+
+
+def table_of(checks: "Sequence[Check]") -> "Table":
+    """The table of checks, as it is printed."""
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    for heading in ("", "what", "found", "how to get it"):
+        table.add_column(heading, overflow="fold")
+    for check in checks:
+        table.add_row(_MARKS[check.state], check.name, Text(check.detail), Text(check.remedy))
+    return table

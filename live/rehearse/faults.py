@@ -9,7 +9,7 @@ SALT: Final = 0xFA17
 KINDS: Final = {
     "source lost": 0.10, "stall": 0.15, "flood": 0.08, "garbage": 0.10, "good edit": 0.20, "bad edit": 0.15,
     "edit back": 0.05, "tempo jump": 0.10, "impossible beats": 0.08, "device again": 0.05, "other source": 0.08,
-    "crowd of calls": 0.05, "rest": 0.01,
+    "crowd of calls": 0.05, "rest": 0.05,
 }  # fmt: skip
 """Kinds, and how often each comes in a minute."""
 

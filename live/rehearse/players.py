@@ -16,7 +16,8 @@ FOLLOWED: Final = ("/dance/attract", "/dance/voice", "/dance/performer")
 SHARES: Final = {"/dance/go": 4.0, "/dance/section": 3.0, "/dance/signal": 3.0, "/dance/undo": 3.0}
 """How much more often some are used than others."""
 RARE: Final = ("/dance/ping", "/dance/panic", "/dance/blackout", "/dance/clear", "/dance/stage", "/dance/hold",
-               "/dance/hold/score", "/dance/clock/source", "/dance/metre")  # fmt: skip
+               "/dance/hold/score", "/dance/practice", "/dance/clock/source", "/dance/clock/metre", "/dance/clock/hold",
+               "/dance/clock/half", "/dance/clock/double", "/dance/clock/count_in")  # fmt: skip
 
 
 class Call(NamedTuple):

@@ -1,4 +1,4 @@
-"""Proving: the journal of a long run is replayed, from its start and from snapshots: it must be the same bit by bit."""
+"""Proving: the journal of a long run is replayed, from its start and from snapshots; states must be the same."""
 
 import time as _time
 from pathlib import Path

@@ -331,9 +331,13 @@ class Soak:
 
     def rest(self, fault: Fault) -> None:
         """Everything is set back: what players of an hour have done does not pile up for ever."""
-        for address, values in (("/dance/clear", []), ("/dance/clock/source", ["auto"]), ("/dance/blackout", [0]),
-                                ("/dance/hold", [0]), ("/dance/practice", [])):  # fmt: skip
-            self.call(Call(fault.time, address, values, "osc"))
+        beats = self.show.patch.clock.beats_per_measure
+        for address, values in (
+            ("/dance/clear", []), ("/dance/blackout", [0]), ("/dance/hold", [0]), ("/dance/hold/score", [0]),
+            ("/dance/practice", []), ("/dance/clock/hold", [0]), ("/dance/clock/source", ["auto"]),
+            ("/dance/clock/metre", [beats]), ("/dance/clock/tempo", [self.band.bpm]),
+        ):  # fmt: skip
+            self.call(Call(fault.time, address, list(values), "osc"))
 
 
 FAULTS: Final[dict[str, Callable[[Soak, Fault], None]]] = {

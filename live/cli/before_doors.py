@@ -1,0 +1,155 @@
+"""What `live check SHOW --venue V` looks at before doors open: the show, its score, and the hall's devices."""
+
+import shutil
+import socket
+from collections.abc import Iterator
+from pathlib import Path
+
+from live.base.errors import PersonError
+from live.cli.checks import Check, check_kernels, check_monitors, check_opengl
+from live.cli.inventory import Section, audio, midi
+from live.show.core import Show
+from live.show.load import LoadedShow
+from live.show.venue import Venue
+
+ANSWER_S = 2.0
+"""Seconds that the show's own packet may take."""
+ROOM_MB = (300.0, 2000.0)
+"""Free disk space [MB]: below the first no journal of a night fits, below the second no film."""
+
+
+def show_checks(loaded: LoadedShow, show: Show) -> Iterator[Check]:
+    """Steps that do not connect, and everything about the score that is doubtful."""
+    from live.rehearse.score_doubts import cue_doubts, formation_doubts, section_doubts
+    from live.show.rehearsing import rehearsal_notes
+
+    graph = loaded.graph
+    if graph.missing:
+        for words in graph.missing:
+            yield Check("steps", "missing", words, "record it, or raise locomotion.threshold_m", needed=True)
+    else:
+        yield Check("steps", "ok", f"{len(graph.library.steps)} steps, {graph.edge_count} transitions", needed=True)
+    patch = show.patch
+    for name, doubts, remedy in (
+        ("sections", section_doubts(patch), "then = its name, a cue with section = its name, or leave it out"),
+        ("cues", cue_doubts(patch), "make the fade or the count-in shorter, or let them come later"),
+        ("formations", formation_doubts(show), "see `live formation`"),
+        ("ways", rehearsal_notes(show), "see docs/evolutions.md"),
+    ):
+        if not doubts:
+            yield Check(name, "ok", _counted(name, show))
+        for words in doubts:
+            yield Check(name, "limited", words, remedy)
+
+
+def _counted(name: str, show: Show) -> str:
+    patch = show.patch
+    counts = {
+        "sections": len(patch.section) or 1, "cues": len(patch.cue), "formations": len(patch.formation),
+        "ways": len(patch.segment),
+    }  # fmt: skip
+    return f"{counts[name]} {'segments' if name == 'ways' else name}"
+
+
+def venue_checks(venue: Venue | None) -> Iterator[Check]:
+    """The devices that a venue names."""
+    if venue is None:
+        return
+    inputs, outputs = audio()
+    wanted = venue.audio
+    for what, name, there in (
+        ("audio.device", wanted.device, inputs), ("audio.output", wanted.output, outputs),
+        ("audio.click", wanted.click, outputs),
+    ):  # fmt: skip
+        if name is not None:
+            yield _device(what, name, there)
+    midi_in, midi_out = midi()
+    for what, name, there in (
+        ("midi.input", venue.midi.input, midi_in),
+        ("midi.clock_out", venue.midi.clock_out, midi_out),
+    ):
+        if name is not None:
+            yield _device(what, name, there)
+
+
+def _device(what: str, name: str, there: Section) -> Check:
+    """Whether a device of that name, or with that in its name, is there."""
+    found = [str(item["name"]) for item in there.items if name.casefold() in str(item["name"]).casefold()]
+    if found:
+        return Check(what, "ok", found[0], needed=True)
+    known = ", ".join(str(item["name"]) for item in there.items) or there.why or "none"
+    return Check(what, "missing", f"{name!r} is not there", f"plug it in, or name one of: {known}", needed=True)
+
+
+def check_osc(host: str, port: int) -> Check:
+    """Whether the show would hear OSC there: it listens for a moment, and sends itself a packet."""
+    from live.base.inbox import Inbox
+    from live.clock.source import SystemClock
+    from live.control.osc import CannotListen, OscInput
+
+    listener = OscInput(host, port, Inbox(), SystemClock())
+    try:
+        listener.start()
+    except CannotListen as error:
+        return Check("OSC", "missing", str(error), "end the other program, or play with --osc HOST:PORT", needed=True)
+    try:
+        return _answered(listener, "127.0.0.1" if host in ("0.0.0.0", "") else host)
+    finally:
+        listener.stop()
+
+
+def _answered(listener: object, host: str) -> Check:
+    from live.rehearse.players import Call
+    from live.rehearse.sending import packet_of
+
+    port = listener.port  # type: ignore[attr-defined]
+    packet = packet_of(Call(0.0, "/dance/ping", [], "check"))
+    assert packet is not None
+    try:
+        address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
+        with socket.socket(address[0], socket.SOCK_DGRAM) as probe:
+            probe.settimeout(ANSWER_S)
+            probe.sendto(packet, address[4])
+            probe.recv(1024)
+    except OSError as error:
+        words = f"udp {host}:{port}: a packet to itself is not answered ({error})"
+        return Check("OSC", "missing", words, "look at the firewall", needed=True)
+    return Check("OSC", "ok", f"udp {host}:{port}: its own packet was answered", needed=True)
+
+
+def check_disk(folder: Path) -> Check:
+    """Room for a journal and for a film."""
+    try:
+        free = shutil.disk_usage(folder).free / 1e6
+    except OSError as error:
+        return Check("disk", "limited", f"{folder}: {error}", "write journals elsewhere")
+    detail = f"{free / 1000.0:.1f} GB free in {folder}"
+    least, enough = ROOM_MB
+    if free < least:
+        return Check("disk", "missing", f"{detail}: no room for a journal", "make room", needed=True)
+    if free < enough:
+        return Check("disk", "limited", f"{detail}: enough for a journal, not for a film", "make room")
+    return Check("disk", "ok", detail, needed=True)
+
+
+def check_music(loaded: LoadedShow) -> Check:
+    """The patch's music."""
+    try:
+        path = loaded.music_path
+    except PersonError as error:
+        return Check("music", "missing", error.message, error.remedy or "", needed=True)
+    return Check("music", "ok", "none in the patch" if path is None else str(path))
+
+
+def all_before_doors(loaded: LoadedShow, show: Show, venue: Venue | None, osc: tuple[str, int]) -> list[Check]:
+    """Every check, in the order of the table."""
+    return [
+        *show_checks(loaded, show),
+        check_music(loaded),
+        *venue_checks(venue),
+        check_osc(*osc),
+        check_monitors(),
+        check_opengl(),
+        check_kernels(),
+        check_disk(Path.cwd()),
+    ]
