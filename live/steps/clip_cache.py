@@ -108,22 +108,30 @@ def _read(path: Path) -> list[StepClip] | None:
 
 def write_clips(file: IO[bytes], clips: Sequence[StepClip]) -> None:
     """Write clips, bit by bit, as numpy's npz; at least one."""
-    np.savez(
-        file,
-        root=np.concatenate([c.clip.root_position for c in clips]),
-        rotation=np.concatenate([c.clip.rotation for c in clips]),
-        contact=np.concatenate([c.clip.contact for c in clips]),
-        rows=np.frombuffer(json.dumps([_row(c) for c in clips]).encode(), np.uint8),
-    )
+    np.savez(file, **arrays_of(clips))
 
 
 def read_clips(file: IO[bytes]) -> list[StepClip]:
     """The clips that `write_clips` wrote; any exception for what it did not write."""
     with np.load(file, allow_pickle=False) as data:
-        root, rotation, contact = data["root"], data["rotation"], data["contact"]
-        rows = json.loads(data["rows"].tobytes())
+        return clips_of(dict(data))
+
+
+def arrays_of(clips: Sequence[StepClip]) -> dict[str, Any]:
+    """All that clips hold, in four arrays; at least one clip."""
+    return {
+        "root": np.concatenate([c.clip.root_position for c in clips]),
+        "rotation": np.concatenate([c.clip.rotation for c in clips]),
+        "contact": np.concatenate([c.clip.contact for c in clips]),
+        "rows": np.frombuffer(json.dumps([_row(c) for c in clips]).encode(), np.uint8),
+    }
+
+
+def clips_of(arrays: dict[str, Any]) -> list[StepClip]:
+    """The clips of such arrays."""
+    root, rotation, contact = arrays["root"], arrays["rotation"], arrays["contact"]
     clips, at = [], 0
-    for row in rows:
+    for row in json.loads(arrays["rows"].tobytes()):
         end = at + row["samples"]
         clip = Clip(row["name"], root[at:end], rotation[at:end], row["sample_rate"], contact[at:end])
         clips.append(StepClip(clip=clip, **row["step"] | {"tags": tuple(row["step"]["tags"])}))
