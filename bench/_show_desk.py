@@ -85,13 +85,13 @@ def _pictures(loaded: LoadedShow, full: bool) -> list[Row]:
     for turn in range(60 if full else 20):
         show.fill(view, show.time)
         for name, times in spent.items():
-            for frame in range(2):  # the first one after a change draws the backdrop anew
+            for frame in range(3):  # after a change the first two draw the backdrop: coarse, then fine
                 if name in moved:
                     row[moved[name]] += 0.01
                 begin = time.perf_counter()
                 renderer.draw(view, target.framebuffer)
                 ctx.finish()
-                if frame and turn:
+                if frame == 2 and turn:
                     times.append(time.perf_counter() - begin)
     renderer.release()
     target.release()
