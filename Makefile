@@ -29,9 +29,10 @@ format: ## put every file into the project's form
 	$(BIN)/ruff format
 	$(BIN)/ruff check --fix
 
-soak: ## the tests that run for minutes or hours
+soak: ## a long show with all that may happen to it (ARGS="--hours 24 --seed 3")
 	@tools/setup.sh test
-	@$(BIN)/python -m pytest -m soak $(ARGS) || { [ $$? -eq 5 ] && echo "no soak tests here"; }
+	@$(BIN)/python -m pytest -m soak || { [ $$? -eq 5 ] && echo "no soak tests here"; }
+	@$(BIN)/live soak $(ARGS)
 
 clean: ## remove .venv, caches and films made by `make play`
 	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache out first-show.mp4

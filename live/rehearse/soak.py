@@ -78,6 +78,8 @@ class Report:
     faults: dict[str, int] = field(default_factory=dict)
     band: dict[str, int] = field(default_factory=dict)
     edits: dict[str, int] = field(default_factory=dict)
+    frames_ms: list[dict[str, float]] = field(default_factory=list)
+    """In real time: CPU time of frames [ms], late frames and memory, in rows of some seconds."""
     memory: list[tuple[float, float]] = field(default_factory=list)
     """Seconds of the show, resident memory [MB]."""
     objects: list[tuple[float, int]] = field(default_factory=list)
