@@ -10,7 +10,7 @@ from live.show.patch_file import MAIN_FILE
 
 SALT: Final = 0xED17
 GOOD: Final = (
-    '[[formation]]\nname = "rehearsed {n}"\nshape = "ring"\nsize = [{a:.2f}, {a:.2f}]\n',
+    '[[formation]]\nname = "rehearsed {n}"\nshape = "circle"\nsize = [{a:.2f}, {a:.2f}]\n',
     '[[view]]\nname = "seen {n}"\neye = [{a:.2f}, 3.0, 10.0]\ntarget = [0.0, 0.9, 0.0]\n',
     '[[looks]]\nname = "dusk {n}"\nkey_light = [1.0, {b:.2f}, 0.2]\nmeasures = 1\n',
     '[[scene]]\nname = "low {n}"\nmeasures = 2\n[scene.set]\n"/dance/light/level" = {b:.2f}\n',
