@@ -5,6 +5,7 @@ The journal of a show is its patch, its seed and these, each with the tick at wh
 
 import math
 from dataclasses import asdict, dataclass, fields
+from functools import cache
 from typing import Any
 
 from live.control.audio_events import ChooseAudio, MusicHeard, RestartAudio, SetClick, SetLatency
@@ -300,7 +301,7 @@ def event_from_json(data: dict[str, Any] | list[Any], columns: dict[str, list[st
     cls = EVENT_TYPES.get(name) if isinstance(name, str) else None
     if cls is None:
         raise ValueError(f"unknown event type {name!r}; known are {', '.join(sorted(EVENT_TYPES))}")
-    kinds = {field.name: field.type for field in fields(cls)}
+    kinds = _kinds(cls.__name__)
     for key, value in values.items():
         kind = kinds.get(key)
         good = (
@@ -320,7 +321,13 @@ def event_from_json(data: dict[str, Any] | list[Any], columns: dict[str, list[st
 def _values_of(row: list[Any], columns: dict[str, list[str]]) -> dict[str, Any]:
     name = row[0] if row else None
     cls = EVENT_TYPES.get(name) if isinstance(name, str) else None
-    names = [] if cls is None else columns.get(cls.__name__, columns_of(cls))
+    names = [] if cls is None else columns.get(cls.__name__) or list(_kinds(cls.__name__))
     if len(row) - 1 > len(names) and cls is not None:
         raise ValueError(f"event {name}: {len(row) - 1} values, {len(names)} expected")
     return {"type": name, **dict(zip(names, row[1:], strict=False))}
+
+
+@cache
+def _kinds(name: str) -> dict[str, Any]:
+    """The fields of an event's type, in their order, and what they hold."""
+    return {field.name: field.type for field in fields(EVENT_TYPES[name])}
