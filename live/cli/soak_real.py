@@ -3,7 +3,7 @@
 import contextlib
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, Final
 
@@ -182,11 +182,12 @@ class _People:
     def _do(self, key: bytes) -> None:
         fault = self._pending.pop(key)
         assert isinstance(fault, Fault)
-        act = {
+        acts: dict[str, Callable[[Fault], None]] = {
             "flood": self._flood, "garbage": self._garbage, "source lost": self._lose,
             "good edit": lambda fault: self._edits.good(), "bad edit": lambda fault: self._edits.bad(),
             "edit back": lambda fault: self._edits.back(),
-        }.get(fault.kind)  # fmt: skip
+        }  # fmt: skip
+        act = acts.get(fault.kind)
         if act is not None:
             self._report.faults[fault.kind] = self._report.faults.get(fault.kind, 0) + 1
             with contextlib.suppress(OSError):

@@ -58,16 +58,17 @@ def cue_doubts(patch: Patch) -> list[str]:
     for cue, following in zip(patch.cue, patch.cue[1:], strict=False):
         if cue.then != "auto":
             continue
-        if following.count_in > cue.after * beats:
+        after = cue.after or 1
+        if following.count_in > after * beats:
             notes.append(
-                f"cue {following.name!r} comes {cue.after} measures after {cue.name!r} by itself, and counts in for "
+                f"cue {following.name!r} comes {after} measures after {cue.name!r} by itself, and counts in for "
                 f"{following.count_in:g} beats: it comes later than that"
             )
         shared = _faded(patch, cue) & _faded(patch, following)
         fade = _fade(patch, cue)
-        if shared and fade > cue.after:
+        if shared and fade > after:
             notes.append(
-                f"cue {cue.name!r} fades for {fade:g} measures, and {following.name!r} comes after {cue.after} with "
+                f"cue {cue.name!r} fades for {fade:g} measures, and {following.name!r} comes after {after} with "
                 f"{', '.join(sorted(shared))}: the first fade never ends"
             )
     return notes + _scenes_at(patch)

@@ -3,7 +3,7 @@
 import heapq
 import socket
 from collections.abc import Callable, Iterator
-from typing import Final
+from typing import Any, Final
 
 from pythonosc.osc_message_builder import BuildError, OscMessageBuilder
 
@@ -56,7 +56,8 @@ class Outlet:
 
     def __init__(self, host: str, port: int) -> None:
         """OSError if the host has no address."""
-        family, _, _, _, self._to = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
+        family, _, _, _, there = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
+        self._to: Any = there
         self._socket = socket.socket(family, socket.SOCK_DGRAM)
         self.sent, self.failed = 0, 0
 
