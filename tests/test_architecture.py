@@ -54,6 +54,7 @@ def test_every_package_has_its_place() -> None:
         "control",
         "graph",
         "motion",
+        "rehearse",
         "render",
         "show",
         "steps",
