@@ -4,10 +4,11 @@ from pathlib import Path
 
 from bench import _show_desk as desk
 from bench import _show_journal as journal
+from bench import _show_reload as reload
 from bench import _show_score as score
 from live.cli.bench import Row
 
 
 def run(full: bool, shared: Path | None) -> list[Row]:
     """Figures against the bars of the show."""
-    return [*journal.rows(full), *desk.rows(full), *score.rows(full)]
+    return [*journal.rows(full), *desk.rows(full), *score.rows(full), *reload.rows(full)]
