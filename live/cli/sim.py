@@ -58,6 +58,7 @@ def sim(
     if audio is not None:
         _write(audio, band, seconds, seed, console)
         return
+    port = None if midi is None else _open(midi)
     try:
         outlet = Outlet(*parse_endpoint(osc))
     except OSError as error:
@@ -65,7 +66,6 @@ def sim(
     words = Words(loaded.patch, loaded.graph.library.steps)
     players = FakePlayers(seed, words, count=phones, rate=rate, nonsense=nonsense, role=role)
     streams: list[Any] = [(packets(players.calls()), outlet.send)]
-    port = None if midi is None else _open(midi)
     if port is not None:
         streams.append((pulses(band), port.send))
     told = f"{phones} phones to {osc}" + ("" if midi is None else f", the band to {midi}")

@@ -1,0 +1,77 @@
+"""`live soak` and `live sim`: reports, exit codes, refusals; what is judged in real time."""
+
+import json
+import wave
+
+import pytest
+
+from live.cli.soak_real import EACH_S, Figures
+from tests.cli.command import run_live
+
+
+def test_a_short_soak_reports_and_replays_its_journal(tmp_path):
+    report = tmp_path / "report.json"
+    told = run_live(
+        "soak", "score", "--minutes", "0.2", "--fps", "8", "--seed", "3", "--faults", "20",
+        "--report", str(report), "--folder", str(tmp_path / "kept"),
+    )  # fmt: skip
+    assert told.returncode == 0, told.stdout + told.stderr
+    assert "nothing went wrong" in told.stdout
+    facts = json.loads(report.read_text())
+    assert facts["ok"]
+    assert facts["seconds"] == pytest.approx(12.0, abs=5.0)
+    assert facts["replay"]["different"] == 0
+    assert facts["replay"]["measures"] >= facts["measures"] - facts["leapt"] > 0
+    assert (tmp_path / "kept" / "journal.jsonl").is_file()
+
+
+def test_three_seconds_of_real_time_reach_the_show_over_the_network(tmp_path):
+    told = run_live("soak", "score", "--minutes", "0.05", "--real", "--players", "400", "--faults", "0", "--json")
+    facts = json.loads(told.stdout)
+    assert facts["frames"] > 30
+    assert facts["events"]["accepted"] > 20
+    assert facts["replay"]["different"] == 0
+    assert facts["replay"]["measures"] >= 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("soak", "no such patch"), "there is no patch"),
+        (("soak", "--hours", "0"), "--hours"),
+        (("soak", "--hours", "1", "--minutes", "1"), "say the same"),
+        (("soak", "--faults", "-1"), "--faults"),
+        (("sim", "--role", "king"), "--role"),
+        (("sim", "--osc", "nonsense"), "--osc"),
+        (("sim", "--nonsense", "2"), "--nonsense"),
+        (("sim", "--midi", "no such port"), "--midi"),
+    ],
+)
+def test_what_cannot_be_asked_for_is_told_in_a_line(arguments, words):
+    told = run_live(*arguments)
+    assert told.returncode == 2
+    assert words in told.stderr
+
+
+def test_the_band_is_written_as_a_sound(tmp_path):
+    path = tmp_path / "band.wav"
+    told = run_live("sim", "score", "--audio", str(path), "--seconds", "3")
+    assert told.returncode == 0, told.stderr
+    with wave.open(str(path)) as file:
+        assert file.getnframes() == 3 * file.getframerate()
+
+
+def test_growing_frame_times_are_seen_and_noise_is_not():
+    rising, even = Figures(), Figures()
+    for row in range(9):
+        for number in range(100):
+            time = (row + (number + 1) / 100.0) * EACH_S
+            rising.add(time, 0.001 * (1 + row), late=row, memory=300.0)
+            even.add(time, 0.001 * (1 + number % 3), late=row, memory=300.0)
+    assert len(rising.rows) == len(even.rows) == 9
+    first, last = rising.grown()
+    assert last > 3.0 * first
+    first, last = even.grown()
+    assert first == pytest.approx(last)
+    assert [row["late"] for row in rising.rows] == [0, *([1] * 8)]
+    assert Figures().grown() is None
