@@ -173,7 +173,7 @@ class SetMotion(ControlEvent):
     """How dancers vary and how motion is mended: one parameter, for one group or (group "") for all."""
 
     parameter: str
-    """A field of `live.show.variation.Variety`."""
+    """A field of `live.show.variety.Variety`."""
     value: float
     group: str = ""
 

@@ -18,7 +18,8 @@ from live.show.patch import Patch
 from live.show.programme_steps import UnknownStep, find_step
 from live.show.refusals import Refusals
 from live.show.scheduler import Scheduler
-from live.show.variation import Variation, Variety
+from live.show.variation import Variation
+from live.show.variety import Variety
 
 
 class Directions:

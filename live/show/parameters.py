@@ -13,7 +13,8 @@ import numpy.typing as npt
 
 from live.base import picture
 from live.show.parameter_table import FIELDS, Parameter, ParameterTable
-from live.show.variation import Variation, Variety
+from live.show.variation import Variation
+from live.show.variety import Variety
 
 Float64 = npt.NDArray[np.float64]
 

@@ -207,7 +207,7 @@ class Scheduler:
             (40 + 0.05 * count, partial(self._vary, measure)),
             (22 + 0.03 * count, self._mix),
             (22 + 0.04 * count, self._turn),
-            (15, partial(variation.foresee, measure + 3)),
+            (15, partial(variation.drift.foresee, measure + 3)),
         ]
 
     def _pairs_by_pieces(self) -> range:

@@ -54,7 +54,7 @@ class Seen:
         beat = timeline.beat_at(time)
         return hash_of(
             motion.state.flat, motion.entrances.state, self._group, danced.node, danced.placement, danced.correction,
-            danced.aimed, danced.take, danced.warp, dancers.lock.state, dancers.variation.phase,
+            danced.aimed, danced.take, danced.warp, dancers.lock.state, dancers.variation.drift.phase,
             *dancers.pose(span.fraction(beat), time),
             motion.floor.half, motion.floor.border,
             np.array([beat, timeline.tempo, brightness]),

@@ -3,7 +3,7 @@
 Draws depend on the seed and the number of the measure alone, so a show is the same live, offline and replayed.
 """
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -14,19 +14,18 @@ from live.base.kernels import ease
 from live.graph.takes import NO_TAKE
 from live.motion.editing.time_warp import F_MAX, draw_measure_warps
 from live.motion.posing.asking.kernels import delay_phases
+from live.show.chance import Purpose, chance_of
 from live.show.danced import Danced
+from live.show.drift import KNOT_HIGH, Drift
 from live.show.patch import Patch
 from live.show.ripple import Ripple, parse_ripple
-from live.show.sections.motion import MotionSection
+from live.show.variety import Variety, varieties_of
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 STEEPEST: Final = 0.9
 """A time warp changes the speed of a clip by this share at most (T054: below 1, or it would run backwards)."""
-KNOT_LOW: Final = 0.125
-KNOT_HIGH: Final = 0.5
-"""Cycles per measure of a warp over the whole sequence: dancers drift ahead and behind over two to eight measures."""
 LATEST: Final = 0.95
 """Share of a measure by which anybody may be late."""
 MOST_LATER: Final = 0.2
@@ -34,83 +33,7 @@ MOST_LATER: Final = 0.2
 SLOWEST: Final = 0.15
 """No dancer gets slower than this share of her clip's speed while it does."""
 FARTHEST: Final = 0.12
-"""Share of a measure that such a warp is ahead or behind at most: less than the beat by which steps are decided."""
-
-SPAN: Final = np.array([1.0, 11.0, 11.0, 1.0]) / 24.0
-"""Weights of a uniform cubic B-spline's integral over one span."""
-
-
-@dataclass(frozen=True, slots=True)
-class Variety:
-    """What may be varied, for one group; the live controls `/dance/motion/...` set the same fields."""
-
-    warp_beats: float = 0.0
-    """Largest time warp [beats] (A_max of T055)."""
-    warp_sequence: float = 0.0
-    """1: the warp runs over the whole sequence (T056), 0: it ends with each measure (T055)."""
-    larger: float = 0.0
-    """By how much everybody's upper body moves more than recorded, all alike."""
-    amplitude: float = 0.0
-    """R_max: how much larger or smaller the upper body moves (T058)."""
-    amplitude_sequence: float = 0.0
-    """1: the amplitude changes slowly over the sequence (T059), 0: anew for each measure (T060)."""
-    mix: float = 0.0
-    """How far another take of the same step is mixed into the whole body at most (T045)."""
-    arms: float = 0.0
-    """Share of the dancers whose upper body is that of another take (T044)."""
-    head: float = 0.0
-    """How far heads turn to the public (T123-T125)."""
-    lock: float = 1.0
-    """1: feet that carry stay where they are, and no sole goes below the floor; 0: as the clips have it."""
-    on_support: float = 1.0
-    """1: dancers turn on the foot that carries (T048-T050), 0: evenly over the measure."""
-    face_average: float = 0.0
-    """1: a measure's average heading is brought to where the dancer should face (T122), 0: that at its end."""
-
-    obedience: float = 0.5
-    """0: steps are danced faithfully, 1: dancers are carried to where the group wants them as far as legs reach."""
-    mirror: float = 0.0
-    """-1: steps as they were made, 1: their mirror images where there are any, 0: both (T042)."""
-
-    @classmethod
-    def names(cls) -> tuple[str, ...]:
-        """The fields, in order."""
-        return tuple(field.name for field in fields(cls))
-
-
-def variety_of(section: MotionSection) -> Variety:
-    """What a patch says."""
-    return Variety(
-        warp_beats=section.warp_beats,
-        warp_sequence=float(section.warp_over == "sequence"),
-        larger=section.larger,
-        amplitude=section.amplitude,
-        amplitude_sequence=float(section.amplitude_over == "sequence"),
-        mix=section.mix,
-        arms=section.arms,
-        head=section.head,
-        lock=float(section.foot_lock),
-        on_support=float(section.turn_on == "support"),
-        face_average=float(section.face == "average"),
-        mirror={"both": 0.0, "never": -1.0, "only": 1.0}[section.mirror],
-    )
-
-
-def varieties_of(patch: Patch) -> list[Variety]:
-    """What a patch says of each group; a group that mirrors another one dances mirror images, and that one none."""
-    varieties = [variety_of(patch.motion_of(section)) for section in patch.group]
-    for index, section in enumerate(patch.group):
-        obedience = patch.locomotion.obedience if section.obedience is None else section.obedience
-        varieties[index] = replace(varieties[index], obedience=obedience)
-    names = [section.name for section in patch.group]
-    for index, section in enumerate(patch.group):
-        if section.like is None or not section.mirrored:
-            continue
-        varieties[index] = replace(varieties[index], mirror=1.0)
-        leader = names.index(section.like)
-        if varieties[leader].mirror == 0.0:
-            varieties[leader] = replace(varieties[leader], mirror=-1.0)
-    return varieties
+"""Share of a measure that a warp over the sequence is ahead or behind at most: less than the beat by which steps are decided."""
 
 
 def ripples_of(patch: Patch) -> list[Ripple]:
@@ -148,13 +71,8 @@ class Variation:
         self._beats = beats_per_measure
         self._window = window
         count = len(group)
-        self.phase: Float64 = np.zeros(count)
-        """Phase of each dancer's warp over the sequence when the present measure begins [rad], shape (A,) (T056)."""
-        self._knots: Float64 = np.zeros((2, 4, count))
-        self._amplitude_knots, self._frequency_knots = self._knots
-        self._drawn: tuple[int | None, Float64] = None, np.zeros((2, count))
-        self._knots_of: int | None = None
-        self._passes: Float64 | None = None  # `_passed`, if it is worked out already
+        self.drift = Drift(count, seed)
+        """The warp over the whole sequence of each dancer (T056)."""
         self.measure = 0
         self.ripples = list(ripples or [Ripple()] * len(varieties))
         """What runs over each group."""
@@ -246,7 +164,7 @@ class Variation:
     def draw(self, measure: int, danced: Danced) -> None:
         """Vary the measure numbered `measure` (from 0), whose nodes are chosen already."""
         count = len(self._group)
-        chance = self._chance(1, measure)
+        chance = chance_of(self._seed, Purpose.MEASURE, measure)
         # everything is drawn for everybody, so that one control never changes another's chances
         warps = draw_measure_warps(chance, count, window=self._window, a_max=0.0)
         amplitude, take, mix, arms = chance.uniform(0.0, 1.0, (4, count))
@@ -269,60 +187,28 @@ class Variation:
             danced.amplitude[1, slow] = self._slow_amplitude(measure + 1)[slow]
         danced.amplitude *= 1.0 + self.larger
 
-    def _chance(self, purpose: int, measure: int) -> np.random.Generator:
-        """The generator of one purpose and measure; measures before the first downbeat have numbers below 0."""
-        return np.random.default_rng([self._seed, purpose, measure % (1 << 32)])
-
     def _slow_amplitude(self, measure: int) -> Float64:
         """Amplitude at the line before `measure`, (A,): values repeated two by two (T059).
 
         Between equal values the monotone cubic (PCHIP) through them is flat, so between unequal ones it is an ease.
         """
-        chance = self._chance(2, measure // 2)
+        chance = chance_of(self._seed, Purpose.AMPLITUDE, measure // 2)
         return np.asarray(1.0 + self.amplitude * (chance.integers(0, 3, len(self._group)) - 1.0))
 
-    # -- the warp over the whole sequence (T056): cubic splines through random values, the phase accumulated --------
-
     def begin_measure(self, measure: int) -> None:
-        """The measure `measure` (from 0) begins: the phase of the sequence's warp goes on, its splines move on."""
-        self.phase += self._passed() if self._passes is None else self._passes
-        first = 3 if self._knots_of == measure - 1 else 0
-        if first:
-            self._knots[:, :-1] = self._knots[:, 1:]
-        self.measure = self._knots_of = measure
-        for n in range(first, 4):
-            if self._drawn[0] != measure + n:
-                self.foresee(measure + n)
-            self._knots[:, n] = self._drawn[1]
-        self._passes = None
-
-    def foresee(self, measure: int) -> None:
-        """Draw ahead what the warp over the sequence needs in `measure` first: three measures before it."""
-        drawn = self._chance(3, measure).uniform(0.0, 1.0, (2, len(self._group)))
-        drawn[1] = KNOT_LOW + (KNOT_HIGH - KNOT_LOW) * drawn[1]
-        self._drawn = measure, drawn
-        self._passes = self._passed()
-
-    def _passed(self) -> Float64:
-        """By how much the phase of the sequence's warp goes on in the present measure [rad], (A,)."""
-        return np.asarray(2.0 * np.pi * (SPAN @ self._frequency_knots))
+        """The measure `measure` (from 0) begins."""
+        self.measure = measure
+        self.drift.begin_measure(measure)
 
     def sequence_warp(self, fraction: float) -> Float64:
-        """How far each dancer is ahead (positive) or behind [share of a measure] at `fraction` of it, (A,).
-
-        A(x) sin φ(x): amplitude and frequency are uniform cubic B-splines, which stay between their random values, so
-        |A'| + A φ' < 1 always holds and no clip runs backwards; φ is the integral of 2πf (T056 as corrected).
-        """
-        t = fraction
-        value = np.array([(1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, -3 * t**3 + 3 * t**2 + 3 * t + 1, t**3]) / 6.0
-        passed = np.array([
-            1 - (1 - t) ** 4, 3 * t**4 - 8 * t**3 + 16 * t, -3 * t**4 + 4 * t**3 + 6 * t**2 + 4 * t, t**4
-        ]) / 24.0  # fmt: skip
-        most = np.minimum(self.warp_beats / self._beats, FARTHEST) * (self.warp_sequence != 0.0)
-        phase = self.phase + 2.0 * np.pi * (passed @ self._frequency_knots)
-        ahead = most * (value @ self._amplitude_knots) * np.sin(phase)
+        """How far each dancer is ahead (positive) or behind [share of a measure] at `fraction` of it, (A,)."""
+        ahead = self.drift.at(fraction, self._farthest())
         before = ahead[self._liked]
         return np.asarray(before + ease(fraction) * (ahead[self._like] - before))
+
+    def _farthest(self) -> Float64:
+        """How far each dancer may drift [share of a measure], (A,)."""
+        return np.asarray(np.minimum(self.warp_beats / self._beats, FARTHEST) * (self.warp_sequence != 0.0))
 
     # -- lateness on purpose: canon and ripple --------------------------------------------------------------------
 
@@ -358,7 +244,6 @@ class Variation:
                 late[rows] += ripple.delays(np.asarray(place, np.float64)[rows])
         late = np.minimum(late / self._beats, LATEST)[like]
         steep = 2.0 * np.pi * danced.warp[0] * danced.warp[1]
-        drift = np.minimum(self.warp_beats / self._beats, FARTHEST) * (self.warp_sequence != 0.0)
-        steep = steep + 2.0 * np.pi * KNOT_HIGH * drift
+        steep = steep + 2.0 * np.pi * KNOT_HIGH * self._farthest()
         most = np.clip((1.0 - SLOWEST - steep) / 1.5, 0.0, MOST_LATER)  # an ease is 1.5 times as steep as a line
         self.late += np.clip(late - self.late, -most, most)

@@ -11,7 +11,8 @@ from live.graph.motion_graph import build_graph
 from live.graph.takes import NO_TAKE
 from live.motion.forward import forward_kinematics, local_rotations
 from live.show.dancers import Dancers
-from live.show.variation import Variation, Variety
+from live.show.variation import Variation
+from live.show.variety import Variety
 from tests.made_steps import made_steps
 from tests.steps_of_the_project import project_steps
 

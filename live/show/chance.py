@@ -1,0 +1,21 @@
+"""Chance: the generators by which the dancers of one group differ, one for each purpose and measure."""
+
+from enum import IntEnum
+
+import numpy as np
+
+
+class Purpose(IntEnum):
+    """What is drawn; each has chances of its own."""
+
+    MEASURE = 1
+    """Warp, amplitude and takes of one measure."""
+    AMPLITUDE = 2
+    """Amplitudes that change slowly over the sequence (T059)."""
+    DRIFT = 3
+    """The warp over the whole sequence (T056)."""
+
+
+def chance_of(seed: int, purpose: Purpose, measure: int) -> np.random.Generator:
+    """The generator of one purpose and measure; measures before the first downbeat have numbers below 0."""
+    return np.random.default_rng([seed, purpose, measure % (1 << 32)])

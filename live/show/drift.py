@@ -1,0 +1,72 @@
+"""Drift: the warp over the whole sequence, by which dancers are slowly ahead and behind, measure after measure (T056).
+
+Cubic splines through random values, the phase accumulated.
+"""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.show.chance import Purpose, chance_of
+
+Float64 = npt.NDArray[np.float64]
+
+KNOT_LOW: Final = 0.125
+KNOT_HIGH: Final = 0.5
+"""Cycles per measure: dancers drift ahead and behind over two to eight measures."""
+SPAN: Final = np.array([1.0, 11.0, 11.0, 1.0]) / 24.0
+"""Weights of a uniform cubic B-spline's integral over one span."""
+
+
+class Drift:
+    """Where A dancers are in their drifting. To be asked in the order of the measures."""
+
+    def __init__(self, count: int, seed: int) -> None:
+        self._count, self._seed = count, seed
+        self.phase: Float64 = np.zeros(count)
+        """Phase of each dancer's warp when the present measure begins [rad], shape (A,)."""
+        self._knots: Float64 = np.zeros((2, 4, count))
+        self._amplitude_knots, self._frequency_knots = self._knots
+        self._drawn: tuple[int | None, Float64] = None, np.zeros((2, count))
+        self._knots_of: int | None = None
+        self._passes: Float64 | None = None  # `_passed`, if it is worked out already
+
+    def begin_measure(self, measure: int) -> None:
+        """The measure `measure` (from 0) begins: the phase goes on, the splines move on."""
+        self.phase += self._passed() if self._passes is None else self._passes
+        first = 3 if self._knots_of == measure - 1 else 0
+        if first:
+            self._knots[:, :-1] = self._knots[:, 1:]
+        self._knots_of = measure
+        for n in range(first, 4):
+            if self._drawn[0] != measure + n:
+                self.foresee(measure + n)
+            self._knots[:, n] = self._drawn[1]
+        self._passes = None
+
+    def foresee(self, measure: int) -> None:
+        """Draw ahead what is needed in `measure` first: three measures before it."""
+        drawn = chance_of(self._seed, Purpose.DRIFT, measure).uniform(0.0, 1.0, (2, self._count))
+        drawn[1] = KNOT_LOW + (KNOT_HIGH - KNOT_LOW) * drawn[1]
+        self._drawn = measure, drawn
+        self._passes = self._passed()
+
+    def _passed(self) -> Float64:
+        """By how much the phase goes on in the present measure [rad], (A,)."""
+        return np.asarray(2.0 * np.pi * (SPAN @ self._frequency_knots))
+
+    def at(self, fraction: float, most: Float64) -> Float64:
+        """How far each dancer is ahead (positive) or behind [share of a measure] at `fraction` of it, (A,).
+
+        `most` (A,) is how far she may be. A(x) sin φ(x): amplitude and frequency are uniform cubic B-splines, which
+        stay between their random values, so |A'| + A φ' < 1 always holds and no clip runs backwards; φ is the
+        integral of 2πf (T056 as corrected).
+        """
+        t = fraction
+        value = np.array([(1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, -3 * t**3 + 3 * t**2 + 3 * t + 1, t**3]) / 6.0
+        passed = np.array([
+            1 - (1 - t) ** 4, 3 * t**4 - 8 * t**3 + 16 * t, -3 * t**4 + 4 * t**3 + 6 * t**2 + 4 * t, t**4
+        ]) / 24.0  # fmt: skip
+        phase = self.phase + 2.0 * np.pi * (passed @ self._frequency_knots)
+        return np.asarray(most * (value @ self._amplitude_knots) * np.sin(phase))
