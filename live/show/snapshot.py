@@ -17,6 +17,7 @@ from live.show.core import Show
 from live.show.load import LoadedShow, steps_hash
 from live.show.patch import Patch
 from live.show.pickled import Known, Unreadable, dotted, read_state, resolve, write_state
+from live.show.state_code import state_code
 
 FORMAT: Final = 1
 LARGEST: Final = 1 << 28
@@ -73,6 +74,7 @@ class Taken:
         header = {
             "snapshot": FORMAT,
             "version": __version__,
+            "code": state_code(),
             "tick": self.tick,
             "measure": self.measure,
             "seed": self.seed,
@@ -144,6 +146,8 @@ def facts_of(data: bytes) -> dict[str, Any]:
         raise SnapshotError("not a snapshot, or its first line is damaged") from None
     if kind != FORMAT or version != __version__:
         raise SnapshotError(f"the snapshot is of version {version} (format {kind}), this is {__version__} ({FORMAT})")
+    if facts.get("code") != state_code():
+        raise SnapshotError("the snapshot was written by other code than this: a replay can begin at the start")
     if not whole or facts["size"] > LARGEST or _check(facts, packed) != check:
         raise SnapshotError("the snapshot is damaged: its check-sum is another")
     known: dict[str, Any] = facts

@@ -133,6 +133,9 @@ def test_another_patch_other_steps_and_another_version_are_named():
     old = json.dumps(json.loads(line) | {"version": "0.0.1"}).encode() + b"\n" + packed
     with pytest.raises(SnapshotError, match=r"version 0\.0\.1"):
         restore(MADE, old)
+    other_code = json.dumps(json.loads(line) | {"code": "0123456789abcdef"}).encode() + b"\n" + packed
+    with pytest.raises(SnapshotError, match="other code"):
+        restore(MADE, other_code)
     strange = json.dumps(json.loads(line) | {"snapshot": FORMAT + 1}).encode() + b"\n" + packed
     with pytest.raises(SnapshotError, match=f"format {FORMAT + 1}"):
         restore(MADE, strange)
