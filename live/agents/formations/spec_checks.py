@@ -123,7 +123,11 @@ def _check_points(spec: Any) -> None:
     if spec.shape == "polyline" and not spec.points:
         spec.refuse("points", "a list of points [x, z] expected", "points = [[-3, 0], [0, -2], [3, 0]]")
     if spec.points and spec.shape not in ("polyline", "polygon"):
-        spec.refuse("points", f"shape {spec.shape!r} is not drawn", "shape = 'polyline' or 'polygon'")
+        spec.refuse(
+            "points",
+            f"points draw a line or an outline, and the shape is {spec.shape!r} (grid, if none is written)",
+            "add shape = 'polyline' or 'polygon', or leave points out",
+        )
     if not isinstance(spec.points, tuple) or not all(isinstance(line, tuple) for line in spec.points):
         spec.refuse("points", "a list of points [x, z], or several such lists, expected", "points = [[-3, 0], [3, 0]]")
     if sum(map(len, spec.points)) > MOST_POINTS:

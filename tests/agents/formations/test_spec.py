@@ -69,6 +69,7 @@ REFUSED = [
     ({"shape": "polyline", "points": [[0, 0], [2, 2], [2, 0], [0, 2]], "dancers": "inside"}, "crosses or touches"),
     ({"shape": "polygon", "points": [[0, 0], [0.01, 0], [0, 0.01]], "pattern": "grid"}, "points"),
     ({"shape": "polygon", "points": [[[0, 0], [1, 0], [0, 1]], [[0, 0], [1, 0], [0, 1]]]}, "points"),
+    ({"points": [[0, 0], [1, 0]]}, "if none is written"),
     ({"shape": "circle", "mirror": "up-down"}, "mirror"),
     ({"shape": "circle", "mirror": [[0, 0], [0, 0]]}, "mirror"),
     ({"shape": "circle", "mirror": [[40, 0], [40, 1]], "mirror_keep": "right"}, "nothing lies on the side"),
