@@ -8,8 +8,6 @@ nothing is searched. The way a dancer is still off after her step is spread over
 """
 
 import math
-from collections import deque
-from collections.abc import Callable
 from functools import partial
 from typing import Any, Final
 
@@ -34,14 +32,12 @@ from live.show.following import choose_following, place_followers
 from live.show.group_motion import GroupMotion
 from live.show.measure import MeasureSpan
 from live.show.patch import Patch
+from live.show.pieces import Piece, Pieces
 from live.show.programmes import take_programmes
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
-
-Piece = tuple[float, Callable[[], object]]
-"""A piece of the planning, after what it weighs."""
 
 LOOK_BEATS: Final = 1.75
 """Beats before the measure line at which the look-ahead begins."""
@@ -89,8 +85,7 @@ class Scheduler:
         self._asked_from = np.full(count, -1, np.int32)
         self._arguments: tuple[Any, ...] = ()
         self._following: tuple[Int32, Int32] = np.zeros(0, np.int32), np.zeros(0, np.int32)
-        self._pieces: deque[Piece] = deque()
-        self._left = 0.0  # what they weigh together
+        self._pieces = Pieces()
         self._looked = False  # whether headings have been asked for
         self._seconds = 2.0
         self.take_graph(dancers.graph, choosing or Choosing.of(dancers.graph))
@@ -151,13 +146,7 @@ class Scheduler:
             self._begin(span, timeline, time)
             return
         ticks = math.ceil((left - DECIDE_BEATS) * 60.0 / timeline.tempo / TICK)
-        share, done = self._left / max(ticks, 1), 0.0
-        while self._pieces and done < share:
-            weight = self._pieces[0][0]
-            if done and ticks > 1 and done + weight > 1.5 * share:
-                return  # rather in the next tick than together with others in this one
-            self._do_piece()
-            done += weight
+        self._pieces.work(ticks)
 
     def plan_anew(self, span: MeasureSpan, timeline: Timeline, time: float) -> bool:
         """Forget what is planned of the measure after `span`, and plan it again; False if it is too late for that."""
@@ -168,7 +157,7 @@ class Scheduler:
         if (span.end - timeline.beat_at(time) - DECIDE_BEATS) * 60.0 / timeline.tempo < ANEW_TICKS * TICK:
             return False
         self._pieces.clear()
-        self._left, self._arguments = 0.0, ()
+        self._arguments = ()
         if self._looked:
             self.aims.headings.take_back()
         for programme in self.programmes:
@@ -184,8 +173,7 @@ class Scheduler:
         late = np.round(4.0 * self._dancers.variation.late * timeline.beats_per_measure) / 4.0
         self._motion.look(time, seconds, self._dancers.present.end_heading(), late)
         steps = math.ceil((seconds + float(late.max()) * beat) / LookAhead.STEP) + len(np.unique(late))
-        self._pieces.extend(self._planned(steps, span.number + 1))
-        self._left = sum(weight for weight, _ in self._pieces)
+        self._pieces.begin(self._planned(steps, span.number + 1))
         self._looked = False
 
     def _planned(self, steps: int, measure: int) -> list[Piece]:
@@ -213,11 +201,6 @@ class Scheduler:
     def _pairs_by_pieces(self) -> range:
         """Where the pieces begin in which followers choose."""
         return range(0, len(self._motion.partners.leader), AT_A_TIME)
-
-    def _do_piece(self) -> None:
-        weight, piece = self._pieces.popleft()
-        self._left -= weight
-        piece()
 
     def _look(self) -> None:
         self._motion.work(1 << 20)
@@ -321,8 +304,7 @@ class Scheduler:
         """Choose the next measure of every dancer now, finishing what is not planned yet."""
         if not self._pieces and not self._arguments:
             self._begin(span, timeline, time)
-        while self._pieces:
-            self._do_piece()
+        self._pieces.finish()
         if self._catch_up():
             self._vary(span.number + 1)
             self._mix()

@@ -33,7 +33,7 @@ MOST_LATER: Final = 0.2
 SLOWEST: Final = 0.15
 """No dancer gets slower than this share of her clip's speed while it does."""
 FARTHEST: Final = 0.12
-"""Share of a measure that a warp over the sequence is ahead or behind at most: less than the beat by which steps are decided."""
+"""Share of a measure that drift is ahead or behind at most: less than the beat by which steps are decided."""
 
 
 def ripples_of(patch: Patch) -> list[Ripple]:

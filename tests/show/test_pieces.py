@@ -1,0 +1,47 @@
+"""Work in pieces: all of it, in order, in the ticks that there are, and in no tick much more than its share."""
+
+import numpy as np
+
+from live.show.pieces import MORE, Pieces
+
+
+def test_all_is_done_in_order_and_evenly():
+    chance = np.random.default_rng(4)
+    weights, done = chance.uniform(1.0, 40.0, 60), []
+    pieces = Pieces()
+    pieces.begin((weight, lambda n=n: done.append(n)) for n, weight in enumerate(weights))
+    ticks, left, before = 20, weights.sum(), 0
+    for tick in range(ticks):
+        share = left / (ticks - tick)
+        pieces.work(ticks - tick)
+        of_tick = weights[before : len(done)]
+        if len(of_tick) > 1 and tick < ticks - 1:
+            assert of_tick.sum() <= MORE * share + 1e-9
+        left, before = left - of_tick.sum(), len(done)
+    assert done == list(range(60))
+    assert not pieces
+
+
+def test_what_is_left_is_finished_at_once():
+    done = []
+    pieces = Pieces()
+    pieces.begin((1.0, lambda n=n: done.append(n)) for n in range(5))
+    pieces.work(5)
+    assert done == [0]
+    assert pieces
+    pieces.finish()
+    assert done == list(range(5))
+
+
+def test_what_is_forgotten_is_never_done():
+    done = []
+    pieces = Pieces()
+    pieces.begin((2.0, lambda n=n: done.append(n)) for n in range(5))
+    pieces.work(5)
+    pieces.clear()
+    assert not pieces
+    assert pieces.left == 0.0
+    pieces.begin([(3.0, lambda: done.append("anew"))])
+    assert pieces.left == 3.0
+    pieces.finish()
+    assert done == [0, "anew"]
