@@ -8,7 +8,8 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from live.clock.ticks import TICK
-from live.control.events import ControlEvent, SetLatency, StepsAdded, StepsChanged, TicksSkipped, event_from_json
+from live.control.event_json import event_from_json
+from live.control.events import ControlEvent, SetLatency, StepsAdded, StepsChanged, TicksSkipped
 from live.show.core import Show
 from live.show.load import LoadedShow, library_hash
 from live.show.replay_start import ReplayError, loaded_of

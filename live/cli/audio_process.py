@@ -22,7 +22,8 @@ from live.clock.following.seed import Seed
 from live.clock.source import SystemClock
 from live.control.audio_device import AudioInput
 from live.control.channels import Channels
-from live.control.events import ControlEvent, event_from_json, event_to_json
+from live.control.event_json import event_from_json, event_to_json
+from live.control.events import ControlEvent
 from live.control.music_file import read_music
 from live.control.music_player import MusicPlayer
 

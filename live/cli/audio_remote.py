@@ -19,15 +19,8 @@ from live.base.inbox import Inbox
 from live.cli.resumed import Resumed
 from live.clock.following.seed import Seed
 from live.clock.source import SystemClock
-from live.control.events import (
-    ChooseAudio,
-    ControlEvent,
-    RestartAudio,
-    SetLatency,
-    SourceChanged,
-    event_from_json,
-    event_to_json,
-)
+from live.control.event_json import event_from_json, event_to_json
+from live.control.events import ChooseAudio, ControlEvent, RestartAudio, SetLatency, SourceChanged
 from live.show.core import Show
 from live.show.venue_latency import Latencies
 

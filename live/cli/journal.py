@@ -117,7 +117,7 @@ def _tell(found: "Survey", console: Any) -> None:
 
 def _list(journal: "Journal", console: Any) -> None:
     from live.clock.ticks import TICK
-    from live.control.events import event_to_json
+    from live.control.event_json import event_to_json
 
     measure = 1
     for line in journal.usable():

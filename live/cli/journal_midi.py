@@ -9,7 +9,8 @@ import numpy as np
 
 from live.clock.ticks import TICK
 from live.control.audio_events import MusicHeard
-from live.control.events import BeatHeard, event_to_json
+from live.control.event_json import event_to_json
+from live.control.events import BeatHeard
 from live.show.journal_reading import Journal, JournalLine
 from live.show.replay import Replaying
 from live.show.replay_start import Start

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
-from live.control.events import event_to_json
+from live.control.event_json import event_to_json
 from live.show.journal_reading import Journal
 
 COLUMNS = ("line", "tick", "seconds", "measure", "kind", "source", "values")

@@ -69,3 +69,37 @@ class ChooseSource(ControlEvent):
     """Which source is followed, by name; "auto": by priority."""
 
     name: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BeatHeard(ControlEvent):
+    """What a source says: a beat at `beat_time` [s of the show], `period` [s] to the next, confidence 0 to 1.
+
+    The source is the event's `source`: "audio", "midi", "link", "mtc" …
+    """
+
+    beat_time: float
+    """It may lie ahead: a prediction."""
+    period: float
+    confidence: float
+    beat: int = -1
+    """Which beat of its measure it is, from 0; -1 where the source cannot tell."""
+    beats_per_measure: int = 0
+    """0 where the source cannot tell."""
+    measure: int = -1
+    """The source's own number of the measure, from 0 (song position, Link); -1 where it counts none."""
+    jump: bool = False
+    """Whether the source says that it has jumped (start, song position): its grid is to be taken at once."""
+    anchored: bool = True
+    """False where the source only counts evenly and cannot tell when a beat is: MIDI clock that was never started."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SourceChanged(ControlEvent):
+    """A clock source came ("found"), rests longer than usual ("paused"), fell silent ("silent"), went away ("lost").
+
+    MIDI and Link also say "started" and "stopped".
+    """
+
+    state: str
+    detail: str = ""

@@ -6,7 +6,8 @@ from live.base.inbox import Inbox
 from live.base.stage_view import StageView
 from live.clock.source import Clock
 from live.clock.ticks import STALL, TICK, Ticks
-from live.control.events import BeatHeard, ControlEvent, MusicHeard, SourceChanged, TicksSkipped, is_finite
+from live.control.event_json import is_finite
+from live.control.events import BeatHeard, ControlEvent, MusicHeard, SourceChanged, TicksSkipped
 from live.show.core import Show
 from live.show.guides import draw_guides
 from live.show.journal import JournalWriter

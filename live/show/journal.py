@@ -13,7 +13,8 @@ from typing import Any, Final, Protocol
 from live import __version__
 from live.clock.ticks import TICK
 from live.control.event import ControlEvent
-from live.control.events import EVENT_TYPES, IN_ROWS, columns_of, event_to_json, event_to_row
+from live.control.event_json import IN_ROWS, columns_of, event_to_json, event_to_row
+from live.control.events import EVENT_TYPES
 from live.show.core import Show
 from live.show.journal_file import SNAPSHOTS, JournalFile, keep_aside
 from live.show.journal_reading import (

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import zip_longest
 from typing import Any
 
-from live.control.events import event_to_json
+from live.control.event_json import event_to_json
 from live.show.journal_reading import Journal, JournalLine
 
 PLACES = ("patch_path", "recordings", "version", "journal", "columns", "origin")

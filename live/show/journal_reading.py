@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any, Final, TextIO
 
 from live.control.event import ControlEvent
-from live.control.events import TicksSkipped, event_from_json
+from live.control.event_json import event_from_json
+from live.control.events import TicksSkipped
 
 FORMAT: Final = 2
 """What is written; 1 had no snapshots, and no line without a word that is as usual."""

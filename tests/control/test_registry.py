@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from live.control import events
 from live.control.control import NAME_LENGTH, Argument, Control, Released, Reply
+from live.control.event_json import event_from_json, event_to_json
 from live.control.events import ControlEvent
 from live.control.registry import REGISTRY, Registry
 from live.control.rejections import Reason, Rejection, Tally, merged
@@ -130,7 +131,7 @@ def test_whatever_is_sent_an_event_within_its_ranges_or_a_rejection_comes_out(ad
                 assert argument.minimum <= value <= argument.maximum
             elif argument.type == "name":
                 assert 1 <= len(value) <= NAME_LENGTH
-        assert events.event_from_json(events.event_to_json(result)) == result
+        assert event_from_json(event_to_json(result)) == result
 
 
 def test_a_rejection_says_what_was_allowed_and_what_came():

@@ -2,7 +2,7 @@
 
 import pytest
 
-from live.control import events
+from live.control.event_json import event_from_json, event_to_json
 from live.control.registry import REGISTRY
 from live.show.patch_file import PatchError
 from tests.show.desk_show import DESK, Hands
@@ -179,13 +179,13 @@ def test_cues_are_replayed_bit_by_bit():
     for beat, address, *values in said:
         first.run(beat - first.ticks / 32)
         event = REGISTRY.call(address, values, first.ticks / 64, "key")
-        lines.append((first.ticks, events.event_to_json(event)))
+        lines.append((first.ticks, event_to_json(event)))
         first.show.apply(event)
     first.run(10)
     second = Hands()
     for tick, line in lines:
         second.run(ticks=tick - second.ticks)
-        second.show.apply(events.event_from_json(line))
+        second.show.apply(event_from_json(line))
     second.run(ticks=first.ticks - second.ticks)
     assert second.show.state_hash() == first.show.state_hash()
     assert second.cues == first.cues

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from live.clock.ticks import TICK
-from live.control.events import Performer, StepNow, event_from_json, event_to_json
+from live.control.event_json import event_from_json, event_to_json
+from live.control.events import Performer, StepNow
 from live.show.core import Show
 from live.show.patch_file import parse_patch
 from tests.show.made_show import GRAPH, PATCH, made_show

@@ -7,6 +7,7 @@ import pytest
 from live.base.inbox import Inbox
 from live.clock.source import ManualClock
 from live.control import events
+from live.control.event_json import event_from_json, event_to_json
 from live.show.engine import Engine
 from live.show.journal import JournalError, JournalWriter, read_journal
 from live.show.replay import replay
@@ -143,9 +144,9 @@ def test_every_event_survives_the_journal_bit_by_bit():
         fields = {key: values.get(key, kinds[field.type]) for key, field in cls.__dataclass_fields__.items()}
         fields = {key: value for key, value in fields.items() if key not in ("time", "source")}
         event = cls(time=2 / 3, source="test", **fields)
-        data = json.loads(json.dumps(events.event_to_json(event)))
+        data = json.loads(json.dumps(event_to_json(event)))
         assert data["type"] == name
-        assert events.event_from_json(data) == event
+        assert event_from_json(data) == event
 
 
 def test_a_journal_of_the_same_name_is_kept(tmp_path):
@@ -203,7 +204,7 @@ def test_a_journal_of_format_1_is_read(tmp_path):
     rows[0] = {"journal": 1, "seed": 3}
     for row in rows[1:]:
         if "event" in row:
-            row["event"] = events.event_to_json(events.event_from_json(row["event"]))
+            row["event"] = event_to_json(event_from_json(row["event"]))
     path.write_text("".join(json.dumps(row) + "\n" for row in rows))
     result = replay(made_show(), read_journal(path))
     assert result.measures >= 2
