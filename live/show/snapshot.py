@@ -16,8 +16,9 @@ from live.graph.motion_graph import MotionGraph
 from live.show.core import Show
 from live.show.load import LoadedShow, steps_hash
 from live.show.patch import Patch
-from live.show.pickled import Known, Unreadable, dotted, read_state, resolve, write_state
+from live.show.pickled import Known, write_state
 from live.show.state_code import state_code
+from live.show.state_reading import Unreadable, dotted, read_state, resolve
 
 FORMAT: Final = 1
 LARGEST: Final = 1 << 28

@@ -11,8 +11,8 @@ from live.clock.ticks import TICK
 from live.control import events
 from live.show.load import LoadedShow, load_show
 from live.show.patch_file import find_patch, parse_patch
-from live.show.pickled import Unreadable, read_state
 from live.show.snapshot import FORMAT, SnapshotError, Snapshots, facts_of, restore, snapshot
+from live.show.state_reading import Unreadable, read_state
 from tests.show.desk_show import DESK
 from tests.show.made_show import GRAPH, PATCH, made_show
 
