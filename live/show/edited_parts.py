@@ -8,9 +8,10 @@ import numpy as np
 from live.agents.crowd.surroundings import Surroundings
 from live.show.cues import Cues
 from live.show.edits import Kept, Part
-from live.show.group_motion import PERFORMER, GroupMotion
+from live.show.group_motion import GroupMotion
 from live.show.headings import Headings
 from live.show.parameters import Parameters
+from live.show.performers import PERFORMER
 from live.show.scenes import Scenes
 from live.show.scheduler import Scheduler
 from live.show.variation import Variation

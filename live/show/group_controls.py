@@ -83,7 +83,7 @@ class GroupControls:
                 if not surroundings.remove(event.name):
                     raise PersonError(f"nothing on the stage is called {event.name!r}")
             case events.Performer():
-                self._taken(self._motion.track(event))
+                self._taken(self._motion.performers.track(event))
 
     def clear(self, time: float, timeline: Timeline) -> None:
         """All elements end, and nobody has an evolution any more."""

@@ -22,7 +22,6 @@ from live.agents.wings.gate import Gate, wings
 from live.base.stage_view import StageView
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
-from live.control.events import Performer
 from live.show.casting import Casting
 from live.show.elements import Elements
 from live.show.evolutions import Evolutions
@@ -31,6 +30,7 @@ from live.show.measure import MeasureSpan
 from live.show.pair_steering import PairSteering
 from live.show.partners import Partners
 from live.show.patch import Patch
+from live.show.performers import Performers
 from live.show.score import Score
 from live.show.sections.stage import ObstacleSection
 
@@ -52,12 +52,6 @@ TAKEN: Final = 0.5
 """An element whose influence has come this far takes a dancer out of her evolution for good."""
 STANDING: Final = 0.9
 """Distance [m] under which dancers whom nothing moves make room for each other."""
-LOST_S: Final = 2.0
-"""A real dancer of whom nothing is heard for so long [s] has left."""
-FASTEST: Final = 6.0
-"""Nobody dances faster than this [m/s]: such leaps are faults of the tracking."""
-PERFORMER: Final = "performer "
-"""Real dancers' names among the obstacles begin so."""
 
 
 def gates_of(patch: Patch, half_width: float, half_depth: float) -> tuple[Gate, ...]:
@@ -102,6 +96,7 @@ class GroupMotion:
         self.gates = gates_of(patch, *half)
         self.entrances = Entrances(count, patch.dancer_count, self.gates, half)
         self.surroundings = Surroundings()
+        self.performers = Performers(self.surroundings, AGENT_RADIUS)
         for item in patch.obstacle:
             self._furnish(item)
         self.part = Parting(count, DANCER_GAP, half_width=half[0], half_depth=half[1], seed=seed)
@@ -118,7 +113,6 @@ class GroupMotion:
         self._look = LookAhead(count, self._advance, self.surroundings, self._ask_ahead)
         self._now: tuple[Timeline, MeasureSpan] | None = None
         self._speed: Float32 = np.zeros(count, np.float32)
-        self._performers: dict[str, Performer] = {}
         self._late: Float64 = np.zeros(count)
         self._leash: Float32 = np.zeros(count, np.float32)
 
@@ -170,8 +164,7 @@ class GroupMotion:
         self.entrances.settle(self.state.position)
         if len(self.partners.leader):
             self.partners.part(self.entrances.state == ON)
-        if self._performers:
-            self._forget_performers(time)
+        self.performers.tick(time)
         self.evolutions.work(self.state.position)
         self._ask(self.wants, self.state, time, ahead=False)
         if self.evolutions.running:
@@ -287,25 +280,6 @@ class GroupMotion:
         else:
             self.surroundings.put_obstacle(item.name, *item.at, item.radius)
 
-    def track(self, event: Performer) -> bool:
-        """Take up where a real dancer is; False if there are too many obstacles already."""
-        last = self._performers.get(event.name)
-        velocity = (0.0, 0.0)
-        if last is not None and event.time - last.time > 1e-3:
-            since = event.time - last.time
-            velocity = ((event.x - last.x) / since, (event.z - last.z) / since)
-            fast = max(math.hypot(*velocity) / FASTEST, 1.0)
-            velocity = (velocity[0] / fast, velocity[1] / fast)
-        taken = self.surroundings.put_obstacle(_performer(event.name), event.x, event.z, AGENT_RADIUS, *velocity)
-        if taken:
-            self._performers[event.name] = event
-        return taken
-
-    def _forget_performers(self, time: float) -> None:
-        for name in [name for name, event in self._performers.items() if time - event.time > LOST_S]:
-            del self._performers[name]
-            self.surroundings.remove(_performer(name))
-
     def show(self, view: StageView) -> None:
         """Copy what is drawn into the snapshot: who is there, elements, obstacles and walls."""
         np.greater_equal(self.entrances.state, ENTERING, out=view.present)
@@ -319,11 +293,4 @@ class GroupMotion:
         if view.obstacle_count:
             view.obstacle[: view.obstacle_count, :3] = around.obstacles[: view.obstacle_count, :3]
             view.obstacle[: view.obstacle_count, 3] = 1.0
-        if self._performers:
-            for row, name in enumerate(around.obstacle_names[: view.obstacle_count]):
-                view.obstacle[row, 3] = not name.startswith(PERFORMER)
-
-
-def _performer(name: str) -> str:
-    """The name of a real dancer among the obstacles: no item of the set is called so."""
-    return PERFORMER + name
+        self.performers.show(view)

@@ -1,0 +1,45 @@
+"""Performers: real dancers are obstacles that move as they do, never faster than anybody dances, and then are gone."""
+
+import numpy as np
+import pytest
+
+from live.agents.crowd.surroundings import Surroundings
+from live.control.events import Performer
+from live.show.performers import FASTEST, LOST_S, PERFORMER, Performers
+
+RADIUS = 0.3
+
+
+def seen(performers, time, x, z=0.0, name="anna"):
+    return performers.track(Performer(time=time, source="test", name=name, x=x, z=z))
+
+
+def test_where_she_is_and_how_fast_she_goes():
+    around = Surroundings()
+    performers = Performers(around, RADIUS)
+    assert seen(performers, 1.0, 0.5)
+    assert around.obstacle_names == (PERFORMER + "anna",)
+    assert seen(performers, 1.5, 1.0, 0.25)
+    assert around.obstacles[0][:5] == pytest.approx([1.0, 0.25, RADIUS, 1.0, 0.5])
+
+
+def test_a_leap_of_the_tracking_is_no_speed():
+    around = Surroundings()
+    performers = Performers(around, RADIUS)
+    seen(performers, 1.0, -3.0)
+    seen(performers, 1.01, 3.0, 4.0)
+    assert np.hypot(*around.obstacles[0][3:5]) == pytest.approx(FASTEST)
+
+
+def test_whoever_is_not_heard_of_is_gone_and_the_set_stays():
+    around = Surroundings()
+    performers = Performers(around, RADIUS)
+    around.put_obstacle("anna", 2.0, 2.0, 0.5)
+    seen(performers, 1.0, 0.5)
+    seen(performers, 2.0, 0.5, name="ben")
+    performers.tick(1.0 + LOST_S)
+    assert len(around.obstacle_names) == 3
+    performers.tick(1.01 + LOST_S)
+    assert set(around.obstacle_names) == {"anna", PERFORMER + "ben"}
+    performers.tick(2.01 + LOST_S)
+    assert around.obstacle_names == ("anna",)
