@@ -11,7 +11,8 @@ from live.clock.ticks import TICK
 from live.control.event_json import event_from_json
 from live.control.events import ControlEvent, SetLatency, StepsAdded, StepsChanged, TicksSkipped
 from live.show.core import Show
-from live.show.load import LoadedShow, library_hash
+from live.show.library_hash import library_hash
+from live.show.load import LoadedShow
 from live.show.replay_start import ReplayError, loaded_of
 from live.show.snapshot import SnapshotError, restore
 

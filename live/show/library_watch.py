@@ -13,7 +13,7 @@ from live.control.events import ControlEvent, StepsAdded, StepsChanged
 from live.graph.insertion import insert_clips
 from live.graph.motion_graph import MotionGraph
 from live.motion.step_clip import StepClip
-from live.show.load import library_hash, steps_hash
+from live.show.library_hash import library_hash, steps_hash
 from live.show.new_steps import changed_graph, clip_key
 from live.show.polite import polite
 from live.show.programme_steps import UnknownStep

@@ -2,13 +2,10 @@
 
 import contextlib
 import gc
-import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
-
-import numpy as np
 
 from live.base.errors import PersonError
 from live.graph.library import StepLibrary, build_library
@@ -16,10 +13,12 @@ from live.graph.metric.weights import Metric
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.motion.step_clip import StepClip
 from live.show.core import Show
+from live.show.library_hash import library_hash
 from live.show.new_steps import clip_key
 from live.show.patch import Patch
 from live.show.patch_file import PATCHES, find_beside, read_sources
 from live.show.programme_steps import UnknownStep
+from live.show.recorded import for_recordings, with_locomotion, with_steps_of
 from live.show.scene_of import scene_of as scene_of
 from live.show.sections.group import parse_entry
 from live.show.toml_file import field_words
@@ -180,15 +179,11 @@ def _nearest_joins(library: StepLibrary, patch: Patch) -> Patch:
     """The patch with the smaller threshold for recordings, if that leaves no step alone; else with the larger one."""
     least, most = (max(patch.locomotion.threshold_m, threshold) for threshold in RECORDED_M)
     for threshold in (least, most):
-        patch = _with_locomotion(patch, threshold_m=threshold)
+        patch = with_locomotion(patch, threshold_m=threshold)
         with contextlib.suppress(ValueError):  # the larger one is tried, and told, below
             if not _graph_of(library, patch).missing:
                 break
     return patch
-
-
-def _with_locomotion(patch: Patch, **changes: float) -> Patch:
-    return patch.model_copy(update={"locomotion": patch.locomotion.model_copy(update=changes)})
 
 
 def _refuse_other_metres(patch: Patch, path: Path, clips: list[StepClip]) -> None:
@@ -216,53 +211,3 @@ def _sketched(patch: Patch, path: Path) -> list[StepClip]:
         own = {clip.step.casefold() for clip in clips}
         clips += [clip for clip in load_folder(common) if clip.step.casefold() not in own]
     return clips
-
-
-def for_recordings(patch: Patch, clips: list[StepClip]) -> Patch:
-    """The patch with the metre that most of the recordings have, and a beat for each blend: they differ more than
-    sketches, and hands must not cross faster than they do in the clips."""
-    metres = [clip.beats_per_measure for clip in clips]
-    clock = patch.clock.model_copy(update={"beats_per_measure": max(metres, key=metres.count)})
-    return _with_locomotion(patch.model_copy(update={"clock": clock}), transition_beats=1.0)
-
-
-def with_steps_of(patch: Patch, graph: MotionGraph) -> Patch:
-    """The patch with every group drawing from all steps that connect, as `--steps` asks for; echoes go on echoing."""
-    library = graph.library
-    names = tuple(f"{name} x1" for step, name in enumerate(library.steps) if len(graph.entries(step)))
-    groups = tuple(
-        group.model_copy(update={"travel_step": None} | ({} if group.like else {"steps": names, "choose": "random"}))
-        for group in patch.group
-    )
-    return patch.model_copy(update={"group": groups})
-
-
-def patch_for(patch: Patch, graph: MotionGraph, running: Patch, *, recordings: bool) -> Patch:
-    """A patch that was edited while it runs, changed as it was at the start where `recordings` replaced its steps."""
-    if not recordings:
-        return patch
-    limits, clock = running.locomotion, running.clock.beats_per_measure
-    patch = _with_locomotion(patch, threshold_m=limits.threshold_m, transition_beats=limits.transition_beats)
-    patch = patch.model_copy(update={"clock": patch.clock.model_copy(update={"beats_per_measure": clock})})
-    return with_steps_of(patch, graph)
-
-
-def library_hash(library: StepLibrary) -> str:
-    """A short hash over every bit of the library's motion and of what decides its edges: a replay needs the same."""
-    digest = hashlib.blake2b(digest_size=8)
-    for array in (
-        library.clip_root, library.clip_rotation, library.clip_contact, library.node_first, library.node_last
-    ):  # fmt: skip
-        digest.update(np.ascontiguousarray(array).tobytes())
-    for clip in library.clips:
-        facts = (clip.step, clip.mirrored, clip.leading_foot, clip.begin_pose, clip.end_pose, clip.weight_transfer)
-        digest.update(repr(facts).encode())
-    return digest.hexdigest()
-
-
-def steps_hash(graph: MotionGraph) -> str:
-    """The same of a graph's library, that some of its clips are not begun any more included."""
-    found = library_hash(graph.library)
-    if not graph.leaving.any():
-        return found
-    return hashlib.blake2b(found.encode() + graph.leaving.tobytes(), digest_size=8).hexdigest()

@@ -17,11 +17,12 @@ from live.graph.motion_graph import MotionGraph
 from live.show.core import Show
 from live.show.edit import fitted, version_of
 from live.show.library_watch import LibraryWatch, Stamp
-from live.show.load import LoadedShow, patch_for
+from live.show.load import LoadedShow
 from live.show.long_patches import freed, written_text
 from live.show.patch_file import patch_files, read_sources
 from live.show.pickled import walk_ahead
 from live.show.polite import polite
+from live.show.recorded import patch_for
 from live.show.reloading import Prepared, prepare
 from live.show.toml_file import field_words
 from live.show.toml_sources import TomlSources

@@ -13,7 +13,8 @@ from live.motion.step_clip import StepClip
 from live.show.core import Show
 from live.show.journal_file import read_snapshots
 from live.show.journal_reading import Journal
-from live.show.load import LoadedShow, library_hash, show_of, steps_hash
+from live.show.library_hash import library_hash, steps_hash
+from live.show.load import LoadedShow, show_of
 from live.show.new_steps import changed_graph, clip_key
 from live.show.patch import Patch
 from live.show.reloading import graph_for

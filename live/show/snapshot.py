@@ -14,7 +14,8 @@ from live import __version__
 from live.clock.ticks import TICK
 from live.graph.motion_graph import MotionGraph
 from live.show.core import Show
-from live.show.load import LoadedShow, steps_hash
+from live.show.library_hash import steps_hash
+from live.show.load import LoadedShow
 from live.show.patch import Patch
 from live.show.pickled import Known, write_state
 from live.show.state_code import state_code

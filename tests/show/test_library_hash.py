@@ -1,0 +1,25 @@
+"""Library hash: the same for the same steps, another one for any bit of them, and for a clip that is left."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from live.show.library_hash import library_hash, steps_hash
+from tests.show.made_show import GRAPH
+
+
+def test_every_bit_of_the_motion_counts():
+    library = GRAPH.library
+    assert library_hash(library) == library_hash(replace(library))
+    for name in ("clip_root", "clip_rotation", "clip_contact"):
+        changed = getattr(library, name).copy()
+        changed.view(np.uint8).reshape(-1)[7] ^= 1
+        assert library_hash(replace(library, **{name: changed})) != library_hash(library)
+
+
+def test_what_is_left_counts_beside_the_library():
+    assert steps_hash(GRAPH) == library_hash(GRAPH.library)
+    leaving = np.zeros_like(GRAPH.leaving)
+    leaving[0] = True
+    left = replace(GRAPH, leaving=leaving)
+    assert steps_hash(left) not in (steps_hash(GRAPH), library_hash(left.library))

@@ -1,0 +1,32 @@
+"""Recorded: a patch that is danced with recordings has their metre and all their steps; edits of it stay so."""
+
+from live.show.patch_file import parse_patch
+from live.show.recorded import for_recordings, patch_for, with_steps_of
+from tests.made_steps import made_steps
+from tests.show.made_show import GRAPH, PATCH
+
+
+def test_the_metre_is_that_of_most_clips_and_blends_take_a_beat():
+    clips = made_steps()
+    patch = for_recordings(parse_patch(PATCH, "test.toml"), clips)
+    metres = [clip.beats_per_measure for clip in clips]
+    assert metres.count(patch.clock.beats_per_measure) >= max(metres.count(metre) for metre in metres)
+    assert patch.locomotion.transition_beats == 1.0
+
+
+def test_groups_draw_from_all_steps_that_connect():
+    patch = with_steps_of(parse_patch(PATCH, "test.toml"), GRAPH)
+    for group in patch.group:
+        if not group.like:
+            assert group.choose == "random"
+            assert {entry.rsplit(" ", 1)[0] for entry in group.steps} <= set(GRAPH.library.steps)
+
+
+def test_an_edited_patch_keeps_what_recordings_made_of_it():
+    edited = parse_patch(PATCH, "test.toml")
+    running = for_recordings(edited, made_steps())
+    assert patch_for(edited, GRAPH, running, recordings=False) is edited
+    found = patch_for(edited, GRAPH, running, recordings=True)
+    assert found.locomotion.transition_beats == running.locomotion.transition_beats
+    assert found.clock.beats_per_measure == running.clock.beats_per_measure
+    assert found.group == with_steps_of(edited, GRAPH).group
