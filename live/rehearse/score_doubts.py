@@ -12,7 +12,7 @@ from live.base.errors import PersonError
 from live.show.core import Show
 from live.show.group_motion import AGENT_RADIUS
 from live.show.patch import Patch
-from live.show.playhead import END
+from live.show.places import END
 from live.show.score import stretches_of
 from live.show.sections.cue import CueSection
 

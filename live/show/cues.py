@@ -12,7 +12,8 @@ from typing import Any, Final
 from live.base.errors import PersonError
 from live.control import events
 from live.control.events import ControlEvent
-from live.show.playhead import END, Playhead
+from live.show.places import END
+from live.show.playhead import Playhead
 from live.show.sections.cue import CueSection
 
 DEBOUNCE: Final = 0.25

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from live.base.errors import PersonError, named
 from live.graph.motion_graph import MotionGraph
-from live.show.playhead import END
+from live.show.places import END
 from live.show.programme_steps import UnknownStep, find_step
 from live.show.score import Score
 from live.show.sections.improvise import ImproviseSection

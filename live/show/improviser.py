@@ -13,7 +13,7 @@ from live.graph.specification import Wanted
 from live.show.improvise_table import NOBODY, Table
 from live.show.ledger import Ledger
 from live.show.mood import Mood
-from live.show.playhead import Place
+from live.show.places import Place
 from live.show.programme_steps import in_place, length_of
 from live.show.score import Score
 

@@ -4,68 +4,13 @@ Measures are those of the show, counted from 0 by its measure lines. What is ask
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Final, Literal
+from dataclasses import replace
+from typing import Final
 
-END: Final = -1
-"""Where a score goes that is over, and the section of a `Place` outside of all sections."""
+from live.show.places import END, Asked, Place, Stand, Stretch, When
+
 LATER: Final = 4
 """Measures that are kept of what is over: somebody may still ask about the last one."""
-
-When = Literal["measure", "section"]
-
-
-@dataclass(frozen=True, slots=True)
-class Stretch:
-    """A section as the playhead knows it."""
-
-    name: str
-    measures: int | None
-    """How long one pass is; None: it has no end."""
-    repeat: int = 1
-    """How many passes there are before it goes on; 0: until somebody says so."""
-    then: int = END
-    """Index of the section that comes after it, or END."""
-
-
-@dataclass(frozen=True, slots=True)
-class Place:
-    """One measure of the score."""
-
-    section: int
-    """Index of the section; END before the first downbeat and when the score is over."""
-    measure: int
-    """Measure within the section, from 0."""
-    turn: int = 0
-    """How often this section had begun before, since the start of the show."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Stand:
-    """Where the score is in one measure of the show, and what must be known to go on."""
-
-    place: Place
-    passes: int
-    """Passes of this visit to the section, the present one included."""
-    begun: tuple[int, ...]
-    """How often each section has begun."""
-    entered: bool
-    """Whether the score came to this place with this measure: what is held in its measure begins nothing again."""
-    jumped: bool = False
-    """Whether it came here because somebody asked."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Asked:
-    """What waits for a line."""
-
-    section: int | None = None
-    """Where a jump goes ..."""
-    measure: int = 0
-    at_section: bool = False
-    """... and whether it waits for the section's end."""
-    leave: bool = False
-    """Whether the section is left when its pass is over, whatever it repeats."""
 
 
 class Playhead:
@@ -80,8 +25,8 @@ class Playhead:
         """Whether the score stays where it is."""
         self.practice: tuple[int, int] | None = None
         """First and last measure of the written score, from 0, that come again and again; None: no practice."""
-        self._asked = _Asked()
-        self._stands = {-1: _Stand(Place(END, -1), 0, (0,) * len(self.stretches), entered=True)}
+        self._asked = Asked()
+        self._stands = {-1: Stand(Place(END, -1), 0, (0,) * len(self.stretches), entered=True)}
         self._firsts: list[int] = []
         """The first measure of each section, all written one after the other."""
         first = 0
@@ -111,7 +56,7 @@ class Playhead:
             index = known[asked.section or 0]
             size = None if index is None else self.stretches[index].measures
             there = index is not None and (size is None or asked.measure < size)
-            asked = replace(asked, section=index) if there else _Asked(leave=asked.leave)
+            asked = replace(asked, section=index) if there else Asked(leave=asked.leave)
         if self.practice is not None and self.length is not None and self.practice[1] >= self.length:
             self.practice = None
         self._stands = {self.measure: replace(stand, place=place, begun=tuple(begun))}
@@ -206,7 +151,7 @@ class Playhead:
         if measure < 0 or (size is not None and measure >= size):
             raise ValueError(f"section {self.stretches[section].name!r} has no measure {measure + 1}: it has {size}")
         self.practice = None
-        self._ask(_Asked(section, measure, when == "section"))
+        self._ask(Asked(section, measure, when == "section"))
 
     def advance(self, when: When = "section") -> None:
         """Leave the section for what follows it: when its pass is over, however often it repeats, or at the next line.
@@ -217,7 +162,7 @@ class Playhead:
         if here == END or when == "measure":
             then = 0 if here == END else self.stretches[here].then
             if then == END:
-                self._ask(_Asked(END))
+                self._ask(Asked(END))
             else:
                 self.jump(then)
             return
@@ -238,15 +183,15 @@ class Playhead:
                 raise ValueError(f"measures {first + 1} to {last + 1}: the first one comes last")
             self.of_written(first), self.of_written(last)
         self.practice = practice
-        self._ask(_Asked())
+        self._ask(Asked())
 
     # -- how it goes on ----------------------------------------------------------------------------------------
 
-    def _ask(self, asked: _Asked) -> None:
+    def _ask(self, asked: Asked) -> None:
         self._asked = asked
         self._stands = {k: stand for k, stand in self._stands.items() if k <= self.measure}
 
-    def _stand(self, measure: int) -> _Stand:
+    def _stand(self, measure: int) -> Stand:
         if measure in self._stands:
             return self._stands[measure]
         if measure < self.measure:
@@ -258,17 +203,17 @@ class Playhead:
             self._stands[number] = self._next(self._stands[number - 1], number)
         return self._stands[measure]
 
-    def _settle(self, stand: _Stand) -> None:
+    def _settle(self, stand: Stand) -> None:
         """What has happened with this measure is not asked for any more."""
         if stand.jumped:
-            self._asked = _Asked()
+            self._asked = Asked()
 
-    def _pending(self, number: int) -> _Asked:
+    def _pending(self, number: int) -> Asked:
         """What is asked for at the line of `number`: it happens once, so only for the first measure that can."""
         happened = any(stand.jumped for k, stand in self._stands.items() if self.measure < k < number)
-        return _Asked() if happened else self._asked
+        return Asked() if happened else self._asked
 
-    def _next(self, stand: _Stand, number: int) -> _Stand:
+    def _next(self, stand: Stand, number: int) -> Stand:
         """Where the score is in `number`, the measure after `stand`."""
         if number < 0:
             return replace(stand, place=Place(END, number))
@@ -295,7 +240,7 @@ class Playhead:
             return self._begun(stand, here.section, 0, stand.passes + 1)
         return self._begun(stand, stretch.then, 0, 1)
 
-    def _practised(self, stand: _Stand) -> _Stand:
+    def _practised(self, stand: Stand) -> Stand:
         assert self.practice is not None
         first, last = self.practice
         here = self.written(stand.place) if stand.place.section != END else END
@@ -308,10 +253,10 @@ class Playhead:
         there = self.of_written(first)
         return self._begun(stand, there.section, there.measure, stand.passes + 1)
 
-    def _begun(self, stand: _Stand, section: int, measure: int, passes: int, *, jumped: bool = False) -> _Stand:
+    def _begun(self, stand: Stand, section: int, measure: int, passes: int, *, jumped: bool = False) -> Stand:
         """The score comes to a section."""
         if section == END:
-            return _Stand(Place(END, 0), 0, stand.begun, entered=False, jumped=jumped)
+            return Stand(Place(END, 0), 0, stand.begun, entered=False, jumped=jumped)
         turn = stand.begun[section]
         begun = (*stand.begun[:section], turn + 1, *stand.begun[section + 1 :])
-        return _Stand(Place(section, measure, turn), passes, begun, entered=True, jumped=jumped)
+        return Stand(Place(section, measure, turn), passes, begun, entered=True, jumped=jumped)

@@ -13,7 +13,8 @@ from live.show.improvised_motion import ImprovisedMotion
 from live.show.mood import Mood
 from live.show.occasions import Occasions
 from live.show.patch import Patch
-from live.show.playhead import END, Playhead, When
+from live.show.places import END, When
+from live.show.playhead import Playhead
 from live.show.reactions import Reactions
 from live.show.score import Score, stretches_of
 from live.show.sections.score import AtSection

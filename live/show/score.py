@@ -4,7 +4,8 @@ from collections.abc import Iterable
 from typing import Any, Final
 
 from live.show.patch import Patch
-from live.show.playhead import END, Place, Playhead, Stretch
+from live.show.places import END, Place, Stretch
+from live.show.playhead import Playhead
 from live.show.sections.element import ElementSection
 from live.show.sections.score import AtSection, SignalSection
 from live.show.sections.segment import RegroupSection, SegmentSection

@@ -7,7 +7,7 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from live.show.core import Show
-from live.show.playhead import END
+from live.show.places import END
 from live.show.score_check import written_length
 from live.show.sections.segment import SegmentSection
 
