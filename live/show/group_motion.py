@@ -32,7 +32,7 @@ from live.show.partners import Partners
 from live.show.patch import Patch
 from live.show.performers import Performers
 from live.show.score import Score
-from live.show.sections.stage import ObstacleSection
+from live.show.stage_set import furnish, refurnish
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -98,7 +98,7 @@ class GroupMotion:
         self.surroundings = Surroundings()
         self.performers = Performers(self.surroundings, AGENT_RADIUS)
         for item in patch.obstacle:
-            self._furnish(item)
+            furnish(self.surroundings, item)
         self.part = Parting(count, DANCER_GAP, half_width=half[0], half_depth=half[1], seed=seed)
         score = score or Score(patch)
         self.evolutions = Evolutions(patch, casting, radius=radius, seed=seed, score=score)
@@ -263,22 +263,7 @@ class GroupMotion:
         if old.gate != new.gate:
             self.gates = gates_of(new, *self.casting.half)
             self.entrances.resize(self.gates, self.casting.half)
-        kept = {item.name: item for item in old.obstacle}
-        for item in new.obstacle:
-            before = kept.pop(item.name, None)
-            if before is not None and (before.wall_to is None) != (item.wall_to is None):
-                self.surroundings.remove(item.name)
-            if item != before:
-                self._furnish(item)
-        for name in kept:
-            self.surroundings.remove(name)
-
-    def _furnish(self, item: ObstacleSection) -> None:
-        """Put up an item of the set."""
-        if item.wall_to is not None:
-            self.surroundings.put_wall(item.name, *item.at, *item.wall_to)
-        else:
-            self.surroundings.put_obstacle(item.name, *item.at, item.radius)
+        refurnish(self.surroundings, old.obstacle, new.obstacle)
 
     def show(self, view: StageView) -> None:
         """Copy what is drawn into the snapshot: who is there, elements, obstacles and walls."""

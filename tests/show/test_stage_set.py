@@ -1,0 +1,49 @@
+"""Stage set: an edited one changes what was edited, and nothing else."""
+
+import numpy as np
+import pytest
+
+from live.agents.crowd.surroundings import Surroundings
+from live.show.sections.stage import ObstacleSection
+from live.show.stage_set import furnish, refurnish
+
+CHAIR = ObstacleSection(name="chair", at=(1.0, 2.0), radius=0.4)
+TABLE = ObstacleSection(name="table", at=(-1.0, 0.0), radius=0.8)
+WALL = ObstacleSection(name="wall", at=(-2.0, 1.0), wall_to=(2.0, 1.0))
+
+
+def furnished(*items):
+    around = Surroundings()
+    for item in items:
+        furnish(around, item)
+    return around
+
+
+def places(around):
+    rows = around.obstacles[: around.obstacle_count, :3]
+    return dict(zip(around.obstacle_names, rows.tolist(), strict=True))
+
+
+def test_round_things_and_walls():
+    around = furnished(CHAIR, WALL)
+    assert places(around)["chair"] == pytest.approx([1.0, 2.0, 0.4])
+    assert around.wall_count == 1
+    assert np.asarray(around.walls[0][:4]) == pytest.approx([-2.0, 1.0, 2.0, 1.0])
+
+
+def test_what_was_moved_live_stays_where_the_edit_says_nothing_of_it():
+    around = furnished(CHAIR, TABLE)
+    around.put_obstacle("chair", 3.0, 3.0, 0.4)
+    moved = TABLE.model_copy(update={"at": (0.0, 0.0)})
+    refurnish(around, (CHAIR, TABLE), (CHAIR, moved))
+    assert places(around)["chair"][:2] == [3.0, 3.0]
+    assert places(around)["table"][:2] == [0.0, 0.0]
+
+
+def test_what_is_no_more_goes_and_a_thing_may_become_a_wall():
+    around = furnished(CHAIR, TABLE)
+    refurnish(around, (CHAIR, TABLE), (WALL.model_copy(update={"name": "table"}),))
+    assert around.obstacle_names == ()
+    assert around.wall_count == 1
+    refurnish(around, (WALL.model_copy(update={"name": "table"}),), ())
+    assert around.wall_count == 0
