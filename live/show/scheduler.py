@@ -19,14 +19,13 @@ from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
 from live.graph.choosing.choosing import Choosing, with_direction
 from live.graph.motion_graph import MotionGraph
-from live.graph.placing import joined, own_end, turn_vectors, wrapped
-from live.graph.takes import NO_TAKE
+from live.graph.placing import joined
 from live.show.aims import Aims
 from live.show.behind import behind
 from live.show.carrying import FAITHFUL, Carrying
 from live.show.choices import Choices
-from live.show.danced import Danced
 from live.show.dancers import Dancers
+from live.show.drafting import Drafting
 from live.show.echo import Programme
 from live.show.following import choose_following, place_followers
 from live.show.group_motion import GroupMotion
@@ -47,12 +46,6 @@ ANEW_TICKS: Final = 8.0
 """With fewer ticks until the decision the planning of a measure is not begun anew."""
 AT_A_TIME: Final = 48
 """Dancers whose measures are chosen in one piece."""
-HALF_SHARE: Final = 0.125
-"""Half of what lies between the shares of T069: by so much a chosen share is refined."""
-LEAST_MIX: Final = 0.1
-"""Two takes that end nearer to each other than this [m] are not mixed otherwise for the place's sake."""
-STRAY_MIX: Final = 0.1
-"""A mixture that is drawn for variety moves the end of a measure by this much [m] at most."""
 
 
 class Scheduler:
@@ -81,7 +74,7 @@ class Scheduler:
         """Top speed of each agent [m/s], shape (A,)."""
         count = len(group)
         self.choices = Choices(count)
-        self._draft = Danced(dancers.graph, count)
+        self._drafting = Drafting(dancers, self.choices, self.aims)
         self._asked_from = np.full(count, -1, np.int32)
         self._arguments: tuple[Any, ...] = ()
         self._following: tuple[Int32, Int32] = np.zeros(0, np.int32), np.zeros(0, np.int32)
@@ -102,7 +95,7 @@ class Scheduler:
     def take_graph(self, graph: MotionGraph, choosing: Choosing) -> None:
         """Choose in this graph from now on; called when nobody's next measure is decided."""
         self.choosing = choosing
-        self._draft.graph = graph
+        self._drafting.take_graph(graph, choosing)
         self.aims.take_graph(graph, choosing)
         self.foresight = self.aims.foresight
         self._give = np.minimum(graph.node_give, self._patch.locomotion.correction_m)
@@ -192,7 +185,7 @@ class Scheduler:
             (2, self._lead),
             *[(45, partial(self._follow, slice(row, row + AT_A_TIME))) for row in self._pairs_by_pieces()],
             (5, self._catch_up),
-            (40 + 0.05 * count, partial(self._vary, measure)),
+            (40 + 0.05 * count, partial(self._drafting.vary, measure)),
             (22 + 0.03 * count, self._mix),
             (22 + 0.04 * count, self._turn),
             (15, partial(variation.drift.foresee, measure + 3)),
@@ -252,51 +245,11 @@ class Scheduler:
             self._choose(slice(row, row + 1))
         return True
 
-    def _vary(self, measure: int) -> None:
-        """What is danced of what was chosen: nodes, and how each dancer varies them."""
-        dancers, choices, draft = self._dancers, self.choices, self._draft
-        graph, edge = dancers.graph, choices.edge
-        choices.node[:] = np.where(edge < 0, -1, graph.edge_target[np.maximum(edge, 0)])
-        draft.node[:] = np.where(edge[:, 0] < 0, dancers.node, choices.node[:, 0])
-        draft.decided = True
-        dancers.variation.draw(measure, draft)
-
     def _mix(self) -> None:
-        """Mixtures where they are needed, else the variety's."""
-        choices, draft, graph = self.choices, self._draft, self._dancers.graph
-        candidates = self.choosing.candidates
-        row = np.maximum(choices.candidate[:, 0], 0)
-        needed = (choices.candidate[:, 0] >= 0) & (candidates.take[row] != NO_TAKE)
-        if draft.take_share[0].any():
-            end, _ = own_end(graph, draft.node, draft.take, np.ones(len(draft.node)))
-            stray = np.hypot(*(end - graph.node_end[draft.node]).T)
-            most = STRAY_MIX / np.maximum(stray, 1e-9)
-            draft.take_share[0] = np.minimum(draft.take_share[0], most)
-        draft.take[needed] = candidates.take[row[needed]]
-        draft.take_share[0, needed] = self._refined(row)[needed]
-        # arms are of one clip, the nearer, so that they are not blurred; or as far of the other as variety has drawn
-        drawn = draft.take_share[1, needed]
-        draft.take_share[1, needed] = np.where(draft.take_share[0, needed] > 0.5, 1.0 - drawn, drawn)
+        self._drafting.mix(self._arguments[1], self._arguments[6][:, 0])
 
     def _turn(self) -> None:
-        """How far everybody is turned beyond her measure: headings change no more until the decision."""
-        draft, graph = self._draft, self._dancers.graph
-        yaw = self._arguments[1][:, 2] + graph.edge_transform[np.maximum(self.choices.edge[:, 0], 0), 2]
-        draft.correction[:] = draft.aimed[:] = 0.0
-        most = self.choosing.most[draft.node, 0]
-        draft.correction[:, 2] = np.clip(wrapped(self.aims.heading - yaw - self._own_heading(draft)), -most, most)
-
-    def _refined(self, row: Int32) -> Float64:
-        """Shares (A,) with which the candidates `row` (A,) end as near as they can, within half a step of T069."""
-        candidates, choices, graph = self.choosing.candidates, self.choices, self._dancers.graph
-        axes, support = self._arguments[1], self._arguments[6][:, 0]
-        yaw = axes[:, 2] + graph.edge_transform[np.maximum(choices.edge[:, 0], 0), 2] + support * choices.end[:, 2]
-        share = candidates.share[row]
-        way = candidates.end[row] - graph.node_end[candidates.node[row]]
-        way = turn_vectors(way / np.maximum(share, 0.25)[:, None], yaw)  # from the clip's end to the other take's
-        off = choices.target - choices.end[:, :2]
-        more = (off * way).sum(axis=1) / np.maximum((way**2).sum(axis=1), LEAST_MIX**2)
-        return np.asarray(share + np.clip(more, -HALF_SHARE, HALF_SHARE))
+        self._drafting.turn(self._arguments[1])
 
     # -- the decision --------------------------------------------------------------------------------------------
 
@@ -306,7 +259,7 @@ class Scheduler:
             self._begin(span, timeline, time)
         self._pieces.finish()
         if self._catch_up():
-            self._vary(span.number + 1)
+            self._drafting.vary(span.number + 1)
             self._mix()
             self._turn()
         self._take()
@@ -318,7 +271,7 @@ class Scheduler:
         dancers, graph, choices = self._dancers, self._dancers.graph, self.choices
         coming, edge = dancers.coming, choices.edge[:, 0]
         hips, _, axes = dancers.present.ends_and_axes()  # by now: the present measure may have been aimed anew
-        coming.copy_from(self._draft)
+        coming.copy_from(self._drafting.draft)
         coming.placement[:] = joined(axes, graph.edge_transform[np.maximum(edge, 0)])
         stuck = edge < 0
         if stuck.any():  # cannot happen in a pruned graph; a dancer who is stuck repeats her measure
@@ -328,12 +281,6 @@ class Scheduler:
             np.count_nonzero((choices.step >= 0) & (graph.library.node_step[coming.node] != choices.step))
         )
         self.carrying.decided(hips, choices.target, choices.wish)
-
-    def _own_heading(self, danced: Danced) -> Float64:
-        """Heading at the end of each measure, or on the average (T122), in its clip's own axes, (A,) [rad]."""
-        own = danced.own_end()[1]
-        average = self._dancers.variation.face_average
-        return np.asarray(own + average * wrapped(self._dancers.graph.node_facing_mean[danced.node] - own))
 
     # -- what there is to say ------------------------------------------------------------------------------------
 

@@ -134,20 +134,20 @@ def planned_errors(seconds=16.0):
 
 def test_shares_are_refined_so_that_mixtures_end_nearer(monkeypatch):
     refined = planned_errors()
-    monkeypatch.setattr("live.show.scheduler.HALF_SHARE", 0.0)
+    monkeypatch.setattr("live.show.drafting.HALF_SHARE", 0.0)
     stepped = planned_errors()
     assert len(refined) == len(stepped) == 8
     assert (refined[0] <= stepped[0] + 2e-3).all()  # until then nothing else differs
     assert refined[:4].mean() < stepped[:4].mean()
 
 
-def test_a_group_that_stands_draws_no_step_that_travels():
+def test_a_group_that_stands_draws_no_step_that_travels(monkeypatch):
     """Of sway, glide and spin, glide alone has no measure that stays... unless made so: it is drawn only on the way."""
     show = made_show()
     programme = show.scheduler.programmes[1]
     library = show.graph.library
     nodes = show.dancers.node[show.group == 1]
-    programme._in_place = lambda step: library.steps[step] != "glide"
+    monkeypatch.setattr("live.show.programme.in_place", lambda graph, step: library.steps[step] != "glide")
     for stands in (True, False):
         programme.stands = stands
         drawn = {library.steps[programme._draw(measure, nodes)] for measure in range(200)}

@@ -1,0 +1,31 @@
+"""Drafting: nobody is turned farther than her measure allows, and what variety mixes ends near where clips do."""
+
+import numpy as np
+
+from live.clock.ticks import TICK
+from live.graph.placing import own_end
+from live.show.drafting import STRAY_MIX
+from tests.show.made_show import made_show
+
+
+def drafted(seconds=6.0):
+    """The show, and its draft after each measure line."""
+    show = made_show()
+    for tick in range(1, int(seconds / TICK)):
+        if show.tick(tick * TICK):
+            yield show, show.scheduler._drafting.draft
+
+
+def test_turns_and_mixtures_keep_their_limits():
+    measures = 0
+    for show, draft in drafted():
+        graph = show.dancers.graph
+        assert (np.abs(draft.correction[:, 2]) <= show.scheduler.choosing.most[draft.node, 0] + 1e-12).all()
+        assert not draft.correction[:, :2].any()
+        assert ((draft.take_share >= 0.0) & (draft.take_share <= 1.0)).all()
+        needed = show.scheduler.choices.candidate[:, 0] >= 0
+        end, _ = own_end(graph, draft.node, draft.take, np.ones(len(draft.node)))
+        stray = np.hypot(*(end - graph.node_end[draft.node]).T) * draft.take_share[0]
+        assert (stray[~needed] <= STRAY_MIX + 1e-9).all()
+        measures += 1
+    assert measures >= 2
