@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Final, Protocol
 
 from live.show.parameter_table import LOOK, VIEW, split
+from live.show.score_check import Written, calls_of
 from live.show.sections.cue import CueSection
 from live.show.sections.group import GroupSection
 from live.show.sections.scene import NamedLookSection, SceneSection, ViewSection
@@ -11,7 +12,7 @@ from live.show.sections.score import AtSection, ScoreSection
 from live.show.sections.section import Amiss
 
 
-class Recalled(Protocol):
+class Recalled(Written, Protocol):
     """What is looked at of a patch."""
 
     @property
@@ -30,6 +31,8 @@ class Recalled(Protocol):
     def at(self) -> Sequence[AtSection]: ...
 
 
+CUE_CALLS: Final = ("/dance/cue", "/dance/standby")
+"""Controls whose first value is a cue."""
 START: Final = "start"
 """The view, look and scene that every patch has: what it begins with."""
 
@@ -47,10 +50,28 @@ def check_cues(patch: Recalled) -> None:
         if cue.when == "section" and not sections:
             words = f'cue {cue.name!r}: when = "section", but the patch has no [[section]]'
             raise Amiss(words, "cue", number, "when")
+    _check_named_cues(patch)
     for number, at in enumerate(patch.at):
         if at.scene is not None and _folded(at.scene) not in scenes:
             words = f"at measure {at.measure}, beat {at.beat:g}: no scene is called {at.scene!r}"
             raise Amiss(words, "at", number, "scene")
+
+
+def _check_named_cues(patch: Recalled) -> None:
+    """No number stands for two cues, and all cues that are called are there."""
+    numbers: dict[float, str] = {}
+    for index, cue in enumerate(patch.cue):
+        if cue.number is not None and cue.number in numbers:
+            words = f"cues {numbers[cue.number]!r} and {cue.name!r} both have number {cue.number:g}: change one of them"
+            raise Amiss(words, "cue", index, "number")
+        if cue.number is not None:
+            numbers[cue.number] = cue.name
+    names = {_folded(cue.name) for cue in patch.cue} | {f"{number:g}" for number in numbers}
+    for call, values, place in calls_of(patch):
+        if call not in CUE_CALLS or (name := _folded(str(values[0]))) in names:
+            continue
+        known = ", ".join(cue.name for cue in patch.cue) or "none"
+        raise Amiss(f"call {call}: no cue is called {name!r}; there are: {known}", *place)
 
 
 def _check_scenes(patch: Recalled) -> None:

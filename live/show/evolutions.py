@@ -19,7 +19,7 @@ from live.show.casting import Casting
 from live.show.formations import Formations, NamedFormation
 from live.show.patch import Patch
 from live.show.score import Score
-from live.show.score_claims import Claims, check_regroups, check_segments
+from live.show.score_claims import Claims, check_called, check_regroups, check_segments
 from live.show.sections.group import GroupSection
 from live.show.sections.segment import spec_of
 from live.show.segments import SegmentEvent, segment_of_event, segment_of_section
@@ -62,6 +62,7 @@ class Evolutions:
                 claims.bits(regroup.dancers)
         check_segments(patch.segment, self._score, claims)
         check_regroups(patch.regroup, self._score, casting)
+        check_called(patch, claims, self._formations.find)
 
     def take_patch(self, fresh: "Evolutions") -> None:
         """Take over the formations of another patch; who is in one that was edited goes to its new places.

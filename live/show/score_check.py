@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import Any, Final, Protocol
 
+from live.show.sections.cue import CueSection
 from live.show.sections.group import GroupSection
 from live.show.sections.improvise import ImproviseSection
 from live.show.sections.music import ClockSection
@@ -33,6 +34,8 @@ class Written(Protocol):
     def signal(self) -> Sequence[SignalSection]: ...
     @property
     def react(self) -> Sequence[ReactSection]: ...
+    @property
+    def cue(self) -> Sequence[CueSection]: ...
 
 
 PLACED: Final = ("element", "segment", "regroup", "sequence", "improvise", "at", "signal")
@@ -184,18 +187,21 @@ def _check_calls(patch: Written, sections: set[str]) -> None:
     for call, values, place in calls_of(patch):
         if call == "/dance/section" and str(values[0]).casefold() not in sections:
             known = ", ".join(section.name for section in patch.section) or "none: write [[section]]"
-            raise Amiss(f"no section is called {values[0]!r}; there are: {known}", *place, "values")
+            raise Amiss(f"no section is called {values[0]!r}; there are: {known}", *place)
 
 
 def calls_of(patch: Written) -> Iterator[tuple[str, tuple[Any, ...], tuple[str | int, ...]]]:
-    """Every call that a patch's score makes: address, values, and the keys that lead there."""
+    """Every call that a patch's score and cues make: address, values, and the keys that lead to these."""
     for index, at in enumerate(patch.at):
         if at.call is not None:
-            yield at.call, at.values, ("at", index)
+            yield at.call, at.values, ("at", index, "values")
     for index, reaction in enumerate(patch.react):
         if reaction.call is not None:
-            yield reaction.call, reaction.values, ("react", index)
+            yield reaction.call, reaction.values, ("react", index, "values")
     for index, improvised in enumerate(patch.improvise):
         for row, item in enumerate(improvised.motion):
             if item.call is not None:
-                yield item.call, item.values, ("improvise", index, "motion", row)
+                yield item.call, item.values, ("improvise", index, "motion", row, "values")
+    for index, cue in enumerate(patch.cue):
+        for row, call in enumerate(cue.calls):
+            yield str(call[0]), tuple(call[1:]), ("cue", index, "calls", row)

@@ -1,11 +1,13 @@
 """Claims: who is told two things at once by a score, and calls of steps that are not there; told before it plays."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Final
 
 import numpy as np
 
-from live.base.errors import PersonError
+from live.base.errors import PersonError, named
+from live.control.group_events import DefineFormation
+from live.control.registry import REGISTRY
 from live.graph.motion_graph import MotionGraph
 from live.show.casting import EVERYONE, Casting
 from live.show.patch import Patch
@@ -93,10 +95,26 @@ def check_regroups(regroups: Iterable[RegroupSection], score: Score, casting: Ca
 
 
 def check_calls(patch: Patch, graph: MotionGraph) -> None:
-    """UnknownStep for a step that the score calls and that is not there."""
+    """PersonError for a step that the score or a cue calls and that is not there."""
     for call, values, place in calls_of(patch):
         if call in STEPS_OF and place[0] != "react":
             try:
                 find_step(graph, str(values[0]))
             except ValueError as error:
-                raise PersonError(f"call {call}: {error}", None, (*place, "values")) from None
+                raise PersonError(f"call {call}: {error}", None, place) from None
+
+
+def check_called(patch: Patch, claims: Claims, find: Callable[[str], object]) -> None:
+    """PersonError for a call of the score or of a cue that names a group or a formation which is not there.
+
+    `find` takes a formation's name or words. Formations that a call of the patch itself defines are there.
+    """
+    made = [(REGISTRY.call(call, values, 0.0, "patch"), call, place) for call, values, place in calls_of(patch)]
+    defined = {event.name.casefold().strip() for event, _, _ in made if isinstance(event, DefineFormation)}
+    for event, call, place in made:
+        group, formation = getattr(event, "group", None), getattr(event, "formation", None)
+        with named(f"call {call}", place):
+            if isinstance(group, str):
+                claims.bits(group)
+            if isinstance(formation, str) and formation.casefold().strip() not in defined:
+                find(formation)

@@ -93,7 +93,7 @@ class Status:
         if self.dropped_events:
             rejected["inbox full"] += self.dropped_events
         if show.refusals.count:
-            rejected["unknown step"] += show.refusals.count
+            rejected["not in this show"] += show.refusals.count
         if impossible := show.follower.rejected + self.impossible:
             rejected["impossible beat"] += impossible
         return {

@@ -22,7 +22,7 @@ def read_text(path: Path, what: str) -> str:
     try:
         if path.stat().st_size > MAX_BYTES:
             raise PersonError(f"{path}: {path.stat().st_size} bytes; a {what} has at most {MAX_BYTES}")
-        return path.read_bytes().decode("utf-8")
+        return path.read_bytes().decode("utf-8-sig")  # some editors begin a file with a mark of its encoding
     except OSError as error:
         raise PersonError(f"cannot read the {what} {path}: {error.strerror}") from None
     except UnicodeDecodeError as error:

@@ -204,6 +204,8 @@ def test_cues_are_replayed_bit_by_bit():
         ("count_in = -1", "greater than or equal to 0"),
         ("measures = 2", "measures go with scene"),
         ("after = 2", "after goes with then"),
+        ('calls = [["/dance/standby", "nowhere"]]', "call /dance/standby: no cue is called 'nowhere'; there are: x"),
+        ('number = 2\n[[cue]]\nname = "y"\nnumber = 2', "cues 'x' and 'y' both have number 2"),
     ],
 )
 def test_a_cue_to_nowhere_is_named_with_its_line(lines, words):

@@ -124,7 +124,7 @@ def test_what_the_show_refuses_is_not_counted_as_accepted():
     clock.set(0.02)
     engine.frame(nothing)
     assert status.events_accepted == 1
-    assert status.snapshot(0.02)["events_rejected"] == {"unknown step": 1}
+    assert status.snapshot(0.02)["events_rejected"] == {"not in this show": 1}
 
 
 @pytest.mark.parametrize("lead", [0.0, 0.02, 0.113])

@@ -10,6 +10,7 @@ from live.show.patch_file import read_sources
 from tests.show.made_show import GRAPH, PATCH
 
 SECTIONS = '[[section]]\nname = "verse"\nmeasures = 8\n[[section]]\nname = "solo"\nmeasures = 4\n'
+CUE = '[[cue]]\nname = "go"\n'
 FIRST = len(PATCH.split("\n"))
 """The line on which what is put after PATCH begins."""
 
@@ -119,6 +120,12 @@ BAD = [
     ("[[improvise]]\nat_least = 3", 0, "improvise.1", "is more than most 2"),
     ('[[improvise]]\nmotion = [{call = "/dance/nothing"}]', 1, "improvise.1.motion.1", "/dance/nothing"),
     ("[[improvise]]\n[[improvise.rule]]\nof = 'low'\nfavours = {sway = 2}", 1, "improvise.1.rule.1", "above or below"),
+    # calls of cues, and of motion that is improvised
+    (CUE + 'calls = [["/dance/step", "moonwalk"]]', 2, "cue.1.calls.1", "no step is called 'moonwalk'"),
+    (CUE + 'calls = [["/dance/spread"], ["/dance/spread", 2, "embers"]]', 2, "cue.1.calls.2", "'embers'"),
+    (CUE + 'calls = [["/dance/formation", "wegde"]]', 2, "cue.1.calls.1", "'wegde' is no formation"),
+    (CUE + 'calls = [["/dance/section", "bridge"]]', 2, "cue.1.calls.1", "no section is called 'bridge'"),
+    (CUE + 'calls = [["/dance/formation/define", "mine", "line"], ["/dance/formation", "Mine"]]', 0, "", None),
 ]
 
 
