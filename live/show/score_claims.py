@@ -109,7 +109,8 @@ def check_called(patch: Patch, claims: Claims, find: Callable[[str], object]) ->
 
     `find` takes a formation's name or words. Formations that a call of the patch itself defines are there.
     """
-    made = [(REGISTRY.call(call, values, 0.0, "patch"), call, place) for call, values, place in calls_of(patch)]
+    texts = [row for row in calls_of(patch) if any(isinstance(value, str) for value in row[1])]  # names are texts
+    made = [(REGISTRY.call(call, values, 0.0, "patch"), call, place) for call, values, place in texts]
     defined = {event.name.casefold().strip() for event, _, _ in made if isinstance(event, DefineFormation)}
     for event, call, place in made:
         group, formation = getattr(event, "group", None), getattr(event, "formation", None)
