@@ -20,7 +20,7 @@ ROOM_MB = (300.0, 2000.0)
 
 def show_checks(loaded: LoadedShow, show: Show) -> Iterator[Check]:
     """Steps that do not connect, and everything about the score that is doubtful."""
-    from live.rehearse.score_doubts import cue_doubts, formation_doubts, section_doubts
+    from live.rehearse.score_doubts import cue_doubts, formation_doubts, section_doubts, sequence_doubts
     from live.show.rehearsing import rehearsal_notes
 
     graph = loaded.graph
@@ -32,6 +32,7 @@ def show_checks(loaded: LoadedShow, show: Show) -> Iterator[Check]:
     patch = show.patch
     for name, doubts, remedy in (
         ("sections", section_doubts(patch), "then = its name, a cue with section = its name, or leave it out"),
+        ("sequences", sequence_doubts(show), "give it more measures, or fewer steps"),
         ("cues", cue_doubts(patch), "make the fade or the count-in shorter, or let them come later"),
         ("formations", formation_doubts(show), "see `live formation`"),
         ("ways", rehearsal_notes(show), "see docs/evolutions.md"),
@@ -45,8 +46,8 @@ def show_checks(loaded: LoadedShow, show: Show) -> Iterator[Check]:
 def _counted(name: str, show: Show) -> str:
     patch = show.patch
     counts = {
-        "sections": len(patch.section) or 1, "cues": len(patch.cue), "formations": len(patch.formation),
-        "ways": len(patch.segment),
+        "sections": len(patch.section) or 1, "sequences": len(patch.sequence), "cues": len(patch.cue),
+        "formations": len(patch.formation), "ways": len(patch.segment),
     }  # fmt: skip
     return f"{counts[name]} {'segments' if name == 'ways' else name}"
 

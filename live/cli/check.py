@@ -27,9 +27,12 @@ def check(
     from rich.console import Console
 
     from live.base.errors import PersonError
+    from live.cli.warm import warm_kernels
+
+    warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
     from live.cli.session_sound import choose_sound
     from live.cli.wish import Wish
-    from live.rehearse.score_doubts import cue_doubts, formation_doubts, section_doubts
+    from live.rehearse.score_doubts import cue_doubts, formation_doubts, section_doubts, sequence_doubts
     from live.show.rehearsing import rehearsal_notes
 
     wish = Wish(patch=patch, steps=steps, venue=venue)
@@ -47,7 +50,7 @@ def check(
     console = Console(highlight=False)
     if graph.missing:
         raise PersonError("; ".join(graph.missing), "raise locomotion.threshold_m, or change those steps' ends")
-    doubts = [*section_doubts(show.patch), *cue_doubts(show.patch), *formation_doubts(show)]
+    doubts = [*section_doubts(show.patch), *sequence_doubts(show), *cue_doubts(show.patch), *formation_doubts(show)]
     for note in [*doubts, *rehearsal_notes(show)]:
         console.print(f"note: {note}", style="yellow", soft_wrap=True, markup=False)
     console.print(

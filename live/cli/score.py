@@ -26,6 +26,9 @@ def score(
     from rich.console import Console
 
     from live.cli.options import parse_number
+    from live.cli.warm import warm_kernels
+
+    warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
     from live.cli.wish import Wish
     from live.show.score_sheet import sheet_of
 

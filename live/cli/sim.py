@@ -38,6 +38,9 @@ def sim(
 
     from live.base.errors import PersonError
     from live.cli.options import parse_choice, parse_endpoint, parse_number, writable_file
+    from live.cli.warm import warm_kernels
+
+    warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
     from live.rehearse.players import FakePlayers
     from live.rehearse.sending import Outlet, packets, pulses, send_all
     from live.rehearse.words import Words

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from live.base.errors import PersonError
+from live.graph.wanted import parse_sequence
 from live.show.core import Show
 from live.show.group_motion import AGENT_RADIUS
 from live.show.patch import Patch
@@ -39,6 +40,25 @@ def section_doubts(patch: Patch) -> list[str]:
         for index, section in enumerate(patch.section)
         if index not in reached
     ]
+
+
+def sequence_doubts(show: Show) -> list[str]:
+    """Sequences that end before all of their steps have been danced."""
+    library, notes = show.graph.library, []
+    for section in show.patch.sequence:
+        if section.measures is None or section.choose == "random":
+            continue
+        last = 0
+        for wanted in parse_sequence(", ".join(section.steps), library):
+            last += wanted.measures
+            if last > section.measures:
+                step = "*" if wanted.step is None else library.steps[wanted.step]
+                notes.append(
+                    f"sequence of {section.group!r} in measure {section.measure}: its {section.measures} measures are "
+                    f"over before {step!r} is danced"
+                )
+                break
+    return notes
 
 
 def _jumps(patch: Patch, names: dict[str, int]) -> list[int]:

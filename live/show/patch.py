@@ -102,6 +102,23 @@ class Patch(Section):
         )
 
     @model_validator(mode="after")
+    def _names_differ(self) -> "Patch":  # first of all: what is looked up by name is looked up below
+        formations = [str(table["name"]) for table in self.formation]
+        things = {"group": [group.name for group in self.group], "formation": formations}
+        things |= {"view": [view.name for view in self.view], "looks": [look.name for look in self.looks]}
+        things |= {"scene": [scene.name for scene in self.scene], "cue": [cue.name for cue in self.cue]}
+        things |= {"gate": [gate.name for gate in self.gate], "obstacle": [item.name for item in self.obstacle]}
+        for what, names in things.items():
+            known: set[str] = set()
+            for index, name in enumerate(names):
+                folded = name.casefold().strip()
+                if folded in known:
+                    words = f"two {what.removesuffix('s')}s are called {name[:60]!r}: give each its own name"
+                    raise Amiss(words, what, index, "name")
+                known.add(folded)
+        return self
+
+    @model_validator(mode="after")
     def _elements_come(self) -> "Patch":
         for number, element in enumerate(self.element, start=1):
             if self.loop_measures is not None and element.measure >= self.loop_measures + 1:
@@ -157,21 +174,4 @@ class Patch(Section):
     @model_validator(mode="after")
     def _cues_lead_somewhere(self) -> "Patch":
         check_cues(self)
-        return self
-
-    @model_validator(mode="after")
-    def _names_differ(self) -> "Patch":
-        formations = [str(table["name"]) for table in self.formation]
-        things = {"group": [group.name for group in self.group], "formation": formations}
-        things |= {"view": [view.name for view in self.view], "looks": [look.name for look in self.looks]}
-        things |= {"scene": [scene.name for scene in self.scene], "cue": [cue.name for cue in self.cue]}
-        things |= {"gate": [gate.name for gate in self.gate], "obstacle": [item.name for item in self.obstacle]}
-        for what, names in things.items():
-            known: set[str] = set()
-            for index, name in enumerate(names):
-                folded = name.casefold().strip()
-                if folded in known:
-                    words = f"two {what.removesuffix('s')}s are called {name[:60]!r}: give each its own name"
-                    raise Amiss(words, what, index, "name")
-                known.add(folded)
         return self

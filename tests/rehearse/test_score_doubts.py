@@ -2,7 +2,7 @@
 
 import pytest
 
-from live.rehearse.score_doubts import cue_doubts, formation_doubts, section_doubts
+from live.rehearse.score_doubts import cue_doubts, formation_doubts, section_doubts, sequence_doubts
 from live.show.patch_file import parse_patch
 from tests.show.desk_show import DESK
 from tests.show.made_show import PATCH, made_show
@@ -45,6 +45,22 @@ def test_a_section_that_nothing_leads_to_is_named():
     assert [note.split("'")[1] for note in section_doubts(patch_of(SECTIONS))] == ["b"]
     assert section_doubts(patch_of("")) == []
     assert section_doubts(patch_of(DESK)) == []
+
+
+def sequence_of(measures, steps):
+    written = f"""
+[[sequence]]
+group = "front"
+measures = {measures}
+steps = {steps}
+"""
+    return made_show(written)
+
+
+def test_a_sequence_that_ends_before_its_last_step_is_named():
+    assert sequence_doubts(sequence_of(3, '["glide", "spin x2"]')) == []
+    assert sequence_doubts(sequence_of(4, '["glide", "spin"]')) == []  # danced again: nothing is left out
+    assert "before 'spin'" in sequence_doubts(sequence_of(2, '["glide", "spin x2"]'))[0]
 
 
 @pytest.mark.parametrize(
