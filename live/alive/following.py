@@ -11,6 +11,7 @@ from live.clock.ticks import TICK
 from live.control.event_json import event_from_json
 from live.control.events import ControlEvent, SetLatency, StepsAdded, StepsChanged, TicksSkipped
 from live.show.core import Show
+from live.show.left_out import can_be_left_out
 from live.show.library_hash import library_hash
 from live.show.load import LoadedShow
 from live.show.replay_start import ReplayError, loaded_of
@@ -44,6 +45,8 @@ class Following:
         """Where the show stands."""
         self.compared = self.differences = self.repaired = self.refused = 0
         """Measures compared; those whose state differed; how often a snapshot put that right; events that failed."""
+        self.left_out = 0
+        """Events, the last that were told, that `finish` left out."""
         self.problem = ""
         """Why the last snapshot could not be used."""
         self.latencies: dict[str, float] = {}
@@ -97,12 +100,15 @@ class Following:
         return self._measures > 0
 
     def finish(self, *, careful: bool = False) -> Show:
-        """Run to the end of what was told. `careful`: without the last events, should one of them be poison."""
+        """Run to the end of what was told. `careful`: without the last events, should one of them be poison.
+
+        Ticks that were skipped stay so: that is no cause, and all later ones are counted from there.
+        """
         last = max((value["tick"] for value in self._waiting), default=self.tick)
         while self._waiting:
             value = self._waiting.popleft()
-            if careful and "event" in value and value["tick"] > last - UNSAFE:
-                self.refused += 1
+            if careful and "event" in value and value["tick"] > last - UNSAFE and can_be_left_out(value["event"]):
+                self.left_out += 1
                 continue
             self._run(value)
         return self._begun()

@@ -4,6 +4,8 @@ import json
 from collections.abc import Iterator
 from typing import Any, Final
 
+from live.show.left_out import LEFT_OUT, without_the_last
+
 CHANGES: Final = ("PatchChanged", "StepsAdded", "StepsChanged")
 """Events after which a snapshot can be read only by who has seen them."""
 
@@ -52,6 +54,9 @@ class Log:
                 self._lines = [one for one in self._lines if one[0] > tick or (one[0] == tick and '"event"' in one[1])]
             return True
         self.tick = max(self.tick, tick)
+        if LEFT_OUT in value:  # who goes on from here leaves them out as well
+            self._lines = without_the_last(self._lines, value[LEFT_OUT])
+            return True
         if len(value) == 1:
             return False
         if "event" in value:

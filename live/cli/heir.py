@@ -15,6 +15,7 @@ from live.cli.session import Session
 from live.cli.session_sound import Sound, choose_sound
 from live.cli.warm import warm_kernels
 from live.control.events import ChooseSource
+from live.show.left_out import left_out_line
 from live.show.load import LoadedShow, scene_of
 from live.show.venue import Venue
 from live.show.venue_latency import Latencies
@@ -49,6 +50,8 @@ def go_on(
     """Play on where what was followed ended; `elsewhere`: that was another machine."""
     calm = bool(order["calm"])
     show = following.finish(careful=calm)
+    if following.left_out:
+        lifeline.wire.tell(**left_out_line(following.tick, following.left_out))
     lead = Latencies.of(venue).lead
     origin = following.origin_here(lead) if elsewhere else following.origin
     resumed = Resumed(

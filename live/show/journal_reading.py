@@ -3,14 +3,15 @@
 import contextlib
 import json
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, TextIO
 
 from live.control.event import ControlEvent
 from live.control.event_json import event_from_json
 from live.control.events import TicksSkipped
+from live.show.left_out import Gap, left_out
 
 FORMAT: Final = 2
 """What is written; 1 had no snapshots, and no line without a word that is as usual."""
@@ -39,6 +40,8 @@ class JournalLine:
     measure: int | None = None
     state: str | None = None
     end: bool = False
+    left_out: bool = False
+    """Whether the event was left out when the show went on calmer: it acts no more, as if it had not been."""
     number: int = 0
     """Which line of the file it is, from 1."""
     damaged: str | None = None
@@ -69,7 +72,7 @@ class Journal:
         """Its lines in order, damaged ones with the word `damaged`, at the tick of the line before."""
         with self.path.open(encoding="utf-8", errors="replace") as file:
             _row(file)
-            yield from _lines(file, self.path, self._columns)
+            yield from _lines(file, self.path, self._columns, left_out(self.path))
 
     def rows_with(self, *words: str) -> Iterator[JournalLine]:
         """Those of its whole lines that hold one of these words, quickly: the others are not looked into."""
@@ -138,7 +141,7 @@ def _parse(row: str, path: Path, number: int) -> dict[str, Any]:
     return value
 
 
-def _lines(file: TextIO, path: Path, columns: Columns) -> Iterator[JournalLine]:
+def _lines(file: TextIO, path: Path, columns: Columns, gaps: Sequence[Gap]) -> Iterator[JournalLine]:
     last, number, lost = 0, 1, 0
     while (row := _row(file)) is not None:
         number += 1
@@ -154,6 +157,9 @@ def _lines(file: TextIO, path: Path, columns: Columns) -> Iterator[JournalLine]:
             yield JournalLine(last, number=number, damaged=words)
             lost = now
         last = line.tick
+        gap = next((gap for gap in gaps if gap.first <= number < gap.mark), None)
+        if gap is not None:
+            line = replace(line, left_out=number in gap.events, state=None)
         yield line
         if isinstance(line.event, TicksSkipped):
             last += line.event.count

@@ -99,7 +99,7 @@ class Replaying:
         if line.damaged is not None:
             self._stop(line)
             return
-        if line.event is not None:
+        if line.event is not None and not line.left_out:
             self.show.apply(line.event)
             if isinstance(line.event, TicksSkipped):
                 self.tick += line.event.count

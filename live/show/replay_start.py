@@ -13,6 +13,7 @@ from live.motion.step_clip import StepClip
 from live.show.core import Show
 from live.show.journal_file import read_snapshots
 from live.show.journal_reading import Journal
+from live.show.left_out import left_out
 from live.show.library_hash import library_hash, steps_hash
 from live.show.load import LoadedShow, show_of
 from live.show.new_steps import changed_graph, clip_key
@@ -80,9 +81,10 @@ def first_start(journal: Journal, loaded: LoadedShow) -> Start:
 
 def start_before(journal: Journal, loaded: LoadedShow, measure: int, problems: list[str]) -> Start:
     """The last snapshot from before `measure` (from 1) begins, or the beginning; `problems`: what is damaged."""
-    best = None
+    best, gaps = None, left_out(journal.path)
     for data in read_snapshots(snapshots_of(journal), problems):
-        if facts_of(data)["measure"] < measure:
+        facts = facts_of(data)
+        if facts["measure"] < measure and not any(gap.holds(facts["tick"]) for gap in gaps):
             best = data
     if best is not None:
         try:
@@ -94,8 +96,10 @@ def start_before(journal: Journal, loaded: LoadedShow, measure: int, problems: l
 
 def starts(journal: Journal, loaded: LoadedShow, tick: float, problems: list[str]) -> Iterator[Start]:
     """The snapshots that were taken after `tick`, in order."""
+    gaps = left_out(journal.path)
     for data in read_snapshots(snapshots_of(journal), problems):
-        if facts_of(data)["tick"] > tick:
+        now = facts_of(data)["tick"]
+        if now > tick and not any(gap.holds(now) for gap in gaps):
             try:
                 yield _restored(journal, loaded, data)
             except SnapshotError as error:
