@@ -44,6 +44,8 @@ class Child:
         finally:
             theirs.close()
         self.started = time.monotonic()
+        self.killed = False
+        """Whether it was ended at once, and is only not gone yet."""
 
     @property
     def phase(self) -> Phase:
@@ -71,6 +73,7 @@ class Child:
 
     def kill(self) -> None:
         """End it at once."""
+        self.killed = True
         self.signal(signal.SIGKILL)
 
     def terminate(self) -> None:

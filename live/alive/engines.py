@@ -47,6 +47,7 @@ class Engines:
         self._limit = RestartLimit()
         self._start_at = self._spare_at = 0.0
         self._died: float | None = None
+        self._undanced = 0.0  # seconds without a dance: engines that begin slowly shall not seem to crash seldom
 
     def take(self, line: str) -> None:
         """A line of the show: into the log, to the spare, and to whoever else is told."""
@@ -134,7 +135,7 @@ class Engines:
             self.since, self._spare_at = now, now + self._orders.spare_after
             if self._died is not None:
                 self._taken_over(engine, self._died)
-        if engine.hangs(now, self._starter.awake):
+        if engine.hangs(now, self._starter.awake) and not engine.killed:
             self._say(f"the engine has given no sign of life for {now - engine.heart.last:.1f} s")
             engine.kill()
         if not engine.wire.ended and engine.process.poll() is None:
@@ -152,8 +153,8 @@ class Engines:
 
     def _go_on(self, code: int, now: float) -> None:
         """The engine died: let another one go on."""
-        self._report.calm = self._limit.note(now) or self._report.calm
         self._died, self.since = self._died or now, None
+        self._report.calm = self._limit.note(self._died - self._undanced) or self._report.calm
         words = "without sound and other clocks, for it has happened too often" if self._report.calm else "in its place"
         self._say(f"the engine ended ({how(code)}); another one goes on {words}")
         self.engine, self.spare = self.spare, None
@@ -169,7 +170,7 @@ class Engines:
 
     def _taken_over(self, engine: Child, died: float) -> None:
         self._report.takeover_s = round(engine.heart.last - died, 3)
-        self._died = None
+        self._died, self._undanced = None, self._undanced + engine.heart.last - died
         self._say(f"the show goes on, {self._report.takeover_s:.1f} s later")
 
     # -- the one that waits --------------------------------------------------------------------------------------

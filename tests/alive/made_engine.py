@@ -42,6 +42,8 @@ def main() -> None:
         tick = 0
     else:
         tick = follow(lifeline, brief.role)
+    if brief.role != "engine":
+        time.sleep(plan.get("slow", 0.0))
     kills = [at for at in plan.get("kills", []) if at > tick]
     while True:
         tick += 1
@@ -58,6 +60,8 @@ def main() -> None:
             lifeline.beat(tick, Phase.LEAVING)
             lifeline.wire.put(json.dumps({"tick": tick, "end": True}))
             sys.exit(plan.get("ends", 0))
+        if lifeline.alone:
+            sys.exit(0)  # the test that began this has gone
         time.sleep(plan.get("pace", 0.005))
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from live.alive.limits import RestartLimit
 from live.alive.orders import Orders
 from live.alive.supervisor import Supervisor
 
@@ -69,7 +70,7 @@ def test_an_engine_that_gives_no_sign_of_life_is_killed_and_replaced(tmp_path):
     assert code == 0
     assert numbers(lines) == list(range(1, 161))
     assert supervisor.report.restarts == 1
-    assert "no sign of life" in said[0]
+    assert ["no sign of life" in line for line in said] == [True, False, False]
 
 
 def test_after_three_restarts_in_thirty_seconds_the_show_is_calmer(tmp_path, monkeypatch):
@@ -79,6 +80,15 @@ def test_after_three_restarts_in_thirty_seconds_the_show_is_calmer(tmp_path, mon
     assert numbers(lines) == list(range(1, 51))
     assert [line["calm"] for line in lines if "calm" in line] == [False, False, False, True]
     assert supervisor.report.calm
+
+
+def test_engines_that_begin_slowly_and_crash_at_once_make_a_show_calmer_too(tmp_path, monkeypatch):
+    """Only seconds in which somebody danced count: four crashes lie nearly two seconds apart here."""
+    monkeypatch.setattr("live.alive.engines.CALM_APART", 0.0)
+    monkeypatch.setattr("live.alive.engines.RestartLimit", lambda: RestartLimit(3, 2.0))
+    plan = {"kills": [5, 10, 15, 20], "ticks": 25, "slow": 1.5}
+    _, lines, _, _ = supervised(tmp_path, plan, spare=False)
+    assert [line["calm"] for line in lines if "calm" in line] == [False, False, False, True]
 
 
 def test_the_supervisor_needs_no_array_no_window_and_no_device():
