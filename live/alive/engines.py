@@ -45,7 +45,7 @@ class Engines:
         self.since: float | None = None
         """Since when the engine has been running [s, monotonic]."""
         self._limit = RestartLimit()
-        self._start_at = self._spare_at = 0.0
+        self._start_at = self._spare_at = self._begun_at = 0.0
         self._died: float | None = None
         self._undanced = 0.0  # seconds without a dance: engines that begin slowly shall not seem to crash seldom
 
@@ -105,6 +105,7 @@ class Engines:
                 child.end()
 
     def _begin(self) -> None:
+        self._begun_at = self._start_at  # or a little later
         self.engine = self._start(self.role)
         if self.role == "heir":
             self._brief(self.engine)
@@ -164,7 +165,7 @@ class Engines:
             self.engine.end()
             self.engine = None
         if self.engine is None:
-            self._start_at = now + (CALM_APART if self._report.calm else 0.0)
+            self._start_at = max(now, self._begun_at + CALM_APART) if self._report.calm else now
         else:
             self.go()
 

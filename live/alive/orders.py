@@ -24,7 +24,7 @@ class Orders:
     osc: socket.socket | None = None
     """Where OSC is received, bound already: the socket outlives the engine, and what comes meanwhile waits in it."""
     journal: Path | None = None
-    spare_after: float = 4.0
+    spare_after: float = 2.0
     """Seconds that an engine has danced before the next one begins to prepare itself."""
     spare: bool = True
     """Whether another engine waits; without it one is started when it is needed."""

@@ -11,6 +11,7 @@ from live.alive.following import Following
 from live.alive.heartbeat import Phase
 from live.alive.lifeline import Lifeline, nobody_left
 from live.alive.priority import ENGINE_NICE, come_forward
+from live.base.errors import PersonError
 from live.base.inbox import Inbox
 from live.cli.heir import go_on, open_picture, sound_of
 from live.cli.played import Played
@@ -20,6 +21,7 @@ from live.clock.ticks import TICK
 from live.control.events import ControlEvent, TakeOver
 from live.control.osc import OscInput
 from live.render.pacing import Pacer
+from live.show.replay_start import ReplayError
 
 RATE = 30.0
 """Pictures a second while another machine leads."""
@@ -55,6 +57,16 @@ def _listening(lifeline: Lifeline, played: Played) -> Iterator[Inbox[ControlEven
         osc.stop()
 
 
+def follow(following: Following) -> None:
+    """Run what was told; PersonError if this machine has not the steps for it."""
+    try:
+        following.follow()
+    except ReplayError as error:
+        raise PersonError(
+            f"the leader's show cannot be danced here: {error}", "use the same steps on both machines"
+        ) from None
+
+
 def _follow(
     following: Following, lifeline: Lifeline, played: Played, picture: Any
 ) -> tuple[dict[str, Any] | None, Following]:
@@ -67,7 +79,7 @@ def _follow(
             for line in lifeline.lines:
                 following.take(line, arrived=time.perf_counter())
             lifeline.lines.clear()
-            following.follow()
+            follow(following)
             order = lifeline.order("go")
             if order is not None:
                 return order, following
