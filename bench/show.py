@@ -1,7 +1,8 @@
-"""The show: replay, journal, snapshots, score, reload, and what happens when something ends."""
+"""The show: replay, journal, snapshots, score, reload, and what happens when something ends; who dances meanwhile."""
 
 from pathlib import Path
 
+from bench import _show_alive as alive
 from bench import _show_desk as desk
 from bench import _show_journal as journal
 from bench import _show_reload as reload
@@ -11,4 +12,4 @@ from live.cli.bench import Row
 
 def run(full: bool, shared: Path | None) -> list[Row]:
     """Figures against the bars of the show."""
-    return [*journal.rows(full), *desk.rows(full), *score.rows(full), *reload.rows(full)]
+    return [*journal.rows(full), *desk.rows(full), *score.rows(full), *reload.rows(full), *alive.rows(full)]
