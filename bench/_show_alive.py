@@ -22,6 +22,7 @@ from typing import Any, Final
 
 import psutil
 
+from live.alive.engines import READY
 from live.cli.bench import Row
 
 PATIENCE: Final = 180.0
@@ -74,7 +75,7 @@ def rows(full: bool) -> list[Row]:
         how = ("--standby", f"127.0.0.1:{leads}", "--lead", str(stands))
         stack.enter_context(_playing(folder / "standby", *how))
         _until(lambda: _alive(folder / "leader").get("followers") == 1, "a machine that stands by")
-        _until(lambda: _ticks_from(stands), "a machine that follows")
+        _until(lambda: READY in _said(folder / "standby"), "a machine that follows")
         silent = _pause(stands, lambda: _stop(leader))
         return [
             Row("alive: kill of an engine to the next picture", max(killed), "s", 3.0),
@@ -93,25 +94,13 @@ def _pause(port: int, end: Callable[[], None]) -> float:
         observer.close()
 
 
-def _ticks_from(port: int) -> bool:
-    try:
-        observer = Observer(port)
-    except OSError:  # it does not listen yet
-        time.sleep(0.1)
-        return False
-    try:
-        time.sleep(1.0)
-        return len(observer.times) > 30
-    finally:
-        observer.close()
-
-
 @contextlib.contextmanager
 def _playing(status: Path, *how: str) -> Iterator[subprocess.Popen[bytes]]:
     options = ["--headless", "--bpm", "120", "--osc", "127.0.0.1:0", "--status-json", str(status), *how]
-    process = subprocess.Popen(
-        [sys.executable, "-m", "live", "play", *options], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
+    with status.with_suffix(".said").open("wb") as said:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "live", "play", *options], stdout=subprocess.DEVNULL, stderr=said
+        )
     try:
         yield process
     finally:
@@ -149,6 +138,10 @@ def _alive(status: Path) -> dict[str, Any]:
     whole = status.read_bytes().rpartition(b"\n")[0].splitlines() if status.exists() else []
     found: dict[str, Any] = json.loads(whole[-1])["alive"] if whole else {}
     return found
+
+
+def _said(status: Path) -> str:
+    return status.with_suffix(".said").read_text()
 
 
 def _until(what: Callable[[], bool], named: str) -> None:

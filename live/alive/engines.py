@@ -18,6 +18,8 @@ STEPS: Final = ('"StepsAdded"', '"StepsChanged"')
 """Events that only an engine can act on that has read the steps since."""
 CALM_APART: Final = 5.0
 """Seconds between two starts once there were too many."""
+READY: Final = "this machine stands by: it dances what the other one dances"
+"""Said to the person; before that a machine that is to take over has to begin first, which takes seconds."""
 GIVE_UP: Final = 50
 """Engines that ended in crashes; a show whose engines cannot even begin any more is over then."""
 
@@ -136,6 +138,8 @@ class Engines:
             self.since, self._spare_at = now, now + self._orders.spare_after
             if self._died is not None:
                 self._taken_over(engine, self._died)
+            if self.role == "standby":
+                self._say(READY)
         if engine.hangs(now, self._starter.awake) and not engine.killed:
             self._say(f"the engine has given no sign of life for {now - engine.heart.last:.1f} s")
             engine.kill()
