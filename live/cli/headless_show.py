@@ -56,5 +56,5 @@ def _loop(session: Session, draw: Callable[[StageView], None], rate: float) -> N
         session.status.late_frames = pacer.late
         session.after_frame(started, previous)
         previous = started
-        if session.finished(started):
+        if session.finished(started) or session.deserted:  # nobody sees it, and nobody is there to end it
             return

@@ -320,6 +320,11 @@ class Session:
         if self._remote is not None:
             self._remote.silence()
 
+    @property
+    def deserted(self) -> bool:
+        """Whether the supervisor, which has the terminal and the journal, has gone."""
+        return self.lifeline is not None and self.lifeline.alone
+
     def finished(self, time: float) -> bool:
         """Whether `--seconds` are over."""
         return self.wish.seconds is not None and time >= self.wish.seconds

@@ -92,6 +92,7 @@ def machines(tmp_path: Path) -> Iterator[Callable[..., tuple[Machine, Machine]]]
             machine.process.wait(30)
         except subprocess.TimeoutExpired:
             machine.process.kill()
+            machine.process.wait()
 
 
 def test_a_leader_that_is_gone_is_gone_on_from_without_a_line_lost_or_twice(machines):

@@ -14,7 +14,8 @@ def test_refusals_and_problems_of_all_parts_are_told_once(capsys: pytest.Capture
     osc = SimpleNamespace(last_rejection=None)
     listens = SimpleNamespace(facts=lambda: {"problem": problem})
     problem = ""
-    news = session_news(cast(Any, show), cast(Any, osc), cast(Any, listens), None, None)
+    watch = SimpleNamespace(problem="", told="")
+    news = session_news(cast(Any, show), cast(Any, osc), cast(Any, listens), None, cast(Any, watch), None)
     news.look()
     assert capsys.readouterr().err == ""
     problem = "stage box is not there"

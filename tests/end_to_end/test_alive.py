@@ -6,6 +6,7 @@ import os
 import signal
 import socket
 import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -202,7 +203,10 @@ def test_a_start_that_is_broken_off_leaves_nobody_behind(play, patch: Path, sign
 
 def test_a_person_s_error_is_said_once_and_ends_the_command(tmp_path: Path):
     done = subprocess.run(
-        ["python", "-m", "live", "play", "no-such-patch", "--headless"], capture_output=True, text=True, timeout=120
+        [sys.executable, "-m", "live", "play", "no-such-patch", "--headless"],
+        capture_output=True,
+        text=True,
+        timeout=120,
     )
     assert done.returncode == 2
     assert done.stderr.count("error:") == 1
