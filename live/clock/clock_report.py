@@ -12,6 +12,9 @@ from live.clock.midi_clock import ClockBeat, ClockState, MidiClock, News
 POLL: Final = 0.1
 """Seconds between two looks for what did not come."""
 
+LONGEST: Final = 20_000
+"""Beats that are named of one estimate at most, some hours: nobody looks at those of a recording that was left on."""
+
 LOOKS: Final = 100
 """After so many looks in vain no more of them finds anything new, however long a recording pauses."""
 
@@ -132,7 +135,7 @@ def _next(estimate: ClockBeat | None, number: int, item: ClockBeat) -> int:
 
 
 def _up_to(estimate: ClockBeat, number: int, end: int, first: dict[int, float], metre: int) -> Iterable[NamedBeat]:
-    for beat in range(number, end):
+    for beat in range(number, min(end, number + LONGEST)):
         yield _beat(estimate, number, beat, first, metre)
 
 

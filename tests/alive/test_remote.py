@@ -15,6 +15,8 @@ import pytest
 from tests.control.waiting import BUSY, wait_for
 
 MACHINE = """
+    import signal
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have it ignored in the background
     import json, socket, sys
     from pathlib import Path
     from live.alive.orders import Orders
