@@ -27,7 +27,7 @@ def test_music_heard_by_the_input_device_changes_measures(play, patch: Path, pul
     """The patch begins at 90 bpm in its own clock; the music's 112 bpm must be heard to be known."""
     patch.write_text("clock = {bpm = 90}\n" + patch.read_text())
     running = play(
-        str(patch), "--headless", "--audio", "pulse", "--seconds", "90", "--osc", "127.0.0.1:0",
+        str(patch), "--headless", "--audio", "pulse", "--seconds", "90", "--osc", "127.0.0.1:0", "--alone",
         env=dict(pulse_sink.env),
     )  # fmt: skip
     running.wait_for(lambda line: line["frames"] > 10, 30)

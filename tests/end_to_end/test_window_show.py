@@ -49,7 +49,7 @@ def test_dancers_move_on_the_second_monitor_when_osc_says_so(play, patch: Path, 
     port = 19017
     env = {"DISPLAY": two_monitor_x.display}
     running = play(
-        str(patch), "--bpm", "150", "--monitor", "2", "--fullscreen", "--osc", f"127.0.0.1:{port}", env=env
+        str(patch), "--bpm", "150", "--monitor", "2", "--fullscreen", "--alone", "--osc", f"127.0.0.1:{port}", env=env
     )  # fmt: skip
     running.wait_for(lambda line: line["frames"] > 20, 60)
     before = _dancers_at(_second_monitor(two_monitor_x))
