@@ -1,5 +1,6 @@
 """Two machines on loopback, real processes on both: take-over by silence, by end, by command; and the fence."""
 
+import contextlib
 import json
 import os
 import signal
@@ -60,9 +61,10 @@ class Machine:
         return int(self.lines()[0]["pid"])
 
     def everything(self, number: int) -> None:
-        """Send a signal to the supervisor and its engine."""
-        for pid in (self.engine(), self.process.pid):
-            os.kill(pid, number)
+        """Send a signal to the supervisor, before it can begin another engine, and to its engine."""
+        for pid in (self.process.pid, self.engine()):
+            with contextlib.suppress(ProcessLookupError):  # it ends by itself when its supervisor has gone
+                os.kill(pid, number)
 
     def report(self) -> dict[str, Any]:
         """After its end."""
