@@ -61,8 +61,9 @@ class Machine:
         return int(self.lines()[0]["pid"])
 
     def everything(self, number: int) -> None:
-        """Send a signal to the supervisor, before it can begin another engine, and to its engine."""
-        for pid in (self.process.pid, self.engine()):
+        """Send a signal to the supervisor and its engine; it must neither begin another one nor find this one hang."""
+        both = (self.engine(), self.process.pid)
+        for pid in both[::-1] if number == signal.SIGKILL else both:
             with contextlib.suppress(ProcessLookupError):  # it ends by itself when its supervisor has gone
                 os.kill(pid, number)
 
