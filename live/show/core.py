@@ -49,6 +49,8 @@ SHORTEST_RETIME = 0.5
 """A measure is never re-timed to end within fewer beats than this."""
 LEAP = 1e-6
 """The clock's beat has jumped if it is so far [beats] from where the last tick's Timeline takes it."""
+FLOOR_AND_DESK = (*GROUP_EVENTS, *DESK_EVENTS)
+"""Events that `_control` takes."""
 CALLS_IN_TURN = 4
 """A signal may call what gives a signal ... so many times in one tick; the rest waits for the next."""
 LINES_PER_TICK = 4
@@ -146,7 +148,7 @@ class Show:
         self.motion.elements.gain = self.reactions.strength
 
     def _act_on(self, event: ControlEvent) -> None:
-        if isinstance(event, (*GROUP_EVENTS, *DESK_EVENTS)):
+        if isinstance(event, FLOOR_AND_DESK):
             self._control(event)
             return
         if isinstance(event, CLOCK_EVENTS):

@@ -12,6 +12,11 @@ BEATS: Final = 4.0
 NAMES: Final = ("loudness", "density", "brightness", "low", "build")
 
 
+def level_of(event: MusicHeard, name: str) -> float:
+    """What is heard by this name of `NAMES`, 0 to 1."""
+    return min(event.density / DENSE, 1.0) if name == "density" else float(getattr(event, name))
+
+
 class Mood:
     """Takes MusicHeard in order. Before any is heard, or once nothing is, it is in the middle: 0.5, and no build-up."""
 
@@ -24,8 +29,7 @@ class Mood:
         share = 1.0 - math.exp(-1.0 / BEATS) if self._heard else 1.0
         self._heard = True
         for name in NAMES:
-            heard = min(event.density / DENSE, 1.0) if name == "density" else float(getattr(event, name))
-            self._values[name] += share * (heard - self._values[name])
+            self._values[name] += share * (level_of(event, name) - self._values[name])
 
     def of(self, name: str) -> float:
         """What is heard by this name, 0 to 1; `energy` is the mean of loudness and density."""

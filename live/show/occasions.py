@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from typing import Final
 
 from live.control.events import MusicHeard
-from live.show.mood import DENSE
+from live.show.mood import level_of
 from live.show.sections.score import SignalSection
 
 MUCH: Final = 0.75
@@ -45,7 +45,7 @@ class Occasions:
             else:
                 name, high, level = _HEARD[signal.on or "build"]
                 level = level if signal.level is None else signal.level
-                heard = min(event.density / DENSE, 1.0) if name == "density" else float(getattr(event, name))
+                heard = level_of(event, name)
                 back = 3.0 * BACK if name == "build" else BACK
                 if self._there[index]:
                     is_there = heard > level - back if high else heard < level + back

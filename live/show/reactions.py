@@ -4,11 +4,9 @@ import math
 from typing import Any, Final
 
 from live.control.events import ControlEvent, MusicHeard, SetMotion, SetPicture
+from live.show.mood import level_of
 from live.show.patch import Patch
 from live.show.sections.react import ReactSection
-
-DENSE: Final = 6.0
-"""Onsets per beat that count as 1."""
 
 BUILDING: Final = 0.5
 """From here on a build-up counts as begun ..."""
@@ -103,7 +101,7 @@ class Reactions:
         return {**{name: round(getattr(last, name), 3) for name in names}, "drops": self.drops}
 
     def _smoothed(self, index: int, section: ReactSection, event: MusicHeard) -> float:
-        heard = min(event.density / DENSE, 1.0) if section.to == "density" else float(getattr(event, section.to or ""))
+        heard = level_of(event, section.to or "")
         before = self._values[index]
         share = 1.0 if before is None or section.beats == 0.0 else 1.0 - math.exp(-1.0 / section.beats)
         value = heard if before is None else before + share * (heard - before)
