@@ -116,15 +116,18 @@ class Avoiding:
         """Dancer `row` leaves her step for the one that gets her out of the way, if that is worth it."""
         if self._dancers.inertia.age[row] < LONGEST or self._motion.entrances.state[row] != ON:
             return  # since it was her turn to wait, something else has happened to her
-        moment = Moment(self._dancers, np.array([row], np.int32), span, timeline, time)
-        nodes = self._cutting.candidates()
         apart = np.hypot(*(self._ways[0] - self._ways[0, row]).T)
         near = self._motion.present & (apart < NEAR)
         near[row] = False
         who = np.flatnonzero(near)
         out = self._out(np.concatenate([[row], who]), span, timeline, time)
         others = self._others(row, who, out[:, 1:], timeline.tempo)
-        trouble, stays = self._trouble(moment, nodes, others), _trouble_of(out[:, :1], others)[0]
+        stays = _trouble_of(out[:, :1], others)[0]
+        if stays <= GAIN:
+            return  # no way out could be worth it
+        moment = Moment(self._dancers, np.array([row], np.int32), span, timeline, time)
+        nodes = self._cutting.candidates()
+        trouble = self._trouble(moment, nodes, others)
         cost = self._cutting.distances(moment, nodes)[0] + CLOSE * trouble
         ends = self._ends(moment, nodes)
         cost += CLOSE * np.hypot(*np.maximum(np.abs(ends) - self._half_stage, 0.0).T)

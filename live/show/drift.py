@@ -8,9 +8,12 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.motion.posing.drifting.kernels import drift_ahead
 from live.show.chance import Purpose, chance_of
 
 Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Int64 = npt.NDArray[np.int64]
 
 KNOT_LOW: Final = 0.125
 KNOT_HIGH: Final = 0.5
@@ -56,17 +59,12 @@ class Drift:
         """By how much the phase goes on in the present measure [rad], (A,)."""
         return np.asarray(2.0 * np.pi * (SPAN @ self._frequency_knots))
 
-    def at(self, fraction: float, most: Float64) -> Float64:
-        """How far each dancer is ahead (positive) or behind [share of a measure] at `fraction` of it, (A,).
+    def at(self, out: Float64, rows: Int64, fraction: float, most: Float64, liked: Int32, like: Int32) -> None:
+        """How far the dancers `rows` (n,) are ahead (positive) or behind [share of a measure], `out` (n,).
 
-        `most` (A,) is how far she may be. A(x) sin φ(x): amplitude and frequency are uniform cubic B-splines, which
-        stay between their random values, so |A'| + A φ' < 1 always holds and no clip runs backwards; φ is the
-        integral of 2πf (T056 as corrected).
+        `most` (A,) is how far each may be; through the measure each goes over from the timing of `liked` (A,) to that
+        of `like` (A,). A(x) sin φ(x): amplitude and frequency are uniform cubic B-splines, which stay between their
+        random values, so |A'| + A φ' < 1 always holds and no clip runs backwards; φ is the integral of 2πf (T056 as
+        corrected).
         """
-        t = fraction
-        value = np.array([(1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, -3 * t**3 + 3 * t**2 + 3 * t + 1, t**3]) / 6.0
-        passed = np.array([
-            1 - (1 - t) ** 4, 3 * t**4 - 8 * t**3 + 16 * t, -3 * t**4 + 4 * t**3 + 6 * t**2 + 4 * t, t**4
-        ]) / 24.0  # fmt: skip
-        phase = self.phase + 2.0 * np.pi * (passed @ self._frequency_knots)
-        return np.asarray(most * (value @ self._amplitude_knots) * np.sin(phase))
+        drift_ahead(out, rows, fraction, self.phase, self._knots, most, liked, like)

@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.errors import named
-from live.base.kernels import ease
 from live.graph.takes import NO_TAKE
 from live.motion.editing.time_warp import F_MAX, draw_measure_warps
 from live.motion.posing.asking.kernels import delay_phases
@@ -23,6 +22,7 @@ from live.show.variety import Variety, varieties_of
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
+Int64 = npt.NDArray[np.int64]
 
 STEEPEST: Final = 0.9
 """A time warp changes the speed of a clip by this share at most (T054: below 1, or it would run backwards)."""
@@ -84,6 +84,7 @@ class Variation:
         self._like = self._liked = np.arange(count, dtype=np.int32)
         self._paired: npt.NDArray[np.intp] = np.zeros(0, np.intp)
         self._even: Float64 = np.zeros(count)
+        self._everybody: Int64 = np.arange(count)
         self.regrouped()
 
     @classmethod
@@ -106,6 +107,8 @@ class Variation:
             values = np.array([getattr(variety, name) for variety in self._varieties], np.float64)
             setattr(self, name, values[self._group])
         self._drifts = bool(self.warp_sequence.any())
+        # how far each dancer may drift [share of a measure], (A,)
+        self._farthest: Float64 = np.minimum(self.warp_beats / self._beats, FARTHEST) * (self.warp_sequence != 0.0)
         self.obeys = bool(self.obedience.any())
         """Whether anybody is carried elsewhere within the measure."""
         self.locks = bool(self.lock.any())
@@ -200,29 +203,27 @@ class Variation:
         self.measure = measure
         self.drift.begin_measure(measure)
 
-    def sequence_warp(self, fraction: float) -> Float64:
-        """How far each dancer is ahead (positive) or behind [share of a measure] at `fraction` of it, (A,)."""
-        ahead = self.drift.at(fraction, self._farthest())
-        before = ahead[self._liked]
-        return np.asarray(before + ease(fraction) * (ahead[self._like] - before))
-
-    def _farthest(self) -> Float64:
-        """How far each dancer may drift [share of a measure], (A,)."""
-        return np.asarray(np.minimum(self.warp_beats / self._beats, FARTHEST) * (self.warp_sequence != 0.0))
+    def sequence_warp(self, fraction: float, rows: Int64 | None = None) -> Float64:
+        """How far each dancer, or each of `rows` (n,), is ahead (positive) or behind [share of a measure] at `fraction`
+        of it, (A,) or (n,)."""
+        rows = self._everybody if rows is None else rows
+        ahead = np.empty(len(rows))
+        self.drift.at(ahead, rows, fraction, self._farthest, self._liked, self._like)
+        return ahead
 
     # -- lateness on purpose: canon and ripple --------------------------------------------------------------------
 
-    def phases(
-        self, out: Float64, fraction: float, warp: Float64, rows: npt.NDArray[np.int64] | None = None
-    ) -> tuple[float, float]:
+    def phases(self, out: Float64, fraction: float, warp: Float64, rows: Int64 | None = None) -> tuple[float, float]:
         """How far everybody is in a measure warped by `warp` (4, A) at `fraction` of the present one, into `out` (A,).
 
         Drift over the sequence and lateness on purpose are in. With `rows` (n,) for these alone, into `out` (n,).
         Returns the lowest and the highest.
         """
-        ahead, before, late = self.sequence_warp(fraction) if self._drifts else self._even, self._late_before, self.late
+        ahead, before, late = self._even, self._late_before, self.late
         if rows is not None:
             warp, ahead, before, late = np.ascontiguousarray(warp[:, rows]), ahead[rows], before[rows], late[rows]
+        if self._drifts:
+            ahead = self.sequence_warp(fraction, rows)
         return delay_phases(out, fraction, warp, self._window, ahead, before, late)
 
     def delay(self, like: Int32, place: npt.NDArray[np.floating], there: npt.NDArray[np.bool_], danced: Danced) -> None:
@@ -244,6 +245,6 @@ class Variation:
                 late[rows] += ripple.delays(np.asarray(place, np.float64)[rows])
         late = np.minimum(late / self._beats, LATEST)[like]
         steep = 2.0 * np.pi * danced.warp[0] * danced.warp[1]
-        steep = steep + 2.0 * np.pi * KNOT_HIGH * self._farthest()
+        steep = steep + 2.0 * np.pi * KNOT_HIGH * self._farthest
         most = np.clip((1.0 - SLOWEST - steep) / 1.5, 0.0, MOST_LATER)  # an ease is 1.5 times as steep as a line
         self.late += np.clip(late - self.late, -most, most)

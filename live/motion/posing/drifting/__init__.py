@@ -1,0 +1,1 @@
+"""Drifting: the warp over the whole sequence, of all dancers or some, in one pass."""
