@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from live.rehearse.soak import Plan, Report
+    from live.rehearse.soak_report import Plan, Report
 
 
 def soak(
@@ -41,7 +41,7 @@ def soak(
     from live.base.errors import PersonError
     from live.cli.options import parse_number, writable_file
     from live.cli.warm import warm_kernels
-    from live.rehearse.soak import Plan
+    from live.rehearse.soak_report import Plan
     from live.show.patch_file import find_patch
 
     parse_number(hours, "--hours", 0.001, 1000.0)

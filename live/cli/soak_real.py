@@ -19,7 +19,7 @@ from live.rehearse.edits import Edits
 from live.rehearse.faults import Fault, faults
 from live.rehearse.players import FakePlayers
 from live.rehearse.sending import Outlet, Timed, packet_of, packets, send_all
-from live.rehearse.soak import Plan, Report
+from live.rehearse.soak_report import Plan, Report
 from live.rehearse.words import Words
 from live.render.pacing import Pacer
 

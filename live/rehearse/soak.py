@@ -9,24 +9,24 @@ import json
 import time as _time
 import traceback
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import psutil
 
 from live.base.inbox import Inbox
 from live.clock.source import ManualClock
-from live.control.events import BeatHeard, ControlEvent, MusicHeard, RestartAudio, SourceChanged
-from live.control.osc_decode import OscRejected, decode
+from live.control.events import BeatHeard, ControlEvent, MusicHeard
 from live.control.registry import REGISTRY
 from live.rehearse.band import FakeBand
 from live.rehearse.edits import Edits
 from live.rehearse.faults import Fault, faults
+from live.rehearse.mishaps import Mishaps
 from live.rehearse.players import Call, FakePlayers
+from live.rehearse.soak_report import Plan, Report
 from live.rehearse.watching import Watching
-from live.rehearse.words import HOSTILE, Words
+from live.rehearse.words import Words
 from live.show.engine import Engine
 from live.show.load import LoadedShow, load_show
 from live.show.patch_watch import PatchWatch
@@ -35,79 +35,6 @@ from live.show.status import Status
 SALT: Final = 0x50AC
 MEMORY_EVERY: Final = 60.0
 """Seconds of the show from one look at memory to the next."""
-FLOOD: Final = 6000
-"""Events of the largest flood: more than the inbox holds."""
-GROWTH_MB: Final = 20.0
-"""So much memory may change after the first hour (or the first third of a shorter run)."""
-
-
-@dataclass(frozen=True, slots=True)
-class Plan:
-    """What is run."""
-
-    patch: Path
-    seed: int = 0
-    hours: float = 1.0
-    fps: float = 16.0
-    """Frames per second of the show, on the average."""
-    players: int = 8
-    calls: float = 6.0
-    """What each player does in a minute."""
-    faults: float = 1.0
-    """How often things go wrong; 1: about once a minute."""
-
-
-@dataclass(slots=True)
-class Report:
-    """What came of it."""
-
-    plan: Plan
-    seconds: float = 0.0
-    """Of the show."""
-    took: float = 0.0
-    """Of the machine [s]."""
-    measures: int = 0
-    leapt: int = 0
-    frames: int = 0
-    skipped: int = 0
-    problems: list[str] = field(default_factory=list)
-    count: int = 0
-    """Problems in all."""
-    events: dict[str, int] = field(default_factory=dict)
-    refused: dict[str, int] = field(default_factory=dict)
-    faults: dict[str, int] = field(default_factory=dict)
-    band: dict[str, int] = field(default_factory=dict)
-    edits: dict[str, int] = field(default_factory=dict)
-    frames_ms: list[dict[str, float]] = field(default_factory=list)
-    """In real time: CPU time of frames [ms], late frames and memory, in rows of some seconds."""
-    memory: list[tuple[float, float]] = field(default_factory=list)
-    """Seconds of the show, resident memory [MB]."""
-    objects: list[tuple[float, int]] = field(default_factory=list)
-    journal: dict[str, Any] = field(default_factory=dict)
-    replay: dict[str, Any] = field(default_factory=dict)
-    status: dict[str, Any] = field(default_factory=dict)
-    """The last figures of the show."""
-
-    @property
-    def growth(self) -> float | None:
-        """Largest change of memory [MB] after the first hour, or the first third of a shorter run."""
-        begin = min(3600.0, self.seconds / 3.0)
-        later = [size for time, size in self.memory if time >= begin]
-        return max(abs(size - later[0]) for size in later) if later else None
-
-    @property
-    def ok(self) -> bool:
-        """Whether nothing went wrong."""
-        grown = self.growth
-        different = self.replay.get("different", 0) or self.replay.get("problems")
-        return not self.count and not different and (grown is None or grown <= GROWTH_MB)
-
-    def as_json(self) -> dict[str, Any]:
-        """For `--report`."""
-        plan = {"patch": str(self.plan.patch), "seed": self.plan.seed, "hours": self.plan.hours, "fps": self.plan.fps}
-        facts = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "plan"}
-        speed = self.seconds / self.took if self.took else None
-        return {"ok": self.ok, **plan, "speed": speed, "memory_growth_mb": self.growth, **facts}
 
 
 class Soak:
@@ -145,9 +72,10 @@ class Soak:
         self._next_heard = next(self._heard)
         self._next_call = next(self._calls, None)
         self._next_fault = next(self._faults, None)
-        self._deaf_until = 0.0
-        self._other_until = 0.0
-        self._stall = 0.0
+        self.mishaps = Mishaps(
+            put=self.inbox.put, call=self.call, refuse=self._refuse, calls=self._calls, edits=self.edits,
+            band=self.band, beats_per_measure=beats, chance=self._chance,
+        )  # fmt: skip
         self._look = 0.0
 
     def run(self, tell: Callable[[float, Report], None] | None = None) -> Report:
@@ -182,6 +110,7 @@ class Soak:
         report.measures, report.leapt = self.journal.lines, self.journal.leapt
         report.frames, report.skipped = self.status.frames, self.engine.ticks.skipped
         report.problems, report.count = list(self.journal.problems), self.journal.count
+        report.faults = self.mishaps.done
         report.events, report.band, report.edits = self.journal.told, self.band.did, self.edits.saved
         report.journal = {**self.journal.facts(), "bytes_an_hour": self._bytes_an_hour()}
         if report.journal["dropped"]:
@@ -202,8 +131,8 @@ class Soak:
 
     def _frame(self) -> None:
         """One frame, and all that arrives before it."""
-        now = self.clock.now() + float(self._chance.uniform(0.5, 1.5)) / self.plan.fps + self._stall
-        self._stall = 0.0
+        now = self.clock.now() + float(self._chance.uniform(0.5, 1.5)) / self.plan.fps + self.mishaps.stands_for
+        self.mishaps.stands_for = 0.0
         while self._next_heard.time <= now:
             self._hear(self._next_heard)
             self._next_heard = next(self._heard)
@@ -211,7 +140,7 @@ class Soak:
             self.call(self._next_call)
             self._next_call = next(self._calls, None)
         while self._next_fault is not None and self._next_fault.time <= now:
-            self._do(self._next_fault)
+            self.mishaps.do(self._next_fault)
             self._next_fault = next(self._faults, None)
         if now >= self._look:
             self._look = now + 0.1
@@ -232,7 +161,7 @@ class Soak:
             self.journal.add(f"tick {self.engine.ticks.index}: the status is no JSON: {error}")
 
     def _hear(self, event: ControlEvent) -> None:
-        if event.time < self._deaf_until and isinstance(event, (BeatHeard, MusicHeard)):
+        if event.time < self.mishaps.deaf_until and isinstance(event, (BeatHeard, MusicHeard)):
             return
         self.inbox.put(event)
 
@@ -242,119 +171,7 @@ class Soak:
         if isinstance(event, ControlEvent):
             self.inbox.put(event)
         else:
-            key = type(event).__name__
-            self._rejected[key] = self._rejected.get(key, 0) + 1
+            self._refuse(type(event).__name__)
 
-    def _do(self, fault: Fault) -> None:
-        report = self.report
-        report.faults[fault.kind] = report.faults.get(fault.kind, 0) + 1
-        FAULTS[fault.kind](self, fault)
-
-    # -- faults ------------------------------------------------------------------------------------------------
-
-    def lose_source(self, fault: Fault) -> None:
-        """The sound is gone, for up to a minute."""
-        self._deaf_until = fault.time + 2.0 + 60.0 * fault.size
-        for time, state in ((fault.time, "lost"), (self._deaf_until, "found")):
-            self.inbox.put(SourceChanged(time=time, source="audio", state=state))
-
-    def stall(self, fault: Fault) -> None:
-        """The machine stands still: for a moment mostly, seldom for half a minute."""
-        self._stall = 0.3 + 3.0 * fault.size + (30.0 if fault.size > 0.97 else 0.0)
-
-    def flood(self, fault: Fault) -> None:
-        """Thousands of messages at once."""
-        for number in range(int(FLOOD * fault.size)):
-            x = -4.0 + 8.0 * (number % 97) / 97.0
-            self.call(Call(fault.time, "/dance/attract", [x, fault.size, 1.0, 1.0], "osc"))
-
-    def crowd_of_calls(self, fault: Fault) -> None:
-        """What all players do in five minutes, within a frame."""
-        for call, _ in zip(self._calls, range(int(200 * fault.size)), strict=False):
-            self.call(Call(fault.time, call.address, call.values, call.source))
-        # the calls' own times have gone on: nothing is played until they are reached, as after a rush
-
-    def garbage(self, fault: Fault) -> None:
-        """Packets that are none."""
-        for _ in range(20):
-            packet = self._chance.bytes(int(self._chance.integers(1, 400)))
-            try:
-                for message in decode(b"/dance/" + packet if fault.size > 0.5 else packet):
-                    self.call(Call(fault.time, message.address, list(message.arguments), "osc"))
-            except OscRejected:
-                self._rejected["garbage"] = self._rejected.get("garbage", 0) + 1
-
-    def jump_tempo(self, fault: Fault) -> None:
-        """Somebody says another tempo, or the music leaps."""
-        bpm = 60.0 + 120.0 * fault.size
-        if fault.size < 0.5:
-            self.call(Call(fault.time, "/dance/clock/tempo", [bpm], "osc"))
-        else:
-            self.call(Call(fault.time, "/dance/clock/half" if fault.size < 0.75 else "/dance/clock/double", [], "osc"))
-        self.band.bpm = bpm
-
-    def impossible(self, fault: Fault) -> None:
-        """A source that says what no source can."""
-        for value in HOSTILE:
-            if isinstance(value, float | int):
-                number = float(value)
-                self.inbox.put(
-                    BeatHeard(time=fault.time, source="midi", beat_time=number, period=fault.size, confidence=1.0)
-                )
-                self.inbox.put(
-                    BeatHeard(time=fault.time, source="midi", beat_time=fault.time, period=number, confidence=number)
-                )
-
-    def other_source(self, fault: Fault) -> None:
-        """Another clock speaks for a while, with a grid of its own; and is chosen, or not."""
-        period, source = 0.35 + 0.5 * fault.size, "midi"
-        self.inbox.put(SourceChanged(time=fault.time, source=source, state="started"))
-        for beat in range(16):
-            time = fault.time + 0.001 * beat
-            self.inbox.put(
-                BeatHeard(
-                    time=time,
-                    source=source,
-                    beat_time=fault.time + beat * period,
-                    period=period,
-                    confidence=0.9,
-                    beat=beat % 4,
-                    beats_per_measure=4,
-                    measure=beat // 4,
-                    jump=beat == 0,
-                )
-            )
-        choice = ("midi", "auto", "internal", "audio")[int(fault.size * 4.0) % 4]
-        self.call(Call(fault.time, "/dance/clock/source", [choice], "osc"))
-
-    def restart_device(self, fault: Fault) -> None:
-        """Sound is opened again."""
-        self.inbox.put(RestartAudio(time=fault.time, source="key"))
-
-    def rest(self, fault: Fault) -> None:
-        """Everything is set back: what players of an hour have done does not pile up for ever."""
-        beats = self.show.patch.clock.beats_per_measure
-        for address, values in (
-            ("/dance/clear", []), ("/dance/blackout", [0]), ("/dance/hold", [0]), ("/dance/hold/score", [0]),
-            ("/dance/practice", []), ("/dance/clock/hold", [0]), ("/dance/clock/source", ["auto"]),
-            ("/dance/clock/metre", [beats]), ("/dance/clock/tempo", [self.band.bpm]),
-        ):  # fmt: skip
-            self.call(Call(fault.time, address, list(values), "osc"))
-
-
-FAULTS: Final[dict[str, Callable[[Soak, Fault], None]]] = {
-    "source lost": Soak.lose_source,
-    "stall": Soak.stall,
-    "flood": Soak.flood,
-    "garbage": Soak.garbage,
-    "good edit": lambda soak, fault: soak.edits.good(),
-    "bad edit": lambda soak, fault: soak.edits.bad(),
-    "edit back": lambda soak, fault: soak.edits.back(),
-    "tempo jump": Soak.jump_tempo,
-    "impossible beats": Soak.impossible,
-    "device again": Soak.restart_device,
-    "other source": Soak.other_source,
-    "crowd of calls": Soak.crowd_of_calls,
-    "rest": Soak.rest,
-}
-"""What each kind of fault does."""
+    def _refuse(self, reason: str) -> None:
+        self._rejected[reason] = self._rejected.get(reason, 0) + 1

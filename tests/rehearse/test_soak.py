@@ -8,8 +8,10 @@ import pytest
 
 from live.control.events import TicksSkipped
 from live.rehearse.faults import KINDS, Fault, faults
+from live.rehearse.mishaps import FAULTS
 from live.rehearse.proving import prove
-from live.rehearse.soak import FAULTS, Plan, Soak
+from live.rehearse.soak import Soak
+from live.rehearse.soak_report import Plan
 from live.rehearse.watching import Watching
 from live.show.patch_file import find_patch
 
