@@ -145,6 +145,7 @@ class Soak:
         if now >= self._look:
             self._look = now + 0.1
             self.watch.look()
+            self.watch.tidy()
         self.clock.set(now)
         self.engine.frame(lambda view: self.journal.look(view, self.engine.ticks.index))
         gc.collect(0)

@@ -55,6 +55,7 @@ class PatchWatch:
         if library is not None:
             library.prove = lambda graph: show.another(self._patch, graph)
         self._seen = self._taken = stamp_of_files(loaded.path)
+        self._failed, self._over = 0, (0, 0)
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="patch watch", daemon=True)
         self.version = version_of(self._text)
@@ -81,14 +82,19 @@ class PatchWatch:
         return {"version": self.version, "problem": self.problem, "waits": list(self.waits)}
 
     def _run(self) -> None:
-        turn, taken = 0, 0
+        turn = 0
         while not self._ended.wait(POLL_S):
             turn += 1
             self.look(steps=turn % STEPS_EVERY == 0)
-            if self._show.reloading.taken != taken:  # the show it was taken from is left over, in circles
-                taken = self._show.reloading.taken
-                freed(self._show.reloading.spent)
-                gc.collect()
+            self.tidy()
+
+    def tidy(self) -> None:
+        """Free what is left over of patches that were tried or taken: shows, in circles. To be called after `look`."""
+        over = self._failed, self._show.reloading.taken
+        if over != self._over:
+            self._over = over
+            freed(self._show.reloading.spent)
+            gc.collect()
 
     def look(self, *, steps: bool = True) -> bool:
         """Look once, at the `steps` as well or not; True if a patch was offered."""
@@ -135,6 +141,7 @@ class PatchWatch:
         try:
             return prepare(text, self._show.another, self._patch, graph)
         except PersonError as error:
+            self._failed += 1
             where = f"{sources.told(error.place)}: {field_words(error.place)}: " if error.place else ""
             raise PersonError(f"{where}{error.message}", error.remedy) from None
 
