@@ -53,7 +53,9 @@ class Prompter:
         self.late_jumps = 0
         """Jumps that were asked for when the steps of their first measure were decided already."""
         self.said = ""
-        """What there is to say of the last jump; empty if all of it came in time."""
+        """What there was to say of the last jump of which not all came in time; it stays until another is said ..."""
+        self.said_measure = 0
+        """... with the measure of the show, from 1, in which it was said."""
         self._beats = patch.clock.beats_per_measure
         self._names = {stretch.name.casefold(): i for i, stretch in enumerate(self.playhead.stretches)}
 
@@ -104,7 +106,6 @@ class Prompter:
                     return False
         except ValueError as error:
             raise PersonError(str(error)) from None
-        self.said = ""
         moved = before != (self.playhead.place(coming), self.playhead.entered(coming))
         if moved:
             self.agenda.withdraw(GIVEN_AHEAD, -math.inf)
@@ -146,6 +147,7 @@ class Prompter:
         """The coming measure is another one, but its steps are decided already: it is danced with those."""
         self.late_jumps += 1
         self.said = "steps of the first measure were decided already: they are those of before"
+        self.said_measure = self.playhead.measure + 1
 
     def section(self, name: str) -> int:
         """Index of a section; PersonError if there is none of that name."""
@@ -169,7 +171,7 @@ class Prompter:
             "waits for GO" if playhead.waiting else "",
             "practice" if playhead.practice is not None else "",
             "" if playhead.going is None or playhead.going[0] == END else "goes to " + self._going(playhead.going),
-            self.said,
+            self.said if playhead.measure <= self.said_measure else "",  # while it is news: that measure and the next
         ]
         told = [word for word in asked if word]
         if not stretch.name and not told:
@@ -204,6 +206,7 @@ class Prompter:
                 "practice": None if playhead.practice is None else [playhead.practice[0] + 1, playhead.practice[1] + 1],
                 "late_jumps": self.late_jumps,
                 "said": self.said,
+                "said_measure": self.said_measure or None,
                 "signals": dict(self.signals),
                 "last_signal": self.last_signal,
             },

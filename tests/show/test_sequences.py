@@ -72,6 +72,22 @@ def test_a_jump_after_the_decision_dances_what_was_decided_and_says_so():
     facts = show.prompter.facts()
     assert facts["score"]["late_jumps"] == 1
     assert "decided already" in facts["score"]["said"]
+    assert facts["score"]["said_measure"] == 2
+
+
+def test_what_was_said_of_a_jump_stays_with_its_measure_and_leaves_the_overlay():
+    """Whoever looks a minute later still finds what the count means; the overlay tells news only."""
+    late = {round(32 * 7.4): lambda time: events.JumpTo(time=time, source="osc", section="b")}
+    held = {round(32 * 13): lambda time: events.HoldScore(time=time, source="osc", on=False)}
+    show = made_show(SECTIONS)
+    steps_of(show, 5, does=late)
+    assert any("decided already" in line for line in show.prompter.words())
+    show = made_show(SECTIONS)
+    steps_of(show, 17, does=late | held)
+    facts = show.prompter.facts()["score"]
+    assert "decided already" in facts["said"]
+    assert facts["said_measure"] == 2
+    assert not any("decided already" in line for line in show.prompter.words())
 
 
 def test_planning_anew_for_nothing_changes_nothing():
