@@ -97,12 +97,14 @@ def _table_of(path: Path, wanted: str) -> "dict[str, Any]":
 
     from live.base.errors import PersonError
     from live.base.toml_lines import error_line
+    from live.base.toml_remedy import toml_remedy
 
     text = _read(path)
     try:
         content = tomllib.loads(text) if path.suffix.lower() == ".toml" else json.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise PersonError(f"{path}, line {error_line(str(error), text)}: {error}") from None
+        line = error_line(str(error), text)
+        raise PersonError(f"{path}, line {line}: {error}", toml_remedy(str(error), text, line)) from None
     except (ValueError, RecursionError) as error:
         raise PersonError(f"{path}: not JSON: {str(error)[:100]}") from None
     if not isinstance(content, dict):

@@ -3,9 +3,11 @@
 The reasons are a fixed list, so that no sender can make the counts grow; their words are those of the status line.
 """
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Final
 
 
 class Reason(StrEnum):
@@ -53,8 +55,24 @@ class Rejection:
     def __str__(self) -> str:
         text = f"{_shortened(self.address)}: {self.reason}"
         if self.expected:
-            text += f": expected {self.expected}, received {_shortened(self.received)}"
+            received = _kind(self.received) if self.reason is Reason.WRONG_TYPE else _shortened(self.received)
+            text += f": expected {self.expected}, received {received}"
         return text
+
+
+def _kind(value: object) -> str:
+    """A value of the wrong type, with what it is, and how the right one is written."""
+    shown = _shortened(value)
+    if isinstance(value, str):
+        return f'the text "{shown[1:-1]}"' + ("; write the number without quotes" if _NUMBER.fullmatch(value) else "")
+    if isinstance(value, bool):
+        return f"the switch {'true' if value else 'false'}"
+    if isinstance(value, int | float):
+        return f"the number {value:.10g}; write a text in quotes"
+    return shown
+
+
+_NUMBER: Final = re.compile(r"\s*[+-]?[0-9]{1,9}(\.[0-9]{0,9})?\s*")
 
 
 def _shortened(value: object) -> str:

@@ -81,10 +81,30 @@ def _words(problem: Any, model: type[BaseModel]) -> str:
         return f"at least {context['min_length']} expected, found {context['actual_length']}"
     if kind == "too_long":
         return f"at most {context['max_length']} expected, found {context['actual_length']}"
+    name = problem["loc"][-1]
     if kind == "model_type":
-        return f"a table expected, found {str(read)[:40]}"
-    shown = repr(read) if isinstance(read, str | int | float | bool) else f"a {type(read).__name__}"
+        several = isinstance(read, list) and read and isinstance(read[0], dict)
+        return f"a table expected, found {str(read)[:40]}" + (f"; there is one: write [{name}]" if several else "")
+    if kind == "tuple_type" and isinstance(read, dict):
+        return f"a list of tables expected, found one table; write [[{name}]] each time"
+    shown = repr(read) if isinstance(read, str | int | float | bool) else _KINDS.get(type(read), type(read).__name__)
+    if isinstance(read, str) and kind.endswith(("_parsing", "_type")):
+        message = message.partition(", unable to")[0]
+        return f"{message[:1].lower()}{message[1:]}, found the text {shown[:60]}" + _unquoted(read)
     return f"{message[:1].lower()}{message[1:]}, found {shown[:60]}"
+
+
+_KINDS: Final = {list: "a list", tuple: "a list", dict: "a table"}
+"""Of what kind a value is, in words."""
+
+
+def _unquoted(read: str) -> str:
+    """What to do about a number or switch that stands in quotes."""
+    value = read.strip().casefold()
+    if value in ("true", "false"):
+        return f"; write {value} without quotes"
+    number = value.replace(",", ".", 1).lstrip("+-").replace(".", "", 1)
+    return "; write the number without quotes, with a point" if number.isdecimal() else ""
 
 
 def _known_keys(where: tuple[str | int, ...], of: type[BaseModel]) -> str:

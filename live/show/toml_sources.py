@@ -8,6 +8,7 @@ from typing import Any
 
 from live.base.errors import PersonError
 from live.base.toml_lines import KeyPath, error_line, line_of, toml_lines
+from live.base.toml_remedy import toml_remedy
 
 
 @dataclass(eq=False)
@@ -33,7 +34,8 @@ def parse_text(text: str, file: str, what: str) -> TomlText:
     try:
         return TomlText(file, text, tomllib.loads(text))
     except tomllib.TOMLDecodeError as error:
-        raise PersonError(f"{file}, line {error_line(str(error), text)}: not valid TOML: {error}") from None
+        line = error_line(str(error), text)
+        raise PersonError(f"{file}, line {line}: not valid TOML: {error}", toml_remedy(str(error), text, line)) from None
     except RecursionError:
         raise PersonError(f"{file}: not a {what}: its brackets are nested too deep") from None
 

@@ -8,6 +8,7 @@ from typing import Any, Final
 from pydantic import ValidationError
 
 from live.base.toml_lines import KeyPath, error_line, toml_lines
+from live.base.toml_remedy import toml_remedy
 from live.motion.sketch_words import PAIRS, PARTS
 from live.motion.step_clip import DIRECTIONS
 from live.steps.motion_file import MOTION_ENDINGS
@@ -91,7 +92,8 @@ def parse_step_file(text: str, toml: Path, files: StepFiles) -> None:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         line = error_line(str(error), text)
-        files.problems.append(Problem(toml, line, "", f"not valid TOML: {str(error).split(' (at ')[0]}"))
+        words = f"not valid TOML: {str(error).split(' (at ')[0]}: {toml_remedy(str(error), text, line)}"
+        files.problems.append(Problem(toml, line, "", words))
     except RecursionError:
         files.problems.append(Problem(toml, None, "", "brackets in brackets too deep"))
     else:
