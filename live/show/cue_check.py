@@ -3,18 +3,27 @@
 from collections.abc import Sequence
 from typing import Final, Protocol
 
+from live.show.cue_loops import cue_loops
 from live.show.parameter_table import LOOK, VIEW, split
 from live.show.score_check import Written, calls_of
 from live.show.sections.cue import CueSection
 from live.show.sections.group import GroupSection
+from live.show.sections.midi import MidiSection
 from live.show.sections.scene import NamedLookSection, SceneSection, ViewSection
 from live.show.sections.score import AtSection, ScoreSection
 from live.show.sections.section import Amiss
+from live.show.sections.stage import GateSection
 
 
 class Recalled(Written, Protocol):
     """What is looked at of a patch."""
 
+    @property
+    def reserve(self) -> int: ...
+    @property
+    def midi(self) -> MidiSection: ...
+    @property
+    def gate(self) -> Sequence[GateSection]: ...
     @property
     def group(self) -> Sequence[GroupSection]: ...
     @property
@@ -39,6 +48,7 @@ START: Final = "start"
 
 def check_cues(patch: Recalled) -> None:
     """Amiss for a scene or cue of the patch that names what is not there, and for a scene recalled by the score."""
+    _check_start(patch)
     _check_scenes(patch)
     scenes = {_folded(scene.name) for scene in patch.scene} | {START}
     sections = {_folded(section.name) for section in patch.section}
@@ -51,10 +61,39 @@ def check_cues(patch: Recalled) -> None:
             words = f'cue {cue.name!r}: when = "section", but the patch has no [[section]]'
             raise Amiss(words, "cue", number, "when")
     _check_named_cues(patch)
+    _check_loops(patch)
     for number, at in enumerate(patch.at):
         if at.scene is not None and _folded(at.scene) not in scenes:
             words = f"at measure {at.measure}, beat {at.beat:g}: no scene is called {at.scene!r}"
             raise Amiss(words, "at", number, "scene")
+
+
+def _check_start(patch: Recalled) -> None:
+    """What a patch begins with has its name already."""
+    for kind, things in (("view", patch.view), ("looks", patch.looks), ("scene", patch.scene)):
+        for index, thing in enumerate(things):
+            if _folded(thing.name) == START:
+                what = {"view": "[camera]", "looks": "[look]"}.get(kind, "[camera], [look] and [motion]")
+                words = f"{thing.name!r} is what the patch begins with, as {what} say: give this one another name"
+                raise Amiss(words, kind, index, "name")
+
+
+def _check_loops(patch: Recalled) -> None:
+    """No cue calls itself, nor comes back to itself within a beat; slower loops of several cues are a way to write."""
+    for loop in cue_loops(patch):
+        name = patch.cue[loop.cue].name
+        if loop.itself:
+            words = (
+                f"cue {name!r} calls itself: it would come again for ever, and stand by nothing but the cue after it; "
+                "what comes again is an [[at]] in a [[section]] that repeats"
+            )
+            raise Amiss(words, *loop.place)
+        if loop.beats < 1.0:
+            words = (
+                f"cue {name!r} calls its way back to itself within {loop.beats:g} beats, for ever: "
+                'when = "measure" or a count_in for one of them'
+            )
+            raise Amiss(words, *loop.place)
 
 
 def _check_named_cues(patch: Recalled) -> None:
@@ -66,6 +105,12 @@ def _check_named_cues(patch: Recalled) -> None:
             raise Amiss(words, "cue", index, "number")
         if cue.number is not None:
             numbers[cue.number] = cue.name
+    told = {f"{number:g}": name for number, name in numbers.items()}
+    for index, cue in enumerate(patch.cue):
+        other = told.get(_folded(cue.name), cue.name)
+        if other != cue.name:
+            words = f"cue {cue.name!r} is called as cue {other!r} is numbered: change one of them"
+            raise Amiss(words, "cue", index, "name")
     names = {_folded(cue.name) for cue in patch.cue} | {f"{number:g}" for number in numbers}
     for call, values, place in calls_of(patch):
         if call not in CUE_CALLS or (name := _folded(str(values[0]))) in names:

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 from pydantic import Field, model_validator
 
 from live.base.errors import PersonError
+from live.show.call_check import check_named
 from live.show.cue_check import check_cues
 from live.show.score_check import check_score
 from live.show.sections.cue import CueSection
@@ -174,4 +175,5 @@ class Patch(Section):
     @model_validator(mode="after")
     def _cues_lead_somewhere(self) -> "Patch":
         check_cues(self)
+        check_named(self)
         return self

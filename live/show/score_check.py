@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import Any, Final, Protocol
 
+from live.show.answers_check import check_answers
 from live.show.sections.cue import CueSection
 from live.show.sections.group import GroupSection
 from live.show.sections.improvise import ImproviseSection
@@ -11,6 +12,7 @@ from live.show.sections.react import ReactSection
 from live.show.sections.score import AtSection, ScoreSection, SignalSection
 from live.show.sections.section import Amiss
 from live.show.sections.sequence import SequenceSection
+from live.show.stays import stay_of
 
 
 class Written(Protocol):
@@ -52,7 +54,8 @@ def check_score(patch: Written) -> None:
             _check_place(patch, lengths, kind, index, entry)
     _check_beats(patch)
     _check_groups(patch)
-    _check_improvised(patch, lengths)
+    _check_improvised(patch)
+    check_answers(patch)
     _check_signals(patch)
     _check_calls(patch, set(lengths))
 
@@ -126,34 +129,29 @@ def _check_groups(patch: Written) -> None:
             raise Amiss(f"no group is called {entry.answers!r}; there are: {known}", "improvise", index, "answers")
 
 
-def _check_improvised(patch: Written, lengths: dict[str, int]) -> None:
+def _check_improvised(patch: Written) -> None:
     """Two improvisations of one group do not overlap, and none goes on after its section."""
-    taken: dict[tuple[str, str], list[tuple[int, float, int]]] = {}
+    taken: dict[tuple[int, str], list[tuple[int, float, int]]] = {}
     for index, entry in enumerate(patch.improvise):
-        section = (entry.section or "").casefold()
-        size = lengths[section] if section else written_length(patch)
-        begin = entry.measure - 1
-        end = float("inf") if entry.measures is None else float(begin + entry.measures)
-        if size is not None:
-            if entry.measures is not None and end > size:
-                words = f"measures {entry.measures} from measure {entry.measure} on: its section ends with {size}"
-                raise Amiss(words, "improvise", index, "measures")
-            end = min(end, float(size))
+        stay = stay_of(patch, entry.section, entry.measure, entry.measures)
+        if stay.size is not None and entry.measures is not None and stay.begin + entry.measures > stay.size:
+            last = stay.first + stay.size if entry.section is None else stay.size
+            words = f"measures {entry.measures} from measure {entry.measure} on: its section ends with {last}"
+            raise Amiss(words, "improvise", index, "measures")
         groups = [group.name.casefold() for group in patch.group] if entry.group == "*" else [entry.group.casefold()]
         for group in groups:
-            for other_begin, other_end, other in taken.setdefault((section, group), []):
-                if begin < other_end and other_begin < end:
+            for other_begin, other_end, other in taken.setdefault((stay.section, group), []):
+                if stay.begin < other_end and other_begin < stay.end:
                     raise Amiss(
                         f"group {group!r} improvises already there, as improvise {other + 1} says: end one of them "
                         "with measures, or leave one out",
                         *("improvise", index, "measure"),
                     )
-            taken[section, group].append((begin, end, index))
+            taken[stay.section, group].append((stay.begin, stay.end, index))
 
 
 def _check_signals(patch: Written) -> None:
-    known = {"drop", "build", *(one.name.casefold() for one in patch.signal)}
-    known |= {one.signal.casefold() for one in patch.at if one.signal is not None}
+    known = signals_of(patch)
     calls: dict[str, set[str]] = {}
     for index, reaction in enumerate(patch.react):
         if reaction.on is None:
@@ -170,6 +168,12 @@ def _check_signals(patch: Written) -> None:
             if name in _reached(calls, given):
                 words = f'signal {name!r} would give itself again and again: when = "measure" for one of them'
                 raise Amiss(words, "react", index, "values")
+
+
+def signals_of(patch: Written) -> set[str]:
+    """All signals that somebody may give, by their folded names."""
+    known = {"drop", "build", *(one.name.casefold() for one in patch.signal)}
+    return known | {one.signal.casefold() for one in patch.at if one.signal is not None}
 
 
 def _reached(calls: dict[str, set[str]], name: str) -> set[str]:

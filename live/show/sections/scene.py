@@ -1,5 +1,6 @@
 """What can be recalled by name while a show runs: `[[view]]`, `[[looks]]` and `[[scene]]`."""
 
+import math
 from typing import Annotated, Final
 
 from pydantic import Field, model_validator
@@ -76,4 +77,10 @@ class SceneSection(Section):
                 check_setting(key, value)
             except PersonError as error:
                 raise ValueError(f"scene {self.name!r}: {error}") from None
+        eye, target = (self.set.get(f"/dance/camera/{what}") for what in ("eye", "target"))
+        if isinstance(eye, tuple) and isinstance(target, tuple) and math.dist(eye, target) < 1e-3:
+            raise ValueError(
+                f"scene {self.name!r}: /dance/camera/eye and /dance/camera/target are the same point: "
+                "the camera looks nowhere"
+            )
         return self

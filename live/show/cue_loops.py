@@ -1,0 +1,116 @@
+"""Cues that come back to themselves: by calls, by signals that they give, by `then = "auto"`; found before they play."""
+
+import heapq
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+from live.show.score_check import Written
+from live.show.sections.cue import CueSection
+
+CUE: Final = "/dance/cue"
+SIGNAL: Final = "/dance/signal"
+Node = int | str
+"""What happens: a cue, by its index, or a signal, by its folded name."""
+Ways = dict[Node, list[tuple[float, Node]]]
+"""What each brings with it, and after how many beats at least."""
+
+
+@dataclass(frozen=True, slots=True)
+class CueLoop:
+    """A cue that calls its way back to itself."""
+
+    cue: int
+    """Its index in the patch."""
+    itself: bool
+    """Whether it calls itself, and nothing comes in between."""
+    beats: float
+    """How soon it comes again, at least."""
+    place: tuple[str | int, ...]
+    """The keys of the call that begins the loop."""
+
+
+def cue_loops(patch: Written) -> list[CueLoop]:
+    """The loops of a patch, the fastest one of each cue whose own call leads back to it."""
+    ways, found = _ways(patch), []
+    names = names_of(patch.cue)
+    for index, cue in enumerate(patch.cue):
+        loops = []
+        for row, call in enumerate(cue.calls):
+            there = _called(call, names)
+            if there is None:
+                continue
+            back = 0.0 if there == index else _shortest(ways, there, index)
+            if back is not None:
+                first = 0.0 if isinstance(there, str) else _wait(patch.cue[there], patch.clock.beats_per_measure)
+                loops.append(CueLoop(index, there == index, first + back, ("cue", index, "calls", row)))
+        found += sorted(loops, key=lambda loop: loop.beats)[:1]
+    return found
+
+
+def names_of(cues: Sequence[CueSection]) -> dict[str, int]:
+    """Cues by number and by folded name: the first one that is called so."""
+    names: dict[str, int] = {}
+    for index, cue in enumerate(cues):
+        names.setdefault(_folded(cue.name), index)
+        if cue.number is not None:
+            names.setdefault(f"{cue.number:g}", index)
+    return names
+
+
+def _called(call: Sequence[Any], names: dict[str, int]) -> Node | None:
+    """The cue or signal that a call gives; None if it does something else."""
+    if len(call) < 2 or call[0] not in (CUE, SIGNAL):
+        return None
+    name = _folded(str(call[1]))
+    return name if call[0] == SIGNAL else names.get(name)
+
+
+def _wait(cue: CueSection, beats: int) -> float:
+    """Beats that pass at least before a cue comes that is given where it came before."""
+    least = {"now": 0.0, "beat": 1.0}.get(cue.when, float(beats))
+    return max(cue.count_in, least)
+
+
+def _ways(patch: Written) -> Ways:
+    """All ways from cue to cue, signals between them."""
+    beats, names = patch.clock.beats_per_measure, names_of(patch.cue)
+    ways: Ways = {}
+
+    def lead(begins: Node, after: float, there: Node | None) -> None:
+        if there is not None:
+            wait = 0.0 if isinstance(there, str) else _wait(patch.cue[there], beats)
+            ways.setdefault(begins, []).append((after + wait, there))
+
+    for index, cue in enumerate(patch.cue):
+        for call in cue.calls:
+            lead(index, 0.0, _called(call, names))
+        if cue.then == "auto" and index + 1 < len(patch.cue):
+            ways.setdefault(index, []).append((float((cue.after or 1) * beats), index + 1))
+    for reaction in patch.react:
+        if reaction.on is not None and reaction.call is not None:
+            after = {"now": 0.0, "beat": 1.0}.get(reaction.when, float(beats))
+            lead(_folded(reaction.on), after, _called((reaction.call, *reaction.values), names))
+    return ways
+
+
+def _shortest(ways: Ways, begins: Node, end: Node) -> float | None:
+    """Beats from one to the other at least (Dijkstra); None if it does not lead there."""
+    done: set[Node] = set()
+    coming: list[tuple[float, int, Node]] = [(0.0, 0, begins)]
+    count = 0
+    while coming:
+        beats, _, here = heapq.heappop(coming)
+        if here == end:
+            return beats
+        if here in done:
+            continue
+        done.add(here)
+        for after, there in ways.get(here, ()):
+            count += 1
+            heapq.heappush(coming, (beats + after, count, there))
+    return None
+
+
+def _folded(name: str) -> str:
+    return name.casefold().strip()
