@@ -47,11 +47,11 @@ def _of_value(written: str) -> str:
     if value.lower() in ("true", "false"):
         return f"write {value.lower()}"
     if value.startswith(("“", "”", "„", "‘", "’", "«", "»")):
-        return "text stands in plain quotes: \"...\""
+        return 'text stands in plain quotes: "..."'
     if re.fullmatch(r"[+-]?(\.[0-9]+|[0-9]+\.)", value):
         return "a number has a digit on both sides of its point: 0.5"
     if found is not None and not value:
         return "a value is missing behind ="
     if re.fullmatch(r"[^\W\d][\w /.:*-]*", value) and found is not None:
         return f'text stands in quotes: {found["key"]} = "{value[:60]}"'
-    return 'text stands in quotes, lists in [ ]; true and false are written small'
+    return "text stands in quotes, lists in [ ]; true and false are written small"

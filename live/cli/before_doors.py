@@ -20,8 +20,7 @@ ROOM_MB = (300.0, 2000.0)
 
 def show_checks(loaded: LoadedShow, show: Show) -> Iterator[Check]:
     """Steps that do not connect, and everything about the score that is doubtful."""
-    from live.rehearse.score_doubts import cue_doubts, formation_doubts, section_doubts, sequence_doubts
-    from live.show.rehearsing import rehearsal_notes
+    from live.rehearse.all_doubts import all_doubts
 
     graph = loaded.graph
     if graph.missing:
@@ -29,27 +28,11 @@ def show_checks(loaded: LoadedShow, show: Show) -> Iterator[Check]:
             yield Check("steps", "missing", words, "record it, or raise locomotion.threshold_m", needed=True)
     else:
         yield Check("steps", "ok", f"{len(graph.library.steps)} steps, {graph.edge_count} transitions", needed=True)
-    patch = show.patch
-    for name, doubts, remedy in (
-        ("sections", section_doubts(patch), "then = its name, a cue with section = its name, or leave it out"),
-        ("sequences", sequence_doubts(show), "give it more measures, or fewer steps"),
-        ("cues", cue_doubts(patch), "make the fade or the count-in shorter, or let them come later"),
-        ("formations", formation_doubts(show), "see `live formation`"),
-        ("ways", rehearsal_notes(show), "see docs/evolutions.md"),
-    ):
-        if not doubts:
-            yield Check(name, "ok", _counted(name, show))
-        for words in doubts:
-            yield Check(name, "limited", words, remedy)
-
-
-def _counted(name: str, show: Show) -> str:
-    patch = show.patch
-    counts = {
-        "sections": len(patch.section) or 1, "sequences": len(patch.sequence), "cues": len(patch.cue),
-        "formations": len(patch.formation), "ways": len(patch.segment),
-    }  # fmt: skip
-    return f"{counts[name]} {'segments' if name == 'ways' else name}"
+    for doubts in all_doubts(show):
+        if not doubts.words:
+            yield Check(doubts.name, "ok", doubts.counted)
+        for words in doubts.words:
+            yield Check(doubts.name, "limited", words, doubts.remedy)
 
 
 def venue_checks(venue: Venue | None) -> Iterator[Check]:

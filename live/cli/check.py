@@ -32,8 +32,7 @@ def check(
     warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
     from live.cli.session_sound import choose_sound
     from live.cli.wish import Wish
-    from live.rehearse.score_doubts import cue_doubts, formation_doubts, section_doubts, sequence_doubts
-    from live.show.rehearsing import rehearsal_notes
+    from live.rehearse.all_doubts import all_doubts
 
     wish = Wish(patch=patch, steps=steps, venue=venue)
     hall = wish.read_venue()
@@ -50,8 +49,7 @@ def check(
     console = Console(highlight=False)
     if graph.missing:
         raise PersonError("; ".join(graph.missing), "raise locomotion.threshold_m, or change those steps' ends")
-    doubts = [*section_doubts(show.patch), *sequence_doubts(show), *cue_doubts(show.patch), *formation_doubts(show)]
-    for note in [*doubts, *rehearsal_notes(show)]:
+    for note in (words for doubts in all_doubts(show) for words in doubts.words):
         console.print(f"note: {note}", style="yellow", soft_wrap=True, markup=False)
     console.print(
         f"ok {loaded.path}: {loaded.patch.name!r}, {loaded.patch.dancer_count} dancers in "

@@ -3,6 +3,7 @@
 None of them is an error: a show starts with all of them.
 """
 
+from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
@@ -11,6 +12,7 @@ from scipy.spatial import cKDTree
 from live.base.errors import PersonError
 from live.graph.wanted import parse_sequence
 from live.show.core import Show
+from live.show.cue_loops import cue_loops
 from live.show.group_motion import AGENT_RADIUS
 from live.show.patch import Patch
 from live.show.places import END
@@ -73,8 +75,13 @@ def _jumps(patch: Patch, names: dict[str, int]) -> list[int]:
 
 def cue_doubts(patch: Patch) -> list[str]:
     """Cues that collide: the next one comes by itself while it is still counted in, or both fade the same thing."""
-    notes = []
+    notes = list(_repeating(patch))
     beats = patch.clock.beats_per_measure
+    if patch.cue and patch.cue[-1].then == "auto":
+        name = patch.cue[-1].name
+        notes.append(
+            f'cue {name!r} is the last one, and then = "auto" leads to nothing: leave then out, or write a cue'
+        )
     for cue, following in zip(patch.cue, patch.cue[1:], strict=False):
         if cue.then != "auto":
             continue
@@ -92,6 +99,16 @@ def cue_doubts(patch: Patch) -> list[str]:
                 f"{', '.join(sorted(shared))}: the first fade never ends"
             )
     return notes + _scenes_at(patch)
+
+
+def _repeating(patch: Patch) -> Iterator[str]:
+    """Cues that come back to themselves: until somebody ends it."""
+    for loop in cue_loops(patch):
+        measures = loop.beats / patch.clock.beats_per_measure
+        yield (
+            f"cue {patch.cue[loop.cue].name!r} calls its way back to itself: it comes again every {measures:g} "
+            "measures or so, and sets what stands by, until /dance/back or /dance/panic"
+        )
 
 
 def _fade(patch: Patch, cue: CueSection) -> float:

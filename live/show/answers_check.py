@@ -76,23 +76,22 @@ def answer_doubts(patch: Answering) -> list[str]:
     notes = []
     for circle in _circles(patch):
         if len(circle) == 1:
-            notes.append(f"group {circle[0].group!r} answers itself: `group = \"*\"` means it, too")
+            notes.append(f'group {circle[0].group!r} answers itself: `group = "*"` means it, too')
             continue
         names = " and ".join(repr(voice.group) for voice in circle)
         notes.append(
             f"groups {names} answer each other: they call at the same time, and then each repeats the other; leave "
             "answers out of one of them to let them take turns"
         )
-    for voice in _voices(patch):
-        notes += _unfit(voice, [other for other in _voices(patch) if other.group == voice.caller])
+    of_group = _of_group(_voices(patch))
+    for voice in (voice for voices in of_group.values() for voice in voices if voice.caller is not None):
+        notes += _unfit(voice, of_group.get(voice.caller or "", []))
     return list(dict.fromkeys(notes))
 
 
 def _unfit(voice: _Voice, callers: list[_Voice]) -> Iterator[str]:
     """What does not fit together in the phrases of one who answers."""
     size = voice.asked.phrase
-    if voice.caller is None:
-        return
     where = f"improvise {voice.index + 1}"
     for other in callers:
         theirs, here, there = other.asked.phrase, voice.stay, other.stay
@@ -120,15 +119,22 @@ def _voices(patch: Answering) -> list[_Voice]:
     return voices
 
 
+def _of_group(voices: list[_Voice]) -> dict[str, list[_Voice]]:
+    found: dict[str, list[_Voice]] = {}
+    for voice in voices:
+        found.setdefault(voice.group, []).append(voice)
+    return found
+
+
 def _circles(patch: Answering) -> Iterator[list[_Voice]]:
     """Voices each of which answers the next, and the last one the first, all of them over the same measures."""
-    voices = _voices(patch)
+    of_group = _of_group(_voices(patch))
     told: set[frozenset[tuple[int, str]]] = set()
-    for voice in voices:
+    for voice in (voice for voices in of_group.values() for voice in voices if voice.caller is not None):
         circle = [voice]
         while circle[-1].caller is not None:
             here = circle[-1]
-            there = next((one for one in voices if one.group == here.caller and one.covers(here)), None)
+            there = next((one for one in of_group.get(here.caller or "", []) if one.covers(here)), None)
             if there is None or there.asked.answers is None:
                 break
             if there is circle[0]:

@@ -42,6 +42,8 @@ class Recalled(Written, Protocol):
 
 CUE_CALLS: Final = ("/dance/cue", "/dance/standby")
 """Controls whose first value is a cue."""
+FASTEST: Final = 0.999
+"""Cues that come back to themselves within so many beats are a mistake; slower ones may be meant."""
 START: Final = "start"
 """The view, look and scene that every patch has: what it begins with."""
 
@@ -54,9 +56,12 @@ def check_cues(patch: Recalled) -> None:
     sections = {_folded(section.name) for section in patch.section}
     for number, cue in enumerate(patch.cue):
         if cue.scene is not None and _folded(cue.scene) not in scenes:
-            raise Amiss(f"cue {cue.name!r}: no scene is called {cue.scene!r}", "cue", number, "scene")
+            words = f"cue {cue.name!r}: no scene is called {cue.scene!r}; there are: {', '.join(sorted(scenes))}"
+            raise Amiss(words, "cue", number, "scene")
         if cue.section is not None and _folded(cue.section) not in sections:
-            raise Amiss(f"cue {cue.name!r}: no section is called {cue.section!r}", "cue", number, "section")
+            known = ", ".join(section.name for section in patch.section) or "none: write [[section]]"
+            words = f"cue {cue.name!r}: no section is called {cue.section!r}; there are: {known}"
+            raise Amiss(words, "cue", number, "section")
         if cue.when == "section" and not sections:
             words = f'cue {cue.name!r}: when = "section", but the patch has no [[section]]'
             raise Amiss(words, "cue", number, "when")
@@ -64,7 +69,10 @@ def check_cues(patch: Recalled) -> None:
     _check_loops(patch)
     for number, at in enumerate(patch.at):
         if at.scene is not None and _folded(at.scene) not in scenes:
-            words = f"at measure {at.measure}, beat {at.beat:g}: no scene is called {at.scene!r}"
+            words = (
+                f"at measure {at.measure}, beat {at.beat:g}: no scene is called {at.scene!r}; there are: "
+                f"{', '.join(sorted(scenes))}"
+            )
             raise Amiss(words, "at", number, "scene")
 
 
@@ -80,20 +88,19 @@ def _check_start(patch: Recalled) -> None:
 
 def _check_loops(patch: Recalled) -> None:
     """No cue calls itself, nor comes back to itself within a beat; slower loops of several cues are a way to write."""
-    for loop in cue_loops(patch):
+    for loop in cue_loops(patch, within=FASTEST):
         name = patch.cue[loop.cue].name
         if loop.itself:
             words = (
                 f"cue {name!r} calls itself: it would come again for ever, and stand by nothing but the cue after it; "
                 "what comes again is an [[at]] in a [[section]] that repeats"
             )
-            raise Amiss(words, *loop.place)
-        if loop.beats < 1.0:
+        else:
             words = (
                 f"cue {name!r} calls its way back to itself within {loop.beats:g} beats, for ever: "
                 'when = "measure" or a count_in for one of them'
             )
-            raise Amiss(words, *loop.place)
+        raise Amiss(words, *loop.place)
 
 
 def _check_named_cues(patch: Recalled) -> None:

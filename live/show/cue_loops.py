@@ -1,7 +1,9 @@
-"""Cues that come back to themselves: by calls, by signals that they give, by `then = "auto"`; found before they play."""
+"""Cues that come back to themselves, by calls, by signals that they give, by `then = "auto"`: before they play."""
 
 import heapq
-from collections.abc import Sequence
+import math
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -30,22 +32,29 @@ class CueLoop:
     """The keys of the call that begins the loop."""
 
 
-def cue_loops(patch: Written) -> list[CueLoop]:
-    """The loops of a patch, the fastest one of each cue whose own call leads back to it."""
-    ways, found = _ways(patch), []
+def cue_loops(patch: Written, within: float = math.inf) -> Iterator[CueLoop]:
+    """The loops of a patch that take no longer than `within` beats: of those that share cues the first one found."""
     names = names_of(patch.cue)
     for index, cue in enumerate(patch.cue):
-        loops = []
+        for row, call in enumerate(cue.calls):
+            if _called(call, names) == index:
+                wait = _wait(cue, patch.clock.beats_per_measure)
+                yield CueLoop(index, True, wait, ("cue", index, "calls", row))
+    ways = _circling(_ways(patch))
+    told: set[Node] = set()
+    for index, cue in enumerate(patch.cue):
+        if index in told or index not in ways:
+            continue
         for row, call in enumerate(cue.calls):
             there = _called(call, names)
-            if there is None:
+            if there is None or there == index or there not in ways:
                 continue
-            back = 0.0 if there == index else _shortest(ways, there, index)
-            if back is not None:
-                first = 0.0 if isinstance(there, str) else _wait(patch.cue[there], patch.clock.beats_per_measure)
-                loops.append(CueLoop(index, there == index, first + back, ("cue", index, "calls", row)))
-        found += sorted(loops, key=lambda loop: loop.beats)[:1]
-    return found
+            first = 0.0 if isinstance(there, str) else _wait(patch.cue[there], patch.clock.beats_per_measure)
+            beats, path = _shortest(ways, there, index, within - first)
+            if path:
+                told |= set(path)
+                yield CueLoop(index, False, first + beats, ("cue", index, "calls", row))
+                break
 
 
 def names_of(cues: Sequence[CueSection]) -> dict[str, int]:
@@ -94,22 +103,40 @@ def _ways(patch: Written) -> Ways:
     return ways
 
 
-def _shortest(ways: Ways, begins: Node, end: Node) -> float | None:
-    """Beats from one to the other at least (Dijkstra); None if it does not lead there."""
-    done: set[Node] = set()
-    coming: list[tuple[float, int, Node]] = [(0.0, 0, begins)]
+def _circling(ways: Ways) -> Ways:
+    """The ways without those to which no circle leads: in most patches nothing is left."""
+    into = Counter(there for leads in ways.values() for _, there in leads)
+    left = dict(ways)
+    first = [here for here in ways if not into[here]]
+    while first:
+        for _, there in left.pop(first.pop(), ()):
+            into[there] -= 1
+            if not into[there]:
+                first.append(there)
+    return left
+
+
+def _shortest(ways: Ways, begins: Node, end: Node, within: float) -> tuple[float, list[Node]]:
+    """Beats from one to the other at least, and the way (Dijkstra); an empty one if none takes at most `within`."""
+    before: dict[Node, Node | None] = {}
+    coming: list[tuple[float, int, Node, Node | None]] = [(0.0, 0, begins, None)]
     count = 0
     while coming:
-        beats, _, here = heapq.heappop(coming)
-        if here == end:
-            return beats
-        if here in done:
+        beats, _, here, last = heapq.heappop(coming)
+        if beats > within:
+            break
+        if here in before:
             continue
-        done.add(here)
+        before[here] = last
+        if here == end:
+            path = [here]
+            while (step := before[path[-1]]) is not None:
+                path.append(step)
+            return beats, path
         for after, there in ways.get(here, ()):
             count += 1
-            heapq.heappush(coming, (beats + after, count, there))
-    return None
+            heapq.heappush(coming, (beats + after, count, there, here))
+    return math.inf, []
 
 
 def _folded(name: str) -> str:

@@ -1,8 +1,10 @@
 """Recorded: what a patch becomes when a folder of recordings is danced in the place of its steps."""
 
+from live.base.errors import PersonError
 from live.graph.motion_graph import MotionGraph
 from live.motion.step_clip import StepClip
 from live.show.patch import Patch
+from live.show.score_claims import refuse_unknown, steps_called
 
 
 def for_recordings(patch: Patch, clips: list[StepClip]) -> Patch:
@@ -14,14 +16,35 @@ def for_recordings(patch: Patch, clips: list[StepClip]) -> Patch:
 
 
 def with_steps_of(patch: Patch, graph: MotionGraph) -> Patch:
-    """The patch with every group drawing from all steps that connect, as `--steps` asks for; echoes go on echoing."""
+    """The patch with every group drawing from all steps that connect, as `--steps` asks for; echoes go on echoing.
+
+    Reactions and keys of MIDI that call a step which is not among them are left out.
+    """
     library = graph.library
     names = tuple(f"{name} x1" for step, name in enumerate(library.steps) if len(graph.entries(step)))
     groups = tuple(
         group.model_copy(update={"travel_step": None} | ({} if group.like else {"steps": names, "choose": "random"}))
         for group in patch.group
     )
-    return patch.model_copy(update={"group": groups})
+    react, keys = _unknown(patch, graph)
+    kept = tuple(reaction for index, reaction in enumerate(patch.react) if index not in react)
+    midi = patch.midi.model_copy(update={"map": tuple(k for i, k in enumerate(patch.midi.map) if i not in keys)})
+    return patch.model_copy(update={"group": groups, "react": kept, "midi": midi})
+
+
+def _unknown(patch: Patch, graph: MotionGraph) -> tuple[set[int], set[int]]:
+    """Reactions and lines of `[[midi.map]]` that call sketched steps which the recordings do not have."""
+    react, keys = set(), set()
+    for called in steps_called(patch):
+        place = called[2]
+        try:
+            refuse_unknown(graph, called)
+        except PersonError:
+            if place[0] == "react":
+                react.add(int(place[1]))
+            elif place[0] == "midi":
+                keys.add(int(place[2]))
+    return react, keys
 
 
 def patch_for(patch: Patch, graph: MotionGraph, running: Patch, *, recordings: bool) -> Patch:

@@ -4,7 +4,8 @@ import numpy as np
 import numpy.typing as npt
 from shapely import LineString, Point
 
-from live.agents.evolutions.rehearsal import rehearse
+from live.agents.evolutions.rehearsal import TooNear, rehearse
+from live.agents.evolutions.segment import Segment
 from live.agents.formations.stage_fit import fit_stage
 from live.show.core import Show
 from live.show.group_motion import AGENT_RADIUS
@@ -52,13 +53,39 @@ def rehearsal_notes(show: Show) -> list[str]:
         for measure, ways in sorted(far.items())
     ]
     far_notes = notes + _blocked(show, rehearsal.places, rehearsal.under)
-    near = [
-        f"measure {one.measure + 1}: dancers {one.first + 1} and {one.second + 1} would come as near as "
-        f"{one.distance:.2f} m on their ways; they will go around each other"
-        for one in rehearsal.too_near
-        if present[one.first] and present[one.second]
-    ]
+    near = _near(show, segments, [one for one in rehearsal.too_near if present[one.first] and present[one.second]])
     return [*_first(_formation_notes(show)), *_first(far_notes), *_first(near)]
+
+
+def _near(show: Show, segments: list[Segment], pairs: list[TooNear]) -> list[str]:
+    """Who would meet on their ways: of each segment the nearest two, and how many more."""
+    met: dict[int, list[TooNear]] = {}
+    for one in pairs:
+        met.setdefault(_segment_of(show, segments, one), []).append(one)
+    notes = []
+    for number, ones in sorted(met.items()):
+        worst = min(ones, key=lambda one: (one.distance, one.measure, one.first, one.second))
+        others = {(one.first, one.second) for one in ones} - {(worst.first, worst.second)}
+        begins = segments[number].start + 1 if number >= 0 else worst.measure + 1
+        more = f"; {len(others)} more pair{'s' * (len(others) > 1)} would meet in it" if others else ""
+        notes.append(
+            f"measure {worst.measure + 1}: dancers {worst.first + 1} and {worst.second + 1} would come as near as "
+            f"{worst.distance:.2f} m on their ways in the segment that begins in measure {begins}; they will go "
+            f"around each other{more}"
+        )
+    return notes
+
+
+def _segment_of(show: Show, segments: list[Segment], one: TooNear) -> int:
+    """Index of the segment in which two dancers meet: the last to begin of those that have the first; -1 for none."""
+    beats, casting = show.patch.clock.beats_per_measure, show.casting
+    found = -1
+    for number, segment in enumerate(segments):
+        if segment.start <= one.measure < segment.end_beat(beats) / beats:
+            sure = casting.select(segment.group, show.state.position)[[one.first, one.second]].any()
+            if found < 0 or sure or casting.means_places(segment.group):
+                found = number
+    return found
 
 
 def _formation_notes(show: Show) -> list[str]:

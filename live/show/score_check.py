@@ -124,6 +124,9 @@ def _check_groups(patch: Written) -> None:
         for index, entry in enumerate(entries):
             if entry.group != "*" and entry.group.casefold() not in names:
                 raise Amiss(f"no group is called {entry.group!r}; there are: {known}", kind, index, "group")
+    for index, reaction in enumerate(patch.react):
+        if reaction.sets is not None and reaction.group != "*" and reaction.group.casefold() not in names:
+            raise Amiss(f"no group is called {reaction.group!r}; there are: {known}", "react", index, "group")
     for index, entry in enumerate(patch.improvise):
         if entry.answers is not None and entry.answers.casefold() not in names:
             raise Amiss(f"no group is called {entry.answers!r}; there are: {known}", "improvise", index, "answers")
@@ -194,7 +197,11 @@ def _check_calls(patch: Written, sections: set[str]) -> None:
             raise Amiss(f"no section is called {values[0]!r}; there are: {known}", *place)
 
 
-def calls_of(patch: Written) -> Iterator[tuple[str, tuple[Any, ...], tuple[str | int, ...]]]:
+Called = tuple[str, tuple[Any, ...], tuple[str | int, ...]]
+"""A call: address, values, and the keys that lead to these."""
+
+
+def calls_of(patch: Written) -> Iterator[Called]:
     """Every call that a patch's score and cues make: address, values, and the keys that lead to these."""
     for index, at in enumerate(patch.at):
         if at.call is not None:

@@ -1,6 +1,6 @@
 """Claims: who is told two things at once by a score, and calls of steps that are not there; told before it plays."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Final
 
 import numpy as np
@@ -9,15 +9,18 @@ from live.base.errors import PersonError, named
 from live.control.group_events import DefineFormation
 from live.control.registry import REGISTRY
 from live.graph.motion_graph import MotionGraph
+from live.graph.wanted import parse_sequence
 from live.show.casting import EVERYONE, Casting
 from live.show.patch import Patch
-from live.show.programme_steps import find_step
+from live.show.programme_steps import UnknownStep, find_step, refuse_alone
 from live.show.score import Score
-from live.show.score_check import calls_of
+from live.show.score_check import Called, calls_of
 from live.show.sections.segment import RegroupSection, SegmentSection
 
 STEPS_OF: Final = ("/dance/step", "/dance/now")
-"""Controls whose first value is a step."""
+"""Controls whose first value is a step ..."""
+SEQUENCES_OF: Final = ("/dance/sequence",)
+"""... and those whose first value are steps with commas between them."""
 
 
 class Claims:
@@ -46,7 +49,7 @@ class Claims:
         return int.from_bytes(np.packbits(who, bitorder="little").tobytes(), "little")
 
 
-def check_segments(segments: Iterable[SegmentSection], score: Score, claims: Claims) -> None:
+def check_segments(segments: Sequence[SegmentSection], score: Score, claims: Claims) -> None:
     """PersonError for two segments that have the same dancers at the same time: words that mean places are left out."""
     running: dict[int, list[tuple[int, int, int, int]]] = {}
     for index, segment in enumerate(segments):
@@ -62,15 +65,24 @@ def check_segments(segments: Iterable[SegmentSection], score: Score, claims: Cla
             active = [other for other in active if other[1] > row[0]]
             clash = next((other for other in active if other[3] & row[3]), None)
             if clash is not None:
+                mine, other = segments[row[2]], segments[clash[2]]
+                of = "" if mine.section is None else f" of section {mine.section!r}"
+                until = clash[1] - row[0] + mine.measure - 1  # as the measures of this one are counted
+                where = "" if mine.section == other.section else f" ({written_at(other.section, other.measure)})"
                 raise PersonError(
-                    f"segment {row[2] + 1} begins in measure {row[0] + 1} with dancers whom segment {clash[2] + 1} has "
-                    f"until the end of measure {clash[1]}",
+                    f"segment {row[2] + 1} begins in measure {mine.measure}{of} with dancers whom segment "
+                    f"{clash[2] + 1}{where} has until the end of measure {until}",
                     f"measures = {row[0] - clash[0]} for the other one, or another group"
                     if row[0] > clash[0]
                     else "leave one of them out, or give it another group",
                     ("segment", row[2], "measure"),
                 )
             active.append(row)
+
+
+def written_at(section: str | None, measure: float) -> str:
+    """Where an entry is, as it is written."""
+    return f"measure {measure:g}" + (" of the whole score" if section is None else f" of section {section!r}")
 
 
 def check_regroups(regroups: Iterable[RegroupSection], score: Score, casting: Casting) -> None:
@@ -95,13 +107,33 @@ def check_regroups(regroups: Iterable[RegroupSection], score: Score, casting: Ca
 
 
 def check_calls(patch: Patch, graph: MotionGraph) -> None:
-    """PersonError for a step that the score or a cue calls and that is not there."""
-    for call, values, place in calls_of(patch):
-        if call in STEPS_OF and place[0] != "react":
-            try:
-                find_step(graph, str(values[0]))
-            except ValueError as error:
-                raise PersonError(f"call {call}: {error}", None, place) from None
+    """PersonError for a step that the score, the music, a cue or a key of MIDI calls and that is not there."""
+    for called in steps_called(patch):
+        refuse_unknown(graph, called)
+
+
+def refuse_unknown(graph: MotionGraph, called: Called) -> None:
+    """PersonError if a call of `steps_called` names a step that is not there, or connects to no other."""
+    call, values, place = called
+    with named(f"call {call}", place):
+        if call in SEQUENCES_OF:
+            refuse_alone(graph, parse_sequence(str(values[0]), graph.library))
+            return
+        try:
+            find_step(graph, str(values[0]))
+        except UnknownStep as error:
+            raise PersonError(str(error)) from None
+
+
+def steps_called(patch: Patch) -> Iterator[Called]:
+    """The calls of a patch that name steps: see `calls_of`."""
+    for called in calls_of(patch):
+        if called[0] in (*STEPS_OF, *SEQUENCES_OF):
+            yield called
+    for index, line in enumerate(patch.midi.map):
+        name = line.values.get("name" if line.control in STEPS_OF else "steps")
+        if line.control in (*STEPS_OF, *SEQUENCES_OF) and name is not None:
+            yield line.control, (name,), ("midi", "map", index, "values")
 
 
 def check_called(patch: Patch, claims: Claims, find: Callable[[str], object]) -> None:

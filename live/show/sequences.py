@@ -67,15 +67,16 @@ class Sequences:
                 sequence = _sequence(known[section.steps], section, place[1], graph, index)
                 size = score.playhead.stretches[place[0]].measures
                 if size is not None and sequence.end > size:
+                    before = section.measure - 1 - place[1]  # of its section, where it counts those of the whole score
+                    its = f"its section {'ends with' if before else 'has'} {before + size}"
                     raise PersonError(
-                        f"it goes on to measure {sequence.end}, and its section has {size}",
-                        f"measures = {size - place[1]}",
+                        f"it goes on to measure {before + sequence.end}, and {its}", f"measures = {size - place[1]}"
                     )
             made[index] = place[0], sequence
             self._of.setdefault(place[0], []).append(sequence)
         for sequences in self._of.values():
             sequences.sort(key=lambda sequence: sequence.begin)
-            _refuse_overlaps(sequences)
+            _refuse_overlaps(sequences, dict(sections))
         self._begins = {index: [one.begin for one in sequences] for index, sequences in self._of.items()}
 
     def __bool__(self) -> bool:
@@ -113,13 +114,17 @@ def _sequence(
     return Sequence(begin, begin + measures, entries, ends, number)
 
 
-def _refuse_overlaps(sequences: list[Sequence]) -> None:
+def _refuse_overlaps(sequences: list[Sequence], written: dict[int, SequenceSection]) -> None:
     """PersonError if two of one group's, in order of their measures, are danced at once."""
     for before, after in pairwise(sequences):
         if after.begin < before.end:
+            entry, other = written[after.index], written[before.index]
+            where = "" if entry.section == other.section else f" ({where_of(other.section, other.measure, 'it is')})"
+            of = "" if entry.section is None else f" of section {entry.section!r}"
+            last = before.end - after.begin + entry.measure - 1  # as the measures of this one are counted
             raise PersonError(
-                f"sequence {after.index + 1} begins in measure {after.begin + 1}, and sequence {before.index + 1} of "
-                f"the same group lasts until the end of measure {before.end}",
+                f"sequence {after.index + 1} begins in measure {entry.measure}{of}, and sequence {before.index + 1}"
+                f"{where} of the same group lasts until the end of measure {last}",
                 f"measures = {after.begin - before.begin} for that one"
                 if after.begin > before.begin
                 else "leave one out",

@@ -94,7 +94,7 @@ def _words(problem: Any, model: type[BaseModel]) -> str:
     return f"{message[:1].lower()}{message[1:]}, found {shown[:60]}"
 
 
-_KINDS: Final = {list: "a list", tuple: "a list", dict: "a table"}
+_KINDS: Final[dict[Any, str]] = {list: "a list", tuple: "a list", dict: "a table"}
 """Of what kind a value is, in words."""
 
 

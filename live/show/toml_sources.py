@@ -35,7 +35,9 @@ def parse_text(text: str, file: str, what: str) -> TomlText:
         return TomlText(file, text, tomllib.loads(text))
     except tomllib.TOMLDecodeError as error:
         line = error_line(str(error), text)
-        raise PersonError(f"{file}, line {line}: not valid TOML: {error}", toml_remedy(str(error), text, line)) from None
+        raise PersonError(
+            f"{file}, line {line}: not valid TOML: {error}", toml_remedy(str(error), text, line)
+        ) from None
     except RecursionError:
         raise PersonError(f"{file}: not a {what}: its brackets are nested too deep") from None
 

@@ -25,7 +25,7 @@ BAD = [
     ("beats = 1\nbeats = 2", "leave one of them out", "beats = 1"),
     ('[cue]\nname = "a"\n[cue]\nname = "b"', "write [[cue]] each time", '[[cue]]\nname = "a"\n[[cue]]\nname = "b"'),
     ("= 3", "key = value", "a = 3"),
-    ("from = 2026-13-99", "in quotes", 'from = "2026-13-99"'),
+    ("from = 2026-02-30", "in quotes", 'from = "2026-02-30"'),
 ]
 
 

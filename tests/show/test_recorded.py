@@ -30,3 +30,21 @@ def test_an_edited_patch_keeps_what_recordings_made_of_it():
     assert found.locomotion.transition_beats == running.locomotion.transition_beats
     assert found.clock.beats_per_measure == running.clock.beats_per_measure
     assert found.group == with_steps_of(edited, GRAPH).group
+
+
+def test_what_is_heard_or_played_calls_no_step_that_the_recordings_do_not_have():
+    """A show of sketches is danced with recordings: it starts, and what it cannot call it does not."""
+    extra = "".join(
+        f'[[react]]\non = "drop"\ncall = "/dance/{call}"\nvalues = ["{step}"]\n'
+        for call, step in (("step", "moonwalk"), ("step", "spin"), ("sequence", "spin, moonwalk"), ("spread", ""))
+    ).replace('values = [""]\n', "")
+    keys = "".join(
+        f'[[midi.map]]\nnote = {note}\ncontrol = "/dance/step"\nvalues = {{name = "{step}"}}\n'
+        for note, step in enumerate(("moonwalk", "spin"))
+    )
+    patch = with_steps_of(parse_patch(PATCH + extra + keys, "test.toml"), GRAPH)
+    assert [(reaction.call, reaction.values) for reaction in patch.react] == [
+        ("/dance/step", ("spin",)),
+        ("/dance/spread", ()),
+    ]
+    assert [line.note for line in patch.midi.map] == [1]

@@ -33,3 +33,13 @@ def test_no_more_than_a_few_of_each_kind():
     told = notes(many)
     assert len(told) == TOLD + 1
     assert told[-1] == f"... and {19 - TOLD} more of this kind"
+
+
+def test_of_each_segment_the_nearest_two_are_told_and_how_many_more():
+    crossing = '[[segment]]\nmeasure = {}\nmeasures = 4\nformation = "{}"\nmatch = "number"\nway = "straight"\n'
+    told = notes(crossing.format(1, "line") + "mirror = true\n" + crossing.format(6, "line"))
+    near = [note for note in told if "would come as near" in note]
+    assert len(near) == 2
+    for note, begins in zip(near, (1, 6), strict=True):
+        assert f"the segment that begins in measure {begins};" in note
+        assert "more pair" in note

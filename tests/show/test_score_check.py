@@ -11,6 +11,9 @@ from tests.show.made_show import GRAPH, PATCH
 
 SECTIONS = '[[section]]\nname = "verse"\nmeasures = 8\n[[section]]\nname = "solo"\nmeasures = 4\n'
 CUE = '[[cue]]\nname = "go"\n'
+ON = '[[cue]]\nname = "on"\nwhen = "beat"\n'
+REACT = '[[react]]\non = "drop"\n'
+IMPROVISE = "[[improvise]]\n"
 FIRST = len(PATCH.split("\n"))
 """The line on which what is put after PATCH begins."""
 
@@ -126,6 +129,119 @@ BAD = [
     (CUE + 'calls = [["/dance/formation", "wegde"]]', 2, "cue.1.calls.1", "'wegde' is no formation"),
     (CUE + 'calls = [["/dance/section", "bridge"]]', 2, "cue.1.calls.1", "no section is called 'bridge'"),
     (CUE + 'calls = [["/dance/formation/define", "mine", "line"], ["/dance/formation", "Mine"]]', 0, "", None),
+    (REACT + 'call = "/dance/step"\nvalues = ["moonwalk"]', 3, "react.1.values", "no step is called 'moonwalk'"),
+    (REACT + 'call = "/dance/sequence"\nvalues = ["spin, moonwalk"]', 3, "react.1.values", "entry 2 of the sequence"),
+    (
+        '[[midi.map]]\nnote = 3\ncontrol = "/dance/step"\nvalues = {name = "moonwalk"}',
+        3,
+        "midi.map.1.values",
+        "no step is called 'moonwalk'",
+    ),
+    ('[[react]]\nto = "low"\nsets = "larger"\ngroup = "choir"', 3, "react.1.group", "there are: front, back"),
+    (CUE + 'calls = [["/dance/scene", "mine"]]', 2, "cue.1.calls.1", "no scene is called 'mine' (there are: start)"),
+    (CUE + 'calls = [["/dance/scene/store", "mine"], ["/dance/scene", "Mine"], ["/dance/look", "start"]]', 0, "", None),
+    (CUE + 'calls = [["/dance/look", "dusk"]]', 2, "cue.1.calls.1", "no look is called 'dusk'"),
+    (CUE + 'calls = [["/dance/camera", "side"]]', 2, "cue.1.calls.1", "no view is called 'side'"),
+    (CUE + 'calls = [["/dance/signal", "hit"]]', 2, "cue.1.calls.1", "no signal is called 'hit' (there are: build, dr"),
+    (CUE + 'calls = [["/dance/facing", "upwards"]]', 2, "cue.1.calls.1", "facing 'upwards' means nothing"),
+    (CUE + 'calls = [["/dance/enter", 1, "front", "trap door"]]', 2, "cue.1.calls.1", "there are: left, right, back"),
+    (CUE + 'calls = [["/dance/enter", 1, "front", "Left"], ["/dance/signal", "drop"]]', 0, "", None),
+    (
+        SECTIONS + CUE + 'calls = [["/dance/section", "solo", "measure", 5]]',
+        8,
+        "cue.1.calls.1",
+        "has no measure 5 (it has 4)",
+    ),
+    (SECTIONS + CUE + 'calls = [["/dance/advance", "soon"]]', 8, "cue.1.calls.1", "there are: measure, section"),
+    (SECTIONS + CUE + 'calls = [["/dance/practice", 9, 13]]', 8, "cue.1.calls.1", "no measure 13 (it has 12)"),
+    (SECTIONS + CUE + 'section = "bridge"', 8, "cue.1.section", "there are: verse, solo"),
+    # cues that come back to themselves
+    (CUE + 'calls = [["/dance/spread"], ["/dance/cue", "Go"]]', 2, "cue.1.calls.2", "calls itself"),
+    (CUE + 'number = 4\ncalls = [["/dance/cue", "4"]]', 3, "cue.1.calls.1", "calls itself"),
+    (
+        CUE + 'when = "now"\ncalls = [["/dance/cue", "on"]]\n'
+        '[[cue]]\nname = "on"\nwhen = "now"\ncalls = [["/dance/cue", "go"]]',
+        3,
+        "cue.1.calls.1",
+        "back to itself within 0 beats",
+    ),
+    (
+        CUE + 'when = "now"\ncalls = [["/dance/signal", "s"]]\n[[signal]]\nname = "s"\n'
+        '[[react]]\non = "S"\nwhen = "now"\ncall = "/dance/cue"\nvalues = ["go"]',
+        3,
+        "cue.1.calls.1",
+        "back to itself",
+    ),
+    (CUE + 'calls = [["/dance/standby", "go"]]', 0, "", None),
+    (CUE + 'when = "beat"\ncalls = [["/dance/cue", "on"]]\n' + ON + 'calls = [["/dance/cue", "go"]]', 0, "", None),
+    (CUE + 'then = "auto"\n' + ON + 'calls = [["/dance/cue", "go"]]', 0, "", None),
+    (CUE + "number = 12\n[[cue]]\nname = '12'", 4, "cue.2.name", "is called as cue 'go' is numbered"),
+    (CUE + "number = 12\n[[cue]]\nname = '13'\nnumber = 13", 0, "", None),
+    # what a patch begins with
+    ('[[scene]]\nname = "Start"', 1, "scene.1.name", "is what the patch begins with"),
+    ('[[view]]\nname = "start"', 1, "view.1.name", "is what the patch begins with"),
+    ('[[looks]]\nname = "start"', 1, "looks.1.name", "is what the patch begins with"),
+    (
+        '[[scene]]\nname = "a"\n[scene.set]\n"/dance/camera/eye" = [0, 2, 3]\n"/dance/camera/target" = [0, 2, 3]',
+        0,
+        "scene.1",
+        "the camera looks nowhere",
+    ),
+    # call and response
+    (
+        IMPROVISE + 'group = "front"\nanswers = "back"\nlistening = "sway"\n'
+        '[[improvise]]\ngroup = "back"\nanswers = "front"\nlistening = "glide"',
+        6,
+        "improvise.2.answers",
+        "nobody calls: 'front' and 'back'",
+    ),
+    (IMPROVISE + 'answers = "back"\nlistening = "sway"', 1, "improvise.1.answers", "so does that group itself"),
+    (IMPROVISE + 'group = "front"\nanswers = "back"\nmeasures = 4', 0, "improvise.1.phrase", "2 at most"),
+    (
+        SECTIONS + IMPROVISE + 'section = "solo"\ngroup = "front"\nanswers = "back"\nphrase = 3\nmeasure = 2',
+        10,
+        "improvise.1.phrase",
+        "after 3 measures it is over: 1 at most",
+    ),
+    (
+        IMPROVISE + 'group = "front"\nanswers = "back"\n[[improvise]]\ngroup = "back"\nanswers = "front"',
+        0,
+        "",
+        None,
+    ),
+    # measures are told as they are counted where they are written
+    (
+        SECTIONS + "[[segment]]\nmeasure = 9\nmeasures = 3\n[[segment]]\nmeasure = 10",
+        10,
+        "segment.2.measure",
+        "segment 2 begins in measure 10 with dancers whom segment 1 has until the end of measure 11",
+    ),
+    (
+        SECTIONS + '[[segment]]\nmeasure = 9\nmeasures = 3\n[[segment]]\nsection = "solo"\nmeasure = 2',
+        11,
+        "segment.2.measure",
+        "begins in measure 2 of section 'solo' with dancers whom segment 1 (measure 9 of the whole score) has until "
+        "the end of measure 3",
+    ),
+    (
+        SECTIONS + '[[sequence]]\nmeasure = 9\nsteps = ["sway x3"]\n[[sequence]]\nmeasure = 10\nsteps = ["spin"]',
+        10,
+        "sequence.2.measure",
+        "begins in measure 10, and sequence 1 of the same group lasts until the end of measure 11",
+    ),
+    (
+        SECTIONS + '[[sequence]]\nmeasure = 10\nmeasures = 6\nsteps = ["sway"]',
+        8,
+        "sequence.1.measures",
+        "it goes on to measure 15, and its section ends with 12 (measures = 3)",
+    ),
+    (SECTIONS + IMPROVISE + "measure = 7\nmeasures = 4", 8, "improvise.1.measures", "its section ends with 8"),
+    (
+        SECTIONS + IMPROVISE + 'measure = 9\n[[improvise]]\nsection = "solo"\ngroup = "back"',
+        8,
+        "improvise.2.measure",
+        "improvises already there, as improvise 1 says",
+    ),
 ]
 
 

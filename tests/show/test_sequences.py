@@ -78,7 +78,7 @@ def test_a_jump_after_the_decision_dances_what_was_decided_and_says_so():
 def test_what_was_said_of_a_jump_stays_with_its_measure_and_leaves_the_overlay():
     """Whoever looks a minute later still finds what the count means; the overlay tells news only."""
     late = {round(32 * 7.4): lambda time: events.JumpTo(time=time, source="osc", section="b")}
-    held = {round(32 * 13): lambda time: events.HoldScore(time=time, source="osc", on=False)}
+    held = {32 * 13: lambda time: events.HoldScore(time=time, source="osc", on=False)}
     show = made_show(SECTIONS)
     steps_of(show, 5, does=late)
     assert any("decided already" in line for line in show.prompter.words())

@@ -1,0 +1,105 @@
+"""What `live check` tells of a score that can be played, but hardly as it was meant; and what it leaves alone."""
+
+import pytest
+
+from live.rehearse.all_doubts import all_doubts
+from live.rehearse.camera_doubts import camera_doubts
+from live.rehearse.span_doubts import TOLD, span_doubts
+from live.show.answers_check import answer_doubts
+from live.show.patch_file import parse_patch, read_patch
+from tests.show.made_show import PATCH, made_show
+
+SECTIONS = '[[section]]\nname = "a"\nmeasures = 8\n[[section]]\nname = "b"\nmeasures = 4\n[[section]]\nname = "c"\n'
+SECTIONS += "measures = 8\n{}\n"
+
+
+def patch_of(extra):
+    return parse_patch(PATCH + extra, "made.toml")
+
+
+def told(notes, words):
+    assert len(notes) == (words is not None), notes
+    assert words is None or words in notes[0]
+
+
+@pytest.mark.parametrize(
+    ("entry", "words"),
+    [
+        ('section = "b"\nmeasure = 3\nmeasures = 4', "measures = 2 ends it there"),
+        ('section = "b"\nmeasure = 3', "(measures is left out)"),
+        ('section = "b"\nmeasure = 3\nmeasures = 2', None),
+        ("measure = 6\nmeasures = 5", None),  # into b, as it is written
+        ("measure = 11\nmeasures = 4", "section 'b' ends with measure 12"),  # b repeats
+        ("measure = 18\nmeasures = 4", "ends with measure 20"),
+    ],
+)
+@pytest.mark.parametrize("kind", ["[[segment]]", '[[element]]\nkind = "spread"'])
+def test_who_is_longer_than_the_rest_of_her_section_goes_on(kind, entry, words):
+    sections = SECTIONS.replace('name = "b"', 'name = "b"\nrepeat = 2').format('then = "end"')
+    told(span_doubts(patch_of(f"{sections}{kind}\n{entry}\n")), words)
+
+
+def test_without_sections_the_loop_counts_and_without_loop_nothing_does():
+    entry = '[[element]]\nkind = "spread"\nmeasure = 7\nmeasures = 4\n'
+    told(
+        span_doubts(parse_patch("loop_measures = 8\n" + PATCH + entry, "made.toml")), "but the score ends with measure"
+    )
+    told(span_doubts(patch_of(entry)), None)
+
+
+def test_no_more_than_a_few_ends_are_told():
+    many = '[[element]]\nkind = "spread"\nsection = "b"\nmeasure = 4\n' * (TOLD + 3)
+    notes = span_doubts(patch_of(SECTIONS.format("") + many))
+    assert len(notes) == TOLD + 1
+    assert notes[-1].startswith("... and 3 more")
+
+
+@pytest.mark.parametrize(
+    ("extra", "words"),
+    [
+        ("[camera]\neye = [0, -2, 9]\n", "[camera]: the camera's eye is 2 m below the floor"),
+        ('[[view]]\nname = "x"\neye = [0, -0.5, 9]\n', "view 'x'"),
+        ('[[scene]]\nname = "x"\n[scene.set]\n"/dance/camera/eye" = [0, -1, 9]\n', "scene 'x'"),
+        ('[[at]]\nmeasure = 1\ncall = "/dance/camera/eye"\nvalues = [0, -1, 9]\n', "at 1, call"),
+        ("[camera]\neye = [0, 0.0, 9]\ntarget = [0, -1, 0]\n", None),
+    ],
+)
+def test_a_camera_below_the_floor_is_told(extra, words):
+    told(camera_doubts(patch_of(extra)), words)
+
+
+def improvise(front, back):
+    return f'[[improvise]]\ngroup = "front"\n{front}\n[[improvise]]\ngroup = "back"\n{back}\n'
+
+
+@pytest.mark.parametrize(
+    ("extra", "words"),
+    [
+        (improvise('answers = "back"', 'answers = "front"'), "answer each other"),
+        (improvise('answers = "back"\nmeasures = 8', 'answers = "front"\nmeasure = 9\nmeasures = 8'), None),
+        (improvise("phrase = 3", 'answers = "front"\nphrase = 4'), "phrase = 3 for both"),
+        (improvise("phrase = 2", 'answers = "front"\nphrase = 4'), None),
+        (improvise("", 'answers = "front"\nphrase = 3'), None),  # a caller without phrases of its own
+        (improvise("", 'answers = "front"\nmeasures = 12'), "the call of its last 4 has no answer"),
+        (improvise("", 'answers = "front"\nmeasures = 16'), None),
+        ('[[improvise]]\nanswers = "front"\n', "answers itself"),
+    ],
+)
+def test_calls_and_answers_that_do_not_fit(extra, words):
+    told(answer_doubts(patch_of(extra)), words)
+
+
+@pytest.mark.parametrize("name", ["score", "cues", "formations", "pairs"])
+def test_the_shows_that_come_along_give_no_reason_for_doubt(name):
+    from live.show.patch_file import find_patch
+
+    patch = read_patch(find_patch(name))
+    assert [*span_doubts(patch), *camera_doubts(patch), *answer_doubts(patch)] == []
+
+
+def test_all_of_it_is_told_by_kind():
+    show = made_show('[camera]\neye = [0, -2, 9]\n[[cue]]\nname = "x"\nthen = "auto"\n')
+    doubts = {one.name: one for one in all_doubts(show)}
+    assert [name for name, one in doubts.items() if one.words] == ["cues", "cameras"]
+    assert doubts["cues"].counted == "1 cues"
+    assert doubts["ways"].counted == "0 segments"
