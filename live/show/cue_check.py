@@ -78,11 +78,12 @@ def check_cues(patch: Recalled) -> None:
 
 def _check_start(patch: Recalled) -> None:
     """What a patch begins with has its name already."""
-    for kind, things in (("view", patch.view), ("looks", patch.looks), ("scene", patch.scene)):
-        for index, thing in enumerate(things):
-            if _folded(thing.name) == START:
+    named = {"view": [view.name for view in patch.view], "looks": [look.name for look in patch.looks]}
+    for kind, names in (named | {"scene": [scene.name for scene in patch.scene]}).items():
+        for index, name in enumerate(names):
+            if _folded(name) == START:
                 what = {"view": "[camera]", "looks": "[look]"}.get(kind, "[camera], [look] and [motion]")
-                words = f"{thing.name!r} is what the patch begins with, as {what} say: give this one another name"
+                words = f"{name!r} is what the patch begins with, as {what} say: give this one another name"
                 raise Amiss(words, kind, index, "name")
 
 
