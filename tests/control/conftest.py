@@ -1,4 +1,4 @@
-"""A private PulseAudio with a null sink: what is played into it can be listened to, on a machine without sound."""
+"""An OSC input with somebody who sends, and a private PulseAudio with a null sink: what is played into it is heard."""
 
 import os
 import shutil
@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+
+from tests.control.osc_stage import Stage
 
 NEEDED = ("pulseaudio", "pactl", "paplay")
 
@@ -59,6 +61,13 @@ class PulseSink:
                 player.kill()
             player.wait()
         self.players.clear()
+
+
+@pytest.fixture
+def stage() -> Iterator[Stage]:
+    """An OSC input on a free port with a socket to send from."""
+    with Stage() as running:
+        yield running
 
 
 @pytest.fixture(scope="module")

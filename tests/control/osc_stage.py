@@ -1,0 +1,63 @@
+"""An OSC input with a socket to send from, and messages as python-osc builds them."""
+
+import socket
+import threading
+import time
+
+from pythonosc.osc_message_builder import OscMessageBuilder
+
+from live.base.inbox import Inbox
+from live.clock.source import ManualClock
+from live.control.osc import OscInput
+
+DEADLINE_S = 20.0
+
+
+def wait_until(condition):
+    """Wait for something that another thread does; fails after a deadline, never sleeps longer than needed."""
+    limit = time.monotonic() + DEADLINE_S
+    pause = threading.Event()
+    while not condition():
+        assert time.monotonic() < limit, "nothing happened before the deadline"
+        pause.wait(0.002)
+
+
+def message(address, *values):
+    builder = OscMessageBuilder(address)
+    for value in values:
+        builder.add_arg(value)
+    return builder.build()
+
+
+class Stage:
+    """An OSC input on a free port with a socket to send from."""
+
+    def __init__(self, **options):
+        self.inbox, self.clock = Inbox(options.pop("capacity", 4096)), ManualClock(7.25)
+        self.osc = OscInput("127.0.0.1", 0, self.inbox, self.clock, **options)
+        self.sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.sender.settimeout(DEADLINE_S)
+        self.sent = 0
+
+    def __enter__(self):
+        self.osc.start()
+        return self
+
+    def __exit__(self, *_):
+        self.osc.stop()
+        self.sender.close()
+
+    def send(self, *packets):
+        """Send the packets, and wait until each was dealt with (or given up by the system)."""
+        for packet in packets:
+            self.sender.sendto(packet, ("127.0.0.1", self.osc.port))
+            self.sent += 1
+        wait_until(lambda: self.osc.received + self.osc.lost >= self.sent)
+
+    def events(self):
+        return self.inbox.drain()
+
+
+STAMP = {"time": 7.25, "source": "osc"}
+TAP = message("/dance/clock/tap").dgram
+PING = message("/dance/ping").dgram

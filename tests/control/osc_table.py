@@ -1,0 +1,198 @@
+"""What is sent to every control by a program of its own, and the event that comes of it.
+
+An address, the arguments of liblo's oscsend (type tags, then a value for each that has one), the event.
+"""
+
+from live.control import events
+from tests.control.osc_stage import STAMP
+
+
+def every_control():
+    """All of them."""
+    return {
+        "/dance/attract": (["ff", "1.5", "-2"], events.Attract(x=1.5, z=-2.0, **STAMP)),
+        "/dance/repel": (
+            ["fidh", "1", "2", "0.5", "8"],
+            events.Repel(x=1.0, z=2.0, strength=0.5, measures=8.0, **STAMP),
+        ),
+        "/dance/spread": (["f", "2"], events.Spread(measures=2.0, **STAMP)),
+        "/dance/clear": ([], events.Clear(**STAMP)),
+        "/dance/now": (["ssf", "jump", "tide", "2"], events.StepNow(name="jump", group="tide", measures=2.0, **STAMP)),
+        "/dance/step": (["s", "side step"], events.CallStep(name="side step", **STAMP)),
+        "/dance/clock/tap": ([], events.Tap(**STAMP)),
+        "/dance/clock/one": (["I"], events.One(**STAMP)),
+        "/dance/clock/tempo": (["d", "132.5"], events.SetTempo(tempo=132.5, **STAMP)),
+        **clock_and_sound_controls(),
+        "/dance/sequence": (
+            ["ss", "sway, glide x2, *", "front"],
+            events.SetSequence(steps="sway, glide x2, *", group="front", **STAMP),
+        ),
+        **{
+            f"/dance/motion/{name}": (
+                [kind, value],
+                events.SetMotion(parameter=field, value=number, group="*", **STAMP),
+            )
+            for name, kind, value, field, number in (
+                ("warp", "f", "0.25", "warp_beats", 0.25),
+                ("warp_sequence", "i", "1", "warp_sequence", 1.0),
+                ("amplitude", "f", "0.5", "amplitude", 0.5),
+                ("amplitude_sequence", "F", None, "amplitude_sequence", 0.0),
+                ("larger", "f", "0.25", "larger", 0.25),
+                ("mix", "f", "0.5", "mix", 0.5),
+                ("arms", "f", "1", "arms", 1.0),
+                ("obedience", "f", "0.75", "obedience", 0.75),
+                ("foot_lock", "i", "0", "lock", 0.0),
+                ("turn_on_support", "T", None, "on_support", 1.0),
+                ("face_average", "i", "1", "face_average", 1.0),
+                ("mirror", "i", "-1", "mirror", -1.0),
+            )
+        },
+        "/dance/motion/head": (
+            ["fs", "0.75", "left"],
+            events.SetMotion(parameter="head", value=0.75, group="left", **STAMP),
+        ),
+        "/dance/facing": (
+            ["ss", "dancer 3", "left"],
+            events.SetFacing(facing="dancer 3", group="left", **STAMP),
+        ),
+        "/dance/why": (["i", "7"], events.AskWhy(dancer=7, **STAMP)),
+        "/dance/blackout": (["T"], events.Blackout(on=True, **STAMP)),
+        "/dance/takeover": ([], events.TakeOver(**STAMP)),
+        "/dance/ping": ([], None),
+        **group_controls(),
+        **scene_controls(),
+        **score_controls(),
+    }
+
+
+def clock_and_sound_controls():
+    """What the musician's hand and the sound's operator may say."""
+    return {
+        "/dance/clock/half": ([], events.ScaleTempo(factor=0.5, **STAMP)),
+        "/dance/clock/double": ([], events.ScaleTempo(factor=2.0, **STAMP)),
+        "/dance/clock/nudge": (["d", "-0.015"], events.Nudge(seconds=-0.015, **STAMP)),
+        "/dance/clock/shift": (["f", "0.5"], events.ShiftBeats(beats=0.5, **STAMP)),
+        "/dance/clock/hold": (["F"], events.HoldTempo(on=False, **STAMP)),
+        "/dance/clock/metre": (["i", "3"], events.SetMetre(beats=3.0, **STAMP)),
+        "/dance/clock/count_in": (["i", "2"], events.CountIn(measures=2.0, **STAMP)),
+        "/dance/clock/source": (["s", "midi"], events.ChooseSource(name="midi", **STAMP)),
+        "/dance/audio/restart": ([], events.RestartAudio(**STAMP)),
+        "/dance/audio/device": (
+            ["ss", "stage box", "5,6"],
+            events.ChooseAudio(device="stage box", channels="5,6", **STAMP),
+        ),
+        "/dance/audio/channels": (["s", "3"], events.ChooseAudio(channels="3", **STAMP)),
+        "/dance/click": (["i", "0"], events.SetClick(on=False, **STAMP)),
+        **{
+            f"/dance/latency/{what}": (["f", "12.5"], events.SetLatency(what=what, seconds=0.0125, **STAMP))
+            for what in ("input", "output", "display", "projector")
+        },
+    }
+
+
+def scene_controls():
+    """What light desk and stage manager say."""
+
+    def picture(parameter, *numbers, **others):
+        return events.SetPicture(parameter=parameter, **dict(zip("xyz", numbers, strict=False)), **others, **STAMP)
+
+    sent = {
+        "/dance/light/level": (["f", "0.5"], picture("/dance/light/level", 0.5)),
+        "/dance/light/key": (["ff", "2", "4"], picture("/dance/light/key", 2.0, measures=4.0)),
+        "/dance/light/key/direction": (["fff", "0", "-1", "0"], picture("/dance/light/key/direction", 0.0, -1.0, 0.0)),
+        "/dance/camera/field_of_view": (["i", "60"], picture("/dance/camera/field_of_view", 60.0)),
+        "/dance/group/colour": (
+            ["fffsf", "1", "0.5", "0", "tide", "2"],
+            picture("/dance/group/colour", 1.0, 0.5, 0.0, group="tide", measures=2.0),
+        ),
+    }
+    for name, value in (("rim", 2.0), ("ambient", 0.5), ("haze", 0.25), ("saturation", 0.0)):
+        sent[f"/dance/light/{name}"] = (["d", str(value)], picture(f"/dance/light/{name}", value))
+    for name in ("light/key/colour", "light/rim/colour", "light/ambient/colour", "light/background", "light/floor"):
+        sent[f"/dance/{name}"] = (["fff", "1", "0.5", "0"], picture(f"/dance/{name}", 1.0, 0.5, 0.0))
+    for name in ("eye", "target"):
+        sent[f"/dance/camera/{name}"] = (["fff", "1", "2.5", "-3"], picture(f"/dance/camera/{name}", 1.0, 2.5, -3.0))
+    return sent | {
+        "/dance/camera": (["sf", "side", "2"], events.RecallView(name="side", measures=2.0, **STAMP)),
+        "/dance/look": (["s", "dusk"], events.RecallLook(name="dusk", **STAMP)),
+        "/dance/scene": (["si", "finale", "0"], events.RecallScene(name="finale", measures=0.0, **STAMP)),
+        "/dance/scene/store": (["s", "mine"], events.StoreScene(name="mine", **STAMP)),
+        "/dance/go": (["i", "1"], events.Go(**STAMP)),
+        "/dance/cue": (["s", "12.5"], events.GiveCue(name="12.5", **STAMP)),
+        "/dance/standby": (["s", "finale"], events.StandBy(name="finale", **STAMP)),
+        "/dance/back": ([], events.StepBack(**STAMP)),
+        "/dance/panic": ([], events.Panic(**STAMP)),
+        "/dance/hold": (["T"], events.HoldShow(on=True, **STAMP)),
+        "/dance/undo": ([], events.Undo(**STAMP)),
+        "/dance/redo": ([], events.Redo(**STAMP)),
+    }
+
+
+def score_controls():
+    """What moves the score, and signals."""
+    return {
+        "/dance/section": (
+            ["ssi", "solo", "section", "3"],
+            events.JumpTo(section="solo", when="section", measure=3, **STAMP),
+        ),
+        "/dance/advance": ([], events.Advance(when="section", **STAMP)),
+        "/dance/hold/score": (["T"], events.HoldScore(on=True, **STAMP)),
+        "/dance/practice": (["ii", "17", "24"], events.Practice(first=17, last=24, **STAMP)),
+        "/dance/improvise": (["is", "1", "left"], events.Improvise(on=True, group="left", **STAMP)),
+        "/dance/signal": (["sf", "hit", "0.5"], events.Signal(name="hit", value=0.5, **STAMP)),
+    }
+
+
+def group_controls():
+    """What is sent to each control of elements and group motion, and the event that comes of it."""
+
+    def element(kind, points="", **others):
+        return events.PlaceElement(kind=kind, points=points, **others, **STAMP)
+
+    at, line = ["ff", "1.5", "-2"], ["ffii", "0", "-4", "0", "4"]
+    drawn = "-3 0, 0 -2.5, 3 0"
+    return {
+        "/dance/attract/line": (line, element("attract", "0.0 -4.0, 0.0 4.0")),
+        "/dance/attract/drawn": (["s", drawn], element("attract", drawn)),
+        "/dance/attract/region": (["fff", "1.5", "-2", "2"], element("attract", "1.5 -2.0", radius=2.0)),
+        "/dance/voice": (at, events.Voice(x=1.5, z=-2.0, **STAMP)),
+        "/dance/repel/line": (line, element("repel", "0.0 -4.0, 0.0 4.0")),
+        "/dance/repel/region": (["fff", "1.5", "-2", "2"], element("repel", "1.5 -2.0", radius=2.0)),
+        "/dance/cross": (
+            [line[0] + "ffsT", *line[1:], "1", "8", "tide & left"],
+            element("cross", "0.0 -4.0, 0.0 4.0", measures=8.0, group="tide & left", next=True),
+        ),
+        "/dance/flow": (line, element("flow", "0.0 -4.0, 0.0 4.0", flow="uniform")),
+        "/dance/flow/radial": (["fff", "1.5", "-2", "-1"], element("flow", "1.5 -2.0", flow="radial", strength=-1.0)),
+        "/dance/flow/vortex": (at, element("flow", "1.5 -2.0", flow="vortex")),
+        "/dance/flow/drawn": (["s", drawn], element("flow", drawn, flow="drawn")),
+        "/dance/path": (["s", drawn], element("path", drawn)),
+        "/dance/wander": ([], element("wander")),
+        "/dance/flock": (["ff", "2", "8"], element("flock", strength=2.0, measures=8.0)),
+        "/dance/follow": (["s", "7"], element("follow", whom="7")),
+        "/dance/pursue": (["s", "tide"], element("pursue", whom="tide")),
+        "/dance/evade": (["s", "tide"], element("evade", whom="tide")),
+        "/dance/formation": (
+            ["sfs", "star:6", "2", "ember"],
+            events.Evolve(formation="star:6", measures=2.0, group="ember", **STAMP),
+        ),
+        "/dance/formation/define": (
+            ["ss", "flower", "circle poisson"],
+            events.DefineFormation(name="flower", formation="circle poisson", **STAMP),
+        ),
+        "/dance/travel": (["s", drawn], events.Travel(points=drawn, **STAMP)),
+        "/dance/pause": (["f", "2"], events.Pause(measures=2.0, **STAMP)),
+        "/dance/release": ([], events.Release(**STAMP)),
+        "/dance/regroup": (["ss", "1-4", "tide"], events.Regroup(dancers="1-4", group="tide", **STAMP)),
+        "/dance/ripple": (
+            ["fss", "2", "0 -2", "tide"],
+            events.SetRipple(beats=2.0, begins="0 -2", group="tide", **STAMP),
+        ),
+        "/dance/enter": (["i", "3"], events.Enter(count=3.0, **STAMP)),
+        "/dance/leave": (["ss", "7", "left"], events.Leave(dancers="7", gate="left", **STAMP)),
+        "/dance/obstacle": (["sff", "box", "1", "2"], events.PlaceObstacle(name="box", x=1.0, z=2.0, **STAMP)),
+        "/dance/wall": (["sffff", "w", "0", "1", "2", "3"], events.PlaceWall(name="w", x=0, z=1, x2=2, z2=3, **STAMP)),
+        "/dance/obstacle/remove": (["s", "box"], events.RemoveObstacle(name="box", **STAMP)),
+        "/dance/stage": (["ff", "8", "5.5"], events.SetStage(width=8.0, depth=5.5, **STAMP)),
+        "/dance/performer": (["sff", "Ana", "1", "2"], events.Performer(name="Ana", x=1.0, z=2.0, **STAMP)),
+    }
