@@ -38,6 +38,13 @@ def sync_within(app: Process, hut: Process, seconds: float, **how: Any) -> None:
         time.sleep(0.05)
 
 
+def first_in(app: Process) -> None:
+    """It joins, and is on the network (which its own thread does) for long enough to be the older one."""
+    app.ask("enable", on=True)
+    app.until(lambda answer: answer["summary"] == "alone", SOON)
+    time.sleep(OLDER)
+
+
 def connected(answer: dict[str, Any]) -> bool:
     return answer["peers"] == 1
 
@@ -124,8 +131,7 @@ def test_nothing_jumps_in_the_app_when_somebody_joins(network: Network) -> None:
     """BEATTIME-2, and that whoever joins takes our tempo and beat."""
     network.new(hut=130.0, app=103.0)
     hut, app = network.hut, network.app
-    app.ask("enable", on=True)
-    time.sleep(OLDER)
+    first_in(app)
     app.ask("forget")
     hut.ask("enable", on=True)
     hut.until(connected, SOON)
@@ -177,8 +183,7 @@ def test_two_shows_agree(network: Network) -> None:
     """Ours with ours: the second takes the first one's beat, whose own goes on as it was."""
     network.new(app=126.0, second=90.0)
     first, second = network.app, network.second
-    first.ask("enable", on=True)
-    time.sleep(OLDER)
+    first_in(first)
     second.ask("enable", on=True)
     second.until(at_tempo(126.0), SOON)
     sync_within(second, first, SOON, key="phase")

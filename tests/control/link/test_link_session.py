@@ -3,6 +3,7 @@
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import pytest
@@ -127,6 +128,39 @@ def test_only_a_person_who_leads_forces_a_beat() -> None:
     assert link.committed.count("force") == 2
     assert not inbox.drain()
     assert session.summary == "off"  # it was never started
+
+
+def test_whoever_comes_between_two_questions_to_link_is_no_jump() -> None:
+    """Link takes over the others' beat and then counts them; a busy machine may do both in the middle of a look."""
+    clock = ManualClock(5.0)
+    session, link, inbox = session_on(clock)
+    ask = {name: getattr(link, name) for name in ("captureSessionState", "numPeers", "micros")}
+    looks = len(ask)
+
+    def come_in_before(count: int) -> None:
+        """The session of somebody else is joined before the next question but `count`."""
+        left = [count]
+
+        def question(name: str) -> Any:
+            if not left[0]:
+                link.bpm, link.beat, link.at, link.others = 90.0, 1.7, ask["micros"](), 1
+            left[0] -= 1
+            return ask[name]()
+
+        for name in ask:
+            setattr(link, name, partial(question, name))
+
+    for count in range(2 * looks):
+        link.others, link.bpm = 0, 126.0
+        come_in_before(count)
+        for _ in range(100):
+            clock.advance(0.02)
+            session.poll()
+        heard = [event for event in inbox.drain() if isinstance(event, BeatHeard)]
+        assert link.others == 1
+        assert heard
+        assert not any(event.jump for event in heard), count
+        assert {event.period for event in heard} == {60.0 / 90.0}, count
 
 
 def test_a_library_that_fails_is_counted_and_asked_again() -> None:
