@@ -30,7 +30,9 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 ONE_AT_A_TIME = ("pulse", "x11", "network")
 """Markers or fixtures of tests with real devices: those of one name never run at the same time."""
 
-LONG_FIRST = {"test_kernels_in_python.py": 1, "end_to_end": 2, "cli": 3, "show": 4}
+LONG_FIRST = ("pulse", "x11", "test_kernels_in_python.py", "end_to_end", "network", "alive", "cli", "show")
+"""What is begun first, so that nobody is left with something long at the end: such tests, then folders or files. What
+mostly waits lies beside what computes."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -39,11 +41,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
-    """A process per core for the whole suite; else only this one: to start more takes longer than it saves."""
+    """One process more than there are cores for the whole suite, since one or the other waits for a device or for
+    another process; else only this one: to start more takes longer than it saves."""
     asked = {(config.invocation_params.dir / argument).resolve() for argument in config.args}
     if not asked <= {TESTS, TESTS.parent}:
         return 0
-    return min(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1, 8)
+    return 1 + min(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1, 7)
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -71,8 +74,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
                 break
 
     def rank(item: pytest.Item) -> int:
-        first = item.path.relative_to(TESTS).parts[0]
-        return 0 if item.get_closest_marker("xdist_group") else LONG_FIRST.get(first, len(LONG_FIRST) + 1)
+        group = item.get_closest_marker("xdist_group")
+        name = group.args[0] if group else item.path.relative_to(TESTS).parts[0]
+        return LONG_FIRST.index(name) if name in LONG_FIRST else len(LONG_FIRST)
 
     items.sort(key=rank)
 

@@ -75,6 +75,19 @@ class Running:
             return self.process.communicate()[0]
 
 
+def children(running: Running, module: str) -> list[int]:
+    """Processes of that module which the command has started, the oldest first."""
+    found = []
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            stat = (folder / "stat").read_text().rpartition(")")[2].split()
+            if int(stat[1]) == running.process.pid and module in (folder / "cmdline").read_text():
+                found.append((int(stat[19]), int(folder.name)))
+        except OSError:
+            continue
+    return [pid for _, pid in sorted(found)]
+
+
 @pytest.fixture
 def play(tmp_path: Path) -> Iterator[Callable[..., Running]]:
     """Start `live play` with options; everything started is ended after the test."""

@@ -13,27 +13,15 @@ from pathlib import Path
 
 import pytest
 
+from live.show.patch_file import PATCHES
 from tests.cli.command import run_live
 from tests.control.waiting import BUSY, wait_for
-from tests.end_to_end.conftest import Running
+from tests.end_to_end.conftest import Running, children
 from tests.end_to_end.test_window_show import _needs
 from tests.two_monitor_x import FIRST, TwoMonitorX
 
 RED = "c00000"
 """What the desktop shows where nothing else is seen."""
-
-
-def children(running: Running, module: str) -> list[int]:
-    """Processes of that module which the command has started, the oldest first."""
-    found = []
-    for folder in Path("/proc").glob("[0-9]*"):
-        try:
-            stat = (folder / "stat").read_text().rpartition(")")[2].split()
-            if int(stat[1]) == running.process.pid and module in (folder / "cmdline").read_text():
-                found.append((int(stat[19]), int(folder.name)))
-        except OSError:
-            continue
-    return [pid for _, pid in sorted(found)]
 
 
 def until_spare(running: Running) -> None:
@@ -56,7 +44,8 @@ def test_whatever_is_killed_the_show_goes_on_in_the_same_measure_with_the_same_s
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    running = play("--headless", "--osc", f"127.0.0.1:{port}", "--journal", str(journal))
+    music = ("--audio", str(PATCHES / "music" / "first_show.ogg"))
+    running = play(str(patch), *music, "--headless", "--osc", f"127.0.0.1:{port}", "--journal", str(journal))
     until_spare(running)
     os.kill(children(running, "audio_process")[0], signal.SIGKILL)
     running.wait_for(lambda line: line["alive"].get("audio_restarts") == 1, 20)
@@ -167,15 +156,6 @@ def test_on_a_projector_black_is_seen_for_a_moment_and_then_the_dance_but_never_
         assert wait_for(lambda: not any(Path(f"/proc/{pid}").exists() for pid in processes), 5)
     finally:
         eye.close()
-
-
-def test_alone_there_is_one_process(play, patch: Path):
-    running = play(str(patch), "--bpm", "150", "--headless", "--alone", "--osc", "127.0.0.1:0")
-    line = running.wait_for(lambda line: line["measure"] > 1, 60)
-    assert "alive" not in line
-    assert children(running, "process") == []
-    assert running.process.poll() is None
-    assert "Traceback" not in running.stop()
 
 
 def test_machines_need_a_supervisor(tmp_path: Path):

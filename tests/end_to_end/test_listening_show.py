@@ -8,6 +8,7 @@ import pytest
 
 from live.control.music_file import read_music
 from live.show.patch_file import PATCHES
+from tests.end_to_end.conftest import children
 
 
 def _as_wav(path: Path, seconds: float) -> Path:
@@ -24,13 +25,16 @@ def _as_wav(path: Path, seconds: float) -> Path:
 
 @pytest.mark.pulse
 def test_music_heard_by_the_input_device_changes_measures(play, patch: Path, pulse_sink, tmp_path: Path):
-    """The patch begins at 90 bpm in its own clock; the music's 112 bpm must be heard to be known."""
+    """The patch begins at 90 bpm in its own clock; the music's 112 bpm must be heard to be known. `--alone` means one
+    process, which listens and dances."""
     patch.write_text("clock = {bpm = 90}\n" + patch.read_text())
     running = play(
         str(patch), "--headless", "--audio", "pulse", "--seconds", "90", "--osc", "127.0.0.1:0", "--alone",
         env=dict(pulse_sink.env),
     )  # fmt: skip
     running.wait_for(lambda line: line["frames"] > 10, 30)
+    assert "alive" not in running.lines()[-1]
+    assert children(running, "process") == []
     pulse_sink.play(_as_wav(tmp_path / "music.wav", 40.0))
     # the first seconds may be taken for another tempo; what counts is that it settles on the music's
     locked = running.wait_for(

@@ -39,6 +39,7 @@ def _wait_until(condition, seconds: float, running: Running, what: str) -> None:
     while not condition():
         assert running.process.poll() is None, running.stop()
         assert time.monotonic() < deadline, f"{what} not within {seconds} s: {running.lines()[-1:]}"
+        time.sleep(0.1)  # a look costs more than a frame of the show
 
 
 @pytest.mark.x11
