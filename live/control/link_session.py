@@ -187,7 +187,7 @@ class LinkSession:
             self._put(self._reports.read(reading))
 
     def _read(self) -> LinkReading:
-        peers = int(self._link.numPeers())  # first: who is counted has been heard, so that the beat below is theirs, too
+        peers = int(self._link.numPeers())  # first: who is counted has been heard, the beat below is theirs too
         state, micros = self._link.captureSessionState(), self._micros()
         tempo = float(state.tempo())
         fold = fold_of(tempo)
