@@ -1,22 +1,17 @@
-"""What all tests share: fixed seeds, strict floating point, several processes, test data, golden pictures."""
+"""What all tests share: fixed seeds, strict floating point, several processes, test data."""
 
 import os
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from hypothesis import HealthCheck, settings
-from PIL import Image
 
 TESTS = Path(__file__).resolve().parent
-GOLDENS = TESTS / "goldens"
 SHARED = Path(__file__).resolve().parents[2] / "shared"
-
-Picture = npt.NDArray[np.uint8]
 
 # Laws: the same examples each time and no deadline, so that neither luck nor a busy machine decides.
 # `pytest --hypothesis-profile=search` looks further, with new examples each time.
@@ -99,32 +94,3 @@ def shared() -> Path:
     if not SHARED.is_dir():
         pytest.skip("the shared test data is not beside the repository")
     return SHARED
-
-
-@pytest.fixture
-def golden(request: pytest.FixtureRequest) -> Callable[..., None]:
-    """Compare a picture (H, W, 3) with `tests/goldens/NAME.png`: `golden(picture, "name", worst=..., mean=...)`.
-
-    A step is 1 of 255. On failure the difference, eight times enlarged, is written beside the golden picture.
-    """
-
-    def compare(picture: Picture, name: str, *, mean: float = 0.5, worst: int = 48) -> None:
-        path = GOLDENS / f"{name}.png"
-        if request.config.getoption("--regenerate-goldens"):
-            GOLDENS.mkdir(exist_ok=True)
-            Image.fromarray(picture).save(path, optimize=True)
-            return
-        if not path.exists():
-            pytest.fail(f"{path} is missing; run pytest --regenerate-goldens, look at it and commit it")
-        expected = np.asarray(Image.open(path).convert("RGB"))
-        assert picture.shape == expected.shape
-        difference = np.abs(picture.astype(np.int16) - expected.astype(np.int16))
-        if difference.mean() > mean or difference.max() > worst:
-            where = GOLDENS / f"{name}.diff.png"
-            Image.fromarray(np.minimum(difference * 8, 255).astype(np.uint8)).save(where)
-            pytest.fail(
-                f"{name}: differs by {difference.mean():.2f} steps on average (allowed {mean}), "
-                f"{difference.max()} at worst (allowed {worst}); see {where}"
-            )
-
-    return compare

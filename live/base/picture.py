@@ -71,6 +71,10 @@ _LINES: Final[tuple[_Line, ...]] = (
         "/dance/camera/field_of_view", "number", 5, 120, (_CAMERA.field_of_view_deg,), "degrees",
         "The camera's vertical angle of view.",
     ),
+    ("/dance/pass/shadow", "number", 0, 1, (1.0,), "", "How dark the dancers' shadows are; 0: none."),
+    ("/dance/pass/mirror", "number", 0, 1, (1.0,), "", "How bright the dancers' images in the floor are; 0: none."),
+    ("/dance/pass/bloom", "number", 0, 4, (1.0,), "", "Glow around what is bright, where quality allows; 0: none."),
+    ("/dance/pass/vignette", "number", 0, 1.5, (1.0,), "", "How much darker the picture's corners are; 0: not at all."),
 )  # fmt: skip
 
 
@@ -105,6 +109,9 @@ EYE: Final = BY_ADDRESS["/dance/camera/eye"].where
 TARGET: Final = BY_ADDRESS["/dance/camera/target"].where
 FIELD_OF_VIEW: Final = BY_ADDRESS["/dance/camera/field_of_view"].first
 LEVEL: Final = BY_ADDRESS["/dance/light/level"].first
+SHADOW: Final = BY_ADDRESS["/dance/pass/shadow"].first
+MIRROR: Final = BY_ADDRESS["/dance/pass/mirror"].first
+VIGNETTE: Final = BY_ADDRESS["/dance/pass/vignette"].first
 CAMERA: Final = slice(EYE.start, FIELD_OF_VIEW + 1)
 """The camera's numbers, which lie side by side."""
 STANDING: Final = _where(
@@ -119,7 +126,7 @@ def picture_of(scene: Scene) -> Float64:
     """The row of a scene's camera and look, shape (SIZE,): float64, so that it is exactly what the scene says."""
     row = np.zeros(SIZE)
     look, camera = scene.look, scene.camera
-    said: dict[str, float | tuple[float, float, float]] = {
+    said: dict[str, float | tuple[float, ...]] = {
         "/dance/light/level": look.level,
         "/dance/light/key": look.key,
         "/dance/light/key/colour": look.key_light,
@@ -137,7 +144,7 @@ def picture_of(scene: Scene) -> Float64:
         "/dance/camera/field_of_view": camera.field_of_view_deg,
     }
     for parameter in PARAMETERS:
-        row[parameter.where] = said[parameter.address]
+        row[parameter.where] = said.get(parameter.address, parameter.start)
     colours = look.group_colours or ((0.8, 0.8, 0.8),)
     row[COLOURS:] = [value for group in range(GROUPS) for value in colours[group % len(colours)]]
     return row

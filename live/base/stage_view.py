@@ -77,6 +77,10 @@ class Look:
     group_colours: tuple[Colour, ...] = ((0.90, 0.42, 0.20), (0.16, 0.55, 0.75), (0.86, 0.74, 0.42))
 
 
+PASSES: Final = ("shadow", "mirror", "trails", "bloom", "ink", "grade", "vignette")
+"""The passes of a picture, in their order."""
+
+
 @dataclass(frozen=True, slots=True)
 class Scene:
     """What a patch begins with: stage size (width, depth) [m], camera, look, number of dancers.
@@ -89,6 +93,8 @@ class Scene:
     look: Look
     dancer_count: int
     joint_count: int
+    passes: tuple[str, ...] = PASSES
+    """Which passes there are, in their order; those that are left out are never drawn."""
 
 
 @dataclass(slots=True, eq=False)

@@ -6,7 +6,19 @@ from typing import Final
 import moderngl
 import numpy as np
 
-from live.base.picture import BY_ADDRESS, CAMERA, COLOURS, LEVEL, STANDING, Float64, camera_of, picture_of
+from live.base.picture import (
+    BY_ADDRESS,
+    CAMERA,
+    COLOURS,
+    LEVEL,
+    MIRROR,
+    SHADOW,
+    STANDING,
+    VIGNETTE,
+    Float64,
+    camera_of,
+    picture_of,
+)
 from live.base.stage_view import FLOOR_MARGIN, Camera, Scene, StageView
 from live.render.camera import view_matrix, world_to_clip
 from live.render.shader import FRAME_BINDING
@@ -32,10 +44,13 @@ _BLOCK: Final = np.dtype(
         ("edge", "f4", 4),
         ("picture", "f4", 4),
         ("ambient", "f4", 4),
+        ("finish", "f4", 4),
     ]
 )
 
 
+VIGNETTING: Final = 0.6
+"""How much darker the corners are than the middle, by the square of the distance from it."""
 CLOSEST: Final = 1e-3
 """A camera nearer to what it looks at than this [m] looks nowhere: the last one stays."""
 
@@ -57,6 +72,8 @@ class FrameBlock:
         """What was different in the frame that was written last: the camera, anything that the kept backdrop shows,
         the groups' colours."""
         self._row = self._start.copy()
+        self.vignette_at_end = True
+        """Whether the film curve takes the vignette along; otherwise a pass draws it."""
         self.camera = scene.camera
         """The camera of the frame that was written last."""
         self.resize(size)
@@ -116,6 +133,11 @@ class FrameBlock:
         width, depth = view.stage_size if view.stage_size[0] > 0.0 else self._stage_size
         changed = max(abs(width - self._stage_size[0]), abs(depth - self._stage_size[1]))
         self._data["edge"] = (0.5 * width, 0.5 * depth, min(changed / BORDER_SHOWN, 1.0), 0.0)
+        self._data["finish"][:3] = (
+            VIGNETTING * self._row[VIGNETTE] * self.vignette_at_end,
+            self._row[SHADOW],
+            self._row[MIRROR],
+        )
         self._buffer.write(self._data)
         self._buffer.bind_to_uniform_block(FRAME_BINDING)
 
@@ -133,6 +155,21 @@ class FrameBlock:
         if self.moved and math.dist(camera.eye, camera.target) > CLOSEST:
             self._place(camera)
         self._light(row)
+
+    @property
+    def row(self) -> Float64:
+        """The picture's row in the frame that was written last."""
+        return self._row
+
+    @property
+    def shadows(self) -> bool:
+        """Whether dancers cast any."""
+        return bool(self._row[SHADOW] > 0.0)
+
+    @property
+    def mirrors(self) -> bool:
+        """Whether the floor shows them."""
+        return bool(self._row[MIRROR] > 0.0)
 
     @property
     def group_colours(self) -> Float64:

@@ -28,9 +28,11 @@ class Quality:
     """Texels along the longer side of the floor's map of shadows and elements (cast at twice that)."""
     mirror_divisor: int
     """The dancers' mirror images in the floor are drawn at 1/n of the picture's size."""
+    left_out: tuple[str, ...] = ()
+    """Passes that are not drawn, whatever is asked for."""
 
 
-SOFTWARE: Final = Quality(0, LIGHT, 80, COARSE, 256, 3)
+SOFTWARE: Final = Quality(0, LIGHT, 80, COARSE, 256, 3, ("bloom",))
 """Without a graphics card: 50 dancers at 1280x720 in real time on two cores."""
 CARD: Final = Quality(4, FINE, 120, LIGHT, 768, 2)
 """For a graphics card, or for films that may take their time."""

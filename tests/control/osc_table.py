@@ -110,6 +110,8 @@ def scene_controls():
         sent[f"/dance/light/{name}"] = (["d", str(value)], picture(f"/dance/light/{name}", value))
     for name in ("light/key/colour", "light/rim/colour", "light/ambient/colour", "light/background", "light/floor"):
         sent[f"/dance/{name}"] = (["fff", "1", "0.5", "0"], picture(f"/dance/{name}", 1.0, 0.5, 0.0))
+    for name, value in (("shadow", 0.0), ("mirror", 0.5), ("bloom", 2.0), ("vignette", 0.25)):
+        sent[f"/dance/pass/{name}"] = (["fi", str(value), "1"], picture(f"/dance/pass/{name}", value, measures=1.0))
     for name in ("eye", "target"):
         sent[f"/dance/camera/{name}"] = (["fff", "1", "2.5", "-3"], picture(f"/dance/camera/{name}", 1.0, 2.5, -3.0))
     return sent | {

@@ -1,6 +1,7 @@
 """Real screens and drawing contexts for the tests of this package."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 
 import moderngl
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from live.render.headless import NoOpenGL, create_headless_context
 from live.render.monitors import stop_glfw
 from tests import two_monitor_x as x_server
+from tests.render.golden import check_golden
 from tests.two_monitor_x import TwoMonitorX
 
 
@@ -63,3 +65,11 @@ def gl_context(headless_context: moderngl.Context) -> Iterator[moderngl.Context]
     with headless_context:
         _ = headless_context.error
         yield headless_context
+
+
+@pytest.fixture
+def golden(request: pytest.FixtureRequest, gl_context: moderngl.Context) -> Callable[..., None]:
+    """Compare a picture with the golden one: `golden(picture, "name", law=...)`, see `golden.py`; llvmpipe only."""
+    if "llvmpipe" not in str(gl_context.info["GL_RENDERER"]):
+        pytest.skip("golden pictures are compared on llvmpipe only")
+    return partial(check_golden, regenerate=request.config.getoption("--regenerate-goldens"))

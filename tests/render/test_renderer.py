@@ -254,18 +254,14 @@ def test_the_tier_follows_the_driver_and_the_crowd(gl_context: moderngl.Context)
 
 
 @pytest.mark.parametrize(("quality", "name"), [(SOFTWARE, "stage_plain"), (CARD, "stage_film")])
-def test_golden(
-    gl_context: moderngl.Context, draw: Draw, golden: Callable[..., None], quality: Quality, name: str
-) -> None:
-    if "llvmpipe" not in str(gl_context.info["GL_RENDERER"]):
-        pytest.skip("golden pictures are compared on llvmpipe only")
+def test_golden(draw: Draw, golden: Callable[..., None], quality: Quality, name: str) -> None:
     view = crowd()
     view.element_count = 3
     view.element_kind[:3] = (ATTRACTOR, REPULSOR, SPREADER)
     view.element_position[:3] = ((0.0, 2.4), (-3.4, -1.0), (3.2, -1.5))
     view.element_level[:3] = (1.0, 0.8, 0.9)
     view.beat = view.phase = 2.25
-    golden(draw(view, quality=quality), name)
+    golden(draw(view, quality=quality), name, law=lambda seen: 8.0 < seen.mean() < 110.0 < seen.max())
 
 
 @pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])

@@ -56,10 +56,14 @@ class FloorPass:
         texture.repeat_x = texture.repeat_y = False
         return texture
 
-    def draw(self, crowd: Crowd, view: StageView) -> None:
-        """Fill `texture` for this moment."""
+    def draw(self, crowd: Crowd, view: StageView, *, shadows: bool = True) -> None:
+        """Fill `texture` for this moment, with the dancers' `shadows` or without."""
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
-        self._draw_shadows(crowd)
+        if shadows:
+            self._draw_shadows(crowd)
+        else:
+            self._targets[-1].use()
+            self._targets[-1].clear()
         self._elements.draw(view)
         self._set.draw(view)
 

@@ -27,9 +27,16 @@ class MirrorPass:
         self._depth = self._ctx.depth_renderbuffer(small)
         self._target = self._ctx.framebuffer([self._drawn], self._depth)
         self._result = self._ctx.framebuffer([self.texture])
+        self._dark = False
 
-    def draw(self, crowd: Crowd) -> None:
-        """Fill `texture` for this moment."""
+    def draw(self, crowd: Crowd, *, seen: bool = True) -> None:
+        """Fill `texture` for this moment: with the dancers' images, or `seen` is false and it is dark."""
+        if not seen:
+            if not self._dark:
+                self._result.clear()
+            self._dark = True
+            return
+        self._dark = False
         self._target.use()
         self._target.clear()
         self._ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)

@@ -2,6 +2,7 @@
 
 import moderngl
 
+from live.render.moment import HDR
 from live.render.release import release_all
 from live.render.shader import program, set_uniform
 
@@ -9,23 +10,32 @@ from live.render.shader import program, set_uniform
 class SmoothPass:
     """Owns the target that the scene is drawn into (8 bits, sharing the dancers' depth)."""
 
-    def __init__(self, ctx: moderngl.Context, depth: moderngl.Texture, size: tuple[int, int]) -> None:
-        self._ctx = ctx
-        self._program = program(ctx, "full_vertex.glsl", "smooth_fragment.glsl")
+    def __init__(
+        self, ctx: moderngl.Context, depth: moderngl.Texture, size: tuple[int, int], *, hdr: bool = False
+    ) -> None:
+        """`hdr`: what is drawn is compressed light in half floats; otherwise it is as it will be shown."""
+        self._ctx, self._kind = ctx, HDR if hdr else "f1"
+        self._program = program(ctx, "full_vertex.glsl", "smooth_fragment.glsl", (("HDR", int(hdr)),))
         self._triangle = ctx.vertex_array(self._program, [])
         self._make(depth, size)
 
     def _make(self, depth: moderngl.Texture, size: tuple[int, int]) -> None:
-        self._drawn, self._softened = (self._ctx.texture(size, 4) for _ in range(2))
-        self._drawn.filter = (moderngl.LINEAR, moderngl.LINEAR)
-        self._drawn.repeat_x = self._drawn.repeat_y = False
+        self._drawn, self._softened = (self._ctx.texture(size, 4, dtype=self._kind) for _ in range(2))
+        for texture in (self._drawn, self._softened):
+            texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+            texture.repeat_x = texture.repeat_y = False
         self.target = self._ctx.framebuffer([self._drawn], depth)
         self._result = self._ctx.framebuffer([self._softened], depth)
         self.target.depth_mask = self._result.depth_mask = False
         self._from, self._to = self._ctx.framebuffer([self._drawn]), self._ctx.framebuffer([self._softened])
 
     def draw(self, target: moderngl.Framebuffer, where: tuple[int, int, int, int]) -> None:
-        """Copy what was drawn into `self.target` onto `target`, the dancers' edges softened.
+        """Copy what was drawn into `self.target` onto `target`, the dancers' edges softened."""
+        self.soften(where)
+        self._ctx.copy_framebuffer(target, self._to)
+
+    def soften(self, where: tuple[int, int, int, int]) -> moderngl.Texture:
+        """What was drawn into `self.target` with the dancers' edges softened.
 
         `where` (x, y, width, height) holds all dancers.
         """
@@ -39,7 +49,7 @@ class SmoothPass:
         self._triangle.render(moderngl.TRIANGLES, vertices=3)
         self._ctx.depth_func = "<"
         self._result.scissor = (0, 0, *self._softened.size)  # copies obey it too
-        self._ctx.copy_framebuffer(target, self._to)
+        return self._softened
 
     def resize(self, depth: moderngl.Texture, size: tuple[int, int]) -> None:
         """New size of the picture [pixels] and the depth that goes with it."""

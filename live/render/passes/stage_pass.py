@@ -2,7 +2,6 @@
 
 import moderngl
 
-from live.render.quality import Quality
 from live.render.release import release_all
 from live.render.shader import program, set_uniform
 
@@ -10,11 +9,11 @@ from live.render.shader import program, set_uniform
 class StagePass:
     """Fills every pixel of the bound target that no dancer covers; above the floor a cheaper program does."""
 
-    def __init__(self, ctx: moderngl.Context, quality: Quality) -> None:
+    def __init__(self, ctx: moderngl.Context, *, hdr: bool) -> None:
+        """`hdr`: into compressed light, to be developed later; otherwise as it is shown."""
         self._ctx = ctx
-        hdr = int(quality.samples > 0)
         self._programs = [
-            program(ctx, "full_vertex.glsl", "stage_fragment.glsl", (("HDR", hdr), ("FLOOR", floor)))
+            program(ctx, "full_vertex.glsl", "stage_fragment.glsl", (("HDR", int(hdr)), ("FLOOR", floor)))
             for floor in (1, 0)
         ]
         self._triangles = [ctx.vertex_array(linked, []) for linked in self._programs]

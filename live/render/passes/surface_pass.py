@@ -4,6 +4,7 @@ import moderngl
 
 from live.render.camera import FAR, NEAR
 from live.render.crowd import Crowd
+from live.render.moment import Surfaces
 from live.render.quality import Quality
 from live.render.release import release_all
 from live.render.shader import program, set_uniform
@@ -18,36 +19,47 @@ class SurfacePass:
 
     def __init__(self, ctx: moderngl.Context, quality: Quality, size: tuple[int, int]) -> None:
         self._ctx, self._quality = ctx, quality
-        self._surface = program(ctx, "dancer_vertex.glsl", "gbuffer_fragment.glsl", (("SOFT", 0),))
-        self._shade = program(ctx, "full_vertex.glsl", "shade_fragment.glsl", (("NEAR", NEAR), ("FAR", FAR)))
-        self._triangle = ctx.vertex_array(self._shade, [])
+        self._surface, self._named = (
+            program(ctx, "dancer_vertex.glsl", "gbuffer_fragment.glsl", (("SOFT", 0), ("WHO", who))) for who in (0, 1)
+        )
+        self._shades = [
+            program(ctx, "full_vertex.glsl", "shade_fragment.glsl", (("NEAR", NEAR), ("FAR", FAR), ("HDR", hdr)))
+            for hdr in (0, 1)
+        ]
+        self._triangles = [ctx.vertex_array(shade, []) for shade in self._shades]
         self._make(size)
 
     def _make(self, size: tuple[int, int]) -> None:
         self._cover, self._shape = self._ctx.texture(size, 4), self._ctx.texture(size, 4)
         self.depth = self._ctx.depth_texture(size)
         self.depth.compare_func = ""
-        for texture in (self._cover, self._shape, self.depth):
+        self._who = self._ctx.texture(size, 4)
+        for texture in (self._cover, self._shape, self.depth, self._who):
             texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+            texture.repeat_x = texture.repeat_y = False
         self._target = self._ctx.framebuffer([self._cover, self._shape], self.depth)
+        self._named_target = self._ctx.framebuffer([self._cover, self._shape, self._who], self.depth)
+        self.surfaces = Surfaces(self.depth, self._shape, self._who)
 
-    def draw(self, crowd: Crowd) -> None:
-        """Draw the surfaces of all dancers, the near ones first (they hide others)."""
-        self._target.use()
-        self._target.clear()
+    def draw(self, crowd: Crowd, *, named: bool = False) -> None:
+        """Draw the surfaces of all dancers, the near ones first (they hide others); `named`: and who they are."""
+        target, linked = (self._named_target, self._named) if named else (self._target, self._surface)
+        target.use()
+        target.clear()
         self._ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
-        crowd.draw(self._surface, self._quality.near_level, "near")
-        crowd.draw(self._surface, self._quality.far_level, "far")
+        crowd.draw(linked, self._quality.near_level, "near")
+        crowd.draw(linked, self._quality.far_level, "far")
 
-    def shade(self, floor_map: moderngl.Texture) -> None:
-        """Light the surfaces into the bound target, which must not write depth."""
+    def shade(self, floor_map: moderngl.Texture, *, hdr: bool = False) -> None:
+        """Light the surfaces into the bound target, which must not write depth; `hdr`: as compressed light."""
+        linked = self._shades[hdr]
         self._ctx.enable(moderngl.DEPTH_TEST)
         self._ctx.depth_func = ">"
         textures = {"cover": self._cover, "shape": self._shape, "depth": self.depth, "floor_map": floor_map}
         for unit, (name, texture) in enumerate(textures.items(), start=1):
             texture.use(unit)
-            set_uniform(self._shade, name, unit)
-        self._triangle.render(moderngl.TRIANGLES, vertices=3)
+            set_uniform(linked, name, unit)
+        self._triangles[hdr].render(moderngl.TRIANGLES, vertices=3)
         self._ctx.depth_func = "<"
 
     def resize(self, size: tuple[int, int]) -> None:
@@ -56,9 +68,9 @@ class SurfacePass:
         self._make(size)
 
     def _release_target(self) -> None:
-        release_all(self._target, self._cover, self._shape, self.depth)
+        release_all(self._target, self._named_target, self._cover, self._shape, self._who, self.depth)
 
     def release(self) -> None:
         """Free everything."""
         self._release_target()
-        release_all(self._triangle, self._surface, self._shade)
+        release_all(*self._triangles, self._surface, self._named, *self._shades)

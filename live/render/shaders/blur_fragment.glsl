@@ -1,4 +1,5 @@
 // One direction of a Gaussian blur whose width differs by channel: sharp at the feet, soft from above.
+#include "frame.glsl"
 in vec2 at;
 uniform sampler2D layers;
 uniform vec2 stride;     // one step in the direction of this pass
@@ -27,7 +28,7 @@ void main() {
 #if LAST
     // alpha: how much light the shadow takes; red, green and blue are for the elements
     vec3 left = 1.0 - vec3(0.80, 0.62, 0.35) * sum;
-    shown = vec4(0.0, 0.0, 0.0, 1.0 - left.r * left.g * left.b);
+    shown = vec4(0.0, 0.0, 0.0, (1.0 - left.r * left.g * left.b) * finish.y);
 #else
     shown = vec4(sum, 1.0);
 #endif

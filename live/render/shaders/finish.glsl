@@ -1,4 +1,5 @@
 // From linear light to the picture: vignette, film curve, sRGB, and a grain finer than one step against banding.
+#include "frame.glsl"
 float grain(vec2 pixel) {
     return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
 }
@@ -10,7 +11,7 @@ vec3 film(vec3 light) {
 
 vec3 to_picture(vec3 light, vec2 pixel) {
     vec2 side = pixel * picture.zw - 0.5;
-    float vignette = 1.0 - 0.6 * dot(side, side);
+    float vignette = 1.0 - finish.x * dot(side, side);
     float grey = dot(light, vec3(0.2126, 0.7152, 0.0722));
     light = max(light * ambient.w + grey * (1.0 - ambient.w), 0.0);
     return film(light * vignette) + (grain(pixel) - 0.5) / 255.0;

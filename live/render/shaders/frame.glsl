@@ -14,6 +14,7 @@ layout(std140) uniform Frame {
     vec4 edge;            // half width, half depth of the stage now [m], 0 to 1: how far that is not the scene's
     vec4 picture;         // width, height [pixels], 1 / width, 1 / height
     vec4 ambient;         // rgb: tint of the light from everywhere, w: saturation of the picture
+    vec4 finish;          // x: how much the vignette takes at the film curve, y: shadows, z: mirror images (0 to 1)
 };
 
 float square(float x) { return x * x; }

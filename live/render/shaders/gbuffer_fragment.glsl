@@ -7,9 +7,16 @@ in vec4 body;     // place in the rest pose, dancer
 
 layout(location = 0) out vec4 cover;   // square root of the colour (finer steps in the dark), openness
 layout(location = 1) out vec4 shape;   // normal, sheen
+#if WHO
+layout(location = 2) out vec4 who;     // number of the dancer from 1 on in two bytes, group
+#endif
 
 void main() {
     vec4 colour = surface(body.xyz, int(body.w + 0.5));
     cover = vec4(colour.rgb, facing.w);
+#if WHO
+    int number = int(body.w + 0.5) + 1;
+    who = vec4(float(number & 255), float((number >> 8) & 255), 0.0, 255.0) / 255.0;
+#endif
     shape = vec4(facing.xyz * 0.5 + 0.5, colour.a);
 }

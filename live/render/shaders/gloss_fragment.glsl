@@ -1,4 +1,5 @@
 // A dull floor's mirror image: blurred, most of all towards the eye.
+#include "frame.glsl"
 in vec2 at;
 uniform sampler2D drawn;
 out vec4 shown;
@@ -8,5 +9,5 @@ void main() {
     vec3 sum = texture(drawn, at + texel * vec2(-0.7, 0.8)).rgb + texture(drawn, at + texel * vec2(0.7, 0.8)).rgb
              + texture(drawn, at + texel * vec2(-0.7, -0.8)).rgb + texture(drawn, at + texel * vec2(0.7, -0.8)).rgb
              + texture(drawn, at + texel * vec2(0.0, 2.4)).rgb + texture(drawn, at - texel * vec2(0.0, 2.4)).rgb;
-    shown = vec4(sum / 6.0, 1.0);
+    shown = vec4(sum / 6.0 * sqrt(finish.z), 1.0);
 }

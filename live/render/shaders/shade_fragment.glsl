@@ -20,5 +20,9 @@ void main() {
     float away = 2.0 * FAR * NEAR / (FAR + NEAR - z * (FAR - NEAR));
     vec3 n = normalize(s.xyz - 0.5);
     vec3 colour = lit(eye.xyz + ray * away, n, c.rgb * c.rgb, s.w, c.a);
+#if HDR
+    shown = vec4(compressed(colour * key_light.w), 1.0);
+#else
     shown = vec4(to_picture(colour * key_light.w, gl_FragCoord.xy), 1.0);
+#endif
 }

@@ -5,7 +5,11 @@ in vec2 at;
 uniform sampler2D drawn;
 out vec4 shown;
 
+#if HDR
+float bright(vec3 c) { return sqrt(dot(c, vec3(0.30, 0.59, 0.11))); }   // as bright as it will be shown, nearly
+#else
 float bright(vec3 c) { return dot(c, vec3(0.30, 0.59, 0.11)); }
+#endif
 
 void main() {
     vec2 texel = picture.zw;

@@ -1,0 +1,77 @@
+"""A glow around what is bright: gathered at a quarter of the size, spread, and added."""
+
+from typing import Final
+
+import moderngl
+
+from live.base.picture import BY_ADDRESS
+from live.render.moment import HDR, Making, Moment, Surfaces
+from live.render.release import release_all
+from live.render.shader import program, set_uniform
+
+_DIVISOR: Final = 4
+_AMOUNT: Final = BY_ADDRESS["/dance/pass/bloom"].first
+STRENGTH: Final = 0.22
+"""How much of the glow is added where its amount is 1."""
+
+
+class BloomPass:
+    """`gather` makes `glow`; `draw` adds it. The last one before the film curve is added there, which saves a pass."""
+
+    needs_surfaces = False
+
+    def __init__(self, making: Making) -> None:
+        ctx = self._ctx = making.ctx
+        self._bright = program(ctx, "full_vertex.glsl", "bright_fragment.glsl")
+        self._spread = program(ctx, "full_vertex.glsl", "spread_fragment.glsl")
+        self._add = program(ctx, "full_vertex.glsl", "bloom_fragment.glsl")
+        self._triangles = [ctx.vertex_array(linked, []) for linked in (self._bright, self._spread, self._add)]
+        self._make(making.size)
+
+    def _make(self, size: tuple[int, int]) -> None:
+        self._small = small = (max(size[0] // _DIVISOR, 1), max(size[1] // _DIVISOR, 1))
+        self._glows = [self._ctx.texture(small, 4, dtype=HDR) for _ in range(2)]
+        for texture in self._glows:
+            texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+            texture.repeat_x = texture.repeat_y = False
+        self._targets = [self._ctx.framebuffer([glow]) for glow in self._glows]
+
+    def active(self, moment: Moment) -> bool:
+        """While its amount is not 0."""
+        return moment.amount(_AMOUNT) > 0.0
+
+    def strength(self, moment: Moment) -> float:
+        """By what the glow is multiplied when it is added."""
+        return STRENGTH * moment.amount(_AMOUNT)
+
+    def gather(self, source: moderngl.Texture) -> moderngl.Texture:
+        """The glow of `source`, linear light at a quarter of its size."""
+        self._step(self._targets[0], self._bright, 0, source)
+        for read, into, stride in ((0, 1, (1.0 / self._small[0], 0.0)), (1, 0, (0.0, 1.0 / self._small[1]))):
+            set_uniform(self._spread, "stride", stride)
+            self._step(self._targets[into], self._spread, 1, self._glows[read])
+        return self._glows[0]
+
+    def draw(self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces, moment: Moment) -> None:
+        """Draw `source` with its glow."""
+        self.gather(source).use(2)
+        set_uniform(self._add, "glow", 2)
+        set_uniform(self._add, "strength", self.strength(moment))
+        self._step(target, self._add, 2, source)
+
+    def _step(
+        self, target: moderngl.Framebuffer, linked: moderngl.Program, triangle: int, source: moderngl.Texture
+    ) -> None:
+        target.use()
+        source.use(1)
+        set_uniform(linked, "light", 1)
+        self._triangles[triangle].render(moderngl.TRIANGLES, vertices=3)
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """New size of the picture [pixels]."""
+        release_all(*self._targets, *self._glows)
+        self._make(size)
+
+    def release(self) -> None:
+        """Free everything."""
+        release_all(*self._targets, *self._glows, *self._triangles, self._bright, self._spread, self._add)

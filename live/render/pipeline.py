@@ -1,0 +1,173 @@
+"""The way of a picture: what lies on the floor, the dancers and the stage, then the picture passes and the film curve.
+
+Three ways, and what is not asked for costs nothing:
+
+- *plain*, where the processor draws and no picture pass is active: surfaces first, light once a pixel, in 8 bits as it
+  is shown;
+- *soft*, the same in half floats, where a picture pass is active or light is drawn over the scene;
+- *lit*, on a graphics card: multisampled, lit while drawn, in half floats.
+"""
+
+from collections.abc import Callable
+from typing import Final
+
+import moderngl
+import numpy as np
+
+from live.base.stage_view import FLOOR_MARGIN, Camera
+from live.render.camera import covered, view_matrix, world_to_clip
+from live.render.chain import Chain
+from live.render.frame import WALL_BEHIND
+from live.render.moment import Making, Moment, ScenePass, Surfaces
+from live.render.passes.backdrop_pass import BackdropPass
+from live.render.passes.dancer_pass import DancerPass
+from live.render.passes.floor_pass import FloorPass
+from live.render.passes.lit_target import LitTarget
+from live.render.passes.mirror_pass import MirrorPass
+from live.render.passes.smooth_pass import SmoothPass
+from live.render.passes.stage_pass import StagePass
+from live.render.passes.surface_pass import SurfacePass
+from live.render.release import Releasable, release_all
+
+SCENE_PASSES: Final[tuple[Callable[[Making], ScenePass], ...]] = ()
+"""What else is in the scene, in the order in which it is drawn."""
+_BODY_AROUND_JOINTS: Final = 0.25
+"""The body reaches at most this far beyond its joints [m]."""
+
+
+class Pipeline:
+    """All passes of one renderer, with all that they draw into; GL objects are made here and in `resize`."""
+
+    def __init__(self, making: Making) -> None:
+        ctx, scene, size, quality = making.ctx, making.scene, making.size, making.quality
+        self._ctx, self._scene, self._size, self._quality = ctx, scene, size, quality
+        width, depth = scene.stage_size
+        self.floor = FloorPass(ctx, quality, (width + 2 * FLOOR_MARGIN, depth + 2 * FLOOR_MARGIN))
+        self._mirror = MirrorPass(ctx, size, quality.mirror_divisor)
+        self._backdrop = BackdropPass(ctx, size, coarse=quality.samples == 0)
+        self.chain = Chain(making)
+        self._lit = quality.samples > 0
+        self._surface = SurfacePass(ctx, quality, size)
+        self._stages = {hdr: StagePass(ctx, hdr=hdr) for hdr in ((True,) if self._lit else (False, True))}
+        if self._lit:
+            self._target = LitTarget(ctx, quality.samples, size)
+            self._dancer = DancerPass(ctx, quality)
+        else:
+            self._smooth = {hdr: SmoothPass(ctx, self._surface.depth, size, hdr=hdr) for hdr in (False, True)}
+        self._scene_passes = [make(making) for make in SCENE_PASSES]
+        self.look_from(scene.camera)
+
+    def look_from(self, camera: Camera) -> None:
+        """What depends on the camera beside the block of uniforms."""
+        self._floor_rows = _rows_of_floor(camera, self._scene.stage_size, self._size)
+        self._world_to_clip = world_to_clip(camera, self._size)
+
+    def relit(self) -> None:
+        """Light or camera are others than in the frame before."""
+        self._backdrop.forget()
+
+    def draw(self, moment: Moment, target: moderngl.Framebuffer) -> None:
+        """Draw the moment as it is shown into `target`."""
+        frame, crowd = moment.frame, moment.crowd
+        here = [one for one in self._scene_passes if one.active(moment)]
+        active = self.chain.active(moment, self._quality.left_out)
+        self._backdrop.draw(moving=frame.relit)
+        self.floor.draw(crowd, moment.view, shadows=self._has("shadow") and frame.shadows)
+        self._mirror.draw(crowd, seen=self._has("mirror") and frame.mirrors)
+        for one in here:
+            one.prepare(moment)
+        if self._lit:
+            self._draw_lit(moment, here)
+            surfaces = self._draw_surfaces(moment, here) if _needs_surfaces(active) else None
+            self.chain.draw(active, self._target.resolve(), target, surfaces, moment)
+            return
+        where = self._where_dancers_are(moment)
+        overs = [one for one in here if one.over_active(moment)]
+        hdr = bool(active or overs)
+        surfaces = self._draw_surfaces(moment, here, named=_needs_surfaces(active))
+        smooth = self._smooth[hdr]
+        into = smooth.target
+        into.use()
+        into.scissor = where
+        self._surface.shade(moment.floor, hdr=hdr)
+        self._draw_stage(into, moment, hdr=hdr)
+        for one in overs:
+            one.over(moment)
+        if hdr:
+            self.chain.draw(active, smooth.soften(where), target, surfaces, moment)
+        else:
+            smooth.draw(target, where)
+
+    def _has(self, name: str) -> bool:
+        return name in self._scene.passes and name not in self._quality.left_out
+
+    def _draw_lit(self, moment: Moment, here: list[ScenePass]) -> None:
+        into = self._target.begin()
+        self._dancer.draw(moment.crowd, moment.floor)
+        for one in here:
+            one.lit(moment)
+        self._draw_stage(into, moment, hdr=True)
+        for one in here:
+            if one.over_active(moment):
+                one.over(moment)
+
+    def _draw_surfaces(self, moment: Moment, here: list[ScenePass], *, named: bool = True) -> Surfaces:
+        self._surface.draw(moment.crowd, named=named)
+        for one in here:
+            one.surfaces(moment)
+        return self._surface.surfaces
+
+    def _draw_stage(self, into: moderngl.Framebuffer, moment: Moment, *, hdr: bool) -> None:
+        self._stages[hdr].draw(into, self._floor_rows, self._backdrop.texture, moment.floor, self._mirror.texture)
+
+    def _where_dancers_are(self, moment: Moment) -> tuple[int, int, int, int]:
+        """The pixels that dancers may cover: others need neither be lit nor smoothed."""
+        view = moment.view
+        if len(view.joint_position) == 0:
+            return 0, 0, 0, 0
+        joints = view.joint_position.reshape(-1, 3)
+        low, high = joints.min(axis=0) - _BODY_AROUND_JOINTS, joints.max(axis=0) + _BODY_AROUND_JOINTS
+        return covered(self._world_to_clip, self._size, low.astype(np.float64), high.astype(np.float64))
+
+    def resize(self, size: tuple[int, int], camera: Camera) -> None:
+        """New size of the picture [pixels], seen from this camera."""
+        self._size = size
+        self._mirror.resize(size)
+        self._backdrop.resize(size)
+        self._surface.resize(size)
+        self.chain.resize(size)
+        if self._lit:
+            self._target.resize(size)
+        else:
+            for smooth in self._smooth.values():
+                smooth.resize(self._surface.depth, size)
+        for one in self._scene_passes:
+            one.resize(size)
+        self.look_from(camera)
+
+    def release(self) -> None:
+        """Free everything."""
+        own: list[Releasable] = [self.floor, self._mirror, self._backdrop, self.chain, *self._stages.values()]
+        own += [self._target, self._dancer] if self._lit else [*self._smooth.values()]
+        release_all(*self._scene_passes, *own, self._surface)
+
+
+def _needs_surfaces(active: list) -> bool:  # type: ignore[type-arg]
+    return any(one.needs_surfaces for one in active)
+
+
+def _rows_of_floor(camera: Camera, stage_size: tuple[float, float], size: tuple[int, int]) -> int:
+    """How many rows of pixels from below can show the floor (above them is only the back wall)."""
+    axes = view_matrix(camera)[:3, :3]
+    up = np.tan(0.5 * np.deg2rad(camera.field_of_view_deg))
+    rows = (2.0 * (np.arange(size[1]) + 1.0) / size[1] - 1.0) * up
+    wall = -0.5 * stage_size[1] - WALL_BEHIND
+    seen = 0
+    for side in (-1.0, 0.0, 1.0):
+        rays = -axes[2] + axes[0] * (side * up * size[0] / size[1]) + rows[:, None] * axes[1]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            reach = -camera.eye[1] / rays[:, 1]
+            floor = (rays[:, 1] < 0.0) & (camera.eye[2] + reach * rays[:, 2] > wall)
+        if floor.any():
+            seen = max(seen, int(np.flatnonzero(floor)[-1]) + 1)
+    return min(seen + 1, size[1])
