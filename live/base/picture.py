@@ -73,7 +73,28 @@ _LINES: Final[tuple[_Line, ...]] = (
     ),
     ("/dance/pass/shadow", "number", 0, 1, (1.0,), "", "How dark the dancers' shadows are; 0: none."),
     ("/dance/pass/mirror", "number", 0, 1, (1.0,), "", "How bright the dancers' images in the floor are; 0: none."),
+    (
+        "/dance/pass/trails", "number", 0, 1, (0.0,), "",
+        "Trails behind whatever is bright and moves; less is shorter, 0: none.",
+    ),
+    (
+        "/dance/pass/trails/beats", "number", 0.05, 64, (1.0,), "beats",
+        "After how many beats a trail is half as bright.",
+    ),
+    ("/dance/pass/trails/zoom", "number", -2, 2, (0.0,), "1/beat", "How fast trails grow out of the middle."),
+    ("/dance/pass/trails/colour", "colour", 0, 1, (1.0, 1.0, 1.0), "", "What white trails turn to as they fade."),
     ("/dance/pass/bloom", "number", 0, 4, (1.0,), "", "Glow around what is bright, where quality allows; 0: none."),
+    ("/dance/pass/ink", "number", 0, 1, (0.0,), "", "Lines of ink around dancers and where they bend; 0: none."),
+    ("/dance/pass/ink/width", "number", 0.5, 8, (1.5,), "px", "How wide they are, in a picture of 720 lines."),
+    ("/dance/pass/ink/colour", "colour", 0, 1, (0.004, 0.004, 0.008), "", "Colour of the ink."),
+    ("/dance/pass/ink/paper", "number", 0, 1, (0.0,), "", "How much the picture under the ink gives way to paper."),
+    ("/dance/pass/ink/paper/colour", "colour", 0, 1, (0.90, 0.80, 0.64), "", "Colour of the paper."),
+    ("/dance/pass/grade", "number", 0, 1, (1.0,), "", "How much of the colour grade is seen."),
+    ("/dance/pass/grade/lift", "colour", -1, 1, (0.0, 0.0, 0.0), "", "What the grade adds to the darks."),
+    ("/dance/pass/grade/gamma", "colour", 0.2, 5, (1.0, 1.0, 1.0), "", "How bright the grade makes the middle."),
+    ("/dance/pass/grade/gain", "colour", 0, 4, (1.0, 1.0, 1.0), "", "By what the grade multiplies the brights."),
+    ("/dance/pass/grade/contrast", "number", 0, 2, (1.0,), "", "Contrast about mid grey."),
+    ("/dance/pass/grade/temperature", "number", -1, 1, (0.0,), "", "Colder below 0, warmer above."),
     ("/dance/pass/vignette", "number", 0, 1.5, (1.0,), "", "How much darker the picture's corners are; 0: not at all."),
 )  # fmt: skip
 
@@ -145,6 +166,8 @@ def picture_of(scene: Scene) -> Float64:
     }
     for parameter in PARAMETERS:
         row[parameter.where] = said.get(parameter.address, parameter.start)
+    for address, numbers in scene.start:
+        row[BY_ADDRESS[address].where] = numbers
     colours = look.group_colours or ((0.8, 0.8, 0.8),)
     row[COLOURS:] = [value for group in range(GROUPS) for value in colours[group % len(colours)]]
     return row

@@ -95,6 +95,8 @@ class Scene:
     joint_count: int
     passes: tuple[str, ...] = PASSES
     """Which passes there are, in their order; those that are left out are never drawn."""
+    start: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    """Parameters of the picture that do not begin where they usually do: addresses and numbers."""
 
 
 @dataclass(slots=True, eq=False)

@@ -41,7 +41,7 @@ from live.control.group_events import (
 )
 from live.control.machine_events import TakeOver
 from live.control.patch_events import PatchChanged, StepsChanged
-from live.control.scene_events import RecallLook, RecallScene, RecallView, SetPicture, StoreScene
+from live.control.scene_events import RecallLook, RecallScene, RecallView, SetPass, SetPicture, StoreScene
 from live.control.score_events import Advance, HoldScore, Improvise, JumpTo, Practice, Signal
 from live.control.step_events import AskWhy, CallStep, Clear, SetFacing, SetMotion, SetSequence, StepNow, StepsAdded
 
@@ -95,6 +95,7 @@ __all__ = [
     "SetLatency",
     "SetMetre",
     "SetMotion",
+    "SetPass",
     "SetPicture",
     "SetRipple",
     "SetSequence",
@@ -143,7 +144,7 @@ EVENT_TYPES: dict[str, type[ControlEvent]] = {
         SetTempo, Nudge, ShiftBeats, ScaleTempo, HoldTempo, SetMetre, CountIn, ChooseSource, Blackout, BeatHeard,
         SourceChanged, StepsAdded, TicksSkipped, MusicHeard, RestartAudio, ChooseAudio, SetLatency,
         SetClick, JumpTo, Advance, HoldScore, Practice, Improvise, Signal, PatchChanged, StepsChanged,
-        SetPicture, RecallView, RecallLook, RecallScene, StoreScene,
+        SetPicture, SetPass, RecallView, RecallLook, RecallScene, StoreScene,
         Go, GiveCue, StandBy, StepBack, Panic, HoldShow, Undo, Redo,
         TakeOver,
     )

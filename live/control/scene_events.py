@@ -21,6 +21,15 @@ class SetPicture(ControlEvent):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SetPass(ControlEvent):
+    """A pass of the picture, by its name, is drawn with this amount: 0 is off."""
+
+    name: str
+    amount: float
+    measures: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RecallView(ControlEvent):
     """The camera goes to a view of the patch; a cut if it takes no time."""
 

@@ -8,9 +8,19 @@ import moderngl
 from live.render.moment import HDR, Making, Moment, PicturePass, Surfaces
 from live.render.passes.bloom_pass import BloomPass
 from live.render.passes.final_pass import FinalPass
+from live.render.passes.grade_pass import GradePass
+from live.render.passes.ink_pass import InkPass
+from live.render.passes.trails_pass import TrailsPass
+from live.render.passes.vignette_pass import VignettePass
 from live.render.release import release_all
 
-PICTURE_PASSES: Final[Mapping[str, Callable[[Making], PicturePass]]] = {"bloom": BloomPass}
+PICTURE_PASSES: Final[Mapping[str, Callable[[Making], PicturePass]]] = {
+    "trails": TrailsPass,
+    "bloom": BloomPass,
+    "ink": InkPass,
+    "grade": GradePass,
+    "vignette": VignettePass,
+}
 """Those that can be in `[picture] passes`, by name; `shadow` and `mirror` belong to the scene."""
 AT_END: Final = "vignette"
 """As the last one of the order it is done together with the film curve."""
@@ -57,7 +67,7 @@ class Chain:
         bloom = last if isinstance(last, BloomPass) else None
         turn = 0
         for one in active if bloom is None else active[:-1]:
-            one.draw(source, self._targets[turn], surfaces, moment)  # type: ignore[arg-type]
+            one.draw(source, self._targets[turn], surfaces, moment)
             source, turn = self._textures[turn], 1 - turn
         if bloom is None:
             self._final.draw(source, target)

@@ -101,7 +101,9 @@ class PicturePass(Protocol):
     def active(self, moment: Moment) -> bool:
         """Whether it changes anything now; an inactive pass costs nothing."""
 
-    def draw(self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces, moment: Moment) -> None:
+    def draw(
+        self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces | None, moment: Moment
+    ) -> None:
         """Draw `source`, compressed light, changed, into `target`."""
 
     def resize(self, size: tuple[int, int]) -> None:

@@ -18,7 +18,7 @@ from live.base.stage_view import FLOOR_MARGIN, Camera
 from live.render.camera import covered, view_matrix, world_to_clip
 from live.render.chain import Chain
 from live.render.frame import WALL_BEHIND
-from live.render.moment import Making, Moment, ScenePass, Surfaces
+from live.render.moment import Making, Moment, PicturePass, ScenePass, Surfaces
 from live.render.passes.backdrop_pass import BackdropPass
 from live.render.passes.dancer_pass import DancerPass
 from live.render.passes.floor_pass import FloorPass
@@ -152,7 +152,7 @@ class Pipeline:
         release_all(*self._scene_passes, *own, self._surface)
 
 
-def _needs_surfaces(active: list) -> bool:  # type: ignore[type-arg]
+def _needs_surfaces(active: list[PicturePass]) -> bool:
     return any(one.needs_surfaces for one in active)
 
 

@@ -20,6 +20,7 @@ TOGETHER: Final = 1.0
 """Events of one kind and source within so many seconds are one edit: a fader that moves."""
 
 EDITED: Final[dict[type[ControlEvent], str]] = {
+    events.SetPass: "parameters",
     events.SetPicture: "parameters",
     events.SetMotion: "parameters",
     events.RecallView: "parameters",

@@ -20,6 +20,7 @@ from live.show.sections.link import LinkSection
 from live.show.sections.midi import MidiSection
 from live.show.sections.motion import LocomotionSection, MotionSection
 from live.show.sections.music import ClockSection, MusicSection, SoundSection
+from live.show.sections.picture import PictureSection
 from live.show.sections.react import ReactSection
 from live.show.sections.scene import NamedLookSection, SceneSection, ViewSection
 from live.show.sections.score import AtSection, ScoreSection, SignalSection
@@ -62,6 +63,7 @@ class Patch(Section):
     obstacle: Annotated[tuple[ObstacleSection, ...], Field(max_length=64)] = ()
     camera: CameraSection = CameraSection()
     look: LookSection = LookSection()
+    picture: PictureSection = PictureSection()
     view: Annotated[tuple[ViewSection, ...], Field(max_length=200)] = ()
     looks: Annotated[tuple[NamedLookSection, ...], Field(max_length=200)] = ()
     scene: Annotated[tuple[SceneSection, ...], Field(max_length=1000)] = ()

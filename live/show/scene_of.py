@@ -19,4 +19,6 @@ def scene_of(patch: Patch) -> Scene:
         look=Look(**look, group_colours=colours),
         dancer_count=patch.dancer_count,
         joint_count=JOINT_COUNT,
+        passes=patch.picture.passes,
+        start=patch.picture.start(),
     )

@@ -11,6 +11,7 @@ import numpy as np
 
 from live.base import picture
 from live.base.errors import PersonError
+from live.base.stage_view import PASSES
 from live.control import events
 from live.control.events import ControlEvent
 from live.show.parameter_table import LOOK, VIEW, ParameterTable, numbers_of, split
@@ -21,6 +22,7 @@ from live.show.sections.scene import LOOK_ADDRESSES, Setting
 MOST: Final = 1000
 """Scenes that are kept at most."""
 START: Final = "start"
+PASS: Final = "/dance/pass"
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +99,14 @@ class Scenes:
         for parameter in self._parameters.table.find(known.address, event.group):
             self._parameters.set(parameter, numbers, beats=event.measures * size)
 
+    def _pass(self, event: events.SetPass, size: float) -> None:
+        known = picture.BY_ADDRESS.get(f"{PASS}/{_folded(event.name)}")
+        if known is None:
+            raise PersonError(f"no pass is called {event.name!r}", f"there are: {', '.join(PASSES)}")
+        amount = min(max(event.amount, known.low), known.high)
+        for parameter in self._parameters.table.find(known.address):
+            self._parameters.set(parameter, (amount,), beats=event.measures * size)
+
     def _view(self, event: events.RecallView, size: float) -> None:
         self._go(_of(self._views, event.name, "view"), max(event.measures, 0.0), size)
 
@@ -132,6 +142,7 @@ def _of(kept: Mapping[str, Scene], name: str, what: str) -> Scene:
 
 
 _ACTS: Final[dict[type, Callable[..., None]]] = {
+    events.SetPass: Scenes._pass,
     events.SetPicture: Scenes._set,
     events.RecallView: Scenes._view,
     events.RecallLook: Scenes._look,

@@ -38,6 +38,15 @@ def _control(known: PictureParameter) -> Control:
 SCENE_CONTROLS: Final = (
     *map(_control, (*PARAMETERS, colour_of_group(0))),
     Control(
+        "/dance/pass", events.SetPass,
+        (
+            Argument("name", "name", "a pass of the picture: shadow, mirror, trails, bloom, ink, grade, vignette"),
+            Argument("amount", "float", "how much of it is seen; 0 is off", "", 0, 4),
+            _MEASURES,
+        ),
+        "Switches a pass of the picture on or off, or fades it.", "operator",
+    ),
+    Control(
         "/dance/camera", events.RecallView,
         (Argument("name", "name", "a [[view]] of the patch; `start` is its [camera]"), _MEASURES),
         "Cuts or moves to another camera.", "operator",

@@ -52,7 +52,9 @@ class BloomPass:
             self._step(self._targets[into], self._spread, 1, self._glows[read])
         return self._glows[0]
 
-    def draw(self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces, moment: Moment) -> None:
+    def draw(
+        self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces | None, moment: Moment
+    ) -> None:
         """Draw `source` with its glow."""
         self.gather(source).use(2)
         set_uniform(self._add, "glow", 2)

@@ -1,0 +1,54 @@
+"""Ink: lines where a dancer ends, or stands before another one, or bends; on the picture, or on paper."""
+
+from typing import Final
+
+import moderngl
+
+from live.base.picture import BY_ADDRESS
+from live.render.camera import FAR, NEAR
+from live.render.full import Full
+from live.render.moment import Making, Moment, Surfaces
+
+_ROOT: Final = "/dance/pass/ink"
+_AMOUNT: Final = BY_ADDRESS[_ROOT].first
+_WIDTH: Final = BY_ADDRESS[f"{_ROOT}/width"].first
+_PAPER: Final = BY_ADDRESS[f"{_ROOT}/paper"].first
+_COLOUR: Final = BY_ADDRESS[f"{_ROOT}/colour"].where
+_PAPER_COLOUR: Final = BY_ADDRESS[f"{_ROOT}/paper/colour"].where
+_LINES: Final = 720.0
+"""Widths are in pixels of a picture of this height; in others they scale with it."""
+
+
+class InkPass:
+    """Draws lines by what changes from a pixel to those around it: dancer, depth, normal."""
+
+    needs_surfaces = True
+
+    def __init__(self, making: Making) -> None:
+        self._full = Full(making.ctx, "ink_fragment.glsl", (("NEAR", NEAR), ("FAR", FAR)))
+        self.resize(making.size)
+
+    def active(self, moment: Moment) -> bool:
+        """While its amount is not 0."""
+        return moment.amount(_AMOUNT) > 0.0
+
+    def draw(
+        self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces | None, moment: Moment
+    ) -> None:
+        """Draw `source` with lines of ink."""
+        assert surfaces is not None
+        full, row = self._full, moment.frame.row
+        full.set("amount", moment.amount(_AMOUNT))
+        full.set("width", max(moment.amount(_WIDTH) * self._scale, 0.6))
+        full.set("paper", moment.amount(_PAPER))
+        full.set("ink", tuple(row[_COLOUR].tolist()))
+        full.set("paper_colour", tuple(row[_PAPER_COLOUR].tolist()))
+        full.draw(target, light=source, depth=surfaces.depth, shape=surfaces.shape, who=surfaces.who)
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """New size of the picture [pixels]."""
+        self._scale = size[1] / _LINES
+
+    def release(self) -> None:
+        """Free the program."""
+        self._full.release()

@@ -1,0 +1,64 @@
+"""`[picture]`: order and start of the passes; `/dance/pass`; what cannot be is refused with its place."""
+
+import pytest
+
+from live.base.picture import BY_ADDRESS, picture_of
+from live.base.stage_view import PASSES
+from live.show.patch_file import PatchError, parse_patch
+from live.show.scene_of import scene_of
+from tests.show.desk_show import Hands
+from tests.show.made_show import PATCH
+
+INK = "/dance/pass/ink"
+
+
+def test_what_a_patch_says_of_the_picture_reaches_the_renderer():
+    text = (
+        PATCH
+        + '[picture]\npasses = ["bloom", "shadow"]\nset = {"/dance/pass/ink/colour" = [1, 0, 0], "/dance/pass/ink" = 0.5}\n'
+    )
+    scene = scene_of(parse_patch(text, "a.toml"))
+    assert scene.passes == ("bloom", "shadow")
+    row = picture_of(scene)
+    assert row[BY_ADDRESS[INK].first] == 0.5
+    assert row[BY_ADDRESS["/dance/pass/ink/colour"].where].tolist() == [1.0, 0.0, 0.0]
+    assert scene_of(parse_patch(PATCH, "a.toml")).passes == PASSES
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ('passes = ["blom"]', "no pass 'blom'"),
+        ('passes = ["ink", "ink"]', "stands there twice"),
+        ('set = {"/dance/pass/inc" = 1}', "no parameter of the picture"),
+        ('set = {"/dance/pass/ink" = 7}', "0 to 1"),
+        ('set = {"/dance/pass/ink/colour" = 1}', "3 numbers"),
+    ],
+)
+def test_what_cannot_be_is_refused_with_its_line(line, words):
+    with pytest.raises(PatchError, match=words) as refused:
+        parse_patch(PATCH + f"[picture]\n{line}\n", "a.toml")
+    assert str(len(PATCH.splitlines()) + 2) in str(refused.value)
+
+
+def test_a_pass_is_switched_faded_undone_and_part_of_a_scene():
+    hands = Hands().run(4)
+    hands.say("/dance/pass", "Ink", 1.0, 1)
+    hands.run(2)
+    assert hands.value(INK) == pytest.approx(0.5)
+    hands.run(3)
+    assert hands.value(INK) == 1.0
+    hands.say("/dance/scene/store", "inked")
+    hands.say("/dance/pass", "ink", 0)
+    hands.run(1)
+    assert hands.value(INK) == 0.0
+    hands.say("/dance/scene", "inked", 0)
+    hands.run(1)
+    assert hands.value(INK) == 1.0
+    hands.say("/dance/pass", "ink", 4)  # no more than there can be
+    hands.run(1)
+    assert hands.value(INK) == 1.0
+    hands.say("/dance/undo")
+    assert not hands.say("/dance/pass", "nothing", 1)
+    hands.run(1)
+    assert "no pass is called 'nothing'" in hands.words
