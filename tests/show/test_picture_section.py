@@ -15,7 +15,8 @@ INK = "/dance/pass/ink"
 def test_what_a_patch_says_of_the_picture_reaches_the_renderer():
     text = (
         PATCH
-        + '[picture]\npasses = ["bloom", "shadow"]\nset = {"/dance/pass/ink/colour" = [1, 0, 0], "/dance/pass/ink" = 0.5}\n'
+        + '[picture]\npasses = ["bloom", "shadow"]\n'
+        + 'set = {"/dance/pass/ink/colour" = [1, 0, 0], "/dance/pass/ink" = 0.5}\n'
     )
     scene = scene_of(parse_patch(text, "a.toml"))
     assert scene.passes == ("bloom", "shadow")
