@@ -6,11 +6,30 @@ import signal
 import socket
 import subprocess
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Protocol
 
 from live.alive.heartbeat import Heartbeat, Phase
 from live.alive.limits import Watch
 from live.alive.wire import Wire
+
+
+class Process(Protocol):
+    """What a child is to the system: `subprocess.Popen`, or one that the nursery bore."""
+
+    pid: int
+
+    def poll(self) -> int | None:
+        """Its exit code (negative: the signal), None while it lives."""
+        ...
+
+    def wait(self, timeout: float | None = None) -> int:
+        """Wait until it has ended; `subprocess.TimeoutExpired` after so many seconds."""
+        ...
+
+    def send_signal(self, number: int) -> None:
+        """Send it a signal, if it still lives."""
+        ...
 
 
 class Child:
@@ -19,24 +38,35 @@ class Child:
     Thread: the supervisor's.
     """
 
-    def __init__(self, role: str, command: Sequence[str], *, inherit: Sequence[int] = ()) -> None:
+    def __init__(
+        self,
+        role: str,
+        command: Sequence[str],
+        *,
+        inherit: Sequence[int] = (),
+        born: Callable[[int, int], Process] | None = None,
+    ) -> None:
         """Start `command`, with the numbers of its wire's and its heartbeat's descriptors as two more arguments.
 
-        `inherit`: more descriptors that it shall have, by the same numbers. OSError if it cannot be started.
+        `inherit`: more descriptors that it shall have, by the same numbers; `born`: begins it instead, given those two
+        descriptors. OSError if it cannot be started.
         """
         self.role = role
         self.heart = Heartbeat()
         self.watch = Watch()
         mine, theirs = socket.socketpair()
         self.wire = Wire(mine)
-        theirs.set_inheritable(True)
+        self.process: Process
         try:
-            self.process = subprocess.Popen(
-                [*command, str(theirs.fileno()), str(self.heart.descriptor)],
-                stdin=subprocess.DEVNULL,
-                pass_fds=(theirs.fileno(), self.heart.descriptor, *inherit),
-                start_new_session=True,
-            )
+            if born is not None:
+                self.process = born(theirs.fileno(), self.heart.descriptor)
+            else:
+                self.process = subprocess.Popen(
+                    [*command, str(theirs.fileno()), str(self.heart.descriptor)],
+                    stdin=subprocess.DEVNULL,
+                    pass_fds=(theirs.fileno(), self.heart.descriptor, *inherit),
+                    start_new_session=True,
+                )
         except OSError:
             self.wire.close()
             self.heart.close()

@@ -1,5 +1,6 @@
 """Engines: the one that dances, the one that waits, and how the show goes from one to the other."""
 
+import contextlib
 import json
 import signal
 from collections.abc import Callable
@@ -9,7 +10,9 @@ from live.alive.child import Child
 from live.alive.heartbeat import Phase
 from live.alive.limits import LEAVES_WITHIN, RestartLimit
 from live.alive.log import Log
+from live.alive.nursery import Nursery
 from live.alive.orders import Orders, Report
+from live.alive.priority import bring_forward
 from live.alive.starter import Starter
 
 ENDED_WELL: Final = (0, 2, 130, 128 + signal.SIGTERM, 128 + signal.SIGHUP)
@@ -33,6 +36,7 @@ class Engines:
         """`inherit`: descriptors that every engine has, by what they are called in its brief."""
         self._orders, self._starter, self._report, self._say, self._inherit = orders, starter, report, say, inherit
         self.log = Log()
+        self.nursery = Nursery(starter)
         self.engine: Child | None = None
         self.spare: Child | None = None
         self.code: int | None = None
@@ -61,6 +65,7 @@ class Engines:
             self.spare.wire.put(line)
             if any(name in line for name in STEPS) and kept:
                 self.spare.terminate()  # it has the steps of before; the next one has those of now
+                self.nursery.stop()
         self.on_line(line, kept)
 
     def look(self, now: float) -> None:
@@ -105,6 +110,7 @@ class Engines:
             if child is not None:
                 child.terminate()
                 child.end()
+        self.nursery.close()
 
     def _begin(self) -> None:
         self._begun_at = self._start_at  # or a little later
@@ -123,9 +129,18 @@ class Engines:
                 self._report.lines += 1
                 self.take(line)
 
-        child = self._starter.start(role, self._orders.engine, hear, *self._inherit.values())
+        child = self._born(role, hear)
+        if child is None:
+            child = self._starter.start(role, self._orders.engine, hear, *self._inherit.values())
         child.wire.tell(alive=role, show=self._orders.show, **self._inherit)
         return child
+
+    def _born(self, role: str, hear: Callable[[str], None]) -> Child | None:
+        """One out of the nursery, if there is one. Where everything crashes it may be the nursery's fault."""
+        if role in ("spare", "heir") and self.nursery.ready and not self._report.calm:
+            with contextlib.suppress(OSError):
+                return self._starter.start(role, (), hear, born=self.nursery.bear)
+        return None
 
     def _brief(self, child: Child) -> None:
         for line in self.log.since():
@@ -135,7 +150,7 @@ class Engines:
 
     def _look_at(self, engine: Child, now: float) -> None:
         if engine.phase is Phase.RUNNING and self.since is None:
-            self.since, self._spare_at = now, now + self._orders.spare_after
+            self.since, self._spare_at = now, now + (0.0 if self.nursery.ready else self._orders.spare_after)
             if self._died is not None:
                 self._taken_over(engine, self._died)
             if self.role == "standby":
@@ -171,6 +186,8 @@ class Engines:
         if self.engine is None:
             self._start_at = max(now, self._begun_at + CALM_APART) if self._report.calm else now
         else:
+            if self.engine.phase is Phase.STARTING:
+                bring_forward(self.engine.process.pid)
             self.go()
 
     def _taken_over(self, engine: Child, died: float) -> None:
@@ -181,6 +198,7 @@ class Engines:
     # -- the one that waits --------------------------------------------------------------------------------------
 
     def _look_at_spare(self, now: float) -> None:
+        self.nursery.look()
         spare = self.spare
         if spare is not None:
             spare.wire.flush()
@@ -190,7 +208,11 @@ class Engines:
             spare.end()
             self.spare, self._spare_at = None, now + 5.0 * self._orders.spare_after
         leads = self.role != "standby" and self.since is not None and not self._report.calm
-        if self._orders.spare and leads and now >= self._spare_at and self.log.header:
+        if self._orders.spare and leads and now >= self._spare_at and self.log.header and self.engine is not None:
+            brief = {"show": self._orders.show}
+            room = self.nursery.begin(self._orders.engine, brief, self._inherit, self.engine.memory())
+            if room and not self.nursery.ready:
+                return  # it is loading: what it bears then is ready sooner than what would begin now
             self.spare = self._start("spare")
             self._brief(self.spare)
 

@@ -11,15 +11,15 @@ ENGINE_NICE: Final = -5
 AUDIO_NICE: Final = -10
 
 
-def _threads() -> list[int]:
-    """The kernel's numbers of all threads of this process."""
+def _threads(process: int | str = "self") -> list[int]:
+    """The kernel's numbers of all threads of this process, or of another one."""
     with contextlib.suppress(OSError):
-        return [int(path.name) for path in Path("/proc/self/task").iterdir()]
-    return [0]
+        return [int(path.name) for path in Path(f"/proc/{process}/task").iterdir()]
+    return [0] if process == "self" else []
 
 
-def _use(processors: Iterable[int], policy: int) -> None:
-    for thread in _threads():
+def _use(processors: Iterable[int], policy: int, process: int | str = "self") -> None:
+    for thread in _threads(process):
         with contextlib.suppress(OSError):
             os.sched_setaffinity(thread, processors)
         with contextlib.suppress(OSError):
@@ -36,6 +36,12 @@ def stand_back() -> frozenset[int]:
     mine = os.sched_getaffinity(0)
     _use(sorted(mine)[-1:], os.SCHED_BATCH)
     return frozenset(mine)
+
+
+def bring_forward(process: int) -> None:
+    """Let a process that stood back prepare itself as fast as it can, for it is needed now."""
+    if sys.platform == "linux":
+        _use(os.sched_getaffinity(0), os.SCHED_OTHER, process)
 
 
 def come_forward(nice: int, processors: frozenset[int] = frozenset()) -> None:

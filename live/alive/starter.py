@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Final
 
-from live.alive.child import Child
+from live.alive.child import Child, Process
 from live.alive.wire import Wire, WireBroken
 
 ROUND: Final = 0.02
@@ -34,9 +34,16 @@ class Starter:
             self.awake = now
         return now
 
-    def start(self, role: str, command: Sequence[str], hear: Hear, *inherit: int) -> Child:
-        """Start a process; `hear` gets every line it says."""
-        child = Child(role, command, inherit=inherit)
+    def start(
+        self,
+        role: str,
+        command: Sequence[str],
+        hear: Hear,
+        *inherit: int,
+        born: Callable[[int, int], Process] | None = None,
+    ) -> Child:
+        """Start a process (see `Child`); `hear` gets every line it says."""
+        child = Child(role, command, inherit=inherit, born=born)
         self.listen(child.wire, hear, child.kill)
         return child
 

@@ -99,7 +99,7 @@ class Supervisor:
     def _tell(self, now: float) -> None:
         """Tell the engine how all are, and judge its memory."""
         engine, since = self.engines.engine, self.engines.since
-        children = (engine, self.engines.spare, self.audio.child, self.guard.child)
+        children = (engine, self.engines.spare, self.engines.nursery.child, self.audio.child, self.guard.child)
         self.report.memory_mb = {one.role: round(one.memory() / 1e6, 1) for one in children if one is not None}
         self.report.disk = self._disk.facts()
         self.report.audio_restarts, self.report.guard = self.audio.restarts, self.guard.child is not None

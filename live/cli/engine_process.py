@@ -1,6 +1,7 @@
 """An engine as a process of its own: it begins a show, or waits until it goes on with one. See `live.alive`."""
 
 import sys
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 
@@ -10,9 +11,12 @@ from live.base.errors import PersonError
 from live.cli.main import EXIT_INTERRUPTED, EXIT_PERSON_ERROR, end_cleanly, show_person_error
 from live.cli.played import Played
 
+if TYPE_CHECKING:
+    from live.show.load import LoadedShow
 
-def play(lifeline: Lifeline) -> None:
-    """Do what the supervisor says first."""
+
+def play(lifeline: Lifeline, loaded: "LoadedShow | None" = None) -> None:
+    """Do what the supervisor says first. `loaded`: the show, if this process was born with it."""
     brief = lifeline.brief()
     played = Played.unpacked(brief.show)
     if brief.role == "engine":
@@ -28,6 +32,14 @@ def play(lifeline: Lifeline) -> None:
         )
         return
     console = Console(stderr=True, highlight=False)
+    if brief.role == "nursery":
+        from live.cli.born import be_born
+
+        here, loaded = be_born(played, lifeline, console)
+        if here is not None:
+            end_cleanly()
+            play(here, loaded)
+        return
     if brief.role == "standby":
         from live.cli.standby import stand_by
 
@@ -35,7 +47,7 @@ def play(lifeline: Lifeline) -> None:
         return
     from live.cli.heir import take_over
 
-    take_over(played, lifeline, waits=brief.role == "spare", console=console)
+    take_over(played, lifeline, loaded, waits=brief.role == "spare", console=console)
 
 
 def main() -> None:

@@ -24,11 +24,15 @@ PATIENCE = 0.5
 """Seconds between two looks whether anybody is left, while nothing comes."""
 
 
-def take_over(played: Played, lifeline: Lifeline, *, waits: bool, console: Console) -> None:
-    """Prepare, follow, wait for the word, and play on. `waits`: others need the machine meanwhile."""
+def take_over(
+    played: Played, lifeline: Lifeline, loaded: LoadedShow | None, *, waits: bool, console: Console
+) -> None:  # fmt: skip
+    """Prepare, follow, wait for the word, and play on. `waits`: others need the machine meanwhile; `loaded`: the show,
+    if it is here already, with all kernels."""
     processors = stand_back() if waits else frozenset()
-    warm_kernels(console)
-    loaded = played.wish.load()
+    if loaded is None:
+        warm_kernels(console)
+        loaded = played.wish.load()
     venue = played.wish.read_venue()
     sound = sound_of(played, loaded, venue)
     picture = open_picture(played, loaded, hidden=True)

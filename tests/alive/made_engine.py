@@ -12,10 +12,11 @@ import time
 
 from live.alive.heartbeat import Phase
 from live.alive.lifeline import Lifeline, nobody_left
+from live.alive.nursery import wait_to_be_born
 
 
-def follow(lifeline: Lifeline, role: str) -> int:
-    """Take lines until the word comes; the tick from which to go on."""
+def follow(lifeline: Lifeline, role: str, nursery: int | None) -> int:
+    """Take lines until the word comes; the tick from which to go on. `nursery`: the process out of which it came."""
     tick = 0
     while not nobody_left(lifeline):
         lifeline.listen()
@@ -24,7 +25,8 @@ def follow(lifeline: Lifeline, role: str) -> int:
             tick = max(tick, told.get("tick", 0))
         lifeline.lines.clear()
         if (order := lifeline.order("go")) is not None:
-            lifeline.wire.put(json.dumps({"tick": tick, "went": role, "calm": order["calm"]}))
+            origin = {"parent": os.getppid(), "nursery": nursery}
+            lifeline.wire.put(json.dumps({"tick": tick, "went": role, "calm": order["calm"], **origin}))
             return tick
         lifeline.beat(tick, Phase.RUNNING if role == "standby" else Phase.WAITING)
         lifeline.wait(0.02)
@@ -33,7 +35,16 @@ def follow(lifeline: Lifeline, role: str) -> int:
 
 def main() -> None:
     lifeline = Lifeline.inherited(int(sys.argv[1]), int(sys.argv[2]))
-    brief = lifeline.brief()
+    brief, nursery = lifeline.brief(), None
+    if brief.role == "nursery":
+        if json.loads(brief.show).get("nursery_dies"):
+            lifeline.beat(0, Phase.WAITING)
+            os.kill(os.getpid(), signal.SIGKILL)
+        nursery = os.getpid()
+        born = wait_to_be_born(lifeline)
+        if born is None:
+            return
+        lifeline, brief = born, born.brief()
     plan = json.loads(brief.show)
     if "start" in plan and brief.role == "engine":
         sys.exit(plan["start"])
@@ -41,7 +52,7 @@ def main() -> None:
         lifeline.wire.put(json.dumps({"journal": 2, "pid": os.getpid()}))
         tick = 0
     else:
-        tick = follow(lifeline, brief.role)
+        tick = follow(lifeline, brief.role, nursery)
     if brief.role != "engine":
         time.sleep(plan.get("slow", 0.0))
     kills = [at for at in plan.get("kills", []) if at > tick]

@@ -1,6 +1,7 @@
 """The supervisor with real processes that end in all ways: what one had said another goes on from."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -95,3 +96,30 @@ def test_the_supervisor_needs_no_array_no_window_and_no_device():
     heavy = ("numpy", "numba", "glfw", "moderngl", "sounddevice", "pydantic", "av", "rtmidi")
     code = f"import sys, live.cli.supervised; print([name for name in {heavy!r} if name in sys.modules])"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
+
+
+def test_engines_killed_again_and_again_before_a_spare_is_ready_come_out_of_the_nursery(tmp_path):
+    """Their parent is the supervisor, and their memory holds what the nursery had loaded: its number."""
+    plan = {"kills": [300, 302, 304], "ticks": 340}
+    code, lines, supervisor, _ = supervised(tmp_path, plan)
+    assert code == 0
+    assert numbers(lines) == list(range(1, 341))
+    went = [line for line in lines if "went" in line]
+    assert [line["parent"] for line in went] == [os.getpid()] * 3
+    assert len({line["nursery"] for line in went}) == 1
+    assert went[0]["nursery"] not in (None, os.getpid())
+    assert supervisor.report.restarts == 3
+
+
+def test_a_nursery_that_is_killed_is_begun_again_and_engines_begin_without_it_meanwhile(tmp_path):
+    code, lines, supervisor, _ = supervised(tmp_path, {"kills": [300, 400], "ticks": 420, "nursery_dies": True})
+    assert code == 0
+    assert numbers(lines) == list(range(1, 421))
+    assert supervisor.report.restarts == 2
+
+
+def test_without_room_there_is_no_nursery(tmp_path, monkeypatch):
+    monkeypatch.setattr("live.alive.nursery.free_memory", lambda: 1_000_000)
+    code, lines, _, _ = supervised(tmp_path, {"kills": [200], "ticks": 240})
+    assert code == 0
+    assert [(line["went"], line["nursery"]) for line in lines if "went" in line] == [("spare", None)]
