@@ -2,6 +2,7 @@
 
 import base64
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,9 +23,11 @@ class Sealed:
 class Disk:
     """Writes a journal; begun with its first line, so that a start that is refused leaves an old one."""
 
-    def __init__(self, path: Path | None) -> None:
-        """`path`: where to; None: nowhere."""
-        self._path = path
+    def __init__(self, path: Path | None, say: Callable[[str], None] = lambda line: None) -> None:
+        """`path`: where to; None: nowhere. `say`: tells the person at once what cannot wait for the end."""
+        self._path, self._say = path, say
+        self._refused = 0
+        self._wanted = path is not None
         self._file: JournalFile | None = None
         self._notes: list[str] = []
 
@@ -33,6 +36,7 @@ class Disk:
         if self._path is not None and self._file is None:
             self._open(self._path)
         if self._file is None:
+            self._refused += self._wanted
             return
         if '"snapshot":' in line[:64]:
             self._file.snapshot(Sealed(base64.b64decode(json.loads(line)["snapshot"])))
@@ -41,14 +45,16 @@ class Disk:
 
     def facts(self) -> dict[str, int]:
         """For the status: lines, bytes, what was dropped."""
-        return {} if self._file is None else self._file.facts()
+        if self._file is None:
+            return {"dropped": self._refused} if self._refused else {}
+        return self._file.facts()
 
     def close(self) -> list[str]:
         """Write what waits; what there is to tell the person."""
         if self._file is not None:
             self._file.close()
             if dropped := self._file.facts()["dropped"]:
-                self._notes.append(f"{dropped} lines of the journal could not be written: it will not replay")
+                self._notes.append(f"{dropped} lines of the journal could not be written: a replay leaves a gap")
         return self._notes
 
     def _open(self, path: Path) -> None:
@@ -57,7 +63,7 @@ class Disk:
             kept = keep_aside(path)
             self._file = JournalFile(path, path.with_name(path.name + SNAPSHOTS))
         except OSError as error:
-            self._notes.append(f"the journal {path} could not be written: {error.strerror}")
+            self._say(f"the journal {path} cannot be written: {error.strerror}; the show goes on without it")
             return
         if kept is not None:
             self._notes.append(f"the journal that was there is now {kept}")

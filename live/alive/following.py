@@ -10,6 +10,7 @@ from typing import Any, Final
 from live.clock.ticks import TICK
 from live.control.event_json import event_from_json
 from live.control.events import ControlEvent, SetLatency, StepsAdded, StepsChanged, TicksSkipped
+from live.show.acting import act
 from live.show.core import Show
 from live.show.left_out import can_be_left_out
 from live.show.library_hash import library_hash
@@ -143,10 +144,7 @@ class Following:
                 self._alive(self.tick)
 
     def _apply(self, show: Show, event: ControlEvent) -> None:
-        try:
-            show.apply(event)
-        except Exception:  # whatever it was that the other one could do: the show goes on
-            self.refused += 1
+        self.refused += act(show, event) is None
         if isinstance(event, TicksSkipped):
             self.tick += event.count
         elif isinstance(event, SetLatency):

@@ -7,6 +7,7 @@ import threading
 from collections import deque
 
 from live.alive.wire import Wire
+from live.show.journal_file import with_gap
 from live.show.snapshot import Taken
 
 
@@ -18,7 +19,7 @@ class RelaySink:
 
     def __init__(self, wire: Wire) -> None:
         self._wire = wire
-        self._lines = self._snapshots = self._lost = 0
+        self._lines = self._snapshots = self._lost = self._missing = 0
         self._taken: queue.Queue[Taken | None] = queue.Queue(2)
         self._sealed: deque[str] = deque(maxlen=4)
         self._thread = threading.Thread(target=self._seal, name="snapshots", daemon=True)
@@ -26,7 +27,9 @@ class RelaySink:
 
     def put(self, line: str) -> None:
         """Send one line, without its end."""
-        self._wire.put(line)
+        before = self._wire.dropped
+        self._wire.put(with_gap(line, self._missing) if self._missing else line)
+        self._missing = 0 if self._wire.dropped == before else self._missing + 1
         self._lines += 1
 
     def snapshot(self, taken: Taken) -> None:
@@ -48,6 +51,7 @@ class RelaySink:
             "lines": self._lines,
             "dropped": self._wire.dropped,
             "behind": self._wire.behind,
+            "missing": self._missing,
             "snapshots": self._snapshots,
             "snapshots_dropped": self._lost,
         }

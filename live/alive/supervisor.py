@@ -30,7 +30,7 @@ class Supervisor:
         self._orders, self._say = orders, say
         self.report = Report()
         self._starter = Starter()
-        self._disk = Disk(orders.journal)
+        self._disk = Disk(orders.journal, say)
         self._sound = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) if orders.audio else None
         inherit = {} if orders.osc is None else {"osc": orders.osc.fileno()}
         if self._sound is not None:

@@ -28,7 +28,7 @@ from live.control.events import ControlEvent, SetLatency
 from live.control.osc import CannotListen, OscInput
 from live.show.core import Show
 from live.show.engine import Engine
-from live.show.journal import JournalError, JournalWriter
+from live.show.journal import JournalError, JournalWriter, trouble_of
 from live.show.library_watch import LibraryWatch
 from live.show.load import LoadedShow
 from live.show.on_link import OnLink
@@ -111,10 +111,12 @@ class Session:
         self.engine = Engine(
             show, clock=self.clock, inbox=self.inbox, status=self.status, lead=self.latencies.lead, stall=stall
         )
+        self.engine.forgiving = True
         self.engine.outward.append(self._tell_devices)
         self.pressure = Pressure()
         """How hard it is to keep up, for whoever can draw less."""
         self.status.more["pressure"] = lambda: round(self.pressure.value, 3)
+        self.status.more["failed_events"] = lambda: self.engine.failed
         self.status.more["latency"] = self.latencies.facts
         self.status.more["music"] = show.reactions.facts
         if self._audio is not None:
@@ -204,7 +206,10 @@ class Session:
         self.engine.run_to(self.clock.now() + self.engine.lead)
 
     def _journal_problem(self) -> str:
-        return "" if self._journal is None else self._journal.problem
+        """What is wrong with the journal; under a supervisor its disk is there."""
+        if self._journal is None:
+            return ""
+        return self._journal.problem or trouble_of({} if self.lifeline is None else self.lifeline.facts.get("disk", {}))
 
     def _open_status(self) -> None:
         if self.wish.status_json is None:
@@ -265,7 +270,7 @@ class Session:
         if self._journal is not None and self._journal.kept is not None:
             told.append(f"the journal that was there is now {self._journal.kept}")
         if self._journal is not None and self._journal.dropped:
-            told.append(f"{self._journal.dropped} lines of the journal could not be written: it will not replay")
+            told.append(f"{self._journal.dropped} lines of the journal could not be written: a replay leaves a gap")
         if self._status_file is not None and self._status_file.dropped:
             told.append(f"{self._status_file.dropped} status lines could not be written")
         return told

@@ -8,6 +8,7 @@ from live.clock.source import Clock
 from live.clock.ticks import STALL, TICK, Ticks
 from live.control.event_json import is_finite
 from live.control.events import BeatHeard, ControlEvent, MusicHeard, SourceChanged, TicksSkipped
+from live.show.acting import act
 from live.show.core import Show
 from live.show.guides import draw_guides
 from live.show.journal import JournalWriter
@@ -67,6 +68,10 @@ class Engine:
         """Whether nothing is to be seen, for another machine leads."""
         self.guides = False
         """Whether the operator's guides are drawn: agents, predictions, held feet."""
+        self.forgiving = False
+        """Whether an event that ends in an error is refused, as by who replays or goes on; else the error is raised."""
+        self.failed = 0
+        """Events that ended in an error, since the start."""
         self.on_error: Callable[[Exception], None] | None = None
         """Told once when drawing fails; the show goes on. None (in tests and offline): the error is raised."""
 
@@ -113,7 +118,9 @@ class Engine:
             return
         if self.journal is not None:
             self.journal.event(self.ticks.index, event)
-        if self.show.apply(event) and not isinstance(event, TicksSkipped | BeatHeard | SourceChanged | MusicHeard):
+        acted = act(self.show, event) if self.forgiving else self.show.apply(event)
+        self.failed += acted is None
+        if acted and not isinstance(event, TicksSkipped | BeatHeard | SourceChanged | MusicHeard):
             self._status.events_accepted += 1
         for told in self.outward:
             told(event)

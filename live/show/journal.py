@@ -5,6 +5,7 @@ snapshots (`journal_file.py`). The show never waits for the disk: what is lost i
 """
 
 import json
+from collections.abc import Mapping
 from dataclasses import MISSING, fields
 from functools import cache
 from pathlib import Path
@@ -56,7 +57,8 @@ class JournalSink(Protocol):
         ...
 
     def facts(self) -> dict[str, int]:
-        """For the status: lines taken and dropped, bytes written, lines that wait (behind), snapshots written."""
+        """For the status: lines taken and dropped, bytes written, lines that wait (behind), lines lost
+        since the last that was written (missing), snapshots written."""
         ...
 
     def close(self) -> None:
@@ -100,9 +102,8 @@ class JournalWriter:
         self.sink.put(line_of(tick, event))
 
     def measure(self, tick: int, measure: int, state: str) -> None:
-        """Note the state hash at the first tick of a measure (measures from 1), and how many lines are lost by now."""
-        lost = self.dropped
-        self._put({"tick": tick, "measure": measure, "hash": state} | ({"lost": lost} if lost else {}))
+        """Note the state hash at the first tick of a measure (measures from 1)."""
+        self._put({"tick": tick, "measure": measure, "hash": state})
 
     def prepare(self, show: Show) -> None:
         """Get ready to take snapshots of this show: some milliseconds, better spent before it begins."""
@@ -122,11 +123,8 @@ class JournalWriter:
     @property
     def problem(self) -> str:
         """What is wrong with it, for the operator; words change at most with every factor of two. Empty: nothing."""
-        facts = self.facts()
-        if facts["dropped"]:
-            return f"journal: {_about(facts['dropped'])} lines could not be written: is the disk full?"
-        if facts.get("behind", 0) >= BEHIND:
-            return f"journal: the disk is {_about(facts['behind'])} lines behind"
+        if trouble := trouble_of(self.facts()):
+            return trouble
         if self._keeping is not None and self._keeping.problem:
             return f"journal: {self._keeping.problem}"
         return ""
@@ -138,6 +136,17 @@ class JournalWriter:
 
     def _put(self, line: dict[str, Any]) -> None:
         self.sink.put(_compact(line))
+
+
+def trouble_of(facts: Mapping[str, int]) -> str:
+    """What `JournalSink.facts` say of the disk, in words that change seldom; empty: nothing."""
+    if dropped := facts.get("dropped", 0):
+        if facts.get("missing", dropped):
+            return f"journal: {_about(dropped)} lines could not be written: is the disk full?"
+        return f"journal: {_about(dropped)} lines are missing in it; now it is written again"
+    if facts.get("behind", 0) >= BEHIND:
+        return f"journal: the disk is {_about(facts['behind'])} lines behind"
+    return ""
 
 
 def _about(count: int) -> str:

@@ -4,13 +4,13 @@ Snapshots lie beside the lines, one after another. The last few are there at eve
 KEEP_EVERY-th stays, so that a long night stays small and any measure is a few measures' replay away.
 """
 
-import queue
-import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO, Final, Protocol
 
+from live.show.clerk import Clerk
 from live.show.line_writer import LineWriter
+from live.show.whole_writes import WholeWrites
 
 KEEP_EVERY: Final = 8
 """Of so many snapshots one stays."""
@@ -19,6 +19,8 @@ WAITING: Final = 2
 MARK: Final = b'{"snapshot":'
 """With this the first line of a snapshot begins."""
 LONGEST_HEADER: Final = 4096
+GAP: Final = "gap"
+"""In a line of a journal: so many before it are missing."""
 SNAPSHOTS: Final = ".snap"
 """What is added to a journal's name for the file of its snapshots."""
 
@@ -45,56 +47,40 @@ def keep_aside(path: Path) -> Path | None:
     return kept
 
 
-class SnapshotFile:
+class SnapshotFile(Clerk[Sealable]):
     """Writes snapshots by a thread of its own; when the disk is slow or full, they are dropped and counted."""
 
     def __init__(self, path: Path) -> None:
         """Raises OSError if the file cannot be made."""
-        self._file = path.open("wb")
-        self._waiting: queue.Queue[Sealable | None] = queue.Queue(WAITING)
+        self._file = WholeWrites(path)
         self._kept = 0  # where what stays ends
-        self.written, self.dropped, self.bytes = 0, 0, 0
-        """Snapshots and bytes written, snapshots lost, since the start."""
-        self._thread = threading.Thread(target=self._write, name="snapshots", daemon=True)
-        self._thread.start()
+        self.written, self.bytes = 0, 0
+        """Snapshots and bytes written, since the start."""
+        super().__init__("snapshots", WAITING)
 
-    def put(self, taken: Sealable) -> None:
-        """Hand over one snapshot; never waits. Thread: the show's."""
-        try:
-            self._waiting.put_nowait(taken)
-        except queue.Full:
-            self.dropped += 1
-
-    def close(self) -> None:
-        """Write what waits and close; gives up on a stuck disk after two seconds."""
-        try:
-            self._waiting.put(None, timeout=1.0)
-        except queue.Full:
-            return
-        self._thread.join(2.0)
-
-    def _write(self) -> None:
-        while (taken := self._waiting.get()) is not None:
-            try:
-                self._add(taken.seal())
-            except OSError:
-                self.dropped += 1
-        try:
-            self._file.close()
-        except OSError:
-            self.dropped += 1
+    def _write(self, item: Sealable) -> None:
+        self._add(item.seal())
 
     def _add(self, sealed: bytes) -> None:
+        if self._file.removed:
+            self._file.again()
+            self._kept = 0
         stays = self.written % KEEP_EVERY == 0
         if stays:
-            self._file.seek(self._kept)
-            self._file.truncate()
-        self._file.write(sealed)
-        self._file.flush()
+            self._file.cut(self._kept)
+        self._file.add(sealed)
         self.written += 1
         self.bytes += len(sealed)
         if stays:
-            self._kept = self._file.tell()
+            self._kept = self._file.end
+
+    def _finish(self) -> None:
+        self._file.close()
+
+
+def with_gap(line: str, missing: int) -> str:
+    """A line of a journal (one JSON object) that says: before it so many are missing."""
+    return f'{line[:-1]},"{GAP}":{missing}}}'
 
 
 class JournalFile:
@@ -102,7 +88,7 @@ class JournalFile:
 
     def __init__(self, path: Path, snapshots: Path) -> None:
         """Raises OSError if they cannot be made; `snapshots` is made with the first one."""
-        self._lines = LineWriter(path, name="journal")
+        self._lines = LineWriter(path, name="journal", mark=with_gap)
         self._beside = snapshots
         self._beside.unlink(missing_ok=True)
         self._snapshots: SnapshotFile | None = None
@@ -110,7 +96,7 @@ class JournalFile:
 
     def put(self, line: str) -> None:
         """Take one line, without its end."""
-        self._lines.put(line)
+        self._lines.line(line)
 
     def snapshot(self, taken: Sealable) -> None:
         """Take a snapshot."""
@@ -130,6 +116,7 @@ class JournalFile:
             "dropped": lines.dropped,
             "bytes": lines.bytes,
             "behind": lines.behind,
+            "missing": lines.missing,
             "snapshots": 0 if other is None else other.written,
             "snapshots_dropped": self._refused + (0 if other is None else other.dropped),
             "snapshot_bytes": 0 if other is None else other.bytes,

@@ -11,6 +11,7 @@ from typing import Any, Final, TextIO
 from live.control.event import ControlEvent
 from live.control.event_json import event_from_json
 from live.control.events import TicksSkipped
+from live.show.journal_file import GAP
 from live.show.left_out import Gap, left_out
 
 FORMAT: Final = 2
@@ -147,7 +148,8 @@ def _lines(file: TextIO, path: Path, columns: Columns, gaps: Sequence[Gap]) -> I
         number += 1
         try:
             value = _parse(row, path, number)
-            line = _line(value, path, number, last, columns)
+            missing = _missing(value)
+            line = _line(value, path, number, last, columns, far=missing > 0)
         except JournalError as error:
             yield JournalLine(last, number=number, damaged=str(error))
             continue
@@ -156,6 +158,9 @@ def _lines(file: TextIO, path: Path, columns: Columns, gaps: Sequence[Gap]) -> I
             words = f"{path}, line {number}: before it lines could not be written, {now} by then"
             yield JournalLine(last, number=number, damaged=words)
             lost = now
+        if missing:
+            words = f"{path}, line {number}: before it {missing} lines are missing that could not be written"
+            yield JournalLine(last, number=number, damaged=words)
         last = line.tick
         gap = next((gap for gap in gaps if gap.first <= number < gap.mark), None)
         if gap is not None:
@@ -165,11 +170,20 @@ def _lines(file: TextIO, path: Path, columns: Columns, gaps: Sequence[Gap]) -> I
             last += line.event.count
 
 
-def _line(value: dict[str, Any], path: Path, number: int, last: int, columns: Columns) -> JournalLine:
+def _missing(value: dict[str, Any]) -> int:
+    """How many lines are missing before this one, as it says itself."""
+    count = value.get(GAP, 0)
+    return count if isinstance(count, int) else 0
+
+
+def _line(
+    value: dict[str, Any], path: Path, number: int, last: int, columns: Columns, *, far: bool = False
+) -> JournalLine:
+    """`far`: it may lie any time after the one before it."""
     tick = value.get("tick")
     if not isinstance(tick, int) or isinstance(tick, bool) or tick < last or tick > 1 << 40:
         raise JournalError(f"{path}, line {number}: 'tick' must be a number not below {last}, found {tick!r}")
-    if tick - last > LONGEST_GAP:
+    if tick - last > LONGEST_GAP and not far:
         raise JournalError(f"{path}, line {number}: damaged: its tick {tick} lies far after {last}")
     if "event" in value:
         try:

@@ -7,6 +7,7 @@ from typing import Final
 
 from live.clock.ticks import TICK
 from live.control.events import TicksSkipped
+from live.show.acting import act
 from live.show.core import Show
 from live.show.journal_reading import Journal, JournalLine
 from live.show.load import LoadedShow
@@ -32,6 +33,8 @@ class Replayed:
     """Measures whose state differs ..."""
     differences: tuple[tuple[int, int, str, str], ...] = ()
     """... and the first of them: measure, tick, then, now."""
+    failed: int = 0
+    """Events that ended in an error of the program, and were refused, then as now."""
     problems: list[str] = field(default_factory=list)
     """What of the journal could not be used, in words."""
 
@@ -100,7 +103,7 @@ class Replaying:
             self._stop(line)
             return
         if line.event is not None and not line.left_out:
-            self.show.apply(line.event)
+            self.found.failed += act(self.show, line.event) is None
             if isinstance(line.event, TicksSkipped):
                 self.tick += line.event.count
         elif line.measure is not None and line.state is not None and self._compare:

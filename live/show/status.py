@@ -203,10 +203,10 @@ class StatusFile:
         if time < self._next:
             return
         self._next = float(int(time) + 1)
-        self._writer.put(json.dumps(self._status.snapshot(time)))
+        self._writer.line(json.dumps(self._status.snapshot(time)))
 
     def close(self, time: float) -> None:
         """Note the last figures, if they are not just noted, and close the file."""
         if time > self._next - 0.9:
-            self._writer.put(json.dumps(self._status.snapshot(time)))
+            self._writer.line(json.dumps(self._status.snapshot(time)))
         self._writer.close()

@@ -242,18 +242,13 @@ def test_a_slow_disk_is_counted_and_never_waited_for(tmp_path, monkeypatch):
     file.close()
 
 
-def test_lines_that_were_lost_are_told_where_they_are_missing(tmp_path):
-    sink = Sink()
-    writer = JournalWriter(tmp_path / "x", {}, sink=sink)
-    writer.measure(10, 1, "ab")
-    sink.facts = lambda: {"dropped": 4}
-    writer.measure(20, 2, "cd")
-    writer.measure(30, 3, "ef")
+def test_lines_that_older_journals_lost_are_told_where_they_are_missing(tmp_path):
     path = tmp_path / "a.jsonl"
-    path.write_text("\n".join(sink.lines) + "\n")
-    lines = list(read_journal(path).usable())
-    assert [line.measure for line in lines] == [1, None, 2, 3]
-    assert "line 3: before it lines could not be written, 4 by then" in lines[1].damaged
+    lines = ['{"journal":2}', '{"tick":10,"measure":1,"hash":"ab"}', '{"tick":20,"measure":2,"hash":"cd","lost":4}']
+    path.write_text("\n".join([*lines, '{"tick":30,"measure":3,"hash":"ef","lost":4}']) + "\n")
+    found = list(read_journal(path).usable())
+    assert [line.measure for line in found] == [1, None, 2, 3]
+    assert "line 3: before it lines could not be written, 4 by then" in (found[1].damaged or "")
 
 
 def test_a_long_night_is_never_in_memory(tmp_path):

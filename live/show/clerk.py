@@ -1,0 +1,61 @@
+"""Clerk: writes by a thread of its own what the show hands over, so that the show never waits for the disk."""
+
+import queue
+import threading
+from typing import Generic, TypeVar
+
+Item = TypeVar("Item")
+
+
+class Clerk(Generic[Item]):
+    """Thread: `put` and `close` from the show's thread; `_write` and `_finish`, which a file defines, run in its own.
+
+    When the disk is slow or full, things are dropped and counted.
+    """
+
+    def __init__(self, name: str, capacity: int) -> None:
+        """Begin; `name` is the thread's, and `capacity` things may wait for the disk."""
+        self._waiting: queue.Queue[Item | None] = queue.Queue(capacity)
+        self.dropped = 0
+        """Things lost because the disk did not keep up or refused them."""
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+        self._thread.start()
+
+    def put(self, item: Item) -> bool:
+        """Hand over one thing; never waits. False if it is lost, for too many wait."""
+        try:
+            self._waiting.put_nowait(item)
+        except queue.Full:
+            self.dropped += 1
+            return False
+        return True
+
+    @property
+    def behind(self) -> int:
+        """Things that wait for the disk."""
+        return self._waiting.qsize()
+
+    def close(self) -> None:
+        """Write what waits and close; gives up on a stuck disk after two seconds."""
+        try:
+            self._waiting.put(None, timeout=1.0)
+        except queue.Full:
+            return
+        self._thread.join(2.0)
+
+    def _run(self) -> None:
+        while (item := self._waiting.get()) is not None:
+            try:
+                self._write(item)
+            except OSError:
+                self.dropped += 1
+        try:
+            self._finish()
+        except OSError:
+            self.dropped += 1
+
+    def _write(self, item: Item) -> None:
+        raise NotImplementedError
+
+    def _finish(self) -> None:
+        raise NotImplementedError

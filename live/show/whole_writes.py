@@ -1,0 +1,49 @@
+"""WholeWrites: a file to which pieces are added that are there whole or not at all, whatever the disk does."""
+
+import contextlib
+import os
+from pathlib import Path
+
+
+class WholeWrites:
+    """An open file without a buffer: what a full disk has taken of a piece is taken back. Thread: one at a time."""
+
+    def __init__(self, path: Path, *, more: bool = False) -> None:
+        """Make the file, or go on behind what it holds (`more`); raises OSError if that cannot be."""
+        self._path = path
+        self._file = path.open("ab" if more else "wb", buffering=0)
+        self.end = self._file.seek(0, os.SEEK_END)
+        """Bytes in it."""
+
+    def add(self, data: bytes) -> None:
+        """Add a piece at the end; OSError if it has no room, and then nothing of it is there."""
+        done = 0
+        try:
+            while done < len(data):
+                done += self._file.write(data[done:])
+        except OSError:
+            with contextlib.suppress(OSError):
+                self.cut(self.end)
+            raise
+        self.end += len(data)
+
+    def cut(self, end: int) -> None:
+        """Forget what lies behind so many bytes."""
+        self._file.truncate(end)
+        self.end = self._file.seek(end)
+
+    @property
+    def removed(self) -> bool:
+        """Whether somebody has removed the file, so that what is added is lost."""
+        return os.fstat(self._file.fileno()).st_nlink == 0
+
+    def again(self) -> None:
+        """Make a removed file again, empty, with its folder; OSError if that cannot be, or another one is there now."""
+        self._path.parent.mkdir(parents=True, exist_ok=True)
+        file = self._path.open("xb", buffering=0)
+        self._file.close()
+        self._file, self.end = file, 0
+
+    def close(self) -> None:
+        """Close it."""
+        self._file.close()

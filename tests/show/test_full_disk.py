@@ -1,0 +1,137 @@
+"""A real disk that is full for a while: the show goes on, the journal names what is missing, and is whole around it."""
+
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from live.clock.ticks import TICK
+from live.control import events
+from live.show.journal import JournalWriter, read_journal
+from live.show.journal_file import JournalFile
+from live.show.load import LoadedShow
+from live.show.patch_file import parse_patch
+from live.show.replay import run_from
+from live.show.replay_start import first_start
+from tests.control.waiting import wait_for
+from tests.show.made_show import GRAPH, PATCH
+
+MADE = LoadedShow(Path("test.toml"), parse_patch(PATCH, "test.toml"), GRAPH)
+ROOM = 1 << 20
+STONE = "stone"
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A file system of 1 MB; skips where nobody may mount one."""
+    place = tmp_path / "disk"
+    place.mkdir()
+    mount, unmount = shutil.which("mount"), shutil.which("umount")
+    how = ["-t", "tmpfs", "-o", f"size={ROOM}", "tmpfs", str(place)]
+    if mount is None or unmount is None or subprocess.run([mount, *how], capture_output=True).returncode:
+        pytest.skip("no file system can be mounted here")
+    yield place
+    subprocess.run([unmount, str(place)], check=True)
+
+
+class Dance:
+    """A show that is journalled tick by tick, as an engine does it, without waiting for the disk."""
+
+    def __init__(self, path, *, events_every=40):
+        self.show, self.tick, self.every = MADE.start(), 0, events_every
+        self.writer = JournalWriter(path, {"seed": 3, "tempo": None})
+        self.hashes: dict[int, str] = {}
+
+    def run(self, measures):
+        """Dance so many measures, and wait until the disk has had its chance."""
+        until = self.show.span.number + measures
+        while self.show.span.number < until:
+            if self.tick % self.every == 0:
+                event = events.Attract(time=self.tick * TICK, source="osc", x=self.tick % 7 - 3.0, z=0.5, measures=1.0)
+                self.writer.event(self.tick, event)
+                self.show.apply(event)
+            self.tick += 1
+            begins = self.show.tick(self.tick * TICK)
+            if begins:
+                self.hashes[self.show.span.number + 1] = self.show.state_hash()
+                self.writer.measure(self.tick, self.show.span.number + 1, self.show.state_hash())
+            self.writer.keep(self.show, self.tick, begins=begins)
+        self.settled()
+
+    def settled(self):
+        sink = self.writer.sink
+        assert isinstance(sink, JournalFile)
+        snapshots = sink._snapshots
+        assert wait_for(lambda: sink._lines.behind == 0 and (snapshots is None or snapshots.behind == 0), 10)
+
+    def end(self):
+        self.writer.close(self.tick)
+
+
+def fill(place):
+    """Leave no byte of the disk."""
+    with (place / STONE).open("wb", buffering=0) as file:
+        with pytest.raises(OSError, match="No space"):
+            while True:
+                file.write(bytes(1 << 12))
+        with pytest.raises(OSError, match="No space"):
+            while True:
+                file.write(b"x")
+
+
+def test_a_disk_that_is_full_for_some_measures_leaves_a_gap_that_a_replay_names_and_passes(small_disk):
+    dance = Dance(small_disk / "j")
+    dance.run(4)
+    assert dance.writer.problem == ""
+    fill(small_disk)
+    dance.run(14)
+    facts = dance.writer.facts()
+    assert facts["dropped"] >= facts["missing"] > 14
+    assert "is the disk full?" in dance.writer.problem
+    (small_disk / STONE).unlink()
+    dance.run(10)
+    assert dance.writer.facts()["missing"] == 0
+    assert "are missing in it; now it is written again" in dance.writer.problem
+    dance.end()
+    rows = [json.loads(row) for row in (small_disk / "j").read_text().splitlines()]  # each is whole
+    gaps = [row["gap"] for row in rows if "gap" in row]
+    assert gaps == [facts["missing"]]
+    journal = read_journal(small_disk / "j")
+    assert journal.complete
+    start = first_start(journal, MADE)
+    found = run_from(start, journal, loaded=MADE)
+    assert found.different == 0
+    assert any(f"{gaps[0]} lines are missing" in problem for problem in found.problems)
+    assert any("goes on from the snapshot" in problem for problem in found.problems)
+    assert found.measures >= 4 + 10 - 8  # of older snapshots only every eighth stays
+
+
+def test_a_disk_that_is_full_from_the_beginning_has_the_first_line_first(small_disk):
+    fill(small_disk)
+    dance = Dance(small_disk / "j")
+    dance.run(3)
+    (small_disk / STONE).unlink()
+    dance.run(10)
+    dance.end()
+    journal = read_journal(small_disk / "j")
+    assert journal.header["seed"] == 3
+    found = run_from(first_start(journal, MADE), journal, loaded=MADE)
+    assert (found.different, found.measures > 0) == (0, True)
+    assert any("lines are missing" in problem for problem in found.problems)
+
+
+def test_a_journal_whose_folder_is_removed_is_begun_again_behind_a_gap(tmp_path):
+    place = tmp_path / "night"
+    place.mkdir()
+    dance = Dance(place / "j")
+    dance.run(3)
+    shutil.rmtree(place)
+    dance.run(10)
+    dance.end()
+    journal = read_journal(place / "j")
+    assert (journal.header["seed"], journal.complete) == (3, True)
+    found = run_from(first_start(journal, MADE), journal, loaded=MADE)
+    assert (found.different, found.measures > 0) == (0, True)
+    assert any("lines are missing" in problem for problem in found.problems)
