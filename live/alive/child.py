@@ -7,11 +7,14 @@ import socket
 import subprocess
 import time
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from typing import Final, Protocol
 
 from live.alive.heartbeat import Heartbeat, Phase
 from live.alive.limits import Watch
 from live.alive.wire import Wire
+
+CODE: Final = 49
+"""Which word of /proc/PID/stat behind the name is the exit code: field 52 of proc(5)."""
 
 
 class Process(Protocol):
@@ -96,6 +99,22 @@ class Child:
         except (OSError, ValueError, IndexError):
             return 0
 
+    def gone(self) -> int | None:
+        """Its exit code (negative: the signal) as soon as it does nothing more, None before.
+
+        A process that was killed is not over for the system while one of its threads has not come to die: a driver's
+        thread of low priority takes seconds to, where much else wants the processor. Its main thread is dead by then.
+        """
+        code = self.process.poll()
+        if code is not None:
+            return code
+        with contextlib.suppress(OSError, ValueError, IndexError):
+            with open(f"/proc/{self.process.pid}/stat", encoding="utf-8", errors="replace") as file:
+                words = file.read().rpartition(")")[2].split()
+            if words[0] == "Z":
+                return os.waitstatus_to_exitcode(int(words[CODE]))
+        return None
+
     def signal(self, number: int) -> None:
         """Send it a signal, if it still lives."""
         with contextlib.suppress(OSError):
@@ -117,7 +136,10 @@ class Child:
             code = self.process.wait(within)
         except subprocess.TimeoutExpired:
             self.signal(signal.SIGKILL)
-            code = self.process.wait()
+            try:
+                code = self.process.wait(within)
+            except subprocess.TimeoutExpired:
+                code = -signal.SIGKILL
         with contextlib.suppress(ValueError, OSError):
             self.heart.close()
         return code

@@ -53,6 +53,7 @@ class Engines:
         self._limit = RestartLimit()
         self._start_at = self._spare_at = self._begun_at = 0.0
         self._died: float | None = None
+        self._dead: list[Child] = []  # which the system has not cleared away yet
         self._undanced = 0.0  # seconds without a dance: engines that begin slowly shall not seem to crash seldom
 
     def take(self, line: str) -> None:
@@ -70,6 +71,9 @@ class Engines:
 
     def look(self, now: float) -> None:
         """Who lives, who hangs, who is to be started."""
+        for child in [child for child in self._dead if child.process.poll() is not None]:
+            self._dead.remove(child)
+            child.end()
         if self.engine is None and now >= self._start_at:
             self._begin()
         engine = self.engine
@@ -106,11 +110,20 @@ class Engines:
 
     def close(self) -> None:
         """End them."""
-        for child in (self.spare, self.engine):
+        for child in (self.spare, self.engine, *self._dead):
             if child is not None:
                 child.terminate()
                 child.end()
         self.nursery.close()
+
+    def _bury(self, child: Child, code: int | None) -> int:
+        """Forget one that is dead, now or when the system has cleared it away; its exit code."""
+        self._starter.forget(child.wire)
+        if code is None or child.process.poll() is not None:
+            return child.end(within=LEAVES_WITHIN)
+        child.wire.close()
+        self._dead.append(child)
+        return code
 
     def _begin(self) -> None:
         self._begun_at = self._start_at  # or a little later
@@ -158,10 +171,11 @@ class Engines:
         if engine.hangs(now, self._starter.awake) and not engine.killed:
             self._say(f"the engine has given no sign of life for {now - engine.heart.last:.1f} s")
             engine.kill()
-        if not engine.wire.ended and engine.process.poll() is None:
+        code = engine.gone()
+        if not engine.wire.ended and code is None:
             return
-        self._starter.hear_rest(engine.wire, LEAVES_WITHIN)
-        phase, code = engine.phase, engine.end(within=LEAVES_WITHIN)
+        self._starter.hear_rest(engine.wire, LEAVES_WITHIN, dead=code is not None)
+        phase, code = engine.phase, self._bury(engine, code)
         begun = phase is Phase.RUNNING or self._died is not None
         well = code in ENDED_WELL and phase is not Phase.STARTING
         if well or not begun or self._limit.count >= GIVE_UP:
@@ -180,8 +194,8 @@ class Engines:
         self.engine, self.spare = self.spare, None
         if self.role == "engine":
             self.role = "heir"
-        if self.engine is not None and self.engine.process.poll() is not None:
-            self.engine.end()
+        if self.engine is not None and (dead := self.engine.gone()) is not None:
+            self._bury(self.engine, dead)
             self.engine = None
         if self.engine is None:
             self._start_at = max(now, self._begun_at + CALM_APART) if self._report.calm else now
@@ -202,10 +216,9 @@ class Engines:
         spare = self.spare
         if spare is not None:
             spare.wire.flush()
-            if spare.process.poll() is None:
+            if (code := spare.gone()) is None:
                 return
-            self._starter.forget(spare.wire)
-            spare.end()
+            self._bury(spare, code)
             self.spare, self._spare_at = None, now + 5.0 * self._orders.spare_after
         leads = self.role != "standby" and self.since is not None and not self._report.calm
         if self._orders.spare and leads and now >= self._spare_at and self.log.header and self.engine is not None:

@@ -4,17 +4,20 @@ import base64
 import json
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any, Final
 
+from live.base.packed import unpacked
 from live.clock.ticks import TICK
 from live.control.event_json import event_from_json
-from live.control.events import ControlEvent, SetLatency, StepsAdded, StepsChanged, TicksSkipped
+from live.control.events import ControlEvent, PatchChanged, SetLatency, StepsAdded, StepsChanged, TicksSkipped
 from live.show.acting import act
 from live.show.core import Show
 from live.show.left_out import can_be_left_out
 from live.show.library_hash import library_hash
 from live.show.load import LoadedShow
+from live.show.patch import Patch
 from live.show.replay_start import ReplayError, loaded_of
 from live.show.snapshot import SnapshotError, restore
 
@@ -175,6 +178,32 @@ class Following:
             self._began_with(self._needed())
             self.show = self._loaded.start(seed=self.header["seed"], tempo=self.header["tempo"])
         return self.show
+
+    def other_show(self) -> str | None:
+        """In what the show that is told of differs from the one that is loaded here; None if it is the same, or before
+        anything is told. A patch that was edited while it was played may be loaded as it is now."""
+        if self.show is not None or not self.header:
+            return None
+        try:
+            patches = [Patch.model_validate(self.header["patch"]), *self._patches()]
+        except (KeyError, ValueError):
+            return None  # whoever begins it says what is wrong with it
+        mine, *all_told = (patch.model_dump(mode="json") for patch in (self._loaded.patch, *patches))
+        if mine in all_told:
+            return None
+        last = all_told[-1]
+        keys = [key for key in mine if mine[key] != last.get(key)]
+        there, here = Path(str(self.header.get("patch_path"))).name, self._loaded.path.name
+        return f"{there} ({patches[-1].name}), here it is {here} ({mine['name']}); different: {', '.join(keys[:8])}"
+
+    def _patches(self) -> Iterator[Patch]:
+        """What the patch became later."""
+        for value in self._waiting:
+            event = value.get("event")
+            if isinstance(event, dict) and event.get("type") == PatchChanged.__name__:
+                changed = event_from_json(event)
+                assert isinstance(changed, PatchChanged)
+                yield Patch.model_validate_json(unpacked(changed.patch))
 
     def _needed(self) -> list[StepsAdded | StepsChanged]:
         """What becomes of the steps later, and must not be so from the beginning."""

@@ -22,6 +22,8 @@ SILENCE: Final = 0.3
 AGAIN: Final = 0.5
 """Seconds between two attempts to reach a machine."""
 FOLLOWERS: Final = 8
+LONGEST_WHY: Final = 400
+"""Characters of a reason that another machine gives."""
 BACKLOG: Final = 64 * 1024 * 1024
 """Bytes that may wait for a follower; one that reads so slowly follows no more."""
 
@@ -104,6 +106,12 @@ class Remote:
         for wire in self._followers:
             wire.put(line)
 
+    def cannot(self, why: str) -> None:
+        """This machine cannot stand by: let the one that leads hear it as well."""
+        if self._stands_by and self._leader is not None:
+            self._leader.tell(alive="cannot", why=why)
+            self._leader.flush()
+
     def close(self) -> None:
         """Close all that is open."""
         for wire in (*self._followers, *([] if self._leader is None else [self._leader])):
@@ -136,6 +144,10 @@ class Remote:
     def _hear_follower(self, wire: Wire, line: str) -> None:
         told = _told(line)
         epoch = told.get("epoch")
+        if told.get("alive") == "cannot":
+            self._say(f"a machine that wanted to stand by cannot: {one_line(told.get('why'))}")
+            self._drop(wire)
+            return
         if told.get("alive") != "lead" or not isinstance(epoch, int):
             self._drop(wire)
         elif epoch > self._report.epoch and not self._report.fenced:
@@ -190,10 +202,17 @@ class Remote:
     def _greet(self, told: dict[str, Any]) -> None:
         version, epoch = told.get("version"), told.get("epoch")
         if version != __version__:
-            self._say(f"the leader is of version {version}, this is {__version__}: it cannot be followed")
-            self._engines.code = 1
+            why = f"the leader is of version {version}, this machine of {__version__}"
+            self.cannot(why)
+            self._say(f"{why}: it cannot be followed; install the same version on both")
+            self._engines.code = 2
         if isinstance(epoch, int):
             self._report.epoch = max(self._report.epoch, epoch)
+
+
+def one_line(words: object) -> str:
+    """What another machine says, as one short line that does nothing to a terminal."""
+    return "".join(mark if mark.isprintable() else " " for mark in str(words)[:LONGEST_WHY])
 
 
 def _told(line: str) -> dict[str, Any]:

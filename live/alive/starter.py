@@ -68,8 +68,12 @@ class Starter:
         if wire.fileno() >= 0 and wire.socket in self.selector.get_map():
             self.selector.unregister(wire.socket)
 
-    def hear_rest(self, wire: Wire, within: float) -> None:
-        """Hear a wire to its end: what was said last counts, however its process ended."""
+    def hear_rest(self, wire: Wire, within: float, *, dead: bool = False) -> None:
+        """Hear a wire to its end: what was said last counts, however its process ended. `dead`: it says nothing more,
+        so that all there will be is there."""
+        if dead:
+            self.turn()
+            return
         deadline = time.monotonic() + within
         while not wire.ended and time.monotonic() < deadline:
             self.turn()

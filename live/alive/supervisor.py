@@ -82,6 +82,8 @@ class Supervisor:
                 self.guard.child.wire.tell(**asked)
         elif asked["alive"] == "takeover":
             self._remote.take_over("on command")
+        elif asked["alive"] == "cannot":
+            self._remote.cannot(asked["why"])
         elif asked["alive"] == "following":
             self.report.compared, self.report.different = asked["compared"], asked["different"]
             self.report.repaired = asked["repaired"]

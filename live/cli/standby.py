@@ -58,7 +58,9 @@ def _listening(lifeline: Lifeline, played: Played) -> Iterator[Inbox[ControlEven
 
 
 def follow(following: Following) -> None:
-    """Run what was told; PersonError if this machine has not the steps for it."""
+    """Run what was told; PersonError if this machine plays another show, or has not the steps for it."""
+    if (other := following.other_show()) is not None:
+        raise PersonError(f"the leader plays another show: {other}", "start both machines with the same patch")
     try:
         following.follow()
     except ReplayError as error:
@@ -79,7 +81,11 @@ def _follow(
             for line in lifeline.lines:
                 following.take(line, arrived=time.perf_counter())
             lifeline.lines.clear()
-            follow(following)
+            try:
+                follow(following)
+            except PersonError as error:
+                lifeline.wire.tell(alive="cannot", why=error.message)
+                raise
             order = lifeline.order("go")
             if order is not None:
                 return order, following

@@ -8,6 +8,9 @@ import pytest
 from live.alive.following import Following
 from live.base.errors import PersonError
 from live.cli.standby import follow
+from live.control.event_json import event_to_json
+from live.control.events import PatchChanged
+from live.show.edit import version_of
 from live.show.load import LoadedShow
 from live.show.patch_file import parse_patch
 from tests.show.made_show import GRAPH, PATCH
@@ -22,3 +25,33 @@ def test_other_steps_than_the_leader_s_are_named_and_end_it_as_a_person_s_error(
     with pytest.raises(PersonError, match="cannot be danced here") as raised:
         follow(following)
     assert "same steps" in str(raised.value.remedy)
+
+
+def told(patch: str, *later: str) -> Following:
+    """A machine with the made show's patch, told of a show of another one that was edited later."""
+    loaded, other = (LoadedShow(Path("test.toml"), parse_patch(text, "test.toml"), GRAPH) for text in (PATCH, patch))
+    following = Following(loaded)
+    following.take(json.dumps({"journal": 2, "origin": 0.0, **other.header(other.start(seed=1), tempo=None)}))
+    for text in later:
+        edited = parse_patch(text, "test.toml").model_dump_json()
+        event = PatchChanged(time=0.0, source="patch", patch=edited, version=version_of(edited))
+        following.take(json.dumps({"tick": 2, "event": event_to_json(event)}))
+    following.take(json.dumps({"tick": 3}))
+    return following
+
+
+OTHER = PATCH.replace('steps = ["glide", "sway", "spin"]', 'steps = ["spin"]')
+
+
+def test_another_patch_than_the_leader_s_is_named_and_never_taken_over():
+    assert OTHER != PATCH
+    with pytest.raises(PersonError, match=r"plays another show.*different: group$") as raised:
+        follow(told(OTHER))
+    assert "same patch" in str(raised.value.remedy)
+
+
+def test_a_patch_that_the_leader_has_edited_since_may_be_here_as_it_was_or_as_it_is():
+    for begun, later in ((PATCH, [OTHER]), (OTHER, [PATCH])):
+        following = told(begun, *later)
+        follow(following)
+        assert following.tick == 3
