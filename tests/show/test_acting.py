@@ -1,0 +1,75 @@
+"""An event that ends in an error half way: who dances, who replays and who goes on come to the same state."""
+
+import json
+
+import pytest
+
+from live.alive.following import Following
+from live.base.inbox import Inbox
+from live.clock.source import ManualClock
+from live.control import events
+from live.control.event import ControlEvent
+from live.show.core import Show
+from live.show.engine import Engine
+from live.show.journal import JournalWriter, read_journal
+from live.show.replay import run_from
+from live.show.replay_start import first_start
+from live.show.status import Status
+from tests.show.test_replay import MADE
+
+BAD = events.SetMotion(time=2.0, source="osc", parameter="warp_beats", value=0.4, group="*")
+
+
+@pytest.fixture
+def poison(monkeypatch):
+    """An error in the program: who asks for BAD gets it done, and something else as well, and then the error."""
+    apply = Show.apply
+
+    def poisoned(show: Show, event: ControlEvent) -> bool:
+        done = apply(show, event)
+        if isinstance(event, events.SetMotion):
+            apply(show, events.Spread(time=event.time, source="osc"))
+            raise ZeroDivisionError("half way")
+        return done
+
+    monkeypatch.setattr(Show, "apply", poisoned)
+
+
+def engine_with(path, *, forgiving):
+    show, clock, inbox = MADE.start(), ManualClock(), Inbox()
+    writer = JournalWriter(path, {"origin": 0.0, **MADE.header(show, tempo=None)})
+    status = Status(show, rejected=dict, memory=lambda: 0.0)
+    engine = Engine(show, clock=clock, inbox=inbox, status=status, journal=writer)
+    engine.forgiving = forgiving
+    return engine, clock, inbox, writer
+
+
+def test_the_show_its_replay_and_its_heir_refuse_it_alike(poison, tmp_path):
+    engine, clock, inbox, writer = engine_with(tmp_path / "a.jsonl", forgiving=True)
+    for frame in range(1, 271):
+        clock.set(frame / 30)
+        if frame == 70:
+            inbox.put(BAD)
+        engine.frame(lambda view: None)
+    writer.close(engine.ticks.index)
+    assert engine.failed == 1
+    assert "ZeroDivisionError: half way" in engine.show.refusals.words
+    journal = read_journal(tmp_path / "a.jsonl")
+    start = first_start(journal, MADE)
+    found = run_from(start, journal, loaded=MADE)
+    assert (found.different, found.failed, found.problems) == (0, 1, [])
+    assert found.measures >= 3
+    following = Following(MADE)
+    for row in (tmp_path / "a.jsonl").read_text().splitlines():
+        if not json.loads(row).get("end"):
+            following.take(row)
+    heir = following.finish()
+    assert following.refused == 1
+    assert engine.show.state_hash() == start.show.state_hash()
+    assert (following.differences, heir.refusals.words) == (0, engine.show.refusals.words)
+
+
+def test_who_looks_for_errors_is_not_spared_them(poison, tmp_path):
+    engine, *_ = engine_with(tmp_path / "a.jsonl", forgiving=False)
+    with pytest.raises(ZeroDivisionError, match="half way"):
+        engine.apply(BAD)
