@@ -1,5 +1,6 @@
 """What engines are born with: the program, its kernels, patch and steps; nothing open. See `live.alive.nursery`."""
 
+import contextlib
 import gc
 import importlib
 
@@ -19,6 +20,14 @@ def be_born(played: Played, nursery: Lifeline, console: Console) -> tuple[Lifeli
     warm_kernels(console)
     for name in ("heir", "stage", "headless_show" if played.headless else "window_show"):
         importlib.import_module(f"live.cli.{name}")  # what an heir needs, all the way down
+    if not played.headless:
+        from live.render.body import COARSE, FINE, LIGHT, build_body
+        from live.render.monitors import load_glfw
+
+        with contextlib.suppress(ImportError):
+            load_glfw()
+        for level in (COARSE, LIGHT, FINE):
+            build_body(level)
     loaded = played.wish.load()
     loaded.start(seed=played.wish.seed)  # what is computed once and kept with the graph is there then
     come_forward(0, processors)

@@ -51,6 +51,14 @@ def _on_monitor(_monitor: Any, _event: int) -> None:
     _changes += 1
 
 
+def load_glfw() -> None:
+    """Load GLFW and start nothing; ImportError where it is not installed."""
+    if sys.platform == "linux" and os.environ.get("DISPLAY"):
+        # the wheel holds one library for X11 and another for Wayland and chooses by the kind of the session
+        os.environ.setdefault("PYGLFW_LIBRARY_VARIANT", "x11")
+    import glfw  # noqa: F401
+
+
 def start_glfw() -> bool:
     """Load and start GLFW if it is not running; False where there is no screen (`screen_problem` says why).
 
@@ -59,10 +67,8 @@ def start_glfw() -> bool:
     global _problem, _started
     if _started:
         return True
-    if sys.platform == "linux" and os.environ.get("DISPLAY"):
-        # the wheel holds one library for X11 and another for Wayland and chooses by the kind of the session
-        os.environ.setdefault("PYGLFW_LIBRARY_VARIANT", "x11")
     try:
+        load_glfw()
         import glfw
     except ImportError as error:
         _problem = f"GLFW cannot be loaded ({error}); install it with: pip install glfw"
