@@ -11,7 +11,7 @@ import sys
 import time
 
 from live.alive.heartbeat import Phase
-from live.alive.lifeline import Lifeline, nobody_left
+from live.alive.lifeline import Brief, Lifeline, nobody_left
 from live.alive.nursery import wait_to_be_born
 
 
@@ -33,18 +33,23 @@ def follow(lifeline: Lifeline, role: str, nursery: int | None) -> int:
     sys.exit(0)
 
 
-def main() -> None:
+def begun() -> tuple[Lifeline, Brief, int | None]:
+    """The lifeline, what this process is for, and the nursery that it came out of."""
     lifeline = Lifeline.inherited(int(sys.argv[1]), int(sys.argv[2]))
-    brief, nursery = lifeline.brief(), None
-    if brief.role == "nursery":
-        if json.loads(brief.show).get("nursery_dies"):
-            lifeline.beat(0, Phase.WAITING)
-            os.kill(os.getpid(), signal.SIGKILL)
-        nursery = os.getpid()
-        born = wait_to_be_born(lifeline)
-        if born is None:
-            return
-        lifeline, brief = born, born.brief()
+    brief = lifeline.brief()
+    if brief.role != "nursery":
+        return lifeline, brief, None
+    if json.loads(brief.show).get("nursery_dies"):
+        lifeline.beat(0, Phase.WAITING)
+        os.kill(os.getpid(), signal.SIGKILL)
+    nursery, born = os.getpid(), wait_to_be_born(lifeline)
+    if born is None:
+        sys.exit(0)
+    return born, born.brief(), nursery
+
+
+def main() -> None:
+    lifeline, brief, nursery = begun()
     plan = json.loads(brief.show)
     if "start" in plan and brief.role == "engine":
         sys.exit(plan["start"])
