@@ -213,21 +213,23 @@ class Engines:
 
     def _look_at_spare(self, now: float) -> None:
         self.nursery.look()
-        spare = self.spare
+        spare, ready = self.spare, self._ready_for_a_spare(now)
         if spare is not None:
             spare.wire.flush()
-            if (code := spare.gone()) is None:
-                return
-            self._bury(spare, code)
-            self.spare, self._spare_at = None, now + 5.0 * self._orders.spare_after
-        leads = self.role != "standby" and self.since is not None and not self._report.calm
-        if self._orders.spare and leads and now >= self._spare_at and self.log.header and self.engine is not None:
-            brief = {"show": self._orders.show}
-            room = self.nursery.begin(self._orders.engine, brief, self._inherit, self.engine.memory())
-            if room and not self.nursery.ready:
-                return  # it is loading: what it bears then is ready sooner than what would begin now
+            if (code := spare.gone()) is not None:
+                self._bury(spare, code)
+                self.spare, self._spare_at = None, now + 5.0 * self._orders.spare_after
+        elif ready:
             self.spare = self._start("spare")
             self._brief(self.spare)
+
+    def _ready_for_a_spare(self, now: float) -> bool:
+        """Whether one may begin now. The nursery goes before: what it bears is ready sooner than what begins now."""
+        leads = self.role != "standby" and self.since is not None and not self._report.calm
+        if not (self._orders.spare and leads and now >= self._spare_at and self.log.header) or self.engine is None:
+            return False
+        brief, engine = {"show": self._orders.show}, self.engine.memory
+        return self.nursery.ready or not self.nursery.begin(self._orders.engine, brief, self._inherit, engine)
 
 
 def how(code: int) -> str:

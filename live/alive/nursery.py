@@ -13,7 +13,7 @@ import signal
 import socket
 import subprocess
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from live.alive.child import Child
@@ -92,13 +92,17 @@ class Nursery:
         self._deaths = 0
         self.child: Child | None = None
 
-    def begin(self, command: Sequence[str], brief: dict[str, Any], inherit: dict[str, int], engine: int) -> bool:
-        """Start it if there is none and there is room for it beside an engine of so many bytes; whether there is."""
-        if not self._able or self._deaths >= TIRED or free_memory() < ROOM * engine:
+    def begin(
+        self, command: Sequence[str], brief: dict[str, Any], inherit: dict[str, int], engine: Callable[[], int]
+    ) -> bool:
+        """Start it if there is none, and there is room for it beside an engine, whose bytes are told; whether there is
+        one."""
+        if self.child is not None:
+            return True
+        if not self._able or self._deaths >= TIRED or free_memory() < ROOM * engine():
             return False
-        if self.child is None:
-            self.child = self._starter.start("nursery", command, lambda line: None, *inherit.values())
-            self.child.wire.tell(alive="nursery", **brief, **inherit)
+        self.child = self._starter.start("nursery", command, lambda line: None, *inherit.values())
+        self.child.wire.tell(alive="nursery", **brief, **inherit)
         return True
 
     @property
