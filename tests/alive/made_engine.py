@@ -1,7 +1,8 @@
 """An engine without a show, as a process: it counts ticks, and ends as its brief says.
 
 The brief's `show` is a JSON object: `ends` (exit code when it has counted to `ticks`), `kills` (ticks at which engines
-that began or took over kill themselves, one after another), `hangs` (tick at which it stops beating).
+that began or took over kill themselves, one after another), `hangs` (tick at which it stops beating), `cannot` (why it
+cannot stand by).
 """
 
 import json
@@ -9,13 +10,14 @@ import os
 import signal
 import sys
 import time
+from typing import Any
 
 from live.alive.heartbeat import Phase
 from live.alive.lifeline import Brief, Lifeline, nobody_left
 from live.alive.nursery import wait_to_be_born
 
 
-def follow(lifeline: Lifeline, role: str, nursery: int | None) -> int:
+def follow(lifeline: Lifeline, role: str, nursery: int | None, plan: dict[str, Any]) -> int:
     """Take lines until the word comes; the tick from which to go on. `nursery`: the process out of which it came."""
     tick = 0
     while not nobody_left(lifeline):
@@ -23,6 +25,9 @@ def follow(lifeline: Lifeline, role: str, nursery: int | None) -> int:
         for line in lifeline.lines:
             told = json.loads(line)
             tick = max(tick, told.get("tick", 0))
+        if role == "standby" and "cannot" in plan and lifeline.lines:
+            lifeline.wire.tell(alive="cannot", why=plan["cannot"])
+            sys.exit(2)
         lifeline.lines.clear()
         if (order := lifeline.order("go")) is not None:
             origin = {"parent": os.getppid(), "nursery": nursery}
@@ -57,7 +62,7 @@ def main() -> None:
         lifeline.wire.put(json.dumps({"journal": 2, "pid": os.getpid()}))
         tick = 0
     else:
-        tick = follow(lifeline, brief.role, nursery)
+        tick = follow(lifeline, brief.role, nursery, plan)
     if brief.role != "engine":
         time.sleep(plan.get("slow", 0.0))
     kills = [at for at in plan.get("kills", []) if at > tick]

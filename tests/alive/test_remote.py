@@ -4,6 +4,7 @@ import contextlib
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import textwrap
@@ -76,8 +77,6 @@ class Machine:
 @pytest.fixture
 def machines(tmp_path: Path) -> Iterator[Callable[..., tuple[Machine, Machine]]]:
     """A machine that leads and one that stands by, which has heard of the show."""
-    import socket
-
     started: list[Machine] = []
 
     def start(plan: dict[str, Any], mine: dict[str, Any] | None = None) -> tuple[Machine, Machine]:
@@ -167,3 +166,20 @@ def test_strangers_at_the_port_are_shut_out_and_change_nothing(tmp_path):
         assert leader.numbers() == list(range(1, 401))
     finally:
         leader.process.kill()
+
+
+def test_a_machine_that_cannot_stand_by_ends_and_the_one_that_leads_says_why(tmp_path: Path):
+    """Nothing that comes from there does anything to a terminal."""
+    with socket.create_server(("127.0.0.1", 0)) as there:
+        leader = Machine(tmp_path, "leader", {}, lead=there)
+        try:
+            other = Machine(tmp_path, "other", {"cannot": "another\x1b[2J\nshow"}, follow=there.getsockname()[1])
+            assert other.process.wait(20 * BUSY) == 2
+            words = "a machine that wanted to stand by cannot: another [2J show"
+            assert wait_for(lambda: words in leader.said.read_text(), 20), leader.said.read_text()
+            heard = len(leader.numbers())
+            assert wait_for(lambda: len(leader.numbers()) > heard, 20)  # and dances on
+        finally:
+            leader.process.send_signal(signal.SIGINT)
+            leader.process.wait(30)
+        assert leader.report()["followers"] == 0

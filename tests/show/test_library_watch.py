@@ -1,23 +1,17 @@
 """LibraryWatch: takes that are recorded while the show runs join the dance, and a replay knows them."""
 
-import shutil
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from live.base.inbox import Inbox
-from live.clock.source import ManualClock
 from live.control import events
-from live.show.engine import Engine
-from live.show.journal import JournalWriter, read_journal
+from live.show.journal import read_journal
 from live.show.library_watch import LibraryWatch, same_clip
 from live.show.load import load_show
 from live.show.replay import ReplayError, reload, replay
-from live.show.status import Status
+from tests.show.edited_night import STEPS, Night, folder_with
 
-STEPS = Path(__file__).resolve().parents[2] / "patches" / "steps"
 PATCH = """
 name = "growing"
 steps = "moves"
@@ -36,11 +30,7 @@ steps = ["groove"]
 @pytest.fixture
 def patch(tmp_path):
     """A show with a folder of two steps of its own; others come from the project, under other names."""
-    (tmp_path / "moves").mkdir()
-    for name in ("groove", "side_step"):
-        shutil.copy(STEPS / f"{name}.toml", tmp_path / "moves")
-    (tmp_path / "show.toml").write_text(PATCH)
-    return tmp_path / "show.toml"
+    return folder_with(tmp_path, PATCH)
 
 
 def add_step(patch, name="new bow"):
@@ -49,54 +39,28 @@ def add_step(patch, name="new bow"):
     (patch.parent / "moves" / "another.toml").write_text(text)
 
 
-class Night:
-    """A journalled show over a folder that grows, driven by hand."""
-
-    def __init__(self, patch):
-        self.loaded = load_show(patch)
-        self.show, self.clock, self.inbox = self.loaded.start(), ManualClock(), Inbox()
-        self.journal = patch.parent / "night.jsonl"
-        writer = JournalWriter(self.journal, self.loaded.header(self.show, tempo=None))
-        status = Status(self.show, rejected=dict, memory=lambda: 0.0)
-        self.engine = Engine(self.show, clock=self.clock, inbox=self.inbox, status=status, journal=writer)
-        self.watch = LibraryWatch(
-            self.loaded.steps_folder, self.show.graph, offer=self.show.offer, post=self.inbox.put, now=self.clock.now
-        )
-        self.frame, self.writer = 0, writer
-
-    def run(self, seconds):
-        for _ in range(int(seconds * 50)):
-            self.frame += 1
-            self.clock.set(self.frame / 50)
-            self.engine.frame(lambda view: None)
-
-    def names(self):
-        library = self.show.graph.library
-        return {library.steps[s] for s in library.node_step[self.show.dancers.node]}
-
-
 def test_a_new_take_is_danced_from_the_next_measure_line_on(patch):
     night = Night(patch)
     night.run(3)
     before = night.show.graph
     add_step(patch)
-    assert not night.watch.look()  # the folder has changed: it may still be written
-    assert night.watch.look()
+    assert not night.library.look()  # the folder has changed: it may still be written
+    assert night.library.look()
     night.run(3)
     assert night.show.graph is not before
     assert night.show.graph.library.steps[: len(before.library.steps)] == before.library.steps
     assert night.show.apply(events.CallStep(time=0.0, source="test", name="new bow"))
     night.run(6)
     assert "new bow" in night.names()
-    assert not night.watch.look()
+    assert not night.library.look()
 
 
 def test_a_replay_of_such_a_night_is_bit_identical(patch):
     night = Night(patch)
     night.run(3)
     add_step(patch)
-    night.watch.look()
-    assert night.watch.look()
+    night.library.look()
+    assert night.library.look()
     night.run(3)
     night.inbox.put(events.CallStep(time=night.clock.now(), source="test", name="new bow"))
     night.run(6)
@@ -115,26 +79,26 @@ def test_what_cannot_be_read_is_told_and_the_show_goes_on(patch):
     night = Night(patch)
     night.run(1)
     (patch.parent / "moves" / "broken.toml").write_text('name = "x"\nbeats = ')
-    night.watch.look()
-    assert not night.watch.look()
-    assert "broken.toml" in night.watch.problem
+    night.library.look()
+    assert not night.library.look()
+    assert "broken.toml" in night.library.problem
     night.run(3)
     (patch.parent / "moves" / "broken.toml").unlink()
     add_step(patch)
-    night.watch.look()
-    assert night.watch.look()
-    assert night.watch.problem == ""
-    assert night.watch.joined == "new steps: new bow can be danced"
+    night.library.look()
+    assert night.library.look()
+    assert night.library.problem == ""
+    assert night.library.joined == "new steps: new bow can be danced"
 
 
 def test_steps_of_another_metre_are_named(patch):
     night = Night(patch)
     text = (STEPS / "samba.toml").read_text().replace('name = "samba"', 'name = "march"')
     (patch.parent / "moves" / "march.toml").write_text(text.replace("beats = ", "beats_per_measure = 2\nbeats = ", 1))
-    night.watch.look()
-    assert not night.watch.look()
-    assert "march" in night.watch.problem
-    assert "4 beats" in night.watch.problem
+    night.library.look()
+    assert not night.library.look()
+    assert "march" in night.library.problem
+    assert "4 beats" in night.library.problem
 
 
 def test_an_event_without_its_graph_is_refused(patch):
@@ -146,9 +110,9 @@ def test_an_event_without_its_graph_is_refused(patch):
 
 def test_the_thread_starts_and_stops(patch):
     night = Night(patch)
-    night.watch.start()
-    night.watch.stop()
-    night.watch.stop()
+    night.library.start()
+    night.library.stop()
+    night.library.stop()
 
 
 def test_the_projects_own_steps_are_not_watched():
@@ -173,7 +137,7 @@ class Changing(Night):
 
     def __init__(self, patch):
         super().__init__(patch)
-        self.watch = LibraryWatch(
+        self.library = LibraryWatch(
             self.loaded.steps_folder,
             self.show.graph,
             offer=self.show.offer,
@@ -183,8 +147,8 @@ class Changing(Night):
         )
 
     def look(self):
-        self.watch.look()
-        return self.watch.look()
+        self.library.look()
+        return self.library.look()
 
     def clips(self):
         """The clips danced now, by their index in the library."""
@@ -207,7 +171,7 @@ def test_a_changed_step_is_danced_as_it_is_now_and_a_replay_as_it_was_then(patch
     before = night.show.graph.library
     louder(patch)
     assert night.look()
-    assert night.watch.joined == "new steps: groove danced as they are now"
+    assert night.library.joined == "new steps: groove danced as they are now"
     night.run(8)
     library = night.show.graph.library
     assert library.steps == before.steps
@@ -233,7 +197,7 @@ def test_a_step_that_is_gone_is_finished_and_not_begun_any_more(patch):
     night.run(3)
     (patch.parent / "moves" / "another.toml").unlink()
     assert night.look()
-    assert night.watch.joined == "new steps: new bow not begun any more"
+    assert night.library.joined == "new steps: new bow not begun any more"
     night.run(4)
     later = set()
     for _ in range(8):
@@ -250,15 +214,15 @@ def test_a_step_that_a_group_needs_cannot_be_taken_away(patch):
     add_step(patch)
     (patch.parent / "show.toml").write_text(PATCH.replace('["groove"]', '["new bow"]'))
     night = Changing(patch)
-    night.watch.prove = lambda graph: night.show.another(night.show.patch, graph)
+    night.library.prove = lambda graph: night.show.another(night.show.patch, graph)
     night.run(1)
-    before = night.watch.graph
+    before = night.library.graph
     (patch.parent / "moves" / "another.toml").unlink()
     assert not night.look()
-    assert "new bow" in night.watch.problem
-    assert night.watch.graph is before
-    night.watch.again()
-    assert not night.watch.look()  # as before: it is looked at once more
+    assert "new bow" in night.library.problem
+    assert night.library.graph is before
+    night.library.again()
+    assert not night.library.look()  # as before: it is looked at once more
 
 
 def test_an_event_that_takes_away_what_is_not_there_is_refused(patch):

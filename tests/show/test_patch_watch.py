@@ -1,26 +1,19 @@
 """PatchWatch: an edit of the patch's files reaches the running show at the next measure, a bad one never."""
 
 import json
-import shutil
 
 import pytest
 
-from live.base.inbox import Inbox
 from live.base.picture import LEVEL
-from live.clock.source import ManualClock
 from live.control import events
 from live.control.events import GiveCue, PatchChanged
-from live.show.engine import Engine
-from live.show.journal import JournalWriter, read_journal
-from live.show.library_watch import LibraryWatch
-from live.show.load import load_show
-from live.show.patch_file import PATCHES
+from live.show.journal import read_journal
 from live.show.patch_watch import PatchWatch
 from live.show.replay import reload, replay, run_from
 from live.show.replay_start import loaded_by, start_before
-from live.show.status import Status
+from tests.show import edited_night
+from tests.show.edited_night import STEPS, folder_with
 
-STEPS = PATCHES / "steps"
 PATCH = """name = "edited"
 steps = "moves"
 reserve = 0
@@ -36,41 +29,15 @@ steps = ["groove"]
 @pytest.fixture
 def patch(tmp_path):
     """A show of four dancers with two steps of its own."""
-    (tmp_path / "moves").mkdir()
-    for name in ("groove", "side_step"):
-        shutil.copy(STEPS / f"{name}.toml", tmp_path / "moves")
-    (tmp_path / "show.toml").write_text(PATCH)
-    return tmp_path / "show.toml"
+    return folder_with(tmp_path, PATCH)
 
 
-class Night:
-    """A journalled show whose files are edited, driven by hand."""
+class Night(edited_night.Night):
+    """A night whose patch is watched as well."""
 
     def __init__(self, patch):
-        self.path = patch
-        self.loaded = load_show(patch)
-        self.show, self.clock, self.inbox = self.loaded.start(), ManualClock(), Inbox()
-        self.journal = patch.parent / "night.jsonl"
-        self.writer = JournalWriter(self.journal, self.loaded.header(self.show, tempo=None))
-        status = Status(self.show, rejected=dict, memory=lambda: 0.0)
-        self.engine = Engine(self.show, clock=self.clock, inbox=self.inbox, status=status, journal=self.writer)
-        library = LibraryWatch(
-            self.loaded.steps_folder, self.show.graph, offer=self.show.offer, post=self.inbox.put, now=self.clock.now
-        )
-        self.watch = PatchWatch(self.loaded, self.show, post=self.inbox.put, now=self.clock.now, library=library)
-        self.frame = 0
-
-    def run(self, seconds):
-        """So many seconds of the show; the steps danced in each measure that ends, by its number from 1."""
-        danced = {}
-        for _ in range(round(seconds * 50)):
-            self.frame += 1
-            self.clock.set(self.frame / 50)
-            self.engine.frame(lambda view: None)
-            library = self.show.graph.library
-            steps = {library.steps[s] for s in library.node_step[self.show.dancers.node]}
-            danced.setdefault(self.show.span.number + 1, set()).update(steps)
-        return danced
+        super().__init__(patch)
+        self.watch = PatchWatch(self.loaded, self.show, post=self.inbox.put, now=self.clock.now, library=self.library)
 
     def edit(self, old="", new="", more="", file=None):
         """Change the patch's text, or write another `file` of it; whether the watch took it."""
