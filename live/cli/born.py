@@ -11,11 +11,13 @@ from live.alive.nursery import wait_to_be_born
 from live.alive.priority import come_forward, stand_back
 from live.cli.played import Played
 from live.cli.warm import warm_kernels
+from live.show.core import Show
 from live.show.load import LoadedShow
 
 
-def be_born(played: Played, nursery: Lifeline, console: Console) -> tuple[Lifeline | None, LoadedShow]:
-    """Load everything while a show runs, and bear engines; comes back in each of them with its own lifeline."""
+def be_born(played: Played, nursery: Lifeline, console: Console) -> tuple[Lifeline | None, LoadedShow, Show]:
+    """Load everything while a show runs, and bear engines; comes back in each of them with its own lifeline, and with a
+    show that it may draw to rehearse."""
     processors = stand_back()
     warm_kernels(console)
     for name in ("heir", "stage", "headless_show" if played.headless else "window_show"):
@@ -29,8 +31,8 @@ def be_born(played: Played, nursery: Lifeline, console: Console) -> tuple[Lifeli
         for level in (COARSE, LIGHT, FINE):
             build_body(level)
     loaded = played.wish.load()
-    loaded.start(seed=played.wish.seed)  # what is computed once and kept with the graph is there then
+    show = loaded.start(seed=played.wish.seed)  # what is computed once and kept with the graph is there then
     come_forward(0, processors)
     gc.collect()
     gc.freeze()
-    return wait_to_be_born(nursery), loaded
+    return wait_to_be_born(nursery), loaded, show

@@ -12,11 +12,12 @@ from live.cli.main import EXIT_INTERRUPTED, EXIT_PERSON_ERROR, end_cleanly, show
 from live.cli.played import Played
 
 if TYPE_CHECKING:
+    from live.show.core import Show
     from live.show.load import LoadedShow
 
 
-def play(lifeline: Lifeline, loaded: "LoadedShow | None" = None) -> None:
-    """Do what the supervisor says first. `loaded`: the show, if this process was born with it."""
+def play(lifeline: Lifeline, loaded: "LoadedShow | None" = None, show: "Show | None" = None) -> None:
+    """Do what the supervisor says first. `loaded`, `show`: what this process was born with, if it was."""
     brief = lifeline.brief()
     played = Played.unpacked(brief.show)
     if brief.role == "engine":
@@ -35,10 +36,10 @@ def play(lifeline: Lifeline, loaded: "LoadedShow | None" = None) -> None:
     if brief.role == "nursery":
         from live.cli.born import be_born
 
-        here, loaded = be_born(played, lifeline, console)
+        here, loaded, show = be_born(played, lifeline, console)
         if here is not None:
             end_cleanly()
-            play(here, loaded)
+            play(here, loaded, show)
         return
     if brief.role == "standby":
         from live.cli.standby import stand_by
@@ -47,7 +48,7 @@ def play(lifeline: Lifeline, loaded: "LoadedShow | None" = None) -> None:
         return
     from live.cli.heir import take_over
 
-    take_over(played, lifeline, loaded, waits=brief.role == "spare", console=console)
+    take_over(played, lifeline, loaded, show, waits=brief.role == "spare", console=console)
 
 
 def main() -> None:

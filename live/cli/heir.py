@@ -15,6 +15,7 @@ from live.cli.session import Session
 from live.cli.session_sound import Sound, choose_sound
 from live.cli.warm import warm_kernels
 from live.control.events import ChooseSource
+from live.show.core import Show
 from live.show.left_out import left_out_line
 from live.show.load import LoadedShow, scene_of
 from live.show.venue import Venue
@@ -25,17 +26,18 @@ PATIENCE = 0.5
 
 
 def take_over(
-    played: Played, lifeline: Lifeline, loaded: LoadedShow | None, *, waits: bool, console: Console
+    played: Played, lifeline: Lifeline, loaded: LoadedShow | None = None, show: Show | None = None, *, waits: bool,
+    console: Console,
 ) -> None:  # fmt: skip
-    """Prepare, follow, wait for the word, and play on. `waits`: others need the machine meanwhile; `loaded`: the show,
-    if it is here already, with all kernels."""
+    """Prepare, follow, wait for the word, and play on. `waits`: others need the machine meanwhile; `loaded`, `show`: if
+    they are here already, with all kernels."""
     processors = stand_back() if waits else frozenset()
     if loaded is None:
         warm_kernels(console)
         loaded = played.wish.load()
     venue = played.wish.read_venue()
     sound = sound_of(played, loaded, venue)
-    picture = open_picture(played, loaded, hidden=True)
+    picture = open_picture(played, loaded, hidden=True, show=show)
     try:
         order, following = _follow(loaded, lifeline)
         if order is None:
@@ -102,8 +104,9 @@ def sound_of(played: Played, loaded: LoadedShow, venue: Venue | None) -> Sound:
         return Sound()
 
 
-def open_picture(played: Played, loaded: LoadedShow, *, hidden: bool) -> Any:
-    """A window with everything that draws, seen or not yet; None for a show without a picture."""
+def open_picture(played: Played, loaded: LoadedShow, *, hidden: bool, show: Show | None = None) -> Any:
+    """A window with everything that draws, seen or not yet; None for a show without a picture. `show`: is drawn once, so
+    that everything is there."""
     from live.render.monitors import list_monitors
 
     if played.headless or not list_monitors():
@@ -115,5 +118,5 @@ def open_picture(played: Played, loaded: LoadedShow, *, hidden: bool) -> Any:
     picture = Picture.opened(
         played.wish, scene, monitor=find_screen(played.monitor), fullscreen=played.fullscreen, hidden=hidden
     )
-    picture.rehearse(loaded.start(seed=played.wish.seed))
+    picture.rehearse(show or loaded.start(seed=played.wish.seed))
     return picture
