@@ -105,8 +105,8 @@ def sound_of(played: Played, loaded: LoadedShow, venue: Venue | None) -> Sound:
 
 
 def open_picture(played: Played, loaded: LoadedShow, *, hidden: bool, show: Show | None = None) -> Any:
-    """A window with everything that draws, seen or not yet; None for a show without a picture. `show`: is drawn once, so
-    that everything is there."""
+    """A window with everything that draws, seen or not yet; None for a show without a picture. `show`: is drawn once,
+    so that everything is there."""
     from live.render.monitors import list_monitors
 
     if played.headless or not list_monitors():
