@@ -2,6 +2,7 @@
 
 import os
 import random
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -85,6 +86,18 @@ def fixed_seeds() -> Iterator[None]:
     random.seed(0)
     np.random.seed(0)  # noqa: NPY002 - for libraries that still draw from the global generator
     with np.errstate(all="raise", under="ignore"):
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def facts_remembered() -> Iterator[None]:
+    """Steps are measured once, not for every show that is loaded; only where tests with graphs were collected."""
+    if "live.graph.motion_graph" not in sys.modules:
+        yield
+        return
+    from tests.remembered import facts_remembered
+
+    with facts_remembered():
         yield
 
 
