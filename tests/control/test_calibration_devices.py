@@ -78,7 +78,7 @@ def test_a_device_that_refuses_is_a_person_error(monkeypatch: pytest.MonkeyPatch
 def through_pulse(inserted: float) -> RoundTrip:
     """The round trip over PulseAudio, with so much silence [s] inserted that the measurement knows nothing of."""
     clock, pulse = SystemClock(), find_device("pulse")
-    train = sweep_train(pulse.sample_rate, 5)
+    train = sweep_train(pulse.sample_rate, 3)
     later = np.concatenate([np.zeros(int(inserted * pulse.sample_rate), np.float32), train.sound])
     microphone = Microphone(pulse, Channels(), 30.0, clock)
     try:
