@@ -219,9 +219,10 @@ def endless(journal, status):
 
 @pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGINT])
 def test_a_show_that_is_told_to_end_ends_its_journal(tmp_path, number):
+    """All in this process; the next one is a show of several processes."""
     journal, status = tmp_path / "j", tmp_path / "s"
     with told(number, lambda: status.exists() and status.read_text()):
-        result = run_live(*endless(journal, status))
+        result = run_live(*endless(journal, status), "--alone")
     assert result.returncode == 128 + number
     assert "Traceback" not in result.stderr
     assert journal.read_text().endswith('"end":true}\n')
