@@ -112,7 +112,8 @@ class Engines:
         """End them."""
         for child in (self.spare, self.engine, *self._dead):
             if child is not None:
-                child.terminate()
+                # whoever still begins has nothing to close, and may be where Python drops the signal's exception
+                (child.kill if child.phase is Phase.STARTING else child.terminate)()
                 child.end()
         self.nursery.close()
 

@@ -128,7 +128,7 @@ class Eye:
 
 
 @pytest.mark.x11
-def test_on_a_projector_black_is_seen_for_a_moment_and_then_the_dance_but_never_the_desktop(
+def test_on_a_projector_the_dance_comes_back_and_the_desktop_is_never_seen(
     play, patch: Path, two_monitor_x: TwoMonitorX
 ):
     _needs("xsetroot")
