@@ -10,6 +10,7 @@ from rich.console import Console
 from live.base.errors import PersonError
 from live.base.picture import camera_of
 from live.base.stage_view import Scene, StageView
+from live.cli.drawing_watch import DrawingWatch
 from live.cli.recording import LiveRecording, live_rate
 from live.cli.session import Session
 from live.cli.wish import Wish
@@ -149,7 +150,7 @@ class Picture:
         except (NoWindow, UnknownMonitor) as error:
             raise PersonError(str(error)) from None
         try:
-            return cls(window, Renderer(window.ctx, scene, size=window.size))
+            return cls(window, Renderer(window.ctx, scene, size=window.size, steps=True))
         except BaseException:
             window.close()
             raise
@@ -213,6 +214,7 @@ def _loop(
 ) -> None:
     size = window.size
     screen: bool | None = None
+    watch = DrawingWatch(session, renderer)
 
     def draw(view: StageView) -> None:
         nonlocal size
@@ -220,15 +222,19 @@ def _loop(
             size = window.size
             renderer.resize(size)
         target: Any = window.target
+        watch.graph(view)
         renderer.draw(view, target)
+        watch.times.mark("draw")
 
     rate = live_rate(session.wish, window.ctx, window.monitor.refresh_hz)
     if rate == window.monitor.refresh_hz:
         rate = min(rate * PACE_ABOVE, 1000.0)
     pacer = Pacer(rate, session.clock.now, time.sleep)
+    watch.period = 1.0 / min(rate, window.monitor.refresh_hz or rate)
     previous = session.clock.now()
     while not operator.leaving:
         started = pacer.wait()
+        watch.begin(pacer.late, started - previous)
         for value in window.poll():
             operator.act(value, session.clock.now())
         session.before_frame()
@@ -237,7 +243,9 @@ def _loop(
             recording.frame(window.target, started)
         session.status.late_frames = pacer.late
         session.after_frame(started, previous)
+        watch.times.mark("rest")
         window.swap()
+        watch.end()
         if session.lifeline is not None and window.fullscreen is not screen:
             screen = window.fullscreen
             session.lifeline.tell_screen(screen, window.monitor.name)

@@ -59,7 +59,7 @@ class Crowd:
     def __init__(self, ctx: moderngl.Context, scene: Scene, quality: Quality) -> None:
         if scene.joint_count != JOINT_COUNT:
             raise ValueError(f"scene: joint_count {scene.joint_count}: the body has {JOINT_COUNT} joints")
-        self._ctx, self._quality = ctx, quality
+        self._ctx, self.quality = ctx, quality
         self._rest = np.ascontiguousarray(SKELETON.rest_positions(), np.float32)
         self._meshes: dict[int, tuple[moderngl.Buffer, moderngl.Buffer]] = {}
         self._vertex_arrays: dict[tuple[int, int, str], moderngl.VertexArray] = {}
@@ -135,7 +135,7 @@ class Crowd:
 
     def _split(self, view: StageView, there: Float32) -> None:
         count = len(there)
-        near = min(self._quality.near_count, count)
+        near = min(self.quality.near_count, count)
         if near == count:
             self._counts["near"] = count
             self._lists["near"].write(there)

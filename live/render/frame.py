@@ -138,6 +138,10 @@ class FrameBlock:
             self._row[SHADOW],
             self._row[MIRROR],
         )
+        self.upload()
+
+    def upload(self) -> None:
+        """Give the block to all programs as it is now."""
         self._buffer.write(self._data)
         self._buffer.bind_to_uniform_block(FRAME_BINDING)
 

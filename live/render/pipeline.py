@@ -27,6 +27,7 @@ from live.render.passes.mirror_pass import MirrorPass
 from live.render.passes.smooth_pass import SmoothPass
 from live.render.passes.stage_pass import StagePass
 from live.render.passes.surface_pass import SurfacePass
+from live.render.quality import Quality
 from live.render.release import Releasable, release_all
 
 SCENE_PASSES: Final[tuple[Callable[[Making], ScenePass], ...]] = ()
@@ -50,12 +51,23 @@ class Pipeline:
         self._surface = SurfacePass(ctx, quality, size)
         self._stages = {hdr: StagePass(ctx, hdr=hdr) for hdr in ((True,) if self._lit else (False, True))}
         if self._lit:
-            self._target = LitTarget(ctx, quality.samples, size)
+            self._targets = {quality.samples: LitTarget(ctx, quality.samples, size)}
+            self._target = self._targets[quality.samples]
             self._dancer = DancerPass(ctx, quality)
         else:
             self._smooth = {hdr: SmoothPass(ctx, self._surface.depth, size, hdr=hdr) for hdr in (False, True)}
         self._scene_passes = [make(making) for make in SCENE_PASSES]
         self.look_from(scene.camera)
+
+    def take(self, quality: Quality) -> None:
+        """Draw with another quality of the same kind from now on; what it needs is made once and kept."""
+        self._quality = self._surface.quality = quality
+        self.floor.choose(quality.floor_map)
+        if self._lit:
+            if quality.samples not in self._targets:
+                self._targets[quality.samples] = LitTarget(self._ctx, quality.samples, self._size)
+            self._target = self._targets[quality.samples]
+            self._dancer.quality = quality
 
     def look_from(self, camera: Camera) -> None:
         """What depends on the camera beside the block of uniforms."""
@@ -137,7 +149,8 @@ class Pipeline:
         self._surface.resize(size)
         self.chain.resize(size)
         if self._lit:
-            self._target.resize(size)
+            for lit in self._targets.values():
+                lit.resize(size)
         else:
             for smooth in self._smooth.values():
                 smooth.resize(self._surface.depth, size)
@@ -148,7 +161,7 @@ class Pipeline:
     def release(self) -> None:
         """Free everything."""
         own: list[Releasable] = [self.floor, self._mirror, self._backdrop, self.chain, *self._stages.values()]
-        own += [self._target, self._dancer] if self._lit else [*self._smooth.values()]
+        own += [*self._targets.values(), self._dancer] if self._lit else [*self._smooth.values()]
         release_all(*self._scene_passes, *own, self._surface)
 
 

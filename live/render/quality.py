@@ -30,6 +30,8 @@ class Quality:
     """The dancers' mirror images in the floor are drawn at 1/n of the picture's size."""
     left_out: tuple[str, ...] = ()
     """Passes that are not drawn, whatever is asked for."""
+    scale: float = 1.0
+    """The scene is drawn at this share of the picture's size each way, and stretched."""
 
 
 SOFTWARE: Final = Quality(0, LIGHT, 80, COARSE, 256, 3, ("bloom",))

@@ -1,5 +1,6 @@
 """The renderer: a `StageView` into a framebuffer, by way of its pipeline."""
 
+from collections.abc import Callable
 from typing import Final
 
 import moderngl
@@ -7,7 +8,10 @@ import moderngl
 from live.base.stage_view import PATH, Camera, Scene, StageView
 from live.render.crowd import Crowd
 from live.render.frame import FrameBlock
+from live.render.full import Full
+from live.render.ladder import Step, ladder_of
 from live.render.moment import Making, Moment
+from live.render.passes.graph_pass import GraphPass
 from live.render.passes.guide_pass import GuidePass
 from live.render.passes.overlay_pass import OverlayPass
 from live.render.pipeline import Pipeline
@@ -35,17 +39,30 @@ class Renderer:
         samples: int | None = None,
         target: moderngl.Framebuffer | None = None,
         quality: Quality | None = None,
+        steps: bool = False,
     ) -> None:
+        """`steps`: make all that the lower steps of the ladder of quality need as well; see `take_step`."""
         self._ctx, self._scene, self._size = ctx, scene, _checked(size)
         if target is not None and tuple(target.size) != size:
             raise ValueError(f"renderer: the target is {target.size}, the size asked for {size}")
         self.quality = quality or choose(ctx, scene.dancer_count, samples)
+        self.steps = ladder_of(self.quality) if steps else (Step("all", self.quality),)
+        """The ladder of quality, the best step first."""
+        self.step = 0
+        """Which of them is drawn."""
+        self.mark: Callable[[str], None] = _nobody
+        """Told what has just been done, for whoever measures: "upload", "draw"."""
+        self._drawn_size = self._size
         self._frame = FrameBlock(ctx, scene, size)
         self._crowd = Crowd(ctx, scene, self.quality)
         self._pipeline = Pipeline(Making(ctx, scene, self.quality, self._size))
         self._frame.vignette_at_end = self._pipeline.chain.vignette_at_end
         self._guide = GuidePass(ctx)
         self._overlay = OverlayPass(ctx)
+        self.graph = GraphPass(ctx)
+        """The overlay's graph of frames."""
+        self._stretch = Full(ctx, "stretch_fragment.glsl")
+        self._small: tuple[moderngl.Texture, moderngl.Framebuffer] | None = None
         self._beat = 0.0  # of the last picture
         self._moment = Moment(StageView.allocate(0, 1), self._frame, self._crowd, self._pipeline.floor.texture)
         self._draw_once()
@@ -65,7 +82,9 @@ class Renderer:
         view.element_radius[1], view.obstacle[0, 2] = 1.0, 1.0
         view.element_kind[2], view.element_corners[2] = PATH, 2
         view.guide_count = 1
-        self.draw(view, framebuffer)
+        for step in (*reversed(range(len(self.steps))), 0) if len(self.steps) > 1 else (0,):
+            self.take_step(step)
+            self.draw(view, framebuffer)
         self._moment.cut = True
         release_all(framebuffer, scratch)
 
@@ -92,8 +111,14 @@ class Renderer:
             target.clear(0.0, 0.0, 0.0, 1.0)
         else:
             self._crowd.update(view)
-            self._pipeline.draw(moment, target)
+            self.mark("upload")
+            if self._small is None:
+                self._pipeline.draw(moment, target)
+            else:
+                self._draw_small(moment, target, self._small)
         moment.cut = frame.level <= 0.0
+        if view.overlay:
+            self.graph.draw(target, self._size)
         self._guide.draw(view, target, self._size)
         self._overlay.draw(view.overlay, target, self._size)
 
@@ -104,12 +129,57 @@ class Renderer:
             return
         self._size, self._moment.cut = size, True
         self._frame.resize(size)
-        self._pipeline.resize(size, self._frame.camera)
+        self._fit()
         self._crowd.look_from(self._frame.camera)
+
+    def take_step(self, step: int) -> None:
+        """Draw with another step of the ladder from now on; one of another size is made as by `resize`."""
+        if step == self.step and self.quality is self.steps[step].quality:
+            return
+        self.step, self.quality = step, self.steps[step].quality
+        self._crowd.quality = self.quality
+        self._pipeline.take(self.quality)
+        self._moment.floor = self._pipeline.floor.texture
+        self._fit()
+
+    def _fit(self) -> None:
+        """Make what the scene is drawn into as large as size and quality say."""
+        scale = self.quality.scale
+        width, height = _checked((round(self._size[0] * scale), round(self._size[1] * scale)))
+        if (width, height) != self._drawn_size:
+            self._drawn_size = width, height
+            self._moment.cut = True
+            self._pipeline.resize((width, height), self._frame.camera)
+        if self._small is not None and self._small[0].size != (width, height):
+            release_all(*reversed(self._small))
+            self._small = None
+        if scale != 1.0 and self._small is None:
+            texture = self._ctx.texture((width, height), 4)
+            texture.repeat_x = texture.repeat_y = False
+            self._small = texture, self._ctx.framebuffer([texture])
+
+    def _draw_small(
+        self, moment: Moment, target: moderngl.Framebuffer, small: tuple[moderngl.Texture, moderngl.Framebuffer]
+    ) -> None:
+        """Draw the picture smaller than `target` and stretch it; what is written on it stays sharp."""
+        texture, framebuffer = small
+        self._frame.resize(texture.size)
+        self._frame.upload()
+        self._pipeline.draw(moment, framebuffer)
+        self._frame.resize(self._size)
+        self._frame.upload()
+        self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
+        self._stretch.draw(target, small=texture)
 
     def release(self) -> None:
         """Free everything that was made; the renderer must not be used afterwards."""
-        release_all(self._frame, self._crowd, self._pipeline, self._guide, self._overlay)
+        release_all(self._frame, self._crowd, self._pipeline, self._guide, self._overlay, self.graph, self._stretch)
+        if self._small is not None:
+            release_all(*reversed(self._small))
+
+
+def _nobody(part: str) -> None:
+    """Nobody measures."""
 
 
 def _checked(size: tuple[int, int]) -> tuple[int, int]:

@@ -26,6 +26,10 @@ Picture = Callable[[StageView], None]
 """Whatever draws a snapshot: the renderer on its target, or nothing at all."""
 
 
+def _nobody(part: str) -> None:
+    """Nobody measures."""
+
+
 class Engine:
     """Takes events, runs the ticks that are due, and has the frame drawn.
 
@@ -72,6 +76,8 @@ class Engine:
         """Whether an event that ends in an error is refused, as by who replays or goes on; else the error is raised."""
         self.failed = 0
         """Events that ended in an error, since the start."""
+        self.mark: Callable[[str], None] = _nobody
+        """Told what has just been done in a frame, for whoever measures: "events", "simulation", "poses"."""
         self.on_error: Callable[[Exception], None] | None = None
         """Told once when drawing fails; the show goes on. None (in tests and offline): the error is raised."""
 
@@ -85,12 +91,14 @@ class Engine:
             if len(events) < EVENTS_AT_ONCE or self._clock.now() - now > EVENT_SECONDS:
                 break
         self._status.dropped_events = self._inbox.dropped
+        self.mark("events")
         target = now + self.lead
         self._run_ticks(now, target)
         if self.show.patch is not self._patch:
             self._patch = self.show.patch
             for tell in self.patched:
                 tell(self._patch)
+        self.mark("simulation")
         self.show.fill(self.view, max(target, self.ticks.time))
         self.view.overlay = self._status.overlay(now) if self.overlay else ()
         if self.dark:
@@ -98,6 +106,7 @@ class Engine:
         self.view.guide_count = 0
         if self.guides:
             draw_guides(self.show, self.view)
+        self.mark("poses")
         self._status.frames += 1
         try:
             picture(self.view)

@@ -143,8 +143,10 @@ class Status:
         lines = (
             f"{s['bpm']:.1f} bpm   measure {s['measure']}   beat {s['beat']} of {beats}",
             f"clock: {clock_in_words(s)}{heard}",
-            f"frame {frame['p50']:.1f} ms   p99 {frame['p99']:.1f}   cpu {cpu:.1f}   late {s['late_frames']}",
-            f"dancers {s['dancers']}   events {s['events_accepted']}   refused {sum(s['events_rejected'].values())}",
+            f"frame {frame['p50']:.1f} ms   p99 {frame['p99']:.1f}   p99.9 {frame['p999']:.1f}   cpu {cpu:.1f}   "
+            f"late {s['late_frames']}   skipped {s['skipped_ticks']}",
+            f"dancers {s['dancers']}   events {s['events_accepted']}   refused {sum(s['events_rejected'].values())}   "
+            f"phones {s['phones']}   memory {s['rss_mb']:.0f} MB",
         )
         more = self._show.prompter.words()
         more = (*more, f"pointer: {self.tool}") if self.tool else more

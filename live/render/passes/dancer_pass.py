@@ -11,7 +11,7 @@ class DancerPass:
     """Draws near and far dancers into the bound target, with depth."""
 
     def __init__(self, ctx: moderngl.Context, quality: Quality) -> None:
-        self._ctx, self._quality = ctx, quality
+        self._ctx, self.quality = ctx, quality
         self._program = program(ctx, "dancer_vertex.glsl", "dancer_fragment.glsl", (("SOFT", 1),))
 
     def draw(self, crowd: Crowd, floor_map: moderngl.Texture) -> None:
@@ -19,8 +19,8 @@ class DancerPass:
         self._ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         floor_map.use(1)
         set_uniform(self._program, "floor_map", 1)
-        crowd.draw(self._program, self._quality.near_level, "near")
-        crowd.draw(self._program, self._quality.far_level, "far")
+        crowd.draw(self._program, self.quality.near_level, "near")
+        crowd.draw(self._program, self.quality.far_level, "far")
 
     def release(self) -> None:
         """Free the program."""

@@ -60,8 +60,8 @@ class ElementPass:
         self._pools = program(ctx, "element_vertex.glsl", "element_fragment.glsl", _KINDS)
         self._regions = program(ctx, "element_region_vertex.glsl", "element_region_fragment.glsl", _KINDS)
         self._lines = program(ctx, "element_line_vertex.glsl", "element_line_fragment.glsl", _KINDS)
+        self.fit(texel)
         for linked in (self._pools, self._regions, self._lines):
-            set_uniform(linked, "texel", texel)
             if "Corners" in linked:
                 block = linked["Corners"]
                 assert isinstance(block, moderngl.UniformBlock)
@@ -78,6 +78,11 @@ class ElementPass:
         self._line_array = ctx.vertex_array(
             self._lines, [(self._piece_buffer, "4f 4f 4f/i", "in_piece", "in_element", "in_form")]
         )
+
+    def fit(self, texel: float) -> None:
+        """The map has texels so wide [m] from now on."""
+        for linked in (self._pools, self._regions, self._lines):
+            set_uniform(linked, "texel", texel)
 
     def draw(self, view: StageView) -> None:
         """Draw the elements of this moment; nothing, at no cost, if there are none."""

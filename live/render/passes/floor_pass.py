@@ -33,22 +33,35 @@ class FloorPass:
             program(ctx, "full_vertex.glsl", "blur_fragment.glsl", (("TAPS", taps), ("LAST", last))) for last in (0, 1)
         ]
         self._triangles = [ctx.vertex_array(blur, []) for blur in self._blurs]
+        self._floor_size = floor_size
         texel = max(floor_size) / quality.floor_map
         self._elements = ElementPass(ctx, texel)
         self._set = SetPass(ctx, texel)
-        self._fit(quality.floor_map, floor_size)
+        self._framebuffers: dict[int, list[moderngl.Framebuffer]] = {}
+        self._maps: dict[int, tuple[moderngl.Texture, ...]] = {}
+        self.choose(quality.floor_map)
 
-    def _fit(self, long_side: int, floor_size: tuple[float, float]) -> None:
-        scale = long_side / max(floor_size)
-        width, depth = (max(round(side * scale), 8) for side in floor_size)
-        self._layers = self._texture((2 * width, 2 * depth), "f1")
-        self._between = self._texture((width, depth), "f1")
-        self.texture = self._texture((width, depth), "f2")
-        self._targets = [self._ctx.framebuffer([t]) for t in (self._layers, self._between, self.texture)]
+    def choose(self, long_side: int) -> None:
+        """Draw into a map of so many texels along its longer side; each size is made once."""
+        if long_side not in self._maps:
+            self._maps[long_side] = self._make(long_side)
+        self._layers, self._between, self.texture = textures = self._maps[long_side]
+        self._targets = self._framebuffers[long_side]
+        width, depth = textures[-1].size
         for blur, stride in zip(self._blurs, ((1.0 / width, 0.0), (0.0, 1.0 / depth)), strict=True):
             set_uniform(blur, "layers", 1)
             set_uniform(blur, "stride", stride)
             set_uniform(blur, "spread", tuple(spread * long_side / 256 for spread in _SPREAD))
+        self._elements.fit(max(self._floor_size) / long_side)
+        self._set.fit(max(self._floor_size) / long_side)
+
+    def _make(self, long_side: int) -> tuple[moderngl.Texture, ...]:
+        scale = long_side / max(self._floor_size)
+        width, depth = (max(round(side * scale), 8) for side in self._floor_size)
+        sizes = (((2 * width, 2 * depth), "f1"), ((width, depth), "f1"), ((width, depth), "f2"))
+        textures = tuple(self._texture(size, kind) for size, kind in sizes)
+        self._framebuffers[long_side] = [self._ctx.framebuffer([texture]) for texture in textures]
+        return textures
 
     def _texture(self, size: tuple[int, int], kind: str) -> moderngl.Texture:
         texture = self._ctx.texture(size, 4, dtype=kind)
@@ -85,5 +98,7 @@ class FloorPass:
 
     def release(self) -> None:
         """Free everything."""
-        release_all(*self._targets, self._layers, self._between, self.texture, *self._triangles)
+        for long_side, textures in self._maps.items():
+            release_all(*self._framebuffers[long_side], *textures)
+        release_all(*self._triangles)
         release_all(self._elements, self._set, self._cast, *self._blurs)

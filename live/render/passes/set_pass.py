@@ -19,10 +19,14 @@ class SetPass:
     def __init__(self, ctx: moderngl.Context, texel: float) -> None:
         self._ctx = ctx
         self._program = program(ctx, "set_vertex.glsl", "set_fragment.glsl")
-        set_uniform(self._program, "texel", texel)
+        self.fit(texel)
         self._staging = np.zeros((2 * SET_CAPACITY, 6), np.float32)
         self._buffer = ctx.buffer(reserve=self._staging.nbytes, dynamic=True)
         self._array = ctx.vertex_array(self._program, [(self._buffer, "4f 2f/i", "in_ends", "in_form")])
+
+    def fit(self, texel: float) -> None:
+        """The map has texels so wide [m] from now on."""
+        set_uniform(self._program, "texel", texel)
 
     def draw(self, view: StageView) -> None:
         """Draw what stands on the stage now; nothing, at no cost, if it is empty."""

@@ -18,7 +18,7 @@ class SurfacePass:
     """
 
     def __init__(self, ctx: moderngl.Context, quality: Quality, size: tuple[int, int]) -> None:
-        self._ctx, self._quality = ctx, quality
+        self._ctx, self.quality = ctx, quality
         self._surface, self._named = (
             program(ctx, "dancer_vertex.glsl", "gbuffer_fragment.glsl", (("SOFT", 0), ("WHO", who))) for who in (0, 1)
         )
@@ -47,8 +47,8 @@ class SurfacePass:
         target.use()
         target.clear()
         self._ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
-        crowd.draw(linked, self._quality.near_level, "near")
-        crowd.draw(linked, self._quality.far_level, "far")
+        crowd.draw(linked, self.quality.near_level, "near")
+        crowd.draw(linked, self.quality.far_level, "far")
 
     def shade(self, floor_map: moderngl.Texture, *, hdr: bool = False) -> None:
         """Light the surfaces into the bound target, which must not write depth; `hdr`: as compressed light."""

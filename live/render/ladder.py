@@ -1,0 +1,104 @@
+"""The ladder of quality: what is left out, step by step, when a machine cannot keep up, and when it comes back.
+
+Down at once, for a late frame is seen; up slowly, for a step that is taken back at once is seen, too. Only what is
+drawn changes, never what is danced.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+from live.render.body import COARSE, LIGHT
+from live.render.quality import Quality
+
+HALFLIFE: Final = 1.0
+"""After so many seconds a late frame counts half; after a step only those count that came since."""
+DOWN: Final = 0.06
+"""A larger share of late frames, by their time, takes the next step down."""
+SETTLE: Final = 1.0
+"""Seconds after a step down before the next one: only then is seen what the first one did."""
+BEGIN: Final = 2.0
+"""In the first seconds of a show late frames say nothing: drivers still compile."""
+CALM: Final = 0.005
+"""A smaller share than this for `PATIENCE` seconds, with `ROOM` to spare, takes a step up."""
+PATIENCE: Final = 15.0
+ROOM: Final = 0.75
+"""Up only while frames need less of their time than this share."""
+LONGEST: Final = 300.0
+"""Seconds of patience at most: it doubles with every step up that had to be taken back."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One step of the ladder."""
+
+    name: str
+    """What is left out from here on, in words."""
+    quality: Quality
+
+
+def ladder_of(best: Quality) -> tuple[Step, ...]:
+    """The steps from `best` down, each without something more; the resolution comes last."""
+    changes: list[tuple[str, dict[str, object]]] = []
+    left_out = best.left_out
+    if best.samples > 2:
+        changes.append(("half the samples", {"samples": 2}))
+    for name in ("trails", "bloom", "mirror"):
+        if name not in left_out:
+            left_out = (*left_out, name)
+            changes.append((f"no {name}", {"left_out": left_out}))
+    changes.append(("a coarse floor", {"floor_map": max(best.floor_map // 2, 128)}))
+    changes.append(("lighter bodies", _lighter(best)))
+    changes.append(("3/4 of the size", {"scale": 0.75 * best.scale}))
+    changes.append(("half the size", {"scale": 0.5 * best.scale}))
+    steps, quality = [Step("all", best)], best
+    for name, change in changes:
+        quality = replace(quality, **change)  # type: ignore[arg-type]
+        steps.append(Step(name, quality))
+    return tuple(steps)
+
+
+def _lighter(best: Quality) -> dict[str, object]:
+    if best.near_level == LIGHT:
+        return {"near_count": best.near_count // 4, "far_level": COARSE}
+    return {"near_level": LIGHT, "far_level": COARSE}
+
+
+class Ladder:
+    """Decides which step is drawn; told after every frame how it went. Thread: the show's."""
+
+    def __init__(self, steps: int) -> None:
+        """`steps`: how many there are; 0 is the best."""
+        self._steps = steps
+        self.step = 0
+        """The step now."""
+        self.changes = 0
+        """How often it has changed."""
+        self._share = self._calm = 0.0
+        self._since = SETTLE - BEGIN
+        self._patience = PATIENCE
+        self._raised = False
+
+    def frame(self, late: bool, seconds: float, load: float) -> int:
+        """After a frame that came `seconds` after the last one, `late` or not: the step for the next.
+
+        `load`: the share of its time that was needed for everything but waiting.
+        """
+        self._since += seconds
+        kept = 0.5 ** (max(seconds, 0.0) / HALFLIFE)
+        self._share = kept * self._share + (1.0 - kept) * (late and (self.changes > 0 or self._since > SETTLE))
+        if self._share > DOWN:
+            self._calm = 0.0
+            if self._since > SETTLE and self.step < self._steps - 1:
+                if self._raised and self._since < 4.0 * PATIENCE:  # it was too early to go up
+                    self._patience = min(2.0 * self._patience, LONGEST)
+                self._go(self.step + 1, raised=False)
+            return self.step
+        self._calm = self._calm + seconds if self._share < CALM and load < ROOM else 0.0
+        if self._calm >= self._patience and self.step > 0:
+            self._go(self.step - 1, raised=True)
+        return self.step
+
+    def _go(self, step: int, *, raised: bool) -> None:
+        self.step, self._raised = step, raised
+        self._since = self._calm = self._share = 0.0
+        self.changes += 1

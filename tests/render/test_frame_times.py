@@ -1,0 +1,84 @@
+"""Where frames' time goes: sums, percentiles, and who is blamed."""
+
+import numpy as np
+import pytest
+
+from live.render.frame_times import KEPT, PARTS, SHOWN, WAITING, FrameTimes
+
+USUAL = {"events": 0.2, "simulation": 3.0, "poses": 1.0, "upload": 0.3, "draw": 4.0, "rest": 0.5, "swap": 6.0}
+
+
+class World:
+    def __init__(self):
+        self.time = 5.0
+        self.times = FrameTimes(lambda: self.time)
+
+    def frame(self, wait=0.0, **others):
+        """One frame with the usual parts but for `others` [ms]."""
+        self.time += wait * 1e-3
+        self.times.begin()
+        for part in PARTS:
+            self.time += (USUAL | others)[part] * 1e-3
+            self.times.mark(part)
+        self.times.end()
+        return self.times
+
+    def usual(self, count=200):
+        """So many usual frames, in time."""
+        for _ in range(count):
+            self.frame().judge(1.0 / 50.0, late=False)
+        return self
+
+
+def test_parts_and_whole_frames_are_what_they_took():
+    world = World()
+    for _ in range(100):
+        world.frame(wait=1.0)
+    facts = world.times.facts()
+    for part, took in USUAL.items():
+        assert facts["parts"][part] == [pytest.approx(took, abs=0.002)] * 3
+    out = np.zeros(SHOWN, np.float32)
+    assert world.times.recent(out) == 99
+    assert out[:99] == pytest.approx(np.full(99, sum(USUAL.values()) + 1.0), abs=0.01)
+    assert world.times.load(1.0 / 50.0) == pytest.approx((sum(USUAL.values()) - USUAL["swap"]) / 20.0, abs=0.001)
+
+
+def test_percentiles_tell_the_rare_from_the_usual():
+    world = World()
+    for number in range(1000):
+        world.frame(draw=40.0 if number % 50 == 0 else 4.0)
+    assert world.times.facts()["parts"]["draw"] == [pytest.approx(4.0, abs=0.01)] + [pytest.approx(40.0, abs=0.01)] * 2
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_who_took_longer_than_usual_is_blamed(part):
+    world = World().usual()
+    assert world.frame(**{part: USUAL[part] + 15.0}).judge(1.0 / 60.0, late=True) == part
+    assert world.times.facts()["late_by"] == {part: 1}
+
+
+def test_a_machine_that_woke_the_show_too_late_is_blamed_itself():
+    world = World().usual()
+    assert world.frame(wait=20.0).judge(1.0 / 50.0, late=True) == WAITING
+
+
+def test_a_part_that_is_always_too_long_is_blamed_where_it_grew():
+    world = World().usual(300)
+    blamed = {world.frame(draw=30.0).judge(1.0 / 60.0, late=True) for _ in range(20)}
+    assert blamed == {"draw"}
+
+
+def test_the_ring_goes_round():
+    world = World()
+    for number in range(KEPT + 300):
+        world.frame(draw=float(number % 7))
+    out = np.zeros(SHOWN, np.float32)
+    assert world.times.recent(out) == SHOWN
+    assert out[-1] == pytest.approx(sum(USUAL.values()) - 4.0 + (KEPT + 298) % 7, abs=0.01)
+    assert FrameTimes(lambda: 0.0).recent(out) == 0
+    assert FrameTimes(lambda: 0.0).judge(0.02, late=True) == ""
+
+
+def test_where_no_frame_was_ever_in_time_the_longest_part_is_blamed():
+    world = World()
+    assert {world.frame(draw=90.0, simulation=20.0).judge(0.02, late=True) for _ in range(50)} == {"draw"}
