@@ -13,6 +13,7 @@ from live.clock.ticks import TICK
 from live.show.patch_file import PATCHES, is_file
 from live.show.sections.section import Name, Section
 from live.show.toml_file import parse_model, read_text
+from live.show.venue_output import MOST_OUTPUTS, VenueOutput, check_outputs
 
 Sooner = Annotated[float, Field(ge=-500, le=500, allow_inf_nan=False)]
 Later = Annotated[float, Field(ge=0, le=500, allow_inf_nan=False)]
@@ -73,6 +74,14 @@ class Venue(Section):
     audio: VenueAudio = VenueAudio()
     midi: VenueMidi = VenueMidi()
     latency: VenueLatency = VenueLatency()
+    output: Annotated[list[VenueOutput], Field(max_length=MOST_OUTPUTS)] = []
+    """Its projectors; without any the picture fills one window."""
+
+    @field_validator("output")
+    @classmethod
+    def _by_name(cls, output: list[VenueOutput]) -> list[VenueOutput]:
+        check_outputs(output)
+        return output
 
     @field_validator("name")
     @classmethod

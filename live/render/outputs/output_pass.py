@@ -1,0 +1,113 @@
+"""The output pass: draws the picture, or a test card, into one output's window as its projector needs it."""
+
+from typing import Final
+
+import moderngl
+import numpy as np
+import numpy.typing as npt
+from PIL import Image
+
+from live.base.errors import PersonError
+from live.render.outputs.mesh import MOST_VERTICES, vertices
+from live.render.outputs.output import Output
+from live.render.outputs.test_cards import CARDS, TINTS, Card, words_of
+from live.render.release import release_all
+from live.render.shader import program, set_uniform
+
+LARGEST_MASK: Final = 8192
+
+_TURNS: Final = {
+    0: ((1, 0, 0), (0, 1, 0)),
+    90: ((0, 1, 0), (-1, 0, 1)),
+    180: ((-1, 0, 1), (0, -1, 1)),
+    270: ((0, -1, 1), (1, 0, 0)),
+}
+"""By rotation: rows of the matrix from (u, v, 1) of the frame to the upright picture's part."""
+
+
+class OutputPass:
+    """Draws one output. Everything is made here and in `set`; it belongs to the context of the output's window."""
+
+    def __init__(self, ctx: moderngl.Context, output: Output, number: int = 0, detail: str = "") -> None:
+        """`number`: of the output, from 0, for its tint; `detail`: a line under its name. PersonError for its mask."""
+        self._ctx = ctx
+        self._program = program(ctx, "output_vertex.glsl", "output_fragment.glsl")
+        self._buffer = ctx.buffer(reserve=MOST_VERTICES * 20, dynamic=True)
+        self._array = ctx.vertex_array(self._program, [(self._buffer, "3f 2f", "in_place", "in_frame")])
+        picture = words_of(output.name, detail)
+        self._words = _grey(ctx, picture)
+        self._mask = _grey(ctx, np.full((1, 1), 255, np.uint8) if output.mask is None else read_mask(output))
+        for unit, name in enumerate(("picture", "mask", "words"), start=1):
+            set_uniform(self._program, name, unit)
+        set_uniform(self._program, "words_size", (picture.shape[1], picture.shape[0]))
+        set_uniform(self._program, "card_tint", TINTS[number % len(TINTS)])
+        self.set(output)
+
+    def set(self, output: Output) -> None:
+        """Bend and tint as this output says; its mask stays."""
+        self._output = output
+        data = vertices(output)
+        self._buffer.write(data)
+        self._count = len(data)
+        edge = output.edge
+        across, down = bool(edge.left or edge.right), bool(edge.top or edge.bottom)
+        set_uniform(self._program, "crop", output.crop)
+        set_uniform(self._program, "turned", turned(output).T.ravel().tolist())
+        set_uniform(self._program, "edge", (edge.left, edge.right, edge.top, edge.bottom))
+        set_uniform(self._program, "blend", (edge.gamma, edge.black, (1 + across) * (1 + down)))
+        set_uniform(self._program, "tinted", output.is_tinted)
+        set_uniform(self._program, "bent", output.is_bent)
+
+    def draw(
+        self, picture: moderngl.Texture, target: moderngl.Framebuffer, *, card: Card = "off", left: float = 1.0
+    ) -> None:
+        """Draw `picture`, or a test card, over all of `target`; `left`: the share of light that the flash limit
+        leaves."""
+        width, height = target.viewport[2:]
+        upright = self._output.rotation in (0, 180)
+        set_uniform(self._program, "window_size", (width, height))
+        set_uniform(self._program, "frame_size", (width, height) if upright else (height, width))
+        set_uniform(self._program, "picture_size", picture.size)
+        set_uniform(self._program, "light", (self._output.brightness, self._output.gamma, left))
+        set_uniform(self._program, "card", CARDS.index(card))
+        target.use()
+        target.clear(0.0, 0.0, 0.0, 1.0)
+        self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
+        picture.use(1)
+        self._mask.use(2)
+        self._words.use(3)
+        self._array.render(moderngl.TRIANGLES, vertices=self._count)
+
+    def release(self) -> None:
+        """Free everything."""
+        release_all(self._array, self._buffer, self._words, self._mask, self._program)
+
+
+def turned(output: Output) -> npt.NDArray[np.float32]:
+    """The matrix (2, 3) from (u, v, 1) of the frame to the upright part of the picture: rotation, then mirror."""
+    matrix = np.array(_TURNS[output.rotation], np.float32)
+    if output.mirror:
+        matrix[0] = (0.0, 0.0, 1.0) - matrix[0]
+    return matrix
+
+
+def read_mask(output: Output) -> npt.NDArray[np.uint8]:
+    """The mask of an output, row 0 on top, shape (H, W); PersonError if it cannot be read."""
+    path = output.mask
+    try:
+        with Image.open(str(path)) as image:
+            if max(image.size) > LARGEST_MASK:
+                raise PersonError(f"mask {path}: {image.size[0]}x{image.size[1]} pixels", f"at most {LARGEST_MASK}")
+            return np.array(image.convert("L"), np.uint8)
+    except FileNotFoundError:
+        raise PersonError(f"mask {path}: there is no such file", "give a PNG beside the venue's file") from None
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+        raise PersonError(f"mask {path}: no picture can be read from it: {error}", "save it as PNG") from None
+
+
+def _grey(ctx: moderngl.Context, picture: npt.NDArray[np.uint8]) -> moderngl.Texture:
+    """A texture of one channel."""
+    texture = ctx.texture((picture.shape[1], picture.shape[0]), 1, picture.tobytes(), alignment=1)
+    texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+    texture.repeat_x = texture.repeat_y = False
+    return texture

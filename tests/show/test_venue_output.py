@@ -1,0 +1,72 @@
+"""`[[output]]` of a venue: what it may say, and how it is told what is wrong."""
+
+from pathlib import Path
+
+import pytest
+
+from live.base.errors import PersonError
+from live.render.outputs.output import Output, SoftEdge
+from live.show.toml_file import parse_model
+from live.show.venue import Venue
+
+
+def venue(text: str) -> Venue:
+    return parse_model(f'name = "hall"\n{text}', "hall.toml", Venue, "venue")
+
+
+def test_everything_that_may_be_said():
+    (one,) = venue("""
+[[output]]
+name = "left"
+monitor = "right of primary"
+crop = [0, 0, 0.55, 1]
+corners = [[0.1, 0], [1, 0.05], [0.95, 1], [0, 0.9]]
+mesh = [[[0, 0], [1, 0]], [[0, 1], [1, 1.02]]]
+rotation = 180
+mirror = true
+soft_edge = { right = 0.2, gamma = 2.4, black = 0.01 }
+mask = "masks/left.png"
+brightness = 0.8
+gamma = 1.1
+""").output
+    assert one.output(Path("/venues")) == Output(
+        "left", "right of primary", (0, 0, 0.55, 1), ((0.1, 0), (1, 0.05), (0.95, 1), (0, 0.9)),
+        (((0, 0), (1, 0)), ((0, 1), (1, 1.02))), 180, True, SoftEdge(right=0.2, gamma=2.4, black=0.01),
+        Path("/venues/masks/left.png"), 0.8, 1.1,
+    )  # fmt: skip
+
+
+def test_an_output_that_says_nothing_is_plain():
+    assert venue("[[output]]").output[0].output(Path()).is_plain
+    assert venue("").output == []
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("corners = [[0, 0], [0, 0], [0, 0], [0, 0]]", r"line 3: output.1.corners: the corners enclose nothing"),
+        ("corners = [[0, 0], [1, 1], [1, 0], [0, 1]]", "the corners cross"),
+        ("corners = [[0, 0], [1, 0], [1, 1]]", "output.1.corners"),
+        ("corners = [[0, 0], [nan, 0], [1, 1], [0, 1]]", "output.1.corners.2.1"),
+        ("mesh = [[[0, 0], [1, 0]], [[0, 1]]]", "different numbers of points"),
+        ("mesh = [[[0, 0], [1, 0]], [[1, 1], [0, 1]]]", "folds over at row 1, column 1"),
+        ("crop = [0.5, 0, 0.6, 1]", "output.1.crop: x, y, width, height"),
+        ("crop = [0, 0, 0, 1]", "output.1.crop"),
+        ('mask = "../secret.png"', "a file beside the venue's"),
+        ('mask = "/etc/passwd"', "a file beside the venue's"),
+        ("rotation = 45", "0, 90, 180 or 270, found 45"),
+        ("soft_edge = { left = 0.2, rigt = 0.2 }", "did you mean 'right'"),
+        ("soft_edge = { left = 0.7 }", "output.1.soft_edge.left"),
+        ("brightness = 2", "output.1.brightness"),
+        ('name = "*"', "not \\* alone"),
+        ('name = "A"\n[[output]]\nname = "a"', "line 5: output.2.name: another output is called 'a'"),
+    ],
+)
+def test_what_is_wrong_is_named_with_its_line(text, words):
+    with pytest.raises(PersonError, match=words):
+        venue(f"[[output]]\n{text}")
+
+
+def test_there_are_not_too_many():
+    with pytest.raises(PersonError, match="output: at most 8"):
+        venue("".join(f'[[output]]\nname = "{n}"\n' for n in range(9)))
