@@ -4,16 +4,17 @@ One table says all of them, with address, range, start value and unit: controls,
 renderer are made from it. A new one is a new line here, and a use in the renderer. Colours are linear RGB.
 """
 
-from dataclasses import dataclass
-from typing import Final, Literal
+from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
+from live.base import styles
 from live.base.stage_view import Camera, Look, Scene
+from live.base.styles import Kind
 
 Float64 = npt.NDArray[np.float64]
-Kind = Literal["number", "colour", "place"]
 
 GROUPS: Final = 16
 """Groups that have a colour of their own."""
@@ -108,18 +109,43 @@ def _laid_out() -> tuple[PictureParameter, ...]:
 
 
 PARAMETERS: Final = _laid_out()
-"""All of them but the groups' colours, in the order of the row."""
+"""All of them but what every group has for itself, in the order of the row."""
 BY_ADDRESS: Final = {parameter.address: parameter for parameter in PARAMETERS}
 COLOURS: Final = PARAMETERS[-1].first + PARAMETERS[-1].size
 """Where the groups' colours begin, three numbers for each."""
-SIZE: Final = COLOURS + 3 * GROUPS
-"""Numbers of the row."""
+STYLES: Final = COLOURS + 3 * GROUPS
+"""Where the groups' styles begin, `STYLE_SIZE` numbers for each."""
+STYLE_OF_GROUP: Final = "/dance/draw/"
+"""What the addresses of all styles begin with."""
 
 
 def colour_of_group(group: int) -> PictureParameter:
     """The colour of a group, by its index below `GROUPS`."""
     words = "Colour of the clothes of a group."
     return PictureParameter(COLOUR_OF_GROUP, "colour", 0, 1, (0.8, 0.8, 0.8), "", words, COLOURS + 3 * group)
+
+
+def _styles() -> dict[str, PictureParameter]:
+    first, table = STYLES, {}
+    for name, kind, low, high, start, unit, words in styles.LINES:
+        address = STYLE_OF_GROUP + name
+        table[address] = PictureParameter(address, kind, low, high, start, unit, words, first)
+        first += table[address].size
+    return table
+
+
+OF_GROUPS: Final = {COLOUR_OF_GROUP: colour_of_group(0)} | _styles()
+"""What every group has for itself, by address, where the first group has it."""
+STYLE_SIZE: Final = sum(known.size for known in OF_GROUPS.values()) - 3
+SIZE: Final = STYLES + STYLE_SIZE * GROUPS
+"""Numbers of the row."""
+
+
+def of_group(address: str, group: int) -> PictureParameter:
+    """The parameter of `OF_GROUPS` at an address, of a group by its index below `GROUPS`."""
+    known = OF_GROUPS[address]
+    stride = 3 if address == COLOUR_OF_GROUP else STYLE_SIZE
+    return replace(known, first=known.first + stride * group)
 
 
 def _where(*addresses: str) -> npt.NDArray[np.intp]:
@@ -169,8 +195,16 @@ def picture_of(scene: Scene) -> Float64:
     for address, numbers in scene.start:
         row[BY_ADDRESS[address].where] = numbers
     colours = look.group_colours or ((0.8, 0.8, 0.8),)
-    row[COLOURS:] = [value for group in range(GROUPS) for value in colours[group % len(colours)]]
+    row[COLOURS:STYLES] = [value for group in range(GROUPS) for value in colours[group % len(colours)]]
+    row[STYLES:] = [value for group in range(GROUPS) for value in _drawn(look, group)]
     return row
+
+
+def _drawn(look: Look, group: int) -> Float64:
+    """The numbers of a group's styles, shape (STYLE_SIZE,): the table's, and what the look says of this group."""
+    said = dict(look.group_styles[group]) if group < len(look.group_styles) else {}
+    numbers = [said.get(address, known.start) for address, known in OF_GROUPS.items() if address != COLOUR_OF_GROUP]
+    return np.concatenate([np.atleast_1d(np.asarray(value, np.float64)) for value in numbers])
 
 
 def camera_of(row: Float64) -> Camera:

@@ -75,6 +75,8 @@ class Look:
     """Tint of the light from everywhere."""
     saturation: float = 1.0
     group_colours: tuple[Colour, ...] = ((0.90, 0.42, 0.20), (0.16, 0.55, 0.75), (0.86, 0.74, 0.42))
+    group_styles: tuple[tuple[tuple[str, tuple[float, ...]], ...], ...] = ()
+    """How each group is drawn: addresses of `live.base.picture.OF_GROUPS` with their numbers; the rest is as usual."""
 
 
 PASSES: Final = ("shadow", "mirror", "trails", "bloom", "ink", "grade", "vignette")
@@ -97,6 +99,8 @@ class Scene:
     """Which passes there are, in their order; those that are left out are never drawn."""
     start: tuple[tuple[str, tuple[float, ...]], ...] = ()
     """Parameters of the picture that do not begin where they usually do: addresses and numbers."""
+    bodies: tuple[str, ...] = ()
+    """Name of each dancer's body (`live.base.bodies`), from the first dancer on; the others have the usual one."""
 
 
 @dataclass(slots=True, eq=False)

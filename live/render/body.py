@@ -11,8 +11,10 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.bodies import USUAL
 from live.render.body_cage import Cage, build_bun_cage, build_cage
-from live.render.body_shape import BODY, BUN, Shape
+from live.render.body_shape import Shape
+from live.render.body_type import bun_of, parts_of
 from live.render.simplify import simplify
 from live.render.subdivide import subdivide
 
@@ -70,7 +72,7 @@ def _refine(cage: Cage, shape: Shape, level: int) -> Cage:
     return Cage(points, weights, faces)
 
 
-def _strongest(weights: Float64) -> tuple[Int32, Float32]:
+def strongest(weights: Float64) -> tuple[Int32, Float32]:
     """The four strongest joints of each vertex and their weights, which sum to 1.
 
     The fifth weight is taken off all: it fades out evenly, and of two equal ones neither is preferred.
@@ -101,11 +103,12 @@ def _openness(shape: Shape, points: Float64, normals: Float64) -> Float64:
 
 
 @cache
-def build_body(level: int) -> BodyMesh:
-    """The body at a level of detail: `COARSE`, `LIGHT` or `FINE`; built once a process, a fraction of a second."""
+def build_body(level: int, name: str = USUAL) -> BodyMesh:
+    """The body of a name (`live.base.bodies`) at a level of detail: `COARSE`, `LIGHT` or `FINE`; built once a process,
+    a fraction of a second. ValueError for what there is not."""
     if level not in (COARSE, LIGHT, FINE):
         raise ValueError(f"level of detail {level}: {COARSE} (coarse), {LIGHT} (light) or {FINE} (fine)")
-    body, bun = Shape(BODY), Shape(BUN)
+    body, bun = Shape(parts_of(name)), Shape(bun_of(name))
     parts = [
         (body, _refine(build_cage(), body, _SUBDIVISIONS[level])),
         (bun, _refine(build_bun_cage(), bun, _SUBDIVISIONS[level])),
@@ -123,7 +126,7 @@ def build_body(level: int) -> BodyMesh:
     openness = _openness(body, points, normals)
     if level == COARSE:
         points = points + normals * _SWELLING
-    joint, weight = _strongest(weights)
+    joint, weight = strongest(weights)
     return BodyMesh(
         np.ascontiguousarray(points, np.float32),
         np.ascontiguousarray(normals, np.float32),

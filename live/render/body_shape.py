@@ -50,7 +50,7 @@ def _upright(x: float, z: float, rows: tuple[tuple[float, float, float, float, f
     return Loft((x, top, z), (x, bottom, z), (1.0, 0.0, 0.0), scaled, blend)  # type: ignore[arg-type]
 
 
-_TORSO: Final = _upright(
+TORSO: Final = _upright(
     0.0,
     0.0,
     (
@@ -69,7 +69,7 @@ _TORSO: Final = _upright(
     ),
     0.0,
 )
-_NECK: Final = _upright(
+NECK: Final = _upright(
     0.0,
     0.0,
     (
@@ -80,7 +80,7 @@ _NECK: Final = _upright(
     ),
     0.045,
 )
-_LEG: Final = _upright(
+LEG: Final = _upright(
     0.09,
     0.0,
     (
@@ -103,7 +103,7 @@ _LEG: Final = _upright(
     0.040,
 )
 _DOWN: Final = (0.0, 1.0, 0.0)
-_ARM: Final = Loft(
+ARM: Final = Loft(
     (0.130, 1.378, -0.010),
     (0.690, 1.380, -0.010),
     _DOWN,
@@ -121,7 +121,7 @@ _ARM: Final = Loft(
     ),
     0.050,
 )
-_PALM: Final = Loft(
+PALM: Final = Loft(
     (0.680, 1.380, -0.010),
     (0.765, 1.377, -0.008),
     _DOWN,
@@ -132,7 +132,7 @@ _PALM: Final = Loft(
     ),
     0.018,
 )
-_FINGERS: Final = Loft(
+FINGERS: Final = Loft(
     (0.765, 1.377, -0.008),
     (0.850, 1.362, -0.008),
     _DOWN,
@@ -143,14 +143,14 @@ _FINGERS: Final = Loft(
     ),
     0.010,
 )
-_THUMB: Final = Loft(
+THUMB: Final = Loft(
     (0.700, 1.374, 0.012),
     (0.772, 1.362, 0.060),
     _DOWN,
     ((0.0, 0.014, 0.014, 0.014, 0.0), (0.5, 0.012, 0.012, 0.012, 0.0), (1.0, 0.008, 0.008, 0.008, 0.0)),
     0.014,
 )
-_FOOT: Final = Loft(
+FOOT: Final = Loft(
     (0.090, 0.052, 0.000),
     (0.092, 0.022, 0.130),
     (1.0, 0.0, 0.0),
@@ -162,7 +162,7 @@ _FOOT: Final = Loft(
     ),
     0.030,
 )
-_TOES: Final = Loft(
+TOES: Final = Loft(
     (0.092, 0.020, 0.128),
     (0.088, 0.013, 0.180),
     (1.0, 0.0, 0.0),
@@ -170,11 +170,16 @@ _TOES: Final = Loft(
     0.012,
 )
 
+CHEST: Final = Ellipsoid((0.060, 1.250, 0.058), (0.064, 0.058, 0.048), 0.050)
+SEAT: Final = Ellipsoid((0.072, 0.872, -0.058), (0.078, 0.084, 0.062), 0.050)
+DELTOID: Final = Ellipsoid((0.168, 1.380, -0.010), (0.050, 0.045, 0.049), 0.045)
+HEEL: Final = Ellipsoid((0.090, 0.036, -0.026), (0.031, 0.038, 0.040), 0.030)
+
 BODY: Final[tuple[Loft | Ellipsoid, ...]] = (
-    _TORSO,
-    Ellipsoid((0.060, 1.250, 0.058), (0.064, 0.058, 0.048), 0.050),  # chest
-    Ellipsoid((0.072, 0.872, -0.058), (0.078, 0.084, 0.062), 0.050),  # seat
-    _NECK,
+    TORSO,
+    CHEST,
+    SEAT,
+    NECK,
     Loft(  # trapezius: from the neck to the shoulder
         (0.020, 1.440, -0.026),
         (0.142, 1.392, -0.014),
@@ -182,16 +187,16 @@ BODY: Final[tuple[Loft | Ellipsoid, ...]] = (
         ((0.0, 0.032, 0.032, 0.032, 0.0), (1.0, 0.024, 0.030, 0.032, 0.0)),
         0.045,
     ),
-    Ellipsoid((0.168, 1.380, -0.010), (0.050, 0.045, 0.049), 0.045),  # deltoid
-    _ARM,
-    _PALM,
-    _FINGERS,
-    _THUMB,
-    _LEG,
+    DELTOID,
+    ARM,
+    PALM,
+    FINGERS,
+    THUMB,
+    LEG,
     Ellipsoid((0.0, 0.842, 0.006), (0.075, 0.040, 0.062), 0.040),  # between the legs
-    Ellipsoid((0.090, 0.036, -0.026), (0.031, 0.038, 0.040), 0.030),  # heel
-    _FOOT,
-    _TOES,
+    HEEL,
+    FOOT,
+    TOES,
     Ellipsoid((0.0, 1.617, -0.006), (0.070, 0.084, 0.087), 0.015),  # skull
     Ellipsoid((0.0, 1.575, 0.034), (0.050, 0.073, 0.052), 0.035),  # face
     Ellipsoid((0.0, 1.512, 0.056), (0.026, 0.020, 0.024), 0.035),  # chin

@@ -1,19 +1,23 @@
-"""The dancers on the graphics side: their poses in a texture, their colours, and who is drawn how finely."""
+"""The dancers on the graphics side: their poses in a texture, their bodies, their colours, and who is drawn how."""
 
-from typing import Final
+from typing import Any, Final, Protocol
 
 import moderngl
 import numpy as np
 import numpy.typing as npt
 
+from live.base.bodies import BODIES, USUAL
 from live.base.stage_view import Camera, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.render.body import BodyMesh, build_body
 from live.render.camera import view_matrix
+from live.render.group_styles import GroupStyles
+from live.render.instances import Instances, Sight
 from live.render.kernels import pose_texels
 from live.render.quality import Quality
+from live.render.release import release_all
 from live.render.shader import set_uniform
-from live.render.wardrobe import MATERIALS, dress
+from live.render.wardrobe import TEXELS, dress
 
 Float32 = npt.NDArray[np.float32]
 
@@ -30,7 +34,7 @@ _ATTRIBUTES: Final = (
 )
 
 
-def _vertex_bytes(mesh: BodyMesh) -> bytes:
+def vertex_bytes(mesh: BodyMesh) -> bytes:
     layout = np.dtype([(name, *_NUMPY[form]) for name, form, _ in _ATTRIBUTES])
     data = np.zeros(len(mesh.position), layout)
     data["in_position"], data["in_normal"], data["in_openness"] = mesh.position, mesh.normal, mesh.openness
@@ -41,7 +45,7 @@ def _vertex_bytes(mesh: BodyMesh) -> bytes:
 _NUMPY: Final = {"3f": ("f4", 3), "1f": ("f4",), "4u1": ("u1", 4), "4f1": ("u1", 4)}
 
 
-def _layout(program: moderngl.Program) -> tuple[str, list[str]]:
+def layout(program: moderngl.Program) -> tuple[str, list[str]]:
     """Buffer format and attribute names: what the program does not use becomes padding."""
     form, names = [], []
     for name, kind, size in _ATTRIBUTES:
@@ -53,17 +57,39 @@ def _layout(program: moderngl.Program) -> tuple[str, list[str]]:
     return " ".join(form), names
 
 
+def pose_texture(ctx: moderngl.Context, capacity: int) -> moderngl.Texture:
+    """Room for the poses of so many dancers (see `pose_texels`); ValueError if the driver has none."""
+    limit = int(ctx.info["GL_MAX_TEXTURE_SIZE"])
+    rows = min(capacity, limit)
+    width = -(-capacity // rows) * 2 * JOINT_COUNT
+    if width > limit:
+        raise ValueError(f"{capacity} dancers: this graphics driver holds {limit // (2 * JOINT_COUNT) * limit}")
+    texture = ctx.texture((width, rows), 4, dtype="f4")
+    texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+    return texture
+
+
+def bodies_of(scene: Scene) -> tuple[str, ...]:
+    """The bodies that dancers of a scene have, by name."""
+    return tuple(name for name in BODIES if name == USUAL or name in scene.bodies)
+
+
 class Crowd:
-    """Owns pose texture, instance lists (near, far, all) and the body's buffers; `update` once a frame."""
+    """Owns pose texture, instance lists, bodies and the groups' styles; `update` once a frame."""
 
     def __init__(self, ctx: moderngl.Context, scene: Scene, quality: Quality) -> None:
         if scene.joint_count != JOINT_COUNT:
             raise ValueError(f"scene: joint_count {scene.joint_count}: the body has {JOINT_COUNT} joints")
         self._ctx, self.quality = ctx, quality
-        self._rest = np.ascontiguousarray(SKELETON.rest_positions(), np.float32)
-        self._meshes: dict[int, tuple[moderngl.Buffer, moderngl.Buffer]] = {}
-        self._vertex_arrays: dict[tuple[int, int, str], moderngl.VertexArray] = {}
+        self.rest = np.ascontiguousarray(SKELETON.rest_positions(), np.float32)
+        """The joints in the rest pose [m], shape (J, 3)."""
+        self.styles = GroupStyles(ctx)
+        self.body_names = bodies_of(scene)
+        """The bodies that dancers of this scene have."""
+        self._meshes: dict[tuple[Any, ...], tuple[moderngl.Buffer, moderngl.Buffer]] = {}
+        self._vertex_arrays: dict[tuple[Any, ...], moderngl.VertexArray] = {}
         self._capacity = 0
+        self._bodies = scene.bodies
         self.fit(scene)
 
     def fit(self, scene: Scene) -> None:
@@ -75,119 +101,134 @@ class Crowd:
 
     def look_from(self, camera: Camera) -> None:
         """Take a camera: the dancers nearest to it are drawn more finely."""
-        self._forward = np.ascontiguousarray(-view_matrix(camera)[2, :3], np.float32)
+        forward = np.ascontiguousarray(-view_matrix(camera)[2, :3], np.float32)
+        self._sight = Sight(forward, float(forward @ np.array(camera.eye, np.float32)))
 
     def recolour(self, colours: npt.NDArray[np.floating]) -> None:
         """Take the groups' colours (G, 3), from the next frame on."""
         self._colours = colours.astype(np.float32)
         self._group[:] = -1
 
+    def restyle(self, row: npt.NDArray[np.float64]) -> None:
+        """Take the groups' styles of a picture's row, from the next frame on."""
+        variety, sheen = self.styles.variety, self.styles.sheen
+        self.styles.take(row)
+        if not (np.array_equal(variety, self.styles.variety) and np.array_equal(sheen, self.styles.sheen)):
+            self._group[:] = -1
+
     def _allocate(self, capacity: int) -> None:
         self._release_data()
         self._capacity = capacity
-        limit = int(self._ctx.info["GL_MAX_TEXTURE_SIZE"])
-        self._rows = min(capacity, limit)
-        blocks = -(-capacity // self._rows)
-        width = blocks * 2 * JOINT_COUNT
-        if width > limit:
-            raise ValueError(f"{capacity} dancers: this graphics driver holds {limit // (2 * JOINT_COUNT) * limit}")
-        self._texels = np.zeros((self._rows, width, 4), np.float32)
-        self._poses = self._ctx.texture((width, self._rows), 4, dtype="f4")
-        self._poses.filter = (moderngl.NEAREST, moderngl.NEAREST)
-        self._wardrobe = self._ctx.texture((MATERIALS * blocks, self._rows), 4)
+        self.poses = pose_texture(self._ctx, capacity)
+        width, self.rows = self.poses.size
+        blocks = width // (2 * JOINT_COUNT)
+        self.texels = np.zeros((self.rows, width, 4), np.float32)
+        self._wardrobe = self._ctx.texture((TEXELS * blocks, self.rows), 4)
         self._wardrobe.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._group = np.full(capacity, -1, np.int32)
-        self._indices = np.arange(capacity, dtype=np.float32)
-        self._chosen = np.zeros(capacity, np.float32)
-        self._distance = np.zeros(capacity, np.float32)
-        self._lists = {name: self._ctx.buffer(reserve=capacity * 4, dynamic=True) for name in ("all", "near", "far")}
-        self._counts = {"all": 0, "near": 0, "far": 0}
+        body = np.zeros(capacity, np.int32)
+        known = self._bodies[:capacity]
+        body[: len(known)] = [self.body_names.index(name) for name in known]
+        self._instances = Instances(self._ctx, capacity, body, len(self.body_names))
+
+    @property
+    def capacity(self) -> int:
+        """How many dancers there is room for; it grows when more of them come."""
+        return self._capacity
 
     def update(self, view: StageView) -> None:
-        """Upload poses, colours and the lists of near and far dancers."""
+        """Upload poses, colours and the lists of instances."""
+        if self.styles.any:
+            self.styles.bind()
         count = len(view.joint_position)
         if count > self._capacity:
             self._allocate(count)
-        there = self._there(view)
-        self._counts = {"all": len(there), "near": 0, "far": 0}
-        if len(there) == 0:
+        if self._instances.fill(view, self._sight, self.quality, self.styles) == 0:
             return
-        pose_texels(view.joint_position, view.joint_rotation, self._rest, self._texels)
-        self._poses.write(self._texels)
+        pose_texels(view.joint_position, view.joint_rotation, self.rest, self.texels)
+        self.poses.write(self.texels)
         if not np.array_equal(view.group, self._group[:count]):
             self._dress(view, count)
-        self._lists["all"].write(there)
-        self._split(view, there)
-
-    def _there(self, view: StageView) -> Float32:
-        """Numbers of the dancers who are drawn, as the lists of instances hold them."""
-        indices = self._indices[: len(view.present)]
-        return indices if view.present.all() else np.ascontiguousarray(indices[view.present])
 
     def _dress(self, view: StageView, count: int) -> None:
-        """New clothes, only when somebody changes group."""
+        """New clothes, only when somebody changes group, or a group its colours."""
         self._group[:count] = view.group
-        blocks, rows = self._wardrobe.width // MATERIALS, self._rows
-        padded = np.zeros((blocks * rows, MATERIALS, 4), np.uint8)
-        padded[:count] = dress(view.group, self._colours)
-        columns = padded.reshape(blocks, rows, MATERIALS, 4).transpose(1, 0, 2, 3)
+        blocks, rows = self._wardrobe.width // TEXELS, self.rows
+        padded = np.zeros((blocks * rows, TEXELS, 4), np.uint8)
+        padded[:count] = dress(view.group, self._colours, self.styles.variety, self.styles.sheen)
+        columns = padded.reshape(blocks, rows, TEXELS, 4).transpose(1, 0, 2, 3)
         self._wardrobe.write(np.ascontiguousarray(columns))
 
-    def _split(self, view: StageView, there: Float32) -> None:
-        count = len(there)
-        near = min(self.quality.near_count, count)
-        if near == count:
-            self._counts["near"] = count
-            self._lists["near"].write(there)
-            return
-        distance = np.matmul(view.joint_position[:, 0], self._forward, out=self._distance[: len(view.present)])
-        order = np.argpartition(distance if count == len(distance) else distance[view.present], near)
-        np.take(there, order, out=self._chosen[:count], mode="clip")
-        self._lists["near"].write(self._chosen[:near])
-        self._lists["far"].write(self._chosen[near:count])
-        self._counts["near"], self._counts["far"] = near, count - near
+    def count(self, which: str) -> int:
+        """How many dancers are on a list."""
+        return sum(self._instances.count(which, body) for body in range(len(self.body_names)))
 
-    def _mesh(self, level: int) -> tuple[moderngl.Buffer, moderngl.Buffer]:
-        if level not in self._meshes:
-            mesh = build_body(level)
-            self._meshes[level] = (
-                self._ctx.buffer(_vertex_bytes(mesh)),
+    def _mesh(self, key: tuple[Any, ...]) -> tuple[moderngl.Buffer, moderngl.Buffer]:
+        level, name = key
+        if key not in self._meshes:
+            mesh = build_body(level, name)
+            self._meshes[key] = (
+                self._ctx.buffer(vertex_bytes(mesh)),
                 self._ctx.buffer(mesh.triangle.astype(np.uint16).tobytes()),
             )
-        return self._meshes[level]
+        return self._meshes[key]
 
-    def draw(self, program: moderngl.Program, level: int, which: str = "all") -> None:
-        """Draw the dancers of a list ("all", "near", "far") with a program that includes `skin.glsl`."""
-        count = self._counts[which]
-        if count == 0:
-            return
-        key = (program.glo, level, which)
-        if key not in self._vertex_arrays:
-            vertices, indices = self._mesh(level)
-            form, names = _layout(program)
-            self._vertex_arrays[key] = self._ctx.vertex_array(
-                program,
-                [(vertices, form, *names), (self._lists[which], "1f/i", "in_dancer")],
-                indices,
-                index_element_size=2,
-            )
+    def draw(
+        self, program: moderngl.Program, level: int, which: str = "all", poses: moderngl.Texture | None = None
+    ) -> None:
+        """Draw the bodies of the dancers of a list (`live.render.instances.LISTS`) with a program that includes
+        `skin.glsl`, in the poses of now or in those of a texture like `poses`."""
+        for body, name in enumerate(self.body_names):
+            count = self._instances.count(which, body)
+            if count == 0:
+                continue
+            key = (program.glo, level, which, body)
+            if key not in self._vertex_arrays:
+                vertices, indices = self._mesh((level, name))
+                form, names = layout(program)
+                self._vertex_arrays[key] = self._ctx.vertex_array(
+                    program,
+                    [(vertices, form, *names), (self._instances.buffer(which, body), "1f/i", "in_dancer")],
+                    indices,
+                    index_element_size=2,
+                )
+            self.dress_program(program)
+            if poses is not None:
+                poses.use(POSE_UNIT)
+            self._vertex_arrays[key].render(moderngl.TRIANGLES, instances=count)
+
+    def draw_other(
+        self, program: moderngl.Program, which: str, make: "VertexMaker", mode: int, vertices: int = -1
+    ) -> None:
+        """Draw something else for each dancer of a list: `make(body)` gives its buffer, format and attribute names once
+        for each body; `vertices` of it are drawn, all if -1."""
+        for body, name in enumerate(self.body_names):
+            count = self._instances.count(which, body)
+            if count == 0:
+                continue
+            key = (program.glo, which, body)
+            if key not in self._vertex_arrays:
+                self._vertex_arrays[key] = self._ctx.vertex_array(
+                    program, [make(name), (self._instances.buffer(which, body), "1f/i", "in_dancer")]
+                )
+            self.dress_program(program)
+            self._vertex_arrays[key].render(mode, vertices=vertices, instances=count)
+
+    def dress_program(self, program: moderngl.Program) -> None:
+        """Give a program poses, wardrobe and styles."""
         set_uniform(program, "poses", POSE_UNIT)
-        set_uniform(program, "pose_layout", (self._rows, 2 * JOINT_COUNT))
+        set_uniform(program, "pose_layout", (self.rows, 2 * JOINT_COUNT))
         set_uniform(program, "wardrobe", WARDROBE_UNIT)
-        set_uniform(program, "wardrobe_rows", self._rows)
-        self._poses.use(POSE_UNIT)
+        set_uniform(program, "wardrobe_rows", self.rows)
+        self.poses.use(POSE_UNIT)
         self._wardrobe.use(WARDROBE_UNIT)
-        self._vertex_arrays[key].render(moderngl.TRIANGLES, instances=count)
 
     def _release_data(self) -> None:
         for array in self._vertex_arrays.values():
             array.release()
         self._vertex_arrays.clear()
         if self._capacity:
-            self._poses.release()
-            self._wardrobe.release()
-            for buffer in self._lists.values():
-                buffer.release()
+            release_all(self.poses, self._wardrobe, self._instances)
             self._capacity = 0
 
     def release(self) -> None:
@@ -197,3 +238,11 @@ class Crowd:
             vertices.release()
             indices.release()
         self._meshes.clear()
+        self.styles.release()
+
+
+class VertexMaker(Protocol):
+    """Gives the vertices of what is drawn for a dancer with a body of that name."""
+
+    def __call__(self, body: str) -> tuple[Any, ...]:
+        """Buffer, format, attribute names."""

@@ -14,6 +14,7 @@ from live.base.picture import (
     MIRROR,
     SHADOW,
     STANDING,
+    STYLES,
     VIGNETTE,
     Float64,
     camera_of,
@@ -68,9 +69,9 @@ class FrameBlock:
         width, depth = self._stage_size = scene.stage_size
         margin = FLOOR_MARGIN
         data["stage"] = (0.5 * width, 0.5 * depth, 0.5 * width + margin, 0.5 * depth + margin)
-        self.moved = self.relit = self.recoloured = False
+        self.moved = self.relit = self.recoloured = self.restyled = False
         """What was different in the frame that was written last: the camera, anything that the kept backdrop shows,
-        the groups' colours."""
+        the groups' colours, their colours or styles."""
         self._row = self._start.copy()
         self.vignette_at_end = True
         """Whether the film curve takes the vignette along; otherwise a pass draws it."""
@@ -148,12 +149,13 @@ class FrameBlock:
     def _take(self, row: Float64) -> None:
         """Take what is new in a picture's row, and say what that is."""
         last = self._row
-        self.moved = self.relit = self.recoloured = False
+        self.moved = self.relit = self.recoloured = self.restyled = False
         if np.array_equal(row, last):
             return
         self.moved = not np.array_equal(row[CAMERA], last[CAMERA])
         self.relit = not np.array_equal(row[STANDING], last[STANDING])
-        self.recoloured = not np.array_equal(row[COLOURS:], last[COLOURS:])
+        self.recoloured = not np.array_equal(row[COLOURS:STYLES], last[COLOURS:STYLES])
+        self.restyled = self.recoloured or not np.array_equal(row[STYLES:], last[STYLES:])
         last[:] = row
         camera = camera_of(row)
         if self.moved and math.dist(camera.eye, camera.target) > CLOSEST:
@@ -178,7 +180,7 @@ class FrameBlock:
     @property
     def group_colours(self) -> Float64:
         """Colours of the groups in the frame that was written last, shape (16, 3)."""
-        return self._row[COLOURS:].reshape(-1, 3)
+        return self._row[COLOURS:STYLES].reshape(-1, 3)
 
     @property
     def level(self) -> float:

@@ -32,6 +32,14 @@ class Quality:
     """Passes that are not drawn, whatever is asked for."""
     scale: float = 1.0
     """The scene is drawn at this share of the picture's size each way, and stretched."""
+    far_from: float = 0.0
+    """Nobody nearer to the camera than this [m] gets the far body, however many they are."""
+    points: int = 3000
+    """Points of light on a dancer who is drawn as particles, at most."""
+    ribbon_pieces: int = 96
+    """Pieces of each ribbon."""
+    ghost_level: int = LIGHT
+    """Body of the ghosts of trails."""
 
 
 SOFTWARE: Final = Quality(0, LIGHT, 80, COARSE, 256, 3, ("bloom",))

@@ -5,7 +5,9 @@ from typing import Final
 
 import moderngl
 
+from live.base.picture import STYLE_OF_GROUP, Float64, of_group, picture_of
 from live.base.stage_view import PATH, Camera, Scene, StageView
+from live.base.styles import AMOUNTS
 from live.render.crowd import Crowd
 from live.render.frame import FrameBlock
 from live.render.full import Full
@@ -55,6 +57,7 @@ class Renderer:
         self._drawn_size = self._size
         self._frame = FrameBlock(ctx, scene, size)
         self._crowd = Crowd(ctx, scene, self.quality)
+        self._crowd.restyle(self._frame.row)
         self._pipeline = Pipeline(Making(ctx, scene, self.quality, self._size))
         self._frame.vignette_at_end = self._pipeline.chain.vignette_at_end
         self._guide = GuidePass(ctx)
@@ -84,7 +87,9 @@ class Renderer:
         view.guide_count = 1
         for step in (*reversed(range(len(self.steps))), 0) if len(self.steps) > 1 else (0,):
             self.take_step(step)
-            self.draw(view, framebuffer)
+            for styles in (_all_styles(self._scene), None) if step == 0 else (None,):
+                view.picture = styles
+                self.draw(view, framebuffer)
         self._moment.cut = True
         release_all(framebuffer, scratch)
 
@@ -103,6 +108,8 @@ class Renderer:
             self._pipeline.relit()
         if frame.recoloured:
             self._crowd.recolour(frame.group_colours)
+        if frame.restyled:
+            self._crowd.restyle(frame.row)
         passed = 0.0 if moment.cut else view.beat - self._beat
         moment.view, moment.cut = view, moment.cut or not 0.0 <= passed <= LEAP
         moment.beats, self._beat = 0.0 if moment.cut else passed, view.beat
@@ -180,6 +187,14 @@ class Renderer:
 
 def _nobody(part: str) -> None:
     """Nobody measures."""
+
+
+def _all_styles(scene: Scene) -> Float64:
+    """A picture's row in which the dancers of the first group are drawn in all styles at once."""
+    row = picture_of(scene)
+    for name in AMOUNTS:
+        row[of_group(STYLE_OF_GROUP + name, 0).where] = 0.5
+    return row
 
 
 def _checked(size: tuple[int, int]) -> tuple[int, int]:

@@ -10,6 +10,8 @@ VERSION: Final = "#version 410 core"
 """The newest GLSL of macOS, and enough."""
 FRAME_BINDING: Final = 0
 """Where the block of uniforms that all programs share is bound."""
+STYLES_BINDING: Final = 1
+"""Where the block of the groups' styles is bound."""
 
 
 @cache
@@ -42,12 +44,13 @@ def source(name: str, constants: tuple[tuple[str, int | float], ...] = ()) -> st
 def program(
     ctx: moderngl.Context, vertex: str, fragment: str, constants: tuple[tuple[str, int | float], ...] = ()
 ) -> moderngl.Program:
-    """Compile and link two shader files; binds the shared block `Frame` where the program uses it."""
+    """Compile and link two shader files; binds the shared blocks `Frame` and `Styles` where the program uses them."""
     linked = ctx.program(vertex_shader=source(vertex, constants), fragment_shader=source(fragment, constants))
-    if "Frame" in linked:
-        block = linked["Frame"]
-        assert isinstance(block, moderngl.UniformBlock)
-        block.binding = FRAME_BINDING
+    for name, binding in (("Frame", FRAME_BINDING), ("Styles", STYLES_BINDING)):
+        if name in linked:
+            block = linked[name]
+            assert isinstance(block, moderngl.UniformBlock)
+            block.binding = binding
     return linked
 
 

@@ -42,7 +42,7 @@ class Parameter:
 
 def addresses() -> list[str]:
     """All addresses that have a value."""
-    return [*(known.address for known in picture.PARAMETERS), picture.COLOUR_OF_GROUP, *MOTION_PARAMETERS]
+    return [*(known.address for known in picture.PARAMETERS), *picture.OF_GROUPS, *MOTION_PARAMETERS]
 
 
 def split(key: str) -> tuple[str, str]:
@@ -71,7 +71,7 @@ def numbers_of(address: str, value: object) -> tuple[float, ...]:
         if isinstance(checked, Reason):
             raise PersonError(f"{address!r} = {value!r}: {checked}", f"expected {argument.expected}")
         return (float(checked),)
-    known = picture.colour_of_group(0) if address == picture.COLOUR_OF_GROUP else picture.BY_ADDRESS.get(address)
+    known = picture.OF_GROUPS.get(address) or picture.BY_ADDRESS.get(address)
     if known is None:
         raise PersonError(f"{address!r} has no value that can be set", f"there are: {', '.join(addresses())}")
     parts: list[Any] = list(value) if isinstance(value, list | tuple) else [value]
@@ -90,10 +90,11 @@ class ParameterTable:
         self._at: dict[str, list[Parameter]] = {}
         for known in picture.PARAMETERS:
             self._at[known.address] = [Parameter(known.address, -1, known.first, known.size)]
-        self._at[picture.COLOUR_OF_GROUP] = [
-            Parameter(picture.COLOUR_OF_GROUP, group, picture.colour_of_group(group).first, 3)
-            for group in range(len(groups))
-        ]
+        for address, known in picture.OF_GROUPS.items():
+            self._at[address] = [
+                Parameter(address, group, picture.of_group(address, group).first, known.size)
+                for group in range(len(groups))
+            ]
         for address, (field, argument) in MOTION_PARAMETERS.items():
             switch = argument.type == "bool" or field in _SWITCHES
             place = picture.SIZE + FIELDS.index(field)

@@ -92,8 +92,8 @@ class Scenes:
         self._parameters.fade(scene.goals, beats=lasts * size)
 
     def _set(self, event: events.SetPicture, size: float) -> None:
-        known = picture.BY_ADDRESS.get(event.parameter) or picture.colour_of_group(0)
-        if known.address != event.parameter:
+        known = picture.BY_ADDRESS.get(event.parameter) or picture.OF_GROUPS.get(event.parameter)
+        if known is None:
             raise PersonError(f"the picture has no {event.parameter!r}")
         numbers = numbers_of(known.address, (event.x, event.y, event.z)[: known.size])
         for parameter in self._parameters.table.find(known.address, event.group):

@@ -13,11 +13,18 @@ SCENE = Scene((10.0, 8.0), Camera((0.1, 3.4, 11.7), (0.3, 0.9, -0.2), 37.3), Loo
 def test_the_numbers_of_all_parameters_lie_side_by_side():
     places = [place for known in picture.PARAMETERS for place in range(picture.SIZE)[known.where]]
     groups = [place for n in range(picture.GROUPS) for place in range(picture.SIZE)[picture.colour_of_group(n).where]]
-    assert places + groups == list(range(picture.SIZE))
+    own = [address for address in picture.OF_GROUPS if address != picture.COLOUR_OF_GROUP]
+    styles = [
+        place
+        for n in range(picture.GROUPS)
+        for address in own
+        for place in range(picture.SIZE)[picture.of_group(address, n).where]
+    ]
+    assert places + groups + styles == list(range(picture.SIZE))
 
 
 def test_every_parameter_starts_within_its_range_and_has_words():
-    for known in picture.PARAMETERS:
+    for known in (*picture.PARAMETERS, *picture.OF_GROUPS.values()):
         assert len(known.start) == known.size
         assert all(known.low <= value <= known.high for value in known.start)
         assert known.words.endswith(".")
@@ -41,7 +48,25 @@ def test_the_row_of_a_default_scene_is_the_table_s():
 def test_groups_beyond_the_colours_begin_with_the_first_again():
     colours = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
     row = picture.picture_of(replace(SCENE, look=replace(SCENE.look, group_colours=colours)))
-    rows = row[picture.COLOURS :].reshape(-1, 3)
+    rows = row[picture.COLOURS : picture.STYLES].reshape(-1, 3)
     assert len(rows) == picture.GROUPS
     assert np.array_equal(rows[0], rows[2])
     assert np.array_equal(rows[1], rows[5])
+
+
+def test_styles_of_a_look_are_those_of_their_groups_and_all_others_are_as_usual():
+    look = replace(
+        SCENE.look, group_styles=((), (("/dance/draw/ink", (1.0,)), ("/dance/draw/ink/colour", (0.1, 0.2, 0.3))))
+    )
+    row, usual = picture.picture_of(replace(SCENE, look=look)), picture.picture_of(SCENE)
+    assert row[picture.of_group("/dance/draw/ink", 1).first] == 1.0
+    assert tuple(row[picture.of_group("/dance/draw/ink/colour", 1).where]) == (0.1, 0.2, 0.3)
+    assert sorted(np.flatnonzero(row != usual)) == sorted(
+        [
+            picture.of_group("/dance/draw/ink", 1).first,
+            *range(picture.SIZE)[picture.of_group("/dance/draw/ink/colour", 1).where],
+        ]
+    )
+    for address, known in picture.OF_GROUPS.items():
+        if address != picture.COLOUR_OF_GROUP:
+            assert tuple(usual[picture.of_group(address, 15).where]) == known.start

@@ -3,6 +3,7 @@
 An address, the arguments of liblo's oscsend (type tags, then a value for each that has one), the event.
 """
 
+from live.base.picture import OF_GROUPS
 from live.control import events
 from tests.control.osc_stage import STAMP
 
@@ -101,11 +102,13 @@ def scene_controls():
         "/dance/light/key": (["ff", "2", "4"], picture("/dance/light/key", 2.0, measures=4.0)),
         "/dance/light/key/direction": (["fff", "0", "-1", "0"], picture("/dance/light/key/direction", 0.0, -1.0, 0.0)),
         "/dance/camera/field_of_view": (["i", "60"], picture("/dance/camera/field_of_view", 60.0)),
-        "/dance/group/colour": (
-            ["fffsf", "1", "0.5", "0", "tide", "2"],
-            picture("/dance/group/colour", 1.0, 0.5, 0.0, group="tide", measures=2.0),
-        ),
     }
+    for address, known in OF_GROUPS.items():
+        if known.kind == "colour":
+            wanted = picture(address, 1.0, 0.5, 0.0, group="tide", measures=2.0)
+            sent[address] = (["fffsf", "1", "0.5", "0", "tide", "2"], wanted)
+        else:
+            sent[address] = (["fs", "1", "tide"], picture(address, 1.0, group="tide"))
     for name, value in (("rim", 2.0), ("ambient", 0.5), ("haze", 0.25), ("saturation", 0.0)):
         sent[f"/dance/light/{name}"] = (["d", str(value)], picture(f"/dance/light/{name}", value))
     for name in ("light/key/colour", "light/rim/colour", "light/ambient/colour", "light/background", "light/floor"):

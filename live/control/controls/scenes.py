@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Final
 
-from live.base.picture import COLOUR_OF_GROUP, PARAMETERS, PictureParameter, colour_of_group
+from live.base.picture import OF_GROUPS, PARAMETERS, PictureParameter
 from live.control import events
 from live.control.control import Argument, Control
 from live.control.controls.arguments import GROUP
@@ -31,12 +31,12 @@ def _control(known: PictureParameter) -> Control:
     values = tuple(
         Argument(name, "float", words, known.unit, known.low, known.high) for name, words in _NAMES[known.kind]
     )
-    group = (GROUP,) if known.address == COLOUR_OF_GROUP else ()
+    group = (GROUP,) if known.address in OF_GROUPS else ()
     return Control(known.address, _set(known.address), (*values, *group, _MEASURES), known.words, "operator")
 
 
 SCENE_CONTROLS: Final = (
-    *map(_control, (*PARAMETERS, colour_of_group(0))),
+    *map(_control, (*PARAMETERS, *OF_GROUPS.values())),
     Control(
         "/dance/pass", events.SetPass,
         (
@@ -67,4 +67,4 @@ SCENE_CONTROLS: Final = (
         "Keeps all parameters as they are now, as a scene of this show.", "operator",
     ),
 )  # fmt: skip
-"""The addresses under /dance/light and /dance/camera, the groups' colours, looks and scenes."""
+"""The addresses under /dance/light and /dance/camera, the groups' colours and styles, looks and scenes."""

@@ -27,7 +27,10 @@ class FloorPass:
 
     def __init__(self, ctx: moderngl.Context, quality: Quality, floor_size: tuple[float, float]) -> None:
         self._ctx = ctx
-        self._cast = program(ctx, "shadow_vertex.glsl", "shadow_fragment.glsl")
+        self._casts = [
+            program(ctx, "shadow_vertex.glsl", "shadow_fragment.glsl", (("SOFT", 0), ("STYLED", styled)))
+            for styled in (0, 1)
+        ]
         taps = round(_TAPS * max(quality.floor_map / 256, 1.0))
         self._blurs = [
             program(ctx, "full_vertex.glsl", "blur_fragment.glsl", (("TAPS", taps), ("LAST", last))) for last in (0, 1)
@@ -86,7 +89,7 @@ class FloorPass:
         self._targets[0].clear()
         ctx.enable(moderngl.BLEND)
         ctx.blend_equation = moderngl.MAX, moderngl.MAX
-        crowd.draw(self._cast, COARSE)
+        crowd.draw(self._casts[crowd.styles.any], COARSE)
         ctx.blend_equation = moderngl.FUNC_ADD, moderngl.FUNC_ADD
         ctx.disable(moderngl.BLEND)
         for source, target, triangle in zip(
@@ -101,4 +104,4 @@ class FloorPass:
         for long_side, textures in self._maps.items():
             release_all(*self._framebuffers[long_side], *textures)
         release_all(*self._triangles)
-        release_all(self._elements, self._set, self._cast, *self._blurs)
+        release_all(self._elements, self._set, *self._casts, *self._blurs)

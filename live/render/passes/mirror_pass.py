@@ -13,7 +13,10 @@ class MirrorPass:
 
     def __init__(self, ctx: moderngl.Context, size: tuple[int, int], divisor: int) -> None:
         self._ctx, self._divisor = ctx, divisor
-        self._program = program(ctx, "mirror_vertex.glsl", "mirror_fragment.glsl", (("SOFT", 0),))
+        self._programs = [
+            program(ctx, "mirror_vertex.glsl", "mirror_fragment.glsl", (("SOFT", 0), ("STYLED", styled)))
+            for styled in (0, 1)
+        ]
         self._gloss = program(ctx, "full_vertex.glsl", "gloss_fragment.glsl")
         self._triangle = ctx.vertex_array(self._gloss, [])
         self._make(size)
@@ -41,7 +44,7 @@ class MirrorPass:
         self._target.clear()
         self._ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         self._ctx.front_face = "cw"  # mirrored
-        crowd.draw(self._program, COARSE)
+        crowd.draw(self._programs[crowd.styles.any], COARSE)
         self._ctx.front_face = "ccw"
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         self._result.use()
@@ -60,4 +63,4 @@ class MirrorPass:
     def release(self) -> None:
         """Free everything."""
         self._release_target()
-        release_all(self._triangle, self._program, self._gloss)
+        release_all(self._triangle, *self._programs, self._gloss)

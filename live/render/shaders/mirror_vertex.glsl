@@ -2,6 +2,9 @@
 #include "frame.glsl"
 #include "skin.glsl"
 #include "surface.glsl"
+#if STYLED
+#include "styles.glsl"
+#endif
 
 out vec3 light;
 out float height;
@@ -15,5 +18,14 @@ void main() {
     float key = max(dot(n, key_direction.xyz), 0.0) * key_pool(skin.place.xz);
     float rim = max(-n.z, 0.0) + 0.4 * abs(n.x);
     light = cloth * (key_light.rgb * key * 2.0 + rim_light.rgb * (rim * 0.6 + rim_light.w));
+#if STYLED
+    int dancer = int(in_dancer), group = group_of(who(dancer));
+    vec4 amount = amounts(group);
+    float fill = fill_of(amount);
+    vec3 glow = glow_of(dancer) * answer(group);
+    light = (light * answer(group) + glow * style(group, 5).x * 0.6) * min(amount.x, max(fill - amount.y, 0.0));
+    light += style(group, 1).rgb * amount.y + style(group, 2).rgb * (0.10 * amount.z);
+    light += glow * (0.30 * max(amount.w, style(group, 1).w) * (1.0 - fill));
+#endif
     gl_Position = world_to_clip * vec4(skin.place.x, -skin.place.y, skin.place.z, 1.0);
 }

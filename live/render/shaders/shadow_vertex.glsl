@@ -1,6 +1,11 @@
 // The dancers flattened along the key light onto the floor map.
 #include "frame.glsl"
 #include "skin.glsl"
+#if STYLED
+#include "surface.glsl"
+#include "styles.glsl"
+flat out float casts;
+#endif
 
 out float height;
 
@@ -8,5 +13,8 @@ void main() {
     vec3 place = skinned(in_position, in_normal).place;
     height = max(place.y, 0.0);
     vec2 spot = place.xz - key_direction.xz / key_direction.y * height;
+#if STYLED
+    casts = presence(group_of(who(int(in_dancer))));
+#endif
     gl_Position = vec4(spot / stage.zw, 0.0, 1.0);
 }

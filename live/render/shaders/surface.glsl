@@ -4,7 +4,7 @@ uniform int wardrobe_rows;
 
 
 vec4 material(int which, int dancer) {
-    return texelFetch(wardrobe, ivec2(which + dancer / wardrobe_rows * 4, dancer % wardrobe_rows), 0);
+    return texelFetch(wardrobe, ivec2(which + dancer / wardrobe_rows * 5, dancer % wardrobe_rows), 0);
 }
 
 // Square root of the colour, and sheen. Where pixels are dear the borders are sharp.
@@ -23,4 +23,15 @@ vec4 surface(vec3 rest, int dancer) {
 #else
     return material(hair > 0.0 ? 3 : (bare > 0.0 ? 2 : (waist > 0.0 ? 0 : 1)), dancer);
 #endif
+}
+
+// How far a place on the body is from a border of her clothes, in the rest pose [m].
+float seams(vec3 rest) {
+    float side = abs(rest.x);
+    float waist = rest.y - 0.808 - side * mix(0.42, 0.78, smoothstep(-0.05, 0.05, rest.z));
+    float scoop = min(rest.y - (rest.z > -0.02 ? 1.318 : 1.262) - 3.5 * side * side, 0.086 - side);
+    float arms = min(side - 0.124 - 0.8 * square(max(1.36 - rest.y, 0.0)), rest.y - 1.20);
+    float bare = max(max(scoop, rest.y - 1.428), max(arms, 0.108 - rest.y));
+    float hair = min(0.012 + 0.42 * (rest.y - 1.60) - rest.z, rest.y - 1.536);
+    return min(abs(bare), min(abs(hair), abs(waist)));
 }

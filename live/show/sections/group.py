@@ -5,6 +5,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
+from live.base.bodies import BODIES
+from live.show.sections.draw import Draw, check_drawn
 from live.show.sections.motion import MotionSection
 from live.show.sections.section import Colour, Name, Place, Section, Share, Size
 
@@ -28,6 +30,12 @@ class GroupSection(Section):
     """How many dancers it has."""
     colour: Colour | None = None
     """Colour of their clothes."""
+    bodies: Annotated[tuple[Literal[BODIES], ...], Field(min_length=1, max_length=16)] | None = None  # type: ignore[valid-type]
+    """The bodies that its dancers have by chance: `dancer`, `slim`, `strong`, `round`, `child`; joints are the same in
+    all. A name that stands twice is drawn twice as often. Left out: everybody has the usual one."""
+    draw: Draw = Field(default={})
+    """How it is drawn at first, as in `{ solid = 0, ink = 1, ink_width = 3 }`: each key is a control at `/dance/draw/`
+    (see [osc.md](osc.md))."""
     attributes: Annotated[tuple[Name, ...], Field(max_length=64)] = ()
     """Words for its dancers ("tall", "red"), by which they can be chosen later."""
     soloists: Annotated[int, Field(ge=0, le=4000)] = 0
@@ -90,6 +98,10 @@ class GroupSection(Section):
             raise ValueError(f"group {self.name!r} has steps of its own and is like {self.like!r}: leave one out")
         if self.like is None and (self.beats_later or self.mirrored):
             raise ValueError(f"group {self.name!r}: beats_later and mirrored need like = another group's name")
+        check_drawn(self.draw, f"group {self.name!r}")
+        for key in self.draw:
+            if " " in key.strip():
+                raise ValueError(f"group {self.name!r}: draw {key!r}: no group's name belongs behind it here")
         if self.soloists > self.dancers:
             raise ValueError(f"group {self.name!r} has {self.soloists} soloists and only {self.dancers} dancers")
         return self

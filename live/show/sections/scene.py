@@ -7,11 +7,11 @@ from pydantic import Field, model_validator
 
 from live.base.errors import PersonError
 from live.show.parameter_table import check_setting
+from live.show.sections.draw import Draw, Setting, check_drawn, drawn
 from live.show.sections.section import Name, Section
 from live.show.sections.stage import CameraSection, LookSection
 
 Measures = Annotated[float, Field(ge=0, le=1024, allow_inf_nan=False)]
-Setting = float | bool | str | tuple[float, float, float]
 
 LOOK_ADDRESSES: Final = {
     "background": "/dance/light/background",
@@ -52,11 +52,19 @@ class NamedLookSection(LookSection):
     """What it is called."""
     measures: Measures = 1.0
     """Measures in which the light changes, if nothing else is asked for."""
+    draw: Draw = Field(default={})
+    """How dancers are drawn, as in `[group.draw]`, for all groups or with a group's name behind the key:
+    `{ ink = 1, "solid ember" = 0 }`."""
 
     def settings(self) -> dict[str, Setting]:
         """The parameters that it sets, by address."""
         said = {address: getattr(self, key) for key, address in LOOK_ADDRESSES.items()}
-        return {address: value for address, value in said.items() if value is not None}
+        return {address: value for address, value in said.items() if value is not None} | drawn(self.draw)
+
+    @model_validator(mode="after")
+    def _can_be_drawn(self) -> "NamedLookSection":
+        check_drawn(self.draw, f"look {self.name!r}")
+        return self
 
 
 class SceneSection(Section):

@@ -1,0 +1,91 @@
+"""The styles of all groups as one block of uniforms, and which groups need which way of drawing."""
+
+from typing import Final
+
+import moderngl
+import numpy as np
+import numpy.typing as npt
+
+from live.base.picture import COLOURS, GROUPS, OF_GROUPS, STYLE_OF_GROUP, STYLE_SIZE, STYLES
+from live.render.shader import STYLES_BINDING
+
+Bool = npt.NDArray[np.bool_]
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+
+TEXELS: Final = 8
+"""Vectors of each group in the block."""
+_PLACES: Final = {name.removeprefix(STYLE_OF_GROUP): known.first - STYLES for name, known in OF_GROUPS.items()}
+_LAYOUT: Final = (
+    ("solid", "silhouette", "ink", "xray"),
+    ("silhouette/colour", "particles"),
+    ("ink/colour", "ink/width"),
+    ("particles/share", "particles/drift", "ribbons", "ribbons/beats"),
+    ("trails", "trails/ghosts", "trails/spacing", "pulse"),
+    ("emission", "sheen", "variety"),
+)
+"""What stands in each vector, in the order of `styles.glsl`; the seventh is the group's colour."""
+
+
+def _columns() -> npt.NDArray[np.intp]:
+    """For each number of a group's vectors its place among the group's styles, -1 for none, shape (TEXELS * 4,)."""
+    columns = np.full((TEXELS, 4), -1)
+    for row, names in enumerate(_LAYOUT):
+        places: list[int] = []
+        for name in names:
+            size = OF_GROUPS[STYLE_OF_GROUP + name].size
+            places += range(_PLACES[name], _PLACES[name] + size)
+        columns[row, : len(places)] = places
+    return columns.reshape(-1)
+
+
+_COLUMNS: Final = _columns()
+_USED: Final = np.flatnonzero(_COLUMNS >= 0)
+
+
+class GroupStyles:
+    """Owns the block; `take` when the picture's row has changed. The masks are by group, shape (16,)."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._data = np.zeros((GROUPS, TEXELS * 4), np.float32)
+        self._buffer = ctx.buffer(reserve=self._data.nbytes, dynamic=True)
+        self.any = False
+        """Whether any group is drawn otherwise than as plain lit bodies."""
+        self.plain: Bool = np.ones(GROUPS, np.bool_)
+        """Groups whose dancers are lit bodies and nothing else in their bodies' place."""
+        self.masks: dict[str, Bool] = {}
+        """By way of drawing, the groups that need it: bodies, casting (a shadow), ink, particles, ribbons, trails,
+        xray."""
+        self.spacing = np.ones(GROUPS)
+        """Beats between ghosts."""
+        self.variety: Float32 = np.full(GROUPS, 0.2, np.float32)
+        self.sheen: Float32 = np.ones(GROUPS, np.float32)
+        """How much the clothes of each group's dancers differ and shine."""
+
+    def take(self, row: Float64) -> None:
+        """Take a picture's row, shape (live.base.picture.SIZE,)."""
+        own = row[STYLES:].reshape(GROUPS, STYLE_SIZE)
+        self._data[:, _USED] = own[:, _COLUMNS[_USED]]
+        self._data[:, 24:27] = row[COLOURS:STYLES].reshape(GROUPS, 3)
+        self._buffer.write(self._data)
+
+        def of(name: str) -> Float64:
+            return own[:, _PLACES[name]]
+
+        solid, silhouette, ink, xray = (of(name) for name in _LAYOUT[0])
+        fill = solid + silhouette + ink
+        self.plain = (solid >= 1.0) & (silhouette + ink + xray + of("pulse") + of("emission") <= 0.0)
+        self.masks = {name: of(name) > 0.0 for name in ("ink", "particles", "ribbons", "trails", "xray")}
+        self.masks["bodies"] = (fill > 0.0) & ~self.plain
+        self.masks["casting"] = fill + xray + of("particles") > 0.0
+        self.any = not self.plain.all() or any(self.masks[name].any() for name in ("particles", "ribbons", "trails"))
+        self.spacing = np.maximum(of("trails/spacing"), 0.25)
+        self.variety, self.sheen = of("variety").astype(np.float32), of("sheen").astype(np.float32)
+
+    def bind(self) -> None:
+        """Make the block the one that programs read."""
+        self._buffer.bind_to_uniform_block(STYLES_BINDING)
+
+    def release(self) -> None:
+        """Free the buffer."""
+        self._buffer.release()

@@ -1,0 +1,50 @@
+"""Dancers of particles: points of light bound to the skin, a function of the beat."""
+
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from live.base.stage_view import StageView
+from live.render.body_points import build_points
+from live.render.crowd import Crowd, bodies_of
+from live.render.moment import Making
+from live.render.release import release_all
+from live.render.shader import program, set_uniform
+
+PERIOD = 96.0
+"""Beats after which all points move the same way again."""
+
+
+class ParticlePass:
+    """Draws over the bound target, which must not write depth."""
+
+    def __init__(self, making: Making) -> None:
+        ctx = self._ctx = making.ctx
+        self._count = making.quality.points
+        self._program = program(ctx, "particle_vertex.glsl", "particle_fragment.glsl", (("SOFT", 0),))
+        self._buffers = {name: ctx.buffer(_bytes(self._count, name)) for name in bodies_of(making.scene)}
+
+    def draw(self, crowd: Crowd, view: StageView) -> None:
+        """Draw all dancers who have particles."""
+        set_uniform(self._program, "beat", view.beat % PERIOD)
+        self._ctx.enable(moderngl.PROGRAM_POINT_SIZE)
+        crowd.draw_other(self._program, "particles", self._vertices, moderngl.POINTS)
+        self._ctx.disable(moderngl.PROGRAM_POINT_SIZE)
+
+    def _vertices(self, body: str) -> tuple[Any, ...]:
+        names = ("in_position", "in_normal", "in_chance", "in_joint", "in_weight")
+        return self._buffers[body], "3f 3f 4f 4u1 4f1", *names
+
+    def release(self) -> None:
+        """Free everything."""
+        release_all(*self._buffers.values(), self._program)
+
+
+def _bytes(count: int, name: str) -> bytes:
+    points = build_points(count, name)
+    kinds = [("position", "f4", 3), ("normal", "f4", 3), ("chance", "f4", 4), ("joint", "u1", 4), ("weight", "u1", 4)]
+    data = np.zeros(count, np.dtype(kinds))
+    data["position"], data["normal"], data["chance"] = points.position, points.normal, points.chance
+    data["joint"], data["weight"] = points.joint, np.rint(points.weight * 255.0)
+    return data.tobytes()

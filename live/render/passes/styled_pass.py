@@ -1,0 +1,41 @@
+"""Bodies drawn in a style, in the place of plain ones: lit, flat, dissolving, with ink along their contours."""
+
+import moderngl
+
+from live.render.crowd import Crowd
+from live.render.release import release_all
+from live.render.shader import program, set_uniform
+
+
+class StyledPass:
+    """Draws opaque surfaces into the bound target: lit, or (`surface`) as the surfaces that other passes read."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._ctx = ctx
+        self._programs = [
+            (
+                program(ctx, "styled_vertex.glsl", "styled_fragment.glsl", (("SOFT", 1), ("SURFACE", surface))),
+                program(ctx, "contour_vertex.glsl", "contour_fragment.glsl", (("SOFT", 1), ("SURFACE", surface))),
+            )
+            for surface in (0, 1)
+        ]
+
+    def draw(self, crowd: Crowd, floor_map: moderngl.Texture, *, surface: bool = False) -> None:
+        """Draw all bodies that are not plain."""
+        ctx, quality = self._ctx, crowd.quality
+        body, ink = self._programs[surface]
+        ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+        ctx.depth_func = "<="
+        floor_map.use(1)
+        set_uniform(body, "floor_map", 1)
+        for where, level in (("near", quality.near_level), ("far", quality.far_level)):
+            crowd.draw(body, level, f"bodies {where}")
+        ctx.front_face = "cw"  # the insides of the swollen body
+        for where, level in (("near", quality.near_level), ("far", quality.far_level)):
+            crowd.draw(ink, level, f"ink {where}")
+        ctx.front_face = "ccw"
+        ctx.depth_func = "<"
+
+    def release(self) -> None:
+        """Free the programs."""
+        release_all(*(one for both in self._programs for one in both))
