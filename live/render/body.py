@@ -24,14 +24,18 @@ Int32 = npt.NDArray[np.int32]
 Int64 = npt.NDArray[np.int64]
 
 COARSE: Final = 0
-"""Level for shadows, reflections and far dancers."""
+"""Level for shadows and reflections."""
 LIGHT: Final = 1
 """Level for software rendering and large crowds."""
 FINE: Final = 2
 """Level for a graphics card and few dancers."""
+DISTANT: Final = 3
+"""Level for dancers far from the camera: at 12 m it cannot be told from `LIGHT`."""
+LEVELS: Final = (COARSE, LIGHT, FINE, DISTANT)
 
-_SUBDIVISIONS: Final = (0, 1, 2)
-_LIGHT_TRIANGLES: Final = 1220
+_SUBDIVISIONS: Final = (0, 1, 2, 1)
+_TRIANGLES: Final = {LIGHT: 1220, DISTANT: 640}
+"""What levels are simplified to."""
 _INFLUENCES: Final = 4
 _PROJECTIONS: Final = 4
 _OCCLUSION_REACH: Final = (0.06, 0.10, 0.16)
@@ -104,10 +108,10 @@ def _openness(shape: Shape, points: Float64, normals: Float64) -> Float64:
 
 @cache
 def build_body(level: int, name: str = USUAL) -> BodyMesh:
-    """The body of a name (`live.base.bodies`) at a level of detail: `COARSE`, `LIGHT` or `FINE`; built once a process,
-    a fraction of a second. ValueError for what there is not."""
-    if level not in (COARSE, LIGHT, FINE):
-        raise ValueError(f"level of detail {level}: {COARSE} (coarse), {LIGHT} (light) or {FINE} (fine)")
+    """The body of a name (`live.base.bodies`) at one of `LEVELS` of detail; built once a process, a fraction of a
+    second. ValueError for what there is not."""
+    if level not in LEVELS:
+        raise ValueError(f"level of detail {level}: {COARSE} (coarse), {LIGHT} (light), {FINE} (fine) or {DISTANT} (far)")
     body, bun = Shape(parts_of(name)), Shape(bun_of(name))
     parts = [
         (body, _refine(build_cage(), body, _SUBDIVISIONS[level])),
@@ -120,8 +124,8 @@ def build_body(level: int, name: str = USUAL) -> BodyMesh:
     triangles = np.concatenate(
         [_triangles(cage.points, cage.faces) + start for (_, cage), start in zip(parts, (0, first), strict=True)]
     )
-    if level == LIGHT:
-        used, triangles = simplify(points, triangles, weights, _LIGHT_TRIANGLES)
+    if level in _TRIANGLES:
+        used, triangles = simplify(points, triangles, weights, _TRIANGLES[level])
         points, weights, normals = points[used], weights[used], normals[used]
     openness = _openness(body, points, normals)
     if level == COARSE:

@@ -7,7 +7,7 @@ drawn changes, never what is danced.
 from dataclasses import dataclass, replace
 from typing import Final
 
-from live.render.body import COARSE, LIGHT
+from live.render.body import DISTANT, LIGHT
 from live.render.quality import Quality
 
 HALFLIFE: Final = 1.0
@@ -59,8 +59,8 @@ def ladder_of(best: Quality) -> tuple[Step, ...]:
 
 def _lighter(best: Quality) -> dict[str, object]:
     if best.near_level == LIGHT:
-        return {"near_count": best.near_count // 4, "far_level": COARSE}
-    return {"near_level": LIGHT, "far_level": COARSE}
+        return {"near_count": best.near_count // 4, "far_level": DISTANT}
+    return {"near_count": 8, "far_level": LIGHT, "far_from": 5.0}  # nobody's body changes within 5 m
 
 
 class Ladder:

@@ -5,7 +5,7 @@ from typing import Final
 
 import moderngl
 
-from live.render.body import COARSE, FINE, LIGHT
+from live.render.body import DISTANT, FINE, LIGHT
 
 _SOFTWARE: Final = ("llvmpipe", "softpipe", "swrast", "software rasterizer", "swiftshader", "microsoft basic render")
 _MEDIUM_ABOVE: Final = 120
@@ -32,7 +32,7 @@ class Quality:
     """Passes that are not drawn, whatever is asked for."""
     scale: float = 1.0
     """The scene is drawn at this share of the picture's size each way, and stretched."""
-    far_from: float = 0.0
+    far_from: float = 12.0
     """Nobody nearer to the camera than this [m] gets the far body, however many they are."""
     points: int = 3000
     """Points of light on a dancer who is drawn as particles, at most."""
@@ -42,7 +42,7 @@ class Quality:
     """Body of the ghosts of trails."""
 
 
-SOFTWARE: Final = Quality(0, LIGHT, 80, COARSE, 256, 3, ("bloom",))
+SOFTWARE: Final = Quality(0, LIGHT, 80, DISTANT, 256, 3, ("bloom",))
 """Without a graphics card: 50 dancers at 1280x720 in real time on two cores."""
 CARD: Final = Quality(4, FINE, 120, LIGHT, 768, 2)
 """For a graphics card, or for films that may take their time."""
@@ -63,6 +63,6 @@ def choose(ctx: moderngl.Context, dancer_count: int, samples: int | None) -> Qua
         raise ValueError(f"samples {samples}: 0 or more")
     quality = SOFTWARE if is_software(ctx) else CARD
     if quality is CARD and dancer_count > _MEDIUM_ABOVE:
-        quality = replace(quality, near_level=LIGHT, near_count=400, far_level=COARSE)
+        quality = replace(quality, near_level=LIGHT, near_count=400, far_level=DISTANT)
     wanted = quality.samples if samples is None else samples
     return replace(quality, samples=min(wanted, int(ctx.max_samples)))

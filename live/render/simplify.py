@@ -14,7 +14,7 @@ import numpy.typing as npt
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
-_CARRIED: Final = 1e-5
+_CARRIED: Final = 3e-5
 """What a full change of weights along a metre costs [m^4]."""
 _FLIP: Final = 0.25
 """A triangle must not turn by more than the angle with this cosine."""
