@@ -17,7 +17,8 @@ from live.control.events import ControlEvent
 from live.show.parameter_table import LOOK, VIEW, ParameterTable, numbers_of, split
 from live.show.parameters import Parameters
 from live.show.patch import Patch
-from live.show.sections.scene import LOOK_ADDRESSES, Setting
+from live.show.sections.draw import Setting
+from live.show.sections.scene import LOOK_ADDRESSES
 
 MOST: Final = 1000
 """Scenes that are kept at most."""
