@@ -151,6 +151,10 @@ class StageView:
     """Width and depth of the stage now [m]; 0: as in the scene."""
     brightness: float = 1.0
     """1 = full light, 0 = blackout."""
+    flashes: bool = False
+    """Whether the limit on flashes is lifted."""
+    filled: bool = False
+    """Whether a moment was written into it: what a frozen picture goes on showing."""
     picture: Float64 | None = None
     """Light, colours and camera now: the row of `live.base.picture`; None: as in the scene."""
     count_in: float = 0.0

@@ -37,7 +37,7 @@ def take_over(
         loaded = played.wish.load()
     venue = played.wish.read_venue()
     sound = sound_of(played, loaded, venue)
-    picture = open_picture(played, loaded, hidden=True, show=show)
+    picture = open_picture(played, loaded, venue, hidden=True, show=show)
     try:
         order, following = _follow(loaded, lifeline)
         if order is None:
@@ -104,8 +104,10 @@ def sound_of(played: Played, loaded: LoadedShow, venue: Venue | None) -> Sound:
         return Sound()
 
 
-def open_picture(played: Played, loaded: LoadedShow, *, hidden: bool, show: Show | None = None) -> Any:
-    """A window with everything that draws, seen or not yet; None for a show without a picture. `show`: is drawn once,
+def open_picture(
+    played: Played, loaded: LoadedShow, venue: Venue | None, *, hidden: bool, show: Show | None = None
+) -> Any:
+    """Windows with everything that draws, seen or not yet; None for a show without a picture. `show`: is drawn once,
     so that everything is there."""
     from live.render.monitors import list_monitors
 
@@ -116,7 +118,8 @@ def open_picture(played: Played, loaded: LoadedShow, *, hidden: bool, show: Show
 
     scene = scene_of(loaded.patch)
     picture = Picture.opened(
-        played.wish, scene, monitor=find_screen(played.monitor), fullscreen=played.fullscreen, hidden=hidden
-    )
+        played.wish, scene, monitor=find_screen(played.monitor), fullscreen=played.fullscreen, hidden=hidden,
+        venue=venue,
+    )  # fmt: skip
     picture.rehearse(show or loaded.start(seed=played.wish.seed))
     return picture

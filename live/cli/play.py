@@ -108,11 +108,25 @@ def play(
     seed: Annotated[int | None, typer.Option(min=0, max=2**31 - 1, help="Seed of all chance in the show.")] = None,
     osc: Annotated[str, typer.Option(help="Where OSC is received.", metavar="HOST:PORT")] = "127.0.0.1:9010",
     monitor: Annotated[
-        str | None, typer.Option(help="Monitor by number or name.", metavar="N|NAME", rich_help_panel=PANEL_PICTURE)
+        str | None,
+        typer.Option(
+            help='Monitor by number, name or place ("right of primary").',
+            metavar="N|NAME",
+            rich_help_panel=PANEL_PICTURE,
+        ),
     ] = None,
     fullscreen: Annotated[
         bool, typer.Option("--fullscreen", help="Full screen.", rich_help_panel=PANEL_PICTURE)
     ] = False,
+    operator: Annotated[
+        str | None,
+        typer.Option(
+            help="A window of the operator's own on this monitor: the picture with overlay and guides, which "
+            "no projector shows then.",
+            metavar="N|NAME",
+            rich_help_panel=PANEL_PICTURE,
+        ),
+    ] = None,
     headless: Annotated[
         bool,
         typer.Option(
@@ -211,6 +225,7 @@ def play(
             status_json=status_json,
             seconds=seconds,
             record=record,
+            operator=operator,
             size=parse_size(size),
             fps=fps,
         ),

@@ -89,6 +89,7 @@ class Session:
         self._remote: RemoteAudio | None = None
         self._relay: RelaySink | None = None
         self.wish = wish
+        self.venue = venue
         self.loaded = loaded
         self.sound = sound
         self.show: Show = show

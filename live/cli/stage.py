@@ -9,7 +9,8 @@ from live.cli.session_sound import Sound, choose_sound
 from live.cli.warm import warm_kernels
 from live.cli.wish import Wish
 from live.control.keys import help_lines
-from live.render.monitors import Monitor, UnknownMonitor, find_monitor, list_monitors, screen_problem
+from live.render.monitor_places import find_place
+from live.render.monitors import Monitor, UnknownMonitor, list_monitors, screen_problem
 from live.show.load import LoadedShow
 from live.show.scene_of import scene_of
 from live.show.sections.segment import formation_names
@@ -49,11 +50,11 @@ def play_show(
 
 
 def find_screen(name: str | None) -> Monitor | None:
-    """The monitor of that number or name; None for none. PersonError that lists those there are."""
+    """The monitor of that number, name or place; None for none. PersonError that lists those there are."""
     if name is None:
         return None
     try:
-        return find_monitor(name)
+        return find_place(name)
     except UnknownMonitor as error:
         raise PersonError(f"--monitor: {error}") from None
 

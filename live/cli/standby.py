@@ -33,7 +33,7 @@ def stand_by(played: Played, lifeline: Lifeline, console: Console) -> None:
     loaded = played.wish.load()
     venue = played.wish.read_venue()
     sound = sound_of(played, loaded, venue)
-    picture = open_picture(played, loaded, hidden=False)
+    picture = open_picture(played, loaded, venue, hidden=False)
     try:
         order, following = _follow(Following(loaded), lifeline, played, picture)
         if order is None:
@@ -93,11 +93,13 @@ def _follow(
                 lifeline.wire.tell(alive="takeover")
             show = following.show
             if picture is not None:
-                picture.window.poll()
+                for _ in picture.poll():
+                    pass
                 if show is not None:
                     view = view or show.view()
                     show.fill(view, following.tick * TICK)
                     picture.draw(view)
+                    picture.show(following.tick * TICK)
             lifeline.beat(following.tick, Phase.RUNNING)
             lifeline.tell_following(following.facts())
             pacer.wait()

@@ -1,9 +1,10 @@
 """The show in a window: the frame loop, the operator's keys and pointer, and a film of it if asked for."""
 
+import contextlib
 import math
 import time
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 
@@ -11,18 +12,22 @@ from live.base.errors import PersonError
 from live.base.picture import camera_of
 from live.base.stage_view import Scene, StageView
 from live.cli.drawing_watch import DrawingWatch
+from live.cli.output_keeping import OutputKeeping
+from live.cli.output_places import outputs_of, places_of
+from live.cli.output_setup import OutputSetup
 from live.cli.recording import LiveRecording, live_rate
 from live.cli.session import Session
 from live.cli.wish import Wish
 from live.control.events import Attract, ControlEvent, Repel
 from live.control.keys import FORMATION_KEYS, KEYS, event_for_formation, event_for_key
 from live.control.pointer import TOOLS, event_for_place, event_for_stroke
+from live.render.awake import Awake, x11_display
 from live.render.camera import floor_point
 from live.render.frame import CLOSEST
 from live.render.monitors import Monitor, UnknownMonitor
+from live.render.outputs.projection import Projection
 from live.render.pacing import Pacer
-from live.render.renderer import Renderer
-from live.render.window import NoWindow, Window
+from live.render.window import NoWindow
 from live.render.window_input import (
     CloseRequested,
     KeyPressed,
@@ -34,7 +39,9 @@ from live.render.window_input import (
 from live.show.core import Show
 from live.show.sections.segment import formation_names
 
-TITLE = "ChoreoGraphics Live"
+if TYPE_CHECKING:
+    from live.show.venue import Venue
+
 PACE_ABOVE = 1.05
 """At the display's own rate the loop's pace lies so much above it, so that vertical synchronisation sets it."""
 
@@ -46,7 +53,7 @@ LONGEST_STROKE = 4096
 class Operator:
     """What the operator does at the window becomes events, or changes the window itself."""
 
-    def __init__(self, session: Session, window: Window, scene: Scene) -> None:
+    def __init__(self, session: Session, window: "Projection", scene: Scene) -> None:
         self._session = session
         self._window = window
         self._scene = scene
@@ -97,6 +104,8 @@ class Operator:
             blackout_now=show.blackout,
             held_now=show.follower.held,
             show_held_now=show.desk.held,
+            frozen_now=show.desk.master.frozen,
+            dark_now=show.desk.master.goal < 1.0,
         )
         if name in FORMATION_KEYS:
             event = self._formation(FORMATION_KEYS.index(name), now)
@@ -133,53 +142,34 @@ class Operator:
             self._session.inbox.put(event)
 
 
-@dataclass(slots=True)
-class Picture:
-    """A window with everything that draws into it."""
-
-    window: Window
-    renderer: Renderer
+class Picture(Projection):
+    """A projection that a command line opened."""
 
     @classmethod
     def opened(
-        cls, wish: Wish, scene: Scene, *, monitor: Monitor | None, fullscreen: bool, hidden: bool = False
-    ) -> "Picture":
-        """Open it; `hidden`: it is seen only when it is revealed. PersonError if there can be none."""
+        cls, wish: Wish, scene: Scene, *, monitor: Monitor | None, fullscreen: bool, hidden: bool = False,
+        venue: "Venue | None" = None,
+    ) -> "Picture":  # fmt: skip
+        """Open its windows; `hidden`: they are seen only when they are revealed. PersonError if there can be none."""
+        places = places_of(wish, venue, monitor=monitor, fullscreen=fullscreen, hidden=hidden)
         try:
-            window = Window(TITLE, monitor=monitor, fullscreen=fullscreen, size=wish.size, hidden=hidden)
+            return cls(scene, places)
         except (NoWindow, UnknownMonitor) as error:
             raise PersonError(str(error)) from None
-        try:
-            return cls(window, Renderer(window.ctx, scene, size=window.size, steps=True))
-        except BaseException:
-            window.close()
-            raise
 
     def rehearse(self, show: Show) -> None:
         """Draw a picture that nobody sees, so that the driver has compiled everything before it counts."""
         view = show.view()
         show.fill(view, 0.0)
-        self.renderer.draw(view, self.window.target)
+        self.renderer.draw(view, self.pictures.next)
         self.window.ctx.finish()
-
-    def draw(self, view: StageView) -> None:
-        """Draw a picture and show it."""
-        if self.renderer.size != self.window.size:
-            self.renderer.resize(self.window.size)
-        self.renderer.draw(view, self.window.target)
-        self.window.swap()
-
-    def close(self) -> None:
-        """Release what draws and close the window."""
-        self.renderer.release()
-        self.window.close()
 
 
 def play_in_window(
     session: Session, scene: Scene, *, monitor: Monitor | None, fullscreen: bool, console: Console
 ) -> None:
-    """Run the show in a window until it is closed or its seconds are over."""
-    picture = Picture.opened(session.wish, scene, monitor=monitor, fullscreen=fullscreen)
+    """Run the show in its windows until one is closed or its seconds are over."""
+    picture = Picture.opened(session.wish, scene, monitor=monitor, fullscreen=fullscreen, venue=session.venue)
     try:
         play_picture(session, scene, picture, console=console)
     finally:
@@ -189,41 +179,74 @@ def play_in_window(
 def play_picture(
     session: Session, scene: Scene, picture: Picture, *, console: Console, reveal: bool | None = None
 ) -> None:
-    """Run the show in a window that is open; `reveal`: it is hidden, show it now, full screen or not."""
-    wish, window = session.wish, picture.window
+    """Run the show in windows that are open; `reveal`: they are hidden, show them now, full screen or not."""
+    wish = session.wish
     recording: LiveRecording | None = None
     try:
         if wish.record is not None:
-            fps = live_rate(wish, window.ctx)
-            recording = LiveRecording(wish.record, window.ctx, window.size, fps, session.sound.music)
-        operator = Operator(session, window, scene)
+            fps = live_rate(wish, picture.window.ctx)
+            recording = LiveRecording(wish.record, picture.window.ctx, picture.size, fps, session.sound.music)
+        operator = Operator(session, picture, scene)
+        setup = _setup(session, picture, reveal is not None)
         session.engine.on_error = lambda error: console.print(
             f"a frame could not be drawn: {error}", style="red", markup=False
         )
         with session.running():
             if reveal is not None:
-                window.reveal(fullscreen=reveal)
-            _loop(session, window, picture.renderer, operator, recording)
+                picture.reveal(fullscreen=reveal)
+            _loop(session, picture, operator, setup, recording)
     finally:
         if recording is not None:
             recording.close(console)
 
 
+def _setup(session: Session, picture: Picture, anew: bool) -> OutputSetup:
+    """How projectors are set up; `anew`: they may be bent otherwise by now than when the windows were opened."""
+    if anew:
+        with contextlib.suppress(PersonError):
+            for screen, output in zip(
+                picture.screens, outputs_of(session.wish.read_venue(), session.wish.venue), strict=False
+            ):
+                screen.set(replace(screen.output, corners=output.corners, mesh=output.mesh))
+
+    def told(words: str) -> None:
+        setup.kept = words
+
+    keeping = OutputKeeping(session.wish.venue, told)
+    setup = OutputSetup(picture, keeping.keep, session.show.refusals.add)
+    session.engine.outward.append(setup.hear)
+    session.status.more["outputs"] = setup.facts
+    session.status.more["flashes_held"] = lambda: picture.flashes.limit.held
+    session.status.notes.append(lambda: setup.kept if setup.kept.startswith("NOT") else "")
+    return setup
+
+
 def _loop(
-    session: Session, window: Window, renderer: Renderer, operator: Operator, recording: LiveRecording | None
+    session: Session, picture: Picture, operator: Operator, setup: OutputSetup, recording: LiveRecording | None
 ) -> None:
-    size = window.size
+    awake = Awake(x11_display()).begin()
+    try:
+        _frames(session, picture, operator, setup, recording, awake)
+    finally:
+        setup.done()
+        awake.end()
+
+
+def _frames(
+    session: Session,
+    picture: Picture,
+    operator: Operator,
+    setup: OutputSetup,
+    recording: LiveRecording | None,
+    awake: Awake,
+) -> None:
+    window = picture.window
     screen: bool | None = None
-    watch = DrawingWatch(session, renderer)
+    watch = DrawingWatch(session, picture.renderer)
 
     def draw(view: StageView) -> None:
-        nonlocal size
-        if window.size != size:
-            size = window.size
-            renderer.resize(size)
-        target: Any = window.target
         watch.graph(view)
-        renderer.draw(view, target)
+        picture.draw(view)
         watch.times.mark("draw")
 
     rate = live_rate(session.wish, window.ctx, window.monitor.refresh_hz)
@@ -235,17 +258,19 @@ def _loop(
     while not operator.leaving:
         started = pacer.wait()
         watch.begin(pacer.late, started - previous)
-        for value in window.poll():
-            operator.act(value, session.clock.now())
+        for where, value in picture.poll():
+            if not setup.act(where, value):
+                operator.act(picture.on_picture(where, value), session.clock.now())
         session.before_frame()
         session.engine.frame(draw)
         if recording is not None:
-            recording.frame(window.target, started)
+            recording.frame(picture.pictures.last, started)
         session.status.late_frames = pacer.late
         session.after_frame(started, previous)
         watch.times.mark("rest")
-        window.swap()
+        picture.show(started)
         watch.end()
+        awake.frame(started)
         if session.lifeline is not None and window.fullscreen is not screen:
             screen = window.fullscreen
             session.lifeline.tell_screen(screen, window.monitor.name)

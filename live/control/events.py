@@ -40,6 +40,7 @@ from live.control.group_events import (
     Travel,
 )
 from live.control.machine_events import TakeOver
+from live.control.output_events import AllowFlashes, FadePicture, FreezePicture, ShowCard
 from live.control.patch_events import PatchChanged, StepsChanged
 from live.control.scene_events import RecallLook, RecallScene, RecallView, SetPass, SetPicture, StoreScene
 from live.control.score_events import Advance, HoldScore, Improvise, JumpTo, Practice, Signal
@@ -48,6 +49,7 @@ from live.control.step_events import AskWhy, CallStep, Clear, SetFacing, SetMoti
 __all__ = [
     "EVENT_TYPES",
     "Advance",
+    "AllowFlashes",
     "AskWhy",
     "Attract",
     "BeatHeard",
@@ -61,6 +63,8 @@ __all__ = [
     "DefineFormation",
     "Enter",
     "Evolve",
+    "FadePicture",
+    "FreezePicture",
     "GiveCue",
     "Go",
     "HoldScore",
@@ -102,6 +106,7 @@ __all__ = [
     "SetStage",
     "SetTempo",
     "ShiftBeats",
+    "ShowCard",
     "Signal",
     "SourceChanged",
     "Spread",
@@ -146,7 +151,7 @@ EVENT_TYPES: dict[str, type[ControlEvent]] = {
         SetClick, JumpTo, Advance, HoldScore, Practice, Improvise, Signal, PatchChanged, StepsChanged,
         SetPicture, SetPass, RecallView, RecallLook, RecallScene, StoreScene,
         Go, GiveCue, StandBy, StepBack, Panic, HoldShow, Undo, Redo,
-        TakeOver,
+        TakeOver, FadePicture, FreezePicture, AllowFlashes, ShowCard,
     )
 }  # fmt: skip
 """Every kind of event by its name in the journal."""

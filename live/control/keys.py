@@ -40,11 +40,15 @@ class Key:
         "/dance/back",
         "/dance/panic",
         "/dance/hold",
+        "/dance/output/fade",
+        "/dance/output/freeze",
         "/dance/undo",
         "/dance/redo",
         "window/fullscreen",
         "window/overlay",
         "window/guides",
+        "window/card",
+        "window/edit",
     ]
 
     values: tuple[float, ...] = ()
@@ -84,25 +88,45 @@ KEYS: Final[dict[str, Key]] = {
     "Delete": Key("panic: all that was added ends, the patch's own light, the score held", "/dance/panic"),
     "E": Key("undo the last edit", "/dance/undo"),
     "Y": Key("make it again", "/dance/redo"),
+    "F6": Key("fade the picture out within eight beats, and in again", "/dance/output/fade"),
+    "F7": Key("freeze the picture, and let it go on", "/dance/output/freeze"),
+    "F8": Key("the next test card, or the picture again", "window/card"),
+    "F9": Key("bend the picture on the projector, and be done with it", "window/edit"),
 }
 """Keys by name: a letter or digit stands for itself, in upper case."""
+
+FADE_BEATS: Final = 8.0
+"""Beats in which the key fades the picture."""
 
 FORMATION_KEYS: Final = "23456789"
 """Keys that send everybody to the patch's formations, in their order; from the next measure, in four measures."""
 
 
 def event_for_key(
-    name: str, *, time: float, blackout_now: bool, held_now: bool = False, show_held_now: bool = False
+    name: str,
+    *,
+    time: float,
+    blackout_now: bool,
+    held_now: bool = False,
+    show_held_now: bool = False,
+    frozen_now: bool = False,
+    dark_now: bool = False,
 ) -> ControlEvent | None:
     """The event of a key pressed at `time` [s of the show]; None for keys that make none (unknown, or the window's).
 
-    `blackout_now`, `held_now` (the tempo), `show_held_now`: how those switches stand; their keys turn them over.
+    `blackout_now`, `held_now` (the tempo), `show_held_now`, `frozen_now` (the picture), `dark_now` (it is faded out, or
+    fades out): how those switches stand; their keys turn them over.
     """
     key = KEYS.get(name.upper() if len(name) == 1 else name)
     if key is None or not key.is_control:
         return None
-    switches = {"/dance/blackout": (not blackout_now,), "/dance/clock/hold": (not held_now,)}
-    switches["/dance/hold"] = (not show_held_now,)
+    switches: dict[str, tuple[float, ...]] = {
+        "/dance/blackout": (not blackout_now,),
+        "/dance/clock/hold": (not held_now,),
+        "/dance/hold": (not show_held_now,),
+        "/dance/output/freeze": (not frozen_now,),
+        "/dance/output/fade": (float(dark_now), FADE_BEATS),
+    }
     values = switches.get(key.what, key.values)
     result = REGISTRY.call(key.what, values, time, SOURCE)
     return result if isinstance(result, ControlEvent) else None

@@ -14,6 +14,7 @@ from live.control.controls.elements import ELEMENT_CONTROLS
 from live.control.controls.group_motion import GROUP_CONTROLS
 from live.control.controls.machines import MACHINE_CONTROLS
 from live.control.controls.motion import MOTION_CONTROLS
+from live.control.controls.output import OUTPUT_CONTROLS
 from live.control.controls.scenes import SCENE_CONTROLS
 from live.control.controls.score import SCORE_CONTROLS
 from live.control.controls.steps import STEP_CONTROLS
@@ -56,6 +57,7 @@ REGISTRY: Final = Registry(
         *MOTION_CONTROLS,
         *SCENE_CONTROLS,
         *CUE_CONTROLS,
+        *OUTPUT_CONTROLS,
         *CLOCK_CONTROLS,
         *AUDIO_CONTROLS,
         *SCORE_CONTROLS,

@@ -17,7 +17,8 @@ SHARES: Final = {"/dance/go": 4.0, "/dance/section": 3.0, "/dance/signal": 3.0, 
 """How much more often some are used than others."""
 RARE: Final = ("/dance/ping", "/dance/panic", "/dance/blackout", "/dance/clear", "/dance/stage", "/dance/hold",
                "/dance/hold/score", "/dance/practice", "/dance/clock/source", "/dance/clock/metre", "/dance/clock/hold",
-               "/dance/clock/half", "/dance/clock/double", "/dance/clock/count_in")  # fmt: skip
+               "/dance/clock/half", "/dance/clock/double", "/dance/clock/count_in", "/dance/output/fade",
+               "/dance/output/freeze", "/dance/output/flashes", "/dance/output/card")  # fmt: skip
 
 
 class Call(NamedTuple):

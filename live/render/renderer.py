@@ -124,6 +124,10 @@ class Renderer:
             else:
                 self._draw_small(moment, target, self._small)
         moment.cut = frame.level <= 0.0
+        self.annotate(view, target)
+
+    def annotate(self, view: StageView, target: moderngl.Framebuffer) -> None:
+        """Draw what is the operator's alone over a picture that `draw` has drawn: guides and overlay, if shown."""
         if view.overlay:
             self.graph.draw(target, self._size)
         self._guide.draw(view, target, self._size)

@@ -48,7 +48,8 @@ class Window:
     """One window with its context; everything here belongs to the main thread.
 
     `monitor`: where the window opens (default: the primary monitor). `size`: of the window when it is not full
-    screen, in screen coordinates. `samples`: of the screen itself (0 when the renderer brings its own).
+    screen, in screen coordinates. `samples`: of the screen itself (0 when the renderer brings its own). `shares`:
+    another window, whose textures and buffers are also this one's; then `swap` does not wait for the display.
     Raises `NoWindow` where there is no screen or no OpenGL 4.1, `UnknownMonitor` when the monitor has gone.
     """
 
@@ -61,6 +62,7 @@ class Window:
         size: tuple[int, int] = (1280, 720),
         samples: int = 0,
         hidden: bool = False,
+        shares: "Window | None" = None,
     ) -> None:
         """`hidden`: nobody sees the window before it is revealed."""
         if not start_glfw():
@@ -78,10 +80,11 @@ class Window:
         self._monitor, handle = self._choose(monitor)
         covering = hidden and fullscreen
         self._window_size = self._monitor.size if covering else size  # so that everything that draws has its size
-        self._handle = self._open(title, handle if self._fullscreen else None, samples, hidden)
+        other = None if shares is None else shares._handle
+        self._handle: Any = self._open(title, handle if self._fullscreen else None, samples, hidden, other)
         self._window_size = size
         glfw.make_context_current(self._handle)
-        glfw.swap_interval(1)
+        glfw.swap_interval(1 if shares is None else 0)  # one display paces the show; two would add their waits
         loader: Any = _Loader(glfw)  # moderngl takes any object with these methods, its stub only a dictionary
         self.ctx: moderngl.Context = moderngl.create_context(require=410, context=loader)
         self._inputs = InputQueue(glfw, self._handle)
@@ -102,7 +105,7 @@ class Window:
             raise UnknownMonitor(f"{what}; there is: {', '.join(map(str, listed))}")
         return next((each, handle) for each, handle in there if each is found)
 
-    def _open(self, title: str, handle: Any, samples: int, hidden: bool) -> Any:
+    def _open(self, title: str, handle: Any, samples: int, hidden: bool, other: Any) -> Any:
         """Create GLFW's window: full screen on the monitor `handle`, or in the middle of the chosen one."""
         glfw = self._glfw
         x, y, width, height = self._centred(self._monitor)
@@ -126,7 +129,7 @@ class Window:
             width, height = self._monitor.size
             self._covers = self._monitor
         take_messages()
-        window = glfw.create_window(width, height, title, handle, None)
+        window = glfw.create_window(width, height, title, handle, other)
         if not window:
             reason = "; ".join(take_messages()) or "GLFW gave no reason"
             raise NoWindow(
@@ -151,6 +154,11 @@ class Window:
         return self._fullscreen
 
     @property
+    def is_home(self) -> bool:
+        """Whether it covers its monitor where it is meant to: a window whose monitor is unplugged does not."""
+        return not self._fullscreen or self._covers is not None
+
+    @property
     def monitor(self) -> Monitor:
         """The monitor that the window belongs to, as it was when last seen."""
         return self._monitor
@@ -168,6 +176,10 @@ class Window:
             self._settle(forced=False)
         self._fit_target()
         return self._inputs.take()
+
+    def make_current(self) -> None:
+        """Let what is drawn from now on be drawn in this window's context."""
+        self._glfw.make_context_current(self._handle)
 
     def swap(self) -> None:
         """Show the picture drawn into `target`."""
@@ -204,6 +216,7 @@ class Window:
     def close(self) -> None:
         """Release the context and close the window; a second call does nothing."""
         if self._handle is not None:
+            self.make_current()
             self.ctx.release()
             self._glfw.destroy_window(self._handle)
             self._handle = None

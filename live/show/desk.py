@@ -15,6 +15,7 @@ from live.show.cues import Cues
 from live.show.edited_parts import parts_of
 from live.show.edits import Edits
 from live.show.group_motion import GroupMotion
+from live.show.master import MASTER_EVENTS, Master
 from live.show.parameter_table import FIELDS, ParameterTable
 from live.show.parameters import Parameters
 from live.show.patch import Patch
@@ -26,7 +27,7 @@ from live.show.variation import Variation
 
 DESK_EVENTS: Final = (
     *SCENE_EVENTS, events.Go, events.GiveCue, events.StandBy, events.StepBack, events.Panic, events.HoldShow,
-    events.Undo, events.Redo,
+    events.Undo, events.Redo, *MASTER_EVENTS,
 )  # fmt: skip
 """The events that `act` takes."""
 CALM: Final = 2.0
@@ -48,6 +49,8 @@ class Desk:
         self.edits = Edits(parts_of(self.parameters, self.scenes, self.cues, motion, scheduler, variation))
         self.beats = patch.clock.beats_per_measure
         """Beats of a danced measure."""
+        self.master = Master()
+        """What fades or freezes the whole picture."""
         self.held = False
         """Whether cues and score stand still; `parameters.held` says it of fades."""
 
@@ -72,6 +75,8 @@ class Desk:
                 self.edits.undo()
             case events.Redo():
                 self.edits.redo()
+            case events.FadePicture() | events.FreezePicture() | events.AllowFlashes():
+                self.master.act(event)
             case _:
                 self.scenes.act(event, beats_per_measure=float(timeline.beats_per_measure))
         return []
@@ -109,7 +114,9 @@ class Desk:
 
     def tick(self, timeline: Timeline, ticks: int = 1) -> None:
         """So many ticks have passed."""
-        self.parameters.tick(ticks * TICK * timeline.tempo / 60.0)
+        beats = ticks * TICK * timeline.tempo / 60.0
+        self.parameters.tick(beats)
+        self.master.tick(beats)
 
     def fire(self, danced: float, time: float) -> list[ControlEvent]:
         """What cues bring by the danced beat, at `time` [s]."""
@@ -139,7 +146,7 @@ class Desk:
             lines.append("stands by: " + "   ".join(word for word in (facts["standby"], facts["text"]) if word))
         if facts["next"] is not None:
             lines.append(f"then: {facts['next']}")
-        return tuple(lines)
+        return (*self.master.words(), *lines)
 
     def facts(self, danced: float) -> dict[str, Any]:
         """For the status: cues, fades, edits, and whether the show is held."""
@@ -147,5 +154,6 @@ class Desk:
             "cues": {**self.cues.facts(danced), "held": self.held},
             "scenes": self.scenes.names,
             "fading": self.parameters.fading,
+            "master": self.master.facts(),
             **self.edits.facts(),
         }

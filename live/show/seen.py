@@ -31,7 +31,14 @@ class Seen:
     def fill(
         self, view: StageView, time: float, timeline: Timeline, span: MeasureSpan, *, tempo: float, brightness: float
     ) -> None:
-        """Fill the snapshot for `time` [s]: poses at the exact beat, at most a tick after the last one."""
+        """Fill the snapshot for `time` [s]: poses at the exact beat, at most a tick after the last one.
+
+        While the picture is frozen only its light changes.
+        """
+        view.brightness, view.flashes = brightness, self._desk.master.flashes
+        if self._desk.master.frozen and view.filled:
+            return
+        view.filled = True
         beat = timeline.beat_at(time)
         fraction = span.fraction(beat)
         # a picture beyond the line, which the next tick crosses, is danced on: bodies do not wait for the tick
@@ -42,7 +49,6 @@ class Seen:
         view.time, view.beat, view.tempo = time, beat, tempo
         view.measure, view.beats_per_measure = span.number, timeline.beats_per_measure
         view.phase = fraction * timeline.beats_per_measure
-        view.brightness = brightness
         counted = self._desk.cues.count_in(span.danced(beat, self._desk.beats))
         view.count_in = 0.0 if counted is None else max(counted[0], 0.0)
         if view.picture is not None:

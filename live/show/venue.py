@@ -74,12 +74,14 @@ class Venue(Section):
     audio: VenueAudio = VenueAudio()
     midi: VenueMidi = VenueMidi()
     latency: VenueLatency = VenueLatency()
-    output: Annotated[list[VenueOutput], Field(max_length=MOST_OUTPUTS)] = []
+    output: Annotated[tuple[VenueOutput, ...], Field(max_length=MOST_OUTPUTS)] = ()
     """Its projectors; without any the picture fills one window."""
+    operator: Annotated[str, Field(min_length=1, max_length=200)] | None = None
+    """The monitor of the operator's own window, as `--operator` names it."""
 
     @field_validator("output")
     @classmethod
-    def _by_name(cls, output: list[VenueOutput]) -> list[VenueOutput]:
+    def _by_name(cls, output: tuple[VenueOutput, ...]) -> tuple[VenueOutput, ...]:
         check_outputs(output)
         return output
 

@@ -1,6 +1,7 @@
 """`[[output]]` of a venue: which projector shows what part of the picture, and how it is bent there."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Final, Self
 
@@ -55,7 +56,7 @@ class VenueOutput(Section):
     corners: tuple[Point, Point, Point, Point] = UNBENT
     """Where its corners land in the window: upper left, upper right, lower right, lower left; (0, 0) is the window's
     upper left corner, (1, 1) its lower right one."""
-    mesh: Annotated[list[list[Point]], Field(max_length=64)] = []
+    mesh: Annotated[tuple[tuple[Point, ...], ...], Field(max_length=64)] = ()
     """Rows of points that bend it smoothly, each row from left to right; the regular grid from 0 to 1 bends nothing."""
     rotation: Rotation = 0
     """It is turned so far clockwise [degrees]: 0, 90, 180 or 270."""
@@ -94,7 +95,7 @@ class VenueOutput(Section):
 
     @field_validator("mesh")
     @classmethod
-    def _unfolded(cls, mesh: list[list[Point]]) -> list[list[Point]]:
+    def _unfolded(cls, mesh: tuple[tuple[Point, ...], ...]) -> tuple[tuple[Point, ...], ...]:
         with _as_value_error():
             check_mesh(mesh)
         return mesh
@@ -110,21 +111,19 @@ class VenueOutput(Section):
         """The value that the renderer knows; `folder`: where the venue's file lies."""
         return Output(
             name=self.name, monitor=self.monitor, crop=self.crop, corners=self.corners,
-            mesh=tuple(tuple(row) for row in self.mesh), rotation=self.rotation, mirror=self.mirror,
+            mesh=self.mesh, rotation=self.rotation, mirror=self.mirror,
             edge=SoftEdge(**self.soft_edge.model_dump()), mask=None if self.mask is None else folder / self.mask,
             brightness=self.brightness, gamma=self.gamma,
         )  # fmt: skip
 
 
-class _as_value_error:
+@contextmanager
+def _as_value_error() -> Iterator[None]:
     """What a person is told, as pydantic wants it."""
-
-    def __enter__(self) -> None:
-        return None
-
-    def __exit__(self, _kind: object, error: BaseException | None, _trace: object) -> None:
-        if isinstance(error, PersonError):
-            raise ValueError(str(error)) from None
+    try:
+        yield
+    except PersonError as error:
+        raise ValueError(str(error)) from None
 
 
 def check_outputs(outputs: Sequence[VenueOutput]) -> None:

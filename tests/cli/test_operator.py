@@ -36,11 +36,12 @@ class FakeWindow:
 def desk():
     inbox = Inbox()
     patch = SimpleNamespace(formation=({"name": "wedge"}, {"name": "star"}))
+    desk_ = SimpleNamespace(held=False, master=SimpleNamespace(frozen=False, goal=1.0))
     session = SimpleNamespace(
         inbox=inbox,
         engine=SimpleNamespace(overlay=False, view=SimpleNamespace(picture=None)),
         show=SimpleNamespace(
-            blackout=False, follower=SimpleNamespace(held=False), desk=SimpleNamespace(held=False), patch=patch
+            blackout=False, follower=SimpleNamespace(held=False), desk=desk_, patch=patch
         ),
         status=SimpleNamespace(tool=""),
     )

@@ -38,7 +38,7 @@ gamma = 1.1
 
 def test_an_output_that_says_nothing_is_plain():
     assert venue("[[output]]").output[0].output(Path()).is_plain
-    assert venue("").output == []
+    assert venue("").output == ()
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,49 @@
+"""Keeping how outputs are bent: into the venue's file, whole or not at all, in a thread so that no frame waits."""
+
+import threading
+from collections.abc import Callable
+
+from live.base.errors import PersonError
+from live.render.outputs.output import Output
+
+
+class OutputKeeping:
+    """Writes one output after the other. `keep` belongs to the main thread."""
+
+    def __init__(self, venue: str | None, told: Callable[[str], None]) -> None:
+        """`venue`: its name; without one nothing can be kept. `told` hears in words what became of it, from any
+        thread."""
+        self._venue, self._told = venue, told
+        self._turn = threading.Lock()
+        self._threads: list[threading.Thread] = []
+
+    def keep(self, output: Output) -> None:
+        """Let this output be as it is now from the next start on."""
+        if self._venue is None:
+            self._told("not kept: start with --venue NAME")
+            return
+        self._threads = [one for one in self._threads if one.is_alive()]
+        self._threads.append(threading.Thread(target=self._write, args=(output,), name="venue"))
+        self._threads[-1].start()
+
+    def _write(self, output: Output) -> None:
+        from live.cli.whole_file import write_whole
+        from live.show.venue import venue_path
+        from live.show.venue_output_file import changed_output
+
+        assert self._venue is not None
+        path = venue_path(self._venue)
+        try:
+            with self._turn:
+                text = changed_output(path, self._venue, output)
+                path.parent.mkdir(parents=True, exist_ok=True)
+                write_whole(text.encode(), path, "--venue")
+        except (PersonError, OSError) as error:
+            self._told(f"NOT KEPT: {error}; Enter tries again")
+        else:
+            self._told(f"kept in {path}")
+
+    def wait(self) -> None:
+        """Wait until all is written."""
+        for thread in self._threads:
+            thread.join()

@@ -1,0 +1,108 @@
+"""Screen: one output in its window, with its pass and the test card that it shows."""
+
+from typing import Any
+
+import moderngl
+import numpy as np
+import numpy.typing as npt
+
+from live.render.outputs.corner_pin import homography, mapped
+from live.render.outputs.editing import Editing
+from live.render.outputs.handle_pass import HandlePass
+from live.render.outputs.output import UNBENT, Output, Point
+from live.render.outputs.output_pass import OutputPass, turned
+from live.render.outputs.pictures import Pictures
+from live.render.outputs.test_cards import Card
+from live.render.window import Window
+
+
+class Screen:
+    """Draws the show's picture into one window. Thread: main thread only, like everything of GLFW."""
+
+    def __init__(self, output: Output, window: Window, number: int, *, fits: bool = False) -> None:
+        """`number`: of the output, from 0. `fits`: the picture keeps its shape, with black beside it, as an operator
+        wants to see it. PersonError for a mask that cannot be read."""
+        self.output, self.window = output, window
+        self.card: Card = "off"
+        """The test card that it shows."""
+        self._fits = fits
+        self._fitted: tuple[Any, ...] = ()
+        window.make_current()
+        width, height = window.size
+        self._pass = OutputPass(window.ctx, output, number, f"{width} x {height}   {window.monitor.name}")
+        self._known: dict[int, moderngl.Texture] = {}
+        self.editing: Editing | None = None
+        """Its points being moved, if they are."""
+        self.lines: tuple[str, ...] = ()
+        """Words over the window while it is edited."""
+        self._handles: HandlePass | None = None
+
+    def set(self, output: Output) -> None:
+        """Show it like this from now on."""
+        self.output = output
+        self.window.make_current()
+        self._pass.set(output)
+
+    def edit(self, on: bool) -> None:
+        """Begin to bend it by hand, or be done with it."""
+        self.editing = Editing(self.output) if on else None
+        if on and self._handles is None:
+            self.window.make_current()
+            self._handles = HandlePass(self.window.ctx, self.window.size[1])
+
+    def forget(self) -> None:
+        """The pictures are about to be made anew."""
+        self._known.clear()  # they are not this context's to free
+
+    def draw(self, pictures: Pictures, left: float) -> None:
+        """Draw the last picture into the window; its context is the current one. `left`: see `OutputPass.draw`."""
+        target: Any = self.window.target
+        self._throw(pictures, target, left)
+        if self.editing is not None and self._handles is not None:
+            self._handles.draw(self.editing.points, self.editing.chosen, self.lines, target)
+
+    def _throw(self, pictures: Pictures, target: Any, left: float) -> None:
+        untouched = self.output.is_plain and self.card == "off" and left >= 1.0 and pictures.size == self.window.size
+        if untouched and pictures.ctx is self.window.ctx:
+            self.window.ctx.copy_framebuffer(target, pictures.last)
+            return
+        if self._fits and self._fitted != (self.window.size, pictures.size):
+            self._fitted = (self.window.size, pictures.size)
+            self.set(Output(self.output.name, corners=_fitted(self.window.size, pictures.size)))
+        self._pass.draw(self._texture(pictures), target, card=self.card, left=left)
+
+    def _texture(self, pictures: Pictures) -> moderngl.Texture:
+        """The last picture as this window's context knows it."""
+        texture = pictures.texture
+        if pictures.ctx is self.window.ctx:
+            return texture
+        if texture.glo not in self._known:
+            self._known[texture.glo] = self.window.ctx.external_texture(texture.glo, texture.size, 4, 0, "f1")
+        return self._known[texture.glo]
+
+    def on_picture(self, place: tuple[float, float], picture: tuple[int, int]) -> tuple[float, float]:
+        """Where a pixel of the window lies in the picture of that size [pixels]; what a mesh bends is left out."""
+        output, window = self.output, self.window.size
+        share = (place[0] / window[0], place[1] / window[1])
+        back: npt.NDArray[np.float64] = np.linalg.inv(homography(output.corners)).astype(np.float64)
+        u, v = mapped(back, share).tolist()
+        at = turned(output) @ (u, v, 1.0)
+        x, y, width, height = output.crop
+        return float((x + at[0] * width) * picture[0]), float((y + at[1] * height) * picture[1])
+
+    def release(self) -> None:
+        """Free everything; the window stays."""
+        self.window.make_current()
+        self._pass.release()
+        if self._handles is not None:
+            self._handles.release()
+
+
+def _fitted(window: tuple[int, int], picture: tuple[int, int]) -> tuple[Point, Point, Point, Point]:
+    """Corners at which a picture keeps its shape in a window."""
+    share = (window[0] * picture[1]) / (window[1] * picture[0])
+    across, down = (1.0 / share, 1.0) if share > 1.0 else (1.0, share)
+    x, y = 0.5 - 0.5 * across, 0.5 - 0.5 * down
+    if (x, y) == (0.0, 0.0):
+        return UNBENT
+    return (x, y), (1.0 - x, y), (1.0 - x, 1.0 - y), (x, 1.0 - y)

@@ -1,0 +1,134 @@
+"""Test cards and bending at the windows: which keys are taken, whose output they mean, what is kept."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from live.cli.output_keeping import OutputKeeping
+from live.cli.output_setup import OutputSetup
+from live.control.events import ShowCard
+from live.render.outputs.editing import Editing
+from live.render.outputs.output import UNBENT, Output
+from live.render.window_input import KeyPressed, PointerMoved, PointerPressed, PointerReleased
+from live.show.venue import read_venue
+
+
+class FakeScreen:
+    """A screen of 1000 x 500 pixels without a window."""
+
+    def __init__(self, name):
+        self.output, self.card, self.editing, self.lines = Output(name), "off", None, ()
+        monitor = SimpleNamespace(name="DP-1")
+        self.window = SimpleNamespace(size=(1000, 500), monitor=monitor, is_home=True)
+
+    def set(self, output):
+        self.output = output
+
+    def edit(self, on):
+        self.editing = Editing(self.output) if on else None
+
+
+@pytest.fixture
+def hall():
+    left, right, desk = FakeScreen("left"), FakeScreen("right"), FakeScreen("operator")
+    kept, refused = [], []
+    setup = OutputSetup(SimpleNamespace(screens=[left, right]), kept.append, refused.append)
+    return SimpleNamespace(setup=setup, left=left, right=right, desk=desk, kept=kept, refused=refused)
+
+
+def press(hall, screen, *names, shift=False):
+    return [hall.setup.act(screen, KeyPressed(name, shift)) for name in names]
+
+
+def test_keys_of_the_show_are_left_to_it(hall):
+    assert press(hall, hall.left, "space", "b", "tab", "left", "m", "enter", "escape") == [False] * 7
+    press(hall, hall.left, "f9")
+    assert press(hall, hall.left, "space", "b") == [False] * 2
+    assert press(hall, hall.left, "tab", "left", "m", "enter", "escape") == [True] * 5
+    assert press(hall, hall.left, "left") == [False]
+
+
+def test_arrows_move_a_corner_by_pixels_and_leaving_keeps_it(hall):
+    press(hall, hall.left, "f9", "tab", "down")
+    press(hall, hall.left, "left", shift=True)
+    assert hall.left.output.corners[1] == pytest.approx((0.99, 0.002))
+    assert "left: corner 2 of 4" in hall.left.lines
+    assert hall.kept == []
+    press(hall, hall.left, "f9")
+    assert hall.kept == [hall.left.output]
+    assert hall.left.editing is None
+
+
+def test_the_mouse_moves_what_is_edited_and_nothing_else(hall):
+    drag = [PointerPressed(5, 5), PointerMoved(100, 50), PointerReleased(100, 50)]
+    assert [hall.setup.act(hall.left, value) for value in drag] == [False] * 3
+    press(hall, hall.left, "f9")
+    assert [hall.setup.act(hall.right, value) for value in drag] == [False] * 3
+    assert [hall.setup.act(hall.left, value) for value in drag] == [True] * 3
+    assert hall.left.output.corners[0] == (0.1, 0.1)
+    assert hall.right.output.corners == UNBENT
+    press(hall, hall.left, "u")
+    assert hall.left.output.corners == UNBENT
+
+
+def test_at_the_operators_window_one_output_after_the_other(hall):
+    seen = []
+    for _ in range(3):
+        press(hall, hall.desk, "f9")
+        press(hall, hall.desk, "right")
+        seen.append([one.editing is not None for one in (hall.left, hall.right)])
+    assert seen == [[True, False], [False, True], [False, False]]
+    assert [one.name for one in hall.kept] == ["left", "right"]
+
+
+def test_nothing_is_kept_that_was_not_changed(hall):
+    press(hall, hall.left, "f9", "tab", "m", "m", "f9")
+    assert [one.mesh for one in hall.kept] == [hall.left.output.mesh]
+    press(hall, hall.left, "f9", "tab", "f9")
+    assert len(hall.kept) == 1
+
+
+def test_cards_by_key_and_from_afar(hall):
+    press(hall, hall.left, "f8", "f8")
+    assert (hall.left.card, hall.right.card) == ("bars", "off")
+    hall.setup.hear(ShowCard(time=0.0, source="osc", output="RIGHT", card="focus"))
+    assert hall.right.card == "focus"
+    hall.setup.hear(ShowCard(time=0.0, source="osc", output="*", card="off"))
+    assert (hall.left.card, hall.right.card) == ("off", "off")
+    press(hall, hall.desk, "f8")
+    assert (hall.left.card, hall.right.card) == ("grid", "grid")
+    assert [one["card"] for one in hall.setup.facts()] == ["grid", "grid"]
+
+
+@pytest.mark.parametrize(("output", "card", "words"), [("middle", "grid", "left, right"), ("left", "smiley", "focus")])
+def test_what_there_is_not_is_told(hall, output, card, words):
+    hall.setup.hear(ShowCard(time=0.0, source="osc", output=output, card=card))
+    assert words in hall.refused[0]
+    assert hall.left.card == "off"
+
+
+def test_what_is_kept_is_in_the_venue_next_time(tmp_path, monkeypatch):
+    monkeypatch.setenv("LIVE_CONFIG_DIR", str(tmp_path))
+    told = []
+    keeping = OutputKeeping("hall", told.append)
+    keeping.keep(Output("left", corners=((0.1, 0.1), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))))
+    keeping.wait()
+    assert told == [f"kept in {tmp_path / 'venues' / 'hall.toml'}"]
+    assert read_venue("hall").output[0].corners[0] == (0.1, 0.1)
+    assert [path.name for path in (tmp_path / "venues").iterdir()] == ["hall.toml"]
+
+
+def test_what_cannot_be_kept_is_told_and_the_file_stays(tmp_path, monkeypatch):
+    monkeypatch.setenv("LIVE_CONFIG_DIR", str(tmp_path))
+    (tmp_path / "venues").mkdir()
+    path = tmp_path / "venues" / "hall.toml"
+    path.write_text("name = 3\n")
+    told = []
+    keeping = OutputKeeping("hall", told.append)
+    keeping.keep(Output("left"))
+    keeping.wait()
+    assert told[0].startswith("NOT KEPT: ")
+    assert "line 1: name" in told[0]
+    assert path.read_text() == "name = 3\n"
+    OutputKeeping(None, told.append).keep(Output())
+    assert told[1] == "not kept: start with --venue NAME"

@@ -1,0 +1,121 @@
+"""Outputs bent by hand: points, holds, refusals, and every step undone."""
+
+import numpy as np
+import pytest
+
+from live.render.outputs.editing import KEPT, Editing
+from live.render.outputs.mesh import bent, check_mesh, regular
+from live.render.outputs.output import MESH_MOST, UNBENT, Output
+
+PINNED = Output(corners=((0.1, 0.1), (0.9, 0.0), (1.0, 1.0), (0.0, 0.9)))
+
+
+def test_a_corner_is_dragged():
+    editing = Editing(Output())
+    assert editing.take_hold((0.98, 0.03), 16 / 9)
+    assert editing.chosen == 1
+    editing.pull((0.9, 0.1))
+    editing.pull((0.85, 0.12))
+    editing.let_go()
+    editing.pull((0.1, 0.9))  # nobody holds it any more
+    assert editing.output.corners == ((0.0, 0.0), (0.85, 0.12), (1.0, 1.0), (0.0, 1.0))
+    assert editing.is_changed
+    editing.undo()
+    assert editing.output.corners == UNBENT  # one drag is one step
+
+
+def test_nothing_is_taken_hold_of_in_the_middle():
+    editing = Editing(Output())
+    assert not editing.take_hold((0.5, 0.5), 1.0)
+    editing.pull((0.2, 0.2))
+    assert editing.output == Output()
+
+
+def test_keys_choose_and_nudge():
+    editing = Editing(Output())
+    editing.next()
+    editing.next()
+    editing.next(-1)
+    editing.nudge(-0.01, 0.02)
+    assert editing.output.corners[1] == pytest.approx((0.99, 0.02))
+    for _ in range(4):
+        editing.next()
+    assert editing.chosen == 1
+
+
+def test_moves_that_would_cross_corners_are_left_out_and_told():
+    editing = Editing(Output())
+    editing.take_hold((0.0, 0.0), 1.0)
+    editing.pull((0.4, 0.4))
+    good = editing.output
+    editing.pull((1.5, 1.5))
+    assert editing.output == good
+    assert "corners" in editing.problem
+    editing.pull((0.3, 0.2))
+    assert editing.problem == ""
+    editing.undo()
+    assert editing.output == Output()
+
+
+def test_every_step_is_undone():
+    editing = Editing(PINNED)
+    chance = np.random.default_rng(7)
+    states = [editing.output]
+    for _ in range(60):
+        match chance.integers(6):
+            case 0:
+                editing.switch()
+            case 1:
+                editing.refine(int(chance.choice([-1, 1])))
+            case 2:
+                editing.straighten()
+            case _:
+                editing.next(int(chance.integers(1, 4)))
+                editing.nudge(*chance.uniform(-0.03, 0.03, 2))
+        check_mesh(editing.output.mesh)
+        if editing.output != states[-1]:
+            states.append(editing.output)
+    assert len(states) > 30
+    for expected in reversed(states[:-1]):
+        while editing.output == states[-1]:
+            editing.undo()
+        assert editing.output == expected
+        states.pop()
+    editing.undo()
+    assert editing.output == PINNED
+
+
+def test_a_mesh_begins_regular_and_its_points_lie_where_the_corners_say():
+    editing = Editing(PINNED)
+    editing.switch()
+    assert editing.output.mesh == regular(3, 3)
+    points = np.array(editing.points).reshape(3, 3, 2)
+    np.testing.assert_allclose(points[[0, 0, 2, 2], [0, 2, 2, 0]], PINNED.corners, atol=1e-12)
+    editing.take_hold(tuple(points[1, 1]), 1.0)
+    assert editing.chosen == 4
+    editing.pull((0.5, 0.6))
+    np.testing.assert_allclose(editing.points[4], (0.5, 0.6), atol=1e-9)
+    editing.switch()
+    assert len(editing.points) == 4
+
+
+def test_a_finer_mesh_is_bent_as_before():
+    editing = Editing(Output())
+    editing.switch()
+    editing.chosen = 4
+    editing.nudge(0.05, -0.03)
+    shares = np.linspace(0, 1, 21)
+    before = bent(editing.output.mesh, shares, shares)
+    editing.refine(2)
+    assert len(editing.output.mesh) == 5
+    assert np.abs(bent(editing.output.mesh, shares, shares) - before).max() < 0.012
+    for _ in range(30):
+        editing.refine(1)
+    assert len(editing.output.mesh) == MESH_MOST
+
+
+def test_what_is_kept_for_undo_has_an_end():
+    editing = Editing(Output())
+    for _ in range(3 * KEPT):
+        editing.nudge(1e-4, 0.0)
+    assert len(editing._before) == KEPT

@@ -1,0 +1,137 @@
+"""The flash limit against strobes of all kinds, counted by another way than its own."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from live.render.outputs.flash_limit import FlashLimit
+from live.render.outputs.flash_meter import CELLS, FlashGuard, FlashMeter
+
+COUNT = CELLS[0] * CELLS[1]
+
+
+def flashes(times, shown):
+    """Most flashes within any second: pairs of opposing changes of one brightness curve.
+
+    Written from the definition: extremes that differ by a tenth or more, the darker one below 0.8.
+    """
+    turns, extreme, side = [], shown[0], 0
+    for time, value in zip(times[1:], shown[1:], strict=True):
+        way = 1 if value > extreme else -1
+        if side in (0, way) and (side or abs(value - extreme) >= 0.1):
+            side, extreme = way, value
+        if side and abs(value - extreme) >= 0.1 and min(value, extreme) < 0.8:
+            turns.append(time)
+            side, extreme = -side, value
+    return max((sum(t <= other < t + 1.0 - 1e-9 for other in turns) for t in turns), default=0) // 2
+
+
+def judged(pictures, rate=60.0, **options):
+    """What is shown of pictures (n, cells), each judged in turn."""
+    limit = FlashLimit(pictures.shape[1])
+    left = np.array([limit.judge(n / rate, row, **options) for n, row in enumerate(pictures)])
+    return pictures * left[:, None], left, limit
+
+
+def strobe(hertz, seconds=6.0, rate=60.0, low=0.0, high=1.0, share=0.5):
+    time = np.arange(round(seconds * rate)) / rate
+    on = (time * hertz) % 1.0 < share
+    return np.where(on, high, low)[:, None] * np.ones(COUNT)
+
+
+@pytest.mark.parametrize("rate", [30.0, 60.0, 120.0])
+@pytest.mark.parametrize("hertz", [4, 5, 7.3, 10, 15, 20, 29])
+@pytest.mark.parametrize(("low", "high"), [(0.0, 1.0), (0.3, 0.6), (0.05, 0.2)])
+def test_no_strobe_gets_through(hertz, rate, low, high):
+    pictures = strobe(min(hertz, rate / 2 - 1), rate=rate, low=low, high=high)
+    shown, left, _ = judged(pictures, rate)
+    times = np.arange(len(shown)) / rate
+    assert flashes(times, pictures[:, 0]) > 3  # the strobe is one
+    assert flashes(times, shown[:, 0]) <= 3
+    assert left.min() < 1.0
+
+
+def test_three_flashes_a_second_are_left_alone():
+    for hertz in (0.5, 1.0, 2.0, 2.9, 3.0):
+        _, left, limit = judged(strobe(hertz))
+        assert np.all(left == 1.0)
+        assert limit.held == 0
+
+
+def test_small_changes_and_bright_ones_are_no_flashes():
+    assert np.all(judged(strobe(10.0, low=0.5, high=0.59))[1] == 1.0)
+    assert np.all(judged(strobe(10.0, low=0.82, high=1.0))[1] == 1.0)
+
+
+def test_a_strobe_on_a_fifth_of_the_picture_is_left_alone_and_on_a_third_is_not():
+    for part, held in ((0.2, False), (0.33, True)):
+        pictures = strobe(8.0)
+        pictures[:, int(part * COUNT) :] = 0.3
+        assert bool(judged(pictures)[1].min() < 1.0) is held
+
+
+def test_random_light_never_flashes_too_often():
+    draw = np.random.default_rng(4)
+    for _ in range(30):
+        steps = draw.integers(1, 14, 200)
+        curve = np.concatenate([np.full(n, draw.uniform()) for n in steps])[:900]
+        shown, _, _ = judged(curve[:, None] * np.ones(24))
+        assert flashes(np.arange(len(curve)) / 60.0, shown[:, 0]) <= 3
+
+
+def test_the_light_comes_back_when_it_is_calm():
+    pictures = np.concatenate([strobe(12.0, 2.0), np.full((180, COUNT), 0.6)])
+    shown, left, _ = judged(pictures)
+    assert left[:120].min() < 0.3
+    assert np.all(left[-110:] == 1.0)
+    assert np.all(shown[-110:] == 0.6)
+
+
+def test_whoever_lifts_it_sees_everything():
+    _, left, limit = judged(strobe(12.0), lifted=True)
+    assert np.all(left == 1.0)
+    assert limit.is_watching
+
+
+def test_it_watches_only_when_there_is_something_to_watch():
+    _, _, calm = judged(np.full((120, COUNT), 0.4))
+    assert not calm.is_watching
+
+
+def test_the_meter_measures_light_by_cells(gl_context):
+    values = np.random.default_rng(2).integers(0, 256, (CELLS[1], CELLS[0], 3), dtype=np.uint8)
+    whole = np.repeat(np.repeat(values, 20, axis=0), 20, axis=1)
+    opaque = np.dstack([whole, np.full(whole.shape[:2], 255, np.uint8)])
+    texture = gl_context.texture((whole.shape[1], whole.shape[0]), 4, opaque.tobytes())
+    dark = gl_context.texture((64, 36), 4, bytes(64 * 36 * 4))
+    meter = FlashMeter(gl_context)
+    expected = ((values / 255.0) ** 2.2) @ (0.2126, 0.7152, 0.0722)
+    meter.measure(texture)
+    np.testing.assert_allclose(meter.now(), expected.ravel(), atol=1e-3)
+    meter.measure(dark)
+    np.testing.assert_allclose(meter.before(), expected.ravel(), atol=1e-3)
+    assert not np.any(meter.now())
+    for thing in (meter, texture, dark):
+        thing.release()
+
+
+def test_alike_pictures_are_judged_alike():
+    pictures = np.random.default_rng(6).uniform(size=(300, COUNT)).repeat(2, axis=0)
+    for one, other in itertools.pairwise([judged(pictures)[1] for _ in range(3)]):
+        np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize("hertz", [5.0, 10.0, 15.0, 30.0])
+def test_what_the_guard_lets_through_flashes_no_more_than_three_times(gl_context, hertz):
+    """Real pictures, most of them judged only after they were shown."""
+    black, white = (gl_context.texture((64, 36), 4, bytes([value]) * (64 * 36 * 4)) for value in (0, 255))
+    guard = FlashGuard(gl_context)
+    times = np.arange(180) / 60.0
+    lit = np.round(times * hertz * 2.0).astype(int) % 2 == 1
+    shown = [guard.left(white if on else black, time) * on for on, time in zip(lit, times, strict=True)]
+    assert flashes(times, lit.astype(float)) > 3
+    assert flashes(times, shown) <= 3
+    assert guard.limit.held > 20
+    for thing in (guard, black, white):
+        thing.release()

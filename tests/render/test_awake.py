@@ -1,0 +1,117 @@
+"""Displays stay awake while a show is on, and not a moment longer."""
+
+import ctypes
+import subprocess
+import sys
+from time import monotonic
+
+import pytest
+
+from live.render import awake
+from live.render.awake import PERIOD, Awake, x11_display
+from live.render.window import Window
+from tests.two_monitor_x import TwoMonitorX
+
+
+class _Info(ctypes.Structure):
+    """XScreenSaverInfo of libXss."""
+
+    _fields_ = (
+        ("window", ctypes.c_ulong), ("state", ctypes.c_int), ("kind", ctypes.c_int),
+        ("til_or_since", ctypes.c_ulong), ("idle", ctypes.c_ulong), ("eventMask", ctypes.c_ulong),
+    )  # fmt: skip
+
+
+class Watcher:
+    """Another client of the X server, which knows how long nobody touched anything."""
+
+    def __init__(self, display: str) -> None:
+        self._x11, self._saver = ctypes.CDLL("libX11.so.6"), ctypes.CDLL("libXss.so.1")
+        self._x11.XOpenDisplay.restype = ctypes.c_void_p
+        self._display = ctypes.c_void_p(self._x11.XOpenDisplay(display.encode()))
+        self._x11.XDefaultRootWindow.restype = ctypes.c_ulong
+        self._root = ctypes.c_ulong(self._x11.XDefaultRootWindow(self._display))
+
+    def idle(self) -> float:
+        """Seconds since anybody did anything, as the server tells."""
+        info = _Info()
+        assert self._saver.XScreenSaverQueryInfo(self._display, self._root, ctypes.byref(info))
+        return info.idle / 1000.0
+
+    def close(self) -> None:
+        self._x11.XCloseDisplay(self._display)
+
+
+@pytest.mark.x11
+def test_the_idle_time_begins_anew(stage_x: TwoMonitorX) -> None:
+    try:
+        watcher = Watcher(stage_x.display)
+    except OSError:
+        pytest.skip("libXss is not installed (Debian: libxss1)")
+    window = Window("stage", size=(64, 64))
+    keeper = Awake(x11_display()).begin()
+    try:
+        assert "XResetScreenSaver" in keeper.means
+        assert "XScreenSaverSuspend" in keeper.means
+        deadline = monotonic() + 30.0
+        while watcher.idle() < 0.2:
+            assert monotonic() < deadline
+        before = watcher.idle()
+        keeper.frame(0.0)
+        while watcher.idle() >= before:
+            assert monotonic() < deadline, "the idle time went on"
+        later = watcher.idle()
+        while watcher.idle() < later + 0.05:
+            assert monotonic() < deadline
+        settled = watcher.idle()
+        keeper.frame(PERIOD - 0.1)  # not yet again
+        assert watcher.idle() >= settled
+    finally:
+        keeper.end()
+        window.close()
+        watcher.close()
+    keeper.frame(2 * PERIOD)  # does nothing, and does not fail
+    assert keeper.means == []
+
+
+@pytest.mark.x11
+def test_the_savers_timeout_is_as_it_was_afterwards(stage_x: TwoMonitorX) -> None:
+    stage_x.run("xset", "s", "77", "33")
+    window = Window("stage", size=(64, 64))
+    keeper = Awake(x11_display()).begin()
+    keeper.frame(0.0)
+    keeper.end()
+    window.close()
+    assert b"timeout:  77    cycle:  33" in stage_x.run("xset", "q")
+    stage_x.run("xset", "s", "default")
+
+
+def test_the_systems_lock_ends_with_the_show(monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:
+    """A child holds it until its standard input ends."""
+    log = tmp_path / "log"
+    program = f"import sys; open({str(log)!r}, 'w').write('held'); sys.stdin.read()"
+    monkeypatch.setattr(awake, "_CHILDREN", {sys.platform: (sys.executable, "-c", program)})
+    keeper = Awake().begin()
+    child = keeper._child
+    assert child is not None
+    deadline = monotonic() + 60.0
+    while not log.exists() or log.read_text() != "held":
+        assert monotonic() < deadline
+    assert child.poll() is None
+    keeper.end()
+    assert child.poll() is not None
+
+
+def test_without_any_means_a_show_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(awake, "_CHILDREN", {sys.platform: ("no-such-program-anywhere",)})
+    keeper = Awake().begin()
+    keeper.frame(0.0)
+    assert keeper.means == [] or sys.platform == "win32"
+    keeper.end()
+
+    def refuse(*_: object, **__: object) -> None:
+        raise OSError("no processes left")
+
+    monkeypatch.setattr(awake, "_CHILDREN", {sys.platform: (sys.executable,)})
+    monkeypatch.setattr(subprocess, "Popen", refuse)
+    Awake().begin().end()

@@ -1,0 +1,124 @@
+"""The last hand on the picture: fade in beats, freeze, and who may flash."""
+
+import numpy as np
+import pytest
+
+from live.control.event_json import event_from_json, event_to_json
+from live.control.registry import REGISTRY
+from tests.show.desk_show import Hands
+
+
+def seen(hands):
+    view = hands.show.view()
+    hands.show.fill(view, hands.show.time)
+    return view
+
+
+def brightness(hands):
+    return seen(hands).brightness
+
+
+def test_the_picture_fades_in_beats_and_comes_back():
+    hands = Hands()
+    hands.say("/dance/output/fade", 0.0, 8.0)
+    hands.run(4)
+    assert brightness(hands) == pytest.approx(0.5, abs=0.02)
+    assert hands.desk.words(hands.show.danced)[0] == "faded to 50%"
+    hands.run(4.1)
+    assert brightness(hands) == 0.0
+    hands.run(40)
+    assert brightness(hands) == 0.0
+    hands.say("/dance/output/fade", 0.6, 0.0)
+    hands.run(ticks=1)
+    assert 0.0 < brightness(hands) < 0.6  # never as a flash
+    hands.run(0.25)
+    assert brightness(hands) == pytest.approx(0.6)
+
+
+def test_beats_are_those_of_the_music():
+    slow, fast = Hands(), Hands()
+    for hands, tempo in ((slow, 60.0), (fast, 180.0)):
+        hands.say("/dance/clock/tempo", tempo)
+        hands.run(ticks=1)
+        hands.say("/dance/output/fade", 0.0, 6.0)
+        hands.run(ticks=64)
+    assert slow.desk.master.level > 0.9
+    assert fast.desk.master.level == pytest.approx(0.5, abs=0.02)
+
+
+def test_neither_scene_nor_panic_nor_undo_brings_the_light_back():
+    hands = Hands()
+    hands.say("/dance/output/fade", 0.0, 0.0)
+    hands.run(1)
+    for call in (("/dance/scene", "start"), ("/dance/panic",), ("/dance/undo",), ("/dance/light/level", 1.0)):
+        hands.say(*call)
+        hands.run(4)
+        assert brightness(hands) == 0.0
+
+
+def test_a_blackout_and_a_fade_are_both_needed_for_light():
+    hands = Hands()
+    hands.say("/dance/output/fade", 0.5, 0.0)
+    hands.say("/dance/blackout", 1)
+    hands.run(4)
+    assert brightness(hands) < 0.01
+    hands.say("/dance/blackout", 0)
+    hands.run(4)
+    assert brightness(hands) == pytest.approx(0.5, abs=0.01)
+
+
+def test_a_frozen_picture_stands_still_while_the_dance_goes_on():
+    hands = Hands()
+    hands.run(3)
+    view = seen(hands)
+    before = view.joint_position.copy(), view.beat, view.picture.copy()
+    hands.say("/dance/output/freeze", 1)
+    hands.say("/dance/light/level", 0.3)
+    hands.run(5)
+    hands.show.fill(view, hands.show.time)
+    np.testing.assert_array_equal(view.joint_position, before[0])
+    assert view.beat == before[1]
+    np.testing.assert_array_equal(view.picture, before[2])
+    assert seen(hands).beat > before[1]  # who saw nothing before sees where the dance is
+    hands.say("/dance/blackout", 1)
+    hands.run(4)
+    hands.show.fill(view, hands.show.time)
+    assert view.brightness < 0.01
+    assert view.beat == before[1]
+    hands.say("/dance/output/freeze", 0)
+    hands.show.fill(view, hands.show.time)
+    assert view.beat > before[1] + 8.9
+    assert np.abs(view.joint_position - before[0]).max() > 0.01
+
+
+def test_freezing_changes_nothing_of_the_dance():
+    plain, frozen = Hands(), Hands()
+    frozen.say("/dance/output/freeze", 1)
+    frozen.say("/dance/output/flashes", 1)
+    for hands in (plain, frozen):
+        hands.run(9)
+    assert frozen.show.state_hash() == plain.show.state_hash()
+    assert seen(frozen).flashes
+    assert not seen(plain).flashes
+
+
+def test_what_the_status_tells():
+    hands = Hands()
+    assert hands.desk.facts(0.0)["master"] == {"level": 1.0, "frozen": False, "flashes": False}
+    hands.say("/dance/output/freeze", 1)
+    hands.say("/dance/output/flashes", 1)
+    assert hands.desk.words(hands.show.danced)[:2] == (
+        "FROZEN: the picture stands still", "flashes are not limited",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        ("/dance/output/fade", (0.5, 3.0)), ("/dance/output/freeze", (1,)), ("/dance/output/flashes", (0,)),
+        ("/dance/output/card", ("left", "focus")),
+    ],
+)  # fmt: skip
+def test_the_journal_keeps_them(call):
+    event = REGISTRY.call(*call, 1.5, "osc")
+    assert event_from_json(event_to_json(event)) == event
