@@ -2,8 +2,10 @@
 
 import shutil
 import socket
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from live.base.errors import PersonError
 from live.cli.checks import Check, check_kernels, check_monitors, check_opengl
@@ -11,6 +13,9 @@ from live.cli.inventory import Section, audio, midi
 from live.show.core import Show
 from live.show.load import LoadedShow
 from live.show.venue import Venue
+
+if TYPE_CHECKING:
+    from live.render.outputs.output import Output
 
 ANSWER_S = 2.0
 """Seconds that the show's own packet may take."""
@@ -35,10 +40,46 @@ def show_checks(loaded: LoadedShow, show: Show) -> Iterator[Check]:
             yield Check(doubts.name, "limited", words, doubts.remedy)
 
 
-def venue_checks(venue: Venue | None) -> Iterator[Check]:
-    """The devices that a venue names."""
+def output_checks(venue: Venue, name: str | None) -> Iterator[Check]:
+    """The projectors of a venue: their monitors, and their masks."""
+    from live.cli.output_places import outputs_of
+
+    if venue.operator is not None:
+        yield _told("operator", partial(_monitor, venue.operator, "the operator's own window"), "plug it in")
+    for output in outputs_of(venue, name) if venue.output else ():
+        what = f"output {output.name}"
+        if output.monitor is not None:
+            yield _told(what, partial(_monitor, output.monitor, "its monitor"), "plug it in")
+        if output.mask is not None:
+            yield _told(f"{what} mask", partial(_mask, output), "save it as PNG")
+
+
+def _monitor(name: str, where: str) -> str:
+    from live.cli.output_places import found
+
+    return str(found(name, where))
+
+
+def _mask(output: "Output") -> str:
+    from live.render.outputs.output_pass import read_mask
+
+    height, width = read_mask(output).shape
+    return f"{width}x{height} pixels"
+
+
+def _told(what: str, look: Callable[[], str], remedy: str) -> Check:
+    """What is there, or why it is not."""
+    try:
+        return Check(what, "ok", look(), needed=True)
+    except PersonError as error:
+        return Check(what, "missing", error.message.replace("\n", " "), error.remedy or remedy, needed=True)
+
+
+def venue_checks(venue: Venue | None, name: str | None = None) -> Iterator[Check]:
+    """The devices and projectors that a venue names; `name` is its own."""
     if venue is None:
         return
+    yield from output_checks(venue, name)
     inputs, outputs = audio()
     wanted = venue.audio
     for what, name, there in (
@@ -125,12 +166,14 @@ def check_music(loaded: LoadedShow) -> Check:
     return Check("music", "ok", "none in the patch" if path is None else str(path))
 
 
-def all_before_doors(loaded: LoadedShow, show: Show, venue: Venue | None, osc: tuple[str, int]) -> list[Check]:
-    """Every check, in the order of the table."""
+def all_before_doors(
+    loaded: LoadedShow, show: Show, venue: Venue | None, osc: tuple[str, int], name: str | None = None
+) -> list[Check]:
+    """Every check, in the order of the table; `name` is the venue's."""
     return [
         *show_checks(loaded, show),
         check_music(loaded),
-        *venue_checks(venue),
+        *venue_checks(venue, name),
         check_osc(*osc),
         check_monitors(),
         check_opengl(),

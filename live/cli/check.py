@@ -42,7 +42,7 @@ def check(
         from live.cli.before_doors import all_before_doors
         from live.cli.options import parse_endpoint
 
-        _tell(all_before_doors(loaded, show, hall, parse_endpoint(osc)), as_json=as_json)
+        _tell(all_before_doors(loaded, show, hall, parse_endpoint(osc), venue), as_json=as_json)
         return
     choose_sound(wish, loaded)
     library, graph = loaded.graph.library, loaded.graph

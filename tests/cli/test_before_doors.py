@@ -107,3 +107,30 @@ def test_no_music_plays_to_practice_and_none_can_be_slowed():
     assert choose_sound(Wish(measures=(1, 2)), loaded(None)).music is None
     with pytest.raises(PersonError, match="--tempo-share"):
         choose_sound(Wish(tempo_share=0.8, audio="song.wav"), loaded(None))
+
+
+def test_projectors_of_the_venue_are_looked_for(tmp_path, monkeypatch):
+    from PIL import Image
+
+    from live.cli import output_places
+    from live.render.monitor_places import find_place
+    from live.render.monitors import Monitor
+
+    there = [Monitor(1, "eDP-1", (0, 0), (1920, 1080), 60.0), Monitor(2, "HDMI-1", (1920, 0), (1280, 720), 60.0)]
+    monkeypatch.setattr(output_places, "find_place", lambda text: find_place(text, there))
+    monkeypatch.setenv("LIVE_CONFIG_DIR", str(tmp_path))
+    (tmp_path / "venues").mkdir()
+    Image.new("L", (64, 32)).save(tmp_path / "venues" / "m.png")
+    outputs = [
+        {"name": "a", "monitor": "right of primary", "mask": "m.png"}, {"name": "b", "monitor": "3", "mask": "n.png"},
+    ]  # fmt: skip
+    (tmp_path / "venues" / "hall.toml").write_text("")
+    hall = Venue(operator="HDMI-7", output=outputs)
+    told = {check.name: check for check in venue_checks(hall, "hall")}
+    assert (told["output a"].state, told["output a"].detail) == ("ok", "2 HDMI-1 (1280x720 at 1920,0 60 Hz)")
+    assert told["output a mask"].detail == "64x32 pixels"
+    for name, words in (("operator", "HDMI-7"), ("output b", "eDP-1"), ("output b mask", "no such file")):
+        assert told[name].state == "missing"
+        assert told[name].needed
+        assert words in told[name].detail
+        assert "\n" not in told[name].detail
