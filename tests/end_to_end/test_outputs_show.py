@@ -1,4 +1,4 @@
-"""A show on a bent projector beside the operator's own window: cards from afar, bending by keys, what the venue keeps."""
+"""A show on a bent projector beside the operator's window: cards from afar, bending by keys, what the venue keeps."""
 
 import subprocess
 import tomllib
