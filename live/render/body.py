@@ -111,7 +111,9 @@ def build_body(level: int, name: str = USUAL) -> BodyMesh:
     """The body of a name (`live.base.bodies`) at one of `LEVELS` of detail; built once a process, a fraction of a
     second. ValueError for what there is not."""
     if level not in LEVELS:
-        raise ValueError(f"level of detail {level}: {COARSE} (coarse), {LIGHT} (light), {FINE} (fine) or {DISTANT} (far)")
+        raise ValueError(
+            f"level of detail {level}: {COARSE} (coarse), {LIGHT} (light), {FINE} (fine) or {DISTANT} (far)"
+        )
     body, bun = Shape(parts_of(name)), Shape(bun_of(name))
     parts = [
         (body, _refine(build_cage(), body, _SUBDIVISIONS[level])),
