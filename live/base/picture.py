@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base import styles
+from live.base import cameras, styles
 from live.base.stage_view import Camera, Look, Scene
 from live.base.styles import Kind
 
@@ -72,6 +72,7 @@ _LINES: Final[tuple[_Line, ...]] = (
         "/dance/camera/field_of_view", "number", 5, 120, (_CAMERA.field_of_view_deg,), "degrees",
         "The camera's vertical angle of view.",
     ),
+    *cameras.LINES,
     ("/dance/pass/shadow", "number", 0, 1, (1.0,), "", "How dark the dancers' shadows are; 0: none."),
     ("/dance/pass/mirror", "number", 0, 1, (1.0,), "", "How bright the dancers' images in the floor are; 0: none."),
     (
@@ -155,16 +156,24 @@ def _where(*addresses: str) -> npt.NDArray[np.intp]:
 EYE: Final = BY_ADDRESS["/dance/camera/eye"].where
 TARGET: Final = BY_ADDRESS["/dance/camera/target"].where
 FIELD_OF_VIEW: Final = BY_ADDRESS["/dance/camera/field_of_view"].first
+ROLL: Final = BY_ADDRESS["/dance/camera/roll"].first
+"""Here begin, side by side: roll, lens shift to the right and upwards, stretch, skew."""
+ORBIT: Final = BY_ADDRESS["/dance/camera/orbit"].first
+FOLLOWING: Final = BY_ADDRESS["/dance/camera/following"].first
+ALONG: Final = BY_ADDRESS["/dance/camera/along"].first
+PLAN: Final = BY_ADDRESS["/dance/camera/plan"].first
 LEVEL: Final = BY_ADDRESS["/dance/light/level"].first
 SHADOW: Final = BY_ADDRESS["/dance/pass/shadow"].first
 MIRROR: Final = BY_ADDRESS["/dance/pass/mirror"].first
 VIGNETTE: Final = BY_ADDRESS["/dance/pass/vignette"].first
-CAMERA: Final = slice(EYE.start, FIELD_OF_VIEW + 1)
+CAMERA: Final = slice(EYE.start, PLAN + 1)
 """The camera's numbers, which lie side by side."""
+LENS: Final = slice(EYE.start, ORBIT)
+"""Those of them that a picture depends on: where the camera is, and how it sees."""
 STANDING: Final = _where(
     "/dance/light/key", "/dance/light/key/colour", "/dance/light/rim", "/dance/light/rim/colour",
     "/dance/light/haze", "/dance/light/background", "/dance/light/floor",
-    "/dance/camera/eye", "/dance/camera/target", "/dance/camera/field_of_view",
+    *(known.address for known in PARAMETERS if EYE.start <= known.first < ORBIT),
 )  # fmt: skip
 """The numbers on which floor, back wall and light in the haze depend: what the renderer keeps while they stand."""
 
@@ -189,6 +198,11 @@ def picture_of(scene: Scene) -> Float64:
         "/dance/camera/eye": camera.eye,
         "/dance/camera/target": camera.target,
         "/dance/camera/field_of_view": camera.field_of_view_deg,
+        "/dance/camera/roll": camera.roll_deg,
+        "/dance/camera/shift_x": camera.shift[0],
+        "/dance/camera/shift_y": camera.shift[1],
+        "/dance/camera/stretch": camera.stretch,
+        "/dance/camera/skew": camera.skew,
     }
     for parameter in PARAMETERS:
         row[parameter.where] = said.get(parameter.address, parameter.start)
@@ -210,4 +224,8 @@ def _drawn(look: Look, group: int) -> Float64:
 def camera_of(row: Float64) -> Camera:
     """The camera of a row."""
     eye, target = row[EYE].tolist(), row[TARGET].tolist()
-    return Camera((eye[0], eye[1], eye[2]), (target[0], target[1], target[2]), float(row[FIELD_OF_VIEW]))
+    roll, right, up, stretch, skew = row[ROLL : ROLL + 5].tolist()
+    angle = float(row[FIELD_OF_VIEW])
+    return Camera(
+        (eye[0], eye[1], eye[2]), (target[0], target[1], target[2]), angle, roll, (right, up), stretch, skew
+    )

@@ -53,6 +53,14 @@ class Camera:
     eye: tuple[float, float, float] = (0.0, 3.4, 11.5)
     target: tuple[float, float, float] = (0.0, 0.9, 0.0)
     field_of_view_deg: float = 40.0
+    roll_deg: float = 0.0
+    """How far it is turned about its axis, clockwise as seen from behind."""
+    shift: tuple[float, float] = (0.0, 0.0)
+    """Lens shift: so many of its widths to the right, of its heights above the axis lies the middle of the picture."""
+    stretch: float = 1.0
+    """How much wider than high a square that faces the camera is drawn."""
+    skew: float = 0.0
+    """How far a square's upper edge is pushed to the right, in parts of its height."""
 
 
 @dataclass(frozen=True, slots=True)

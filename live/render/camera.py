@@ -34,8 +34,12 @@ def view_matrix(camera: Camera) -> Float64:
     up = np.array([0.0, 1.0, 0.0]) if abs(forward[1]) < 0.9999 else np.array([0.0, 0.0, -1.0])
     right = np.cross(forward, up)
     right /= np.linalg.norm(right)
+    up = np.cross(right, forward)
+    if camera.roll_deg:
+        cos, sin = np.cos(np.deg2rad(camera.roll_deg)), np.sin(np.deg2rad(camera.roll_deg))
+        right, up = cos * right - sin * up, cos * up + sin * right
     matrix = np.eye(4)
-    matrix[0, :3], matrix[1, :3], matrix[2, :3] = right, np.cross(right, forward), -forward
+    matrix[0, :3], matrix[1, :3], matrix[2, :3] = right, up, -forward
     matrix[:3, 3] = -matrix[:3, :3] @ eye
     return matrix
 
@@ -43,6 +47,7 @@ def view_matrix(camera: Camera) -> Float64:
 def projection(camera: Camera, aspect: float) -> Float64:
     """Perspective for a picture `aspect` = width / height; the field of view is the vertical one.
 
+    With a lens shift the frustum is not symmetric (Hartley and Zisserman 2004, 6.1: the principal point's place).
     Raises ValueError if the field of view is not between 1 and 170 degrees or the aspect is not positive.
     """
     if not 1.0 <= camera.field_of_view_deg <= 170.0:
@@ -51,11 +56,26 @@ def projection(camera: Camera, aspect: float) -> Float64:
         raise ValueError(f"camera: aspect {aspect}: must be positive")
     scale = 1.0 / np.tan(0.5 * np.deg2rad(camera.field_of_view_deg))
     matrix = np.zeros((4, 4))
-    matrix[0, 0], matrix[1, 1] = scale / aspect, scale
+    matrix[0, 0], matrix[0, 1] = scale * camera.stretch / aspect, scale * camera.skew / aspect
+    matrix[1, 1] = scale
+    matrix[0, 2], matrix[1, 2] = 2.0 * camera.shift[0], 2.0 * camera.shift[1]  # eye z is negative before the camera
     matrix[2, 2] = -(FAR + NEAR) / (FAR - NEAR)
     matrix[2, 3] = -2.0 * FAR * NEAR / (FAR - NEAR)
     matrix[3, 2] = -1.0
     return matrix
+
+
+def rays(camera: Camera, size: tuple[int, int]) -> tuple[Float64, Float64, Float64]:
+    """Way from the eye through the lower left corner of a picture of `size` pixels, and what is added to it up to the
+    right and to the upper edge; each (3,), and one metre long along the axis.
+
+    A place at depth d [m] before the camera, at (u, v) of 0..1 in the picture, lies at eye + d (corner + u right + v up).
+    """
+    frame = projection(camera, size[0] / size[1])
+    back = np.linalg.inv(np.array([frame[0, :3], frame[1, :3], [0.0, 0.0, -1.0]]))
+    corner, right, up = (back @ np.array(at) for at in ((-1.0, -1.0, 1.0), (1.0, -1.0, 1.0), (-1.0, 1.0, 1.0)))
+    axes = view_matrix(camera)[:3, :3].T
+    return axes @ corner, axes @ (right - corner), axes @ (up - corner)
 
 
 def world_to_clip(camera: Camera, size: tuple[int, int]) -> Float64:

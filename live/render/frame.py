@@ -8,8 +8,8 @@ import numpy as np
 
 from live.base.picture import (
     BY_ADDRESS,
-    CAMERA,
     COLOURS,
+    LENS,
     LEVEL,
     MIRROR,
     SHADOW,
@@ -21,7 +21,7 @@ from live.base.picture import (
     picture_of,
 )
 from live.base.stage_view import FLOOR_MARGIN, Camera, Scene, StageView
-from live.render.camera import view_matrix, world_to_clip
+from live.render.camera import rays, world_to_clip
 from live.render.shader import FRAME_BINDING
 
 BORDER_SHOWN: Final = 0.4
@@ -90,7 +90,8 @@ class FrameBlock:
         """Take a camera."""
         data, self.camera = self._data, camera
         data["world_to_clip"] = world_to_clip(camera, self._size).T  # GLSL reads columns
-        self._fit_rays(camera, self._size)
+        for name, ray in zip(("ray_corner", "ray_right", "ray_up"), rays(camera, self._size), strict=True):
+            data[name][:3] = ray
         front = max(float(np.hypot(camera.eye[1], camera.eye[2] - 0.5 * self._stage_size[1])) - 0.5, 0.0)
         data["eye"] = (*camera.eye, front)
 
@@ -111,15 +112,6 @@ class FrameBlock:
         data["background"] = (*of("background"), *of("haze"))
         data["floor_colour"][:3] = of("floor")
         data["ambient"] = (*of("ambient/colour"), *of("saturation"))
-
-    def _fit_rays(self, camera: Camera, size: tuple[int, int]) -> None:
-        axes = view_matrix(camera)[:3, :3]
-        half_up = np.tan(0.5 * np.deg2rad(camera.field_of_view_deg))
-        half_right = half_up * size[0] / size[1]
-        right, up, forward = axes[0] * half_right, axes[1] * half_up, -axes[2]
-        self._data["ray_corner"][:3] = forward - right - up
-        self._data["ray_right"][:3] = 2.0 * right
-        self._data["ray_up"][:3] = 2.0 * up
 
     def write(self, view: StageView) -> None:
         """What changes with the moment: the picture's row, brightness, the pulse of the beat; then uploads and binds
@@ -152,7 +144,7 @@ class FrameBlock:
         self.moved = self.relit = self.recoloured = self.restyled = False
         if np.array_equal(row, last):
             return
-        self.moved = not np.array_equal(row[CAMERA], last[CAMERA])
+        self.moved = not np.array_equal(row[LENS], last[LENS])
         self.relit = not np.array_equal(row[STANDING], last[STANDING])
         self.recoloured = not np.array_equal(row[COLOURS:STYLES], last[COLOURS:STYLES])
         self.restyled = self.recoloured or not np.array_equal(row[STYLES:], last[STYLES:])

@@ -15,7 +15,7 @@ import moderngl
 import numpy as np
 
 from live.base.stage_view import FLOOR_MARGIN, Camera
-from live.render.camera import covered, view_matrix, world_to_clip
+from live.render.camera import covered, rays, world_to_clip
 from live.render.chain import Chain
 from live.render.frame import WALL_BEHIND
 from live.render.moment import Making, Moment, PicturePass, ScenePass, Surfaces
@@ -172,16 +172,17 @@ def _needs_surfaces(active: list[PicturePass]) -> bool:
 
 def _rows_of_floor(camera: Camera, stage_size: tuple[float, float], size: tuple[int, int]) -> int:
     """How many rows of pixels from below can show the floor (above them is only the back wall)."""
-    axes = view_matrix(camera)[:3, :3]
-    up = np.tan(0.5 * np.deg2rad(camera.field_of_view_deg))
-    rows = (2.0 * (np.arange(size[1]) + 1.0) / size[1] - 1.0) * up
+    corner, right, up = rays(camera, size)
+    if abs(right[1]) > 1e-9:
+        return size[1]  # the picture is tilted: the floor may be anywhere
+    rows = (np.arange(size[1])[:, None] + 1.0) / size[1]
     wall = -0.5 * stage_size[1] - WALL_BEHIND
     seen = 0
-    for side in (-1.0, 0.0, 1.0):
-        rays = -axes[2] + axes[0] * (side * up * size[0] / size[1]) + rows[:, None] * axes[1]
+    for side in (0.0, 0.5, 1.0):
+        ways = corner + side * right + rows * up
         with np.errstate(divide="ignore", invalid="ignore"):
-            reach = -camera.eye[1] / rays[:, 1]
-            floor = (rays[:, 1] < 0.0) & (camera.eye[2] + reach * rays[:, 2] > wall)
+            reach = -camera.eye[1] / ways[:, 1]
+            floor = (ways[:, 1] < 0.0) & (camera.eye[2] + reach * ways[:, 2] > wall)
         if floor.any():
             seen = max(seen, int(np.flatnonzero(floor)[-1]) + 1)
     return min(seen + 1, size[1])
