@@ -1,4 +1,4 @@
-"""The camera that sees a stage as a projector does: from where it stands, and where the floor's corners are in its picture.
+"""A projector's perspective: from where it stands, and where its picture has the corners of the stage's floor.
 
 Four points of a plane and their images are a homography (eight numbers); with the place of the eye it says the whole
 projection but its scale: for floor points (x, z) it is M [e_x | e_z | -eye], so M = H [e_x | e_z | -eye]^-1, and M is
@@ -54,10 +54,14 @@ def check_corners(corners: Sequence[Sequence[float]]) -> None:
     if np.abs(turns).min() < LEAST:
         raise PersonError("three of the corners lie on a line: they span no floor", f"in this order: {order}")
     if (turns < 0.0).all():
-        raise PersonError("the corners go around the other way: left and right are exchanged", f"in this order: {order}")
+        raise PersonError(
+            "the corners go around the other way: left and right are exchanged", f"in this order: {order}"
+        )
 
 
-def matched(at: Sequence[float], corners: Sequence[Sequence[float]], stage: tuple[float, float], aspect: float) -> Camera:
+def matched(
+    at: Sequence[float], corners: Sequence[Sequence[float]], stage: tuple[float, float], aspect: float
+) -> Camera:
     """The camera at `at` (x, y, z) [m] whose picture has the floor's corners at `corners`.
 
     `corners` (4, 2): u to the right, v down, 0..1, in the order of `CORNERS`; `stage`: width, depth [m]; `aspect`: the
@@ -97,8 +101,8 @@ def _apart(whole: Float64, eye: Float64, floor: Float64, aspect: float) -> Camer
     angle = float(np.rad2deg(2.0 * np.arctan(1.0 / scale)))
     if not ANGLES[0] <= angle <= ANGLES[1]:
         raise PersonError(
-            f"from there the picture would have an angle of view of {angle:.1f} degrees, {ANGLES[0]:g} to {ANGLES[1]:g} "
-            "can be", "measure `at` and the corners again",
+            f"from there the picture would have an angle of view of {angle:.1f} degrees, {ANGLES[0]:g} to "
+            f"{ANGLES[1]:g} can be", "measure `at` and the corners again",
         )  # fmt: skip
     reach = float(depth.mean())
     level = np.cross(forward, (0.0, 1.0, 0.0) if abs(forward[1]) < 0.9999 else (0.0, 0.0, -1.0))

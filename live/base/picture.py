@@ -226,6 +226,4 @@ def camera_of(row: Float64) -> Camera:
     eye, target = row[EYE].tolist(), row[TARGET].tolist()
     roll, right, up, stretch, skew = row[ROLL : ROLL + 5].tolist()
     angle = float(row[FIELD_OF_VIEW])
-    return Camera(
-        (eye[0], eye[1], eye[2]), (target[0], target[1], target[2]), angle, roll, (right, up), stretch, skew
-    )
+    return Camera((eye[0], eye[1], eye[2]), (target[0], target[1], target[2]), angle, roll, (right, up), stretch, skew)

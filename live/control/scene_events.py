@@ -38,6 +38,17 @@ class RecallView(ControlEvent):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Accompany(ControlEvent):
+    """The camera follows somebody from now on, or nobody."""
+
+    whom: str
+    """A group, dancers' numbers and words for them, or `off`."""
+    along: float = -1.0
+    """How far it goes along, 0 to 1; below 0: as it did."""
+    measures: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RecallLook(ControlEvent):
     """The light changes to a look of the patch."""
 

@@ -69,7 +69,7 @@ def rays(camera: Camera, size: tuple[int, int]) -> tuple[Float64, Float64, Float
     """Way from the eye through the lower left corner of a picture of `size` pixels, and what is added to it up to the
     right and to the upper edge; each (3,), and one metre long along the axis.
 
-    A place at depth d [m] before the camera, at (u, v) of 0..1 in the picture, lies at eye + d (corner + u right + v up).
+    A place at depth d [m], at (u, v) of 0..1 in the picture, lies at eye + d (corner + u right + v up).
     """
     frame = projection(camera, size[0] / size[1])
     back = np.linalg.inv(np.array([frame[0, :3], frame[1, :3], [0.0, 0.0, -1.0]]))

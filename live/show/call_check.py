@@ -6,7 +6,7 @@ from typing import Final
 from live.base.errors import PersonError
 from live.control import events
 from live.control.registry import REGISTRY
-from live.show.cue_check import START, Recalled
+from live.show.cue_check import START, Recalled, standing_views
 from live.show.ripple import parse_ripple
 from live.show.score_check import calls_of, signals_of, written_length
 from live.show.sections.facing import parse_facing
@@ -45,7 +45,7 @@ class _Named:
         stored = [str(values[0]) for call, values, _ in calls_of(patch) if call == "/dance/scene/store"]
         stored += [str(one.values.get("name")) for one in patch.midi.map if one.control == "/dance/scene/store"]
         self._scenes = [START, *(scene.name for scene in patch.scene), *stored]
-        self._views = [START, *(view.name for view in patch.view)]
+        self._views = [*standing_views(patch), *(view.name for view in patch.view)]
         self._looks = [START, *(look.name for look in patch.looks)]
         self._gates = [gate.name for gate in patch.gate] or list(GATES)
 

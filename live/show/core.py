@@ -348,7 +348,7 @@ class Show:
     def fill(self, view: StageView, time: float) -> None:
         """Fill the snapshot for `time` [s]: poses at the exact beat, at most a tick after the last one."""
         tempo, brightness = self.follower.tempo, self.brightness * self.desk.master.level
-        self._seen.fill(view, time, self.timeline, self.span, tempo=tempo, brightness=brightness)
+        self._seen.fill(view, time, self.timeline, self.span, tempo=tempo, brightness=brightness, ticked=self.time)
 
     def state_hash(self) -> str:
         """A short hash over every bit of the agents' and dancers' states and the poses of this tick."""

@@ -12,7 +12,7 @@ from live.show.sections.midi import MidiSection
 from live.show.sections.scene import NamedLookSection, SceneSection, ViewSection
 from live.show.sections.score import AtSection, ScoreSection
 from live.show.sections.section import Amiss
-from live.show.sections.stage import GateSection
+from live.show.sections.stage import GateSection, ProjectorSection
 
 
 class Recalled(Written, Protocol):
@@ -28,6 +28,8 @@ class Recalled(Written, Protocol):
     def group(self) -> Sequence[GroupSection]: ...
     @property
     def view(self) -> Sequence[ViewSection]: ...
+    @property
+    def projector(self) -> ProjectorSection | None: ...
     @property
     def looks(self) -> Sequence[NamedLookSection]: ...
     @property
@@ -46,6 +48,15 @@ FASTEST: Final = 0.999
 """Cues that come back to themselves within so many beats are a mistake; slower ones may be meant."""
 START: Final = "start"
 """The view, look and scene that every patch has: what it begins with."""
+EVERY_SHOW: Final = ("front", "side", "top", "around")
+"""Views that every show has, unless the patch calls others so."""
+PROJECTOR: Final = "projector"
+"""The view of a patch with a `[projector]`."""
+
+
+def standing_views(patch: Recalled) -> list[str]:
+    """The views that a patch has without a `[[view]]`."""
+    return [START, *EVERY_SHOW, *([PROJECTOR] if patch.projector is not None else [])]
 
 
 def check_cues(patch: Recalled) -> None:
@@ -129,7 +140,7 @@ def _check_named_cues(patch: Recalled) -> None:
 
 def _check_scenes(patch: Recalled) -> None:
     groups = {_folded(group.name) for group in patch.group}
-    named = {VIEW: {_folded(view.name) for view in patch.view} | {START}}
+    named = {VIEW: {_folded(view.name) for view in patch.view} | set(standing_views(patch))}
     named |= {LOOK: {_folded(look.name) for look in patch.looks} | {START}}
     for number, scene in enumerate(patch.scene):
         for key, value in scene.set.items():

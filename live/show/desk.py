@@ -6,11 +6,11 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.picture import picture_of
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
 from live.control import events
 from live.control.events import ControlEvent
+from live.show.camera_rig import CameraRig, check_whom
 from live.show.cues import Cues
 from live.show.edited_parts import parts_of
 from live.show.edits import Edits
@@ -20,10 +20,10 @@ from live.show.parameter_table import FIELDS, ParameterTable
 from live.show.parameters import Parameters
 from live.show.patch import Patch
 from live.show.prompter import Prompter
-from live.show.scene_of import scene_of
 from live.show.scenes import SCENE_EVENTS, Scenes
 from live.show.scheduler import Scheduler
 from live.show.variation import Variation
+from live.show.views import start_row
 
 DESK_EVENTS: Final = (
     *SCENE_EVENTS, events.Go, events.GiveCue, events.StandBy, events.StepBack, events.Panic, events.HoldShow,
@@ -42,8 +42,12 @@ class Desk:
     ) -> None:
         """PersonError for a scene that names what is not there."""
         table = ParameterTable([section.name for section in patch.group])
-        self.parameters = Parameters(table, picture_of(scene_of(patch)), variation)
-        self.scenes = Scenes(patch, self.parameters)
+        self.parameters = Parameters(table, start_row(patch), variation)
+        beats = patch.clock.beats_per_measure
+        self.rig = CameraRig(self.parameters, motion, patch.camera.follow, beats=beats)
+        """The moving camera."""
+        check_whom(patch, motion)
+        self.scenes = Scenes(patch, self.parameters, self.rig)
         self._prompter = prompter
         self.cues = Cues(patch.cue, prompter.playhead, beats=patch.clock.beats_per_measure)
         self.edits = Edits(parts_of(self.parameters, self.scenes, self.cues, motion, scheduler, variation))
@@ -85,6 +89,7 @@ class Desk:
         self.cues.stop()
         self.parameters.held = False
         self.parameters.reset(beats=CALM)
+        self.rig.follow(self.rig.start)
         self.held = True
         self._prompter.calm(True)
         time, source = event.time, event.source
@@ -117,6 +122,7 @@ class Desk:
         beats = ticks * TICK * timeline.tempo / 60.0
         self.parameters.tick(beats)
         self.master.tick(beats)
+        self.rig.tick(ticks * TICK, beats)
 
     def fire(self, danced: float, time: float) -> list[ControlEvent]:
         """What cues bring by the danced beat, at `time` [s]."""
@@ -124,6 +130,7 @@ class Desk:
 
     def begin_measure(self, danced: float) -> list[ControlEvent]:
         """A measure has begun."""
+        self.rig.begin_measure()
         return [] if self.held else self.cues.begin_measure(danced)
 
     # -- what is told --------------------------------------------------------------------------------------------
@@ -131,7 +138,8 @@ class Desk:
     def hashed(self) -> tuple[npt.NDArray[np.float64], ...]:
         """What belongs to the state of the show; nothing until somebody has used the desk."""
         used = self.parameters.touched or self.cues.state() != [0, -1] or self.held
-        return (self.parameters.value, np.array([self.held, *self.cues.state()], np.float64)) if used else ()
+        own = (self.parameters.value, np.array([self.held, *self.cues.state()], np.float64)) if used else ()
+        return (*own, *self.rig.hashed())
 
     def words(self, danced: float) -> tuple[str, ...]:
         """The overlay's lines on cues; none in a show without any."""
@@ -155,5 +163,6 @@ class Desk:
             "scenes": self.scenes.names,
             "fading": self.parameters.fading,
             "master": self.master.facts(),
+            **self.rig.facts(),
             **self.edits.facts(),
         }

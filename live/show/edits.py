@@ -24,6 +24,7 @@ EDITED: Final[dict[type[ControlEvent], str]] = {
     events.SetPicture: "parameters",
     events.SetMotion: "parameters",
     events.RecallView: "parameters",
+    events.Accompany: "parameters",
     events.RecallLook: "parameters",
     events.RecallScene: "parameters",
     events.StoreScene: "scenes",

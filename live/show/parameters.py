@@ -143,6 +143,13 @@ class Parameters:
         height = a[1] + (b[1] - a[1]) * share
         self.value[eye] = self.value[target] + (far * math.sin(bearing), height, far * math.cos(bearing))
 
+    def turn_camera(self, angle: float) -> None:
+        """The camera goes around what it looks at by `angle` [rad], and so does the way that it is on."""
+        eye, target = picture.EYE, picture.TARGET
+        for row in (self.value, self._from, self._goal) if self._fading[eye.start] else (self.value,):
+            around = row if self._fading[target.start] else self.value
+            row[eye] = turned(row[eye], around[target], angle)
+
     # -- how dancers vary --------------------------------------------------------------------------------------
 
     def _listen(self) -> None:
@@ -156,6 +163,13 @@ class Parameters:
         self.value[rows] = new
         groups = self.value[picture.SIZE :].reshape(-1, len(FIELDS)).tolist()
         self._variation.take([Variety(**dict(zip(FIELDS, row, strict=True))) for row in groups])
+
+
+def turned(eye: Float64, target: Float64, angle: float) -> Float64:
+    """An eye that has gone around its target by `angle` [rad], from +z towards +x."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    x, z = float(eye[0] - target[0]), float(eye[2] - target[2])
+    return np.array([target[0] + cos * x + sin * z, eye[1], target[2] + cos * z - sin * x])
 
 
 def _numbers(variety: Variety) -> list[float]:

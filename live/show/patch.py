@@ -8,6 +8,7 @@ from typing import Annotated, Any
 from pydantic import Field, model_validator
 
 from live.base.errors import PersonError
+from live.base.perspective import matched
 from live.show.call_check import check_named
 from live.show.cue_check import check_cues
 from live.show.score_check import check_score
@@ -32,6 +33,7 @@ from live.show.sections.stage import (
     GateSection,
     LookSection,
     ObstacleSection,
+    ProjectorSection,
     StageSection,
     SteeringSection,
 )
@@ -64,6 +66,7 @@ class Patch(Section):
     camera: CameraSection = CameraSection()
     look: LookSection = LookSection()
     picture: PictureSection = PictureSection()
+    projector: ProjectorSection | None = None
     view: Annotated[tuple[ViewSection, ...], Field(max_length=200)] = ()
     looks: Annotated[tuple[NamedLookSection, ...], Field(max_length=200)] = ()
     scene: Annotated[tuple[SceneSection, ...], Field(max_length=1000)] = ()
@@ -119,6 +122,16 @@ class Patch(Section):
                     words = f"two {what.removesuffix('s')}s are called {name[:60]!r}: give each its own name"
                     raise Amiss(words, what, index, "name")
                 known.add(folded)
+        return self
+
+    @model_validator(mode="after")
+    def _projector_sees_the_floor(self) -> "Patch":
+        if self.projector is not None:
+            try:
+                matched(self.projector.at, self.projector.corners, (self.stage.width, self.stage.depth),
+                        self.projector.aspect)  # fmt: skip
+            except PersonError as error:
+                raise Amiss(str(error), "projector", "corners") from None
         return self
 
     @model_validator(mode="after")

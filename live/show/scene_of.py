@@ -3,6 +3,8 @@
 import numpy as np
 
 from live.base.bodies import USUAL
+from live.base.errors import named
+from live.base.perspective import matched
 from live.base.stage_view import Camera, Look, Scene
 from live.motion.skeleton import JOINT_COUNT
 from live.show.parameter_table import numbers_of
@@ -10,6 +12,27 @@ from live.show.patch import Patch
 from live.show.sections.draw import drawn
 
 _BODIES_SEED = 23
+from live.show.sections.stage import CameraSection
+
+
+def projector_camera(patch: Patch) -> Camera | None:
+    """The camera of a patch's `[projector]`, if it has one; PersonError if there can be no such projector."""
+    section = patch.projector
+    if section is None:
+        return None
+    with named("projector.corners", ("projector", "corners")):
+        return matched(section.at, section.corners, (patch.stage.width, patch.stage.depth), section.aspect)
+
+
+def camera_of_section(section: CameraSection) -> Camera:
+    """The camera that a `[camera]` or `[[view]]` says."""
+    return Camera(section.eye, section.target, section.field_of_view_deg, section.roll_deg, section.shift)
+
+
+def camera_at_first(patch: Patch) -> Camera:
+    """The camera with which a show begins: `[camera]` if it is written, else that of the `[projector]`."""
+    projector = None if "camera" in patch.model_fields_set else projector_camera(patch)
+    return projector or camera_of_section(patch.camera)
 
 
 def scene_of(patch: Patch) -> Scene:
@@ -26,8 +49,8 @@ def scene_of(patch: Patch) -> Scene:
     )
     return Scene(
         stage_size=(patch.stage.width, patch.stage.depth),
-        camera=Camera(patch.camera.eye, patch.camera.target, patch.camera.field_of_view_deg),
         look=Look(**look, group_colours=colours, group_styles=styles),
+        camera=camera_at_first(patch),
         dancer_count=patch.dancer_count,
         joint_count=JOINT_COUNT,
         passes=patch.picture.passes,

@@ -4,7 +4,7 @@ A scene that was stored keeps everything; one of the patch what it says. `start`
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -14,11 +14,13 @@ from live.base.errors import PersonError
 from live.base.stage_view import PASSES
 from live.control import events
 from live.control.events import ControlEvent
+from live.show.camera_rig import NOBODY, CameraRig
 from live.show.parameter_table import LOOK, VIEW, ParameterTable, numbers_of, split
 from live.show.parameters import Parameters
 from live.show.patch import Patch
 from live.show.sections.draw import Setting
 from live.show.sections.scene import LOOK_ADDRESSES
+from live.show.views import view_settings
 
 MOST: Final = 1000
 """Scenes that are kept at most."""
@@ -34,14 +36,16 @@ class Scene:
     goals: Mapping[int, float]
     measures: float
     """Measures of its cross-fade."""
+    whom: str | None = None
+    """Whom its camera follows."""
 
 
 class Scenes:
     """The scenes, views and looks of one show. Thread: the show's."""
 
-    def __init__(self, patch: Patch, parameters: Parameters) -> None:
+    def __init__(self, patch: Patch, parameters: Parameters, rig: CameraRig) -> None:
         """PersonError for a scene that names what is not there."""
-        self._parameters = parameters
+        self._parameters, self._rig = parameters, rig
         self.stored: dict[str, Scene] = {}
         """Scenes that were stored live, by their folded names."""
         table, start = parameters.table, parameters.start
@@ -49,13 +53,19 @@ class Scenes:
         camera = range(picture.CAMERA.start, picture.CAMERA.stop)
         self._views = {START: Scene(START, {place: float(start[place]) for place in camera}, 0.0)}
         self._looks = {START: Scene(START, {place: float(start[place]) for place in light}, 1.0)}
-        for view in patch.view:
-            self._views[_folded(view.name)] = Scene(view.name, self._goals(table, view.settings()), 0.0)
+        self._views[START] = replace(self._views[START], whom=patch.camera.follow)
+        for name, (settings, whom) in view_settings(patch).items():
+            self._views[_folded(name)] = Scene(name, self._goals(table, settings), 0.0, whom)
         for look in patch.looks:
             self._looks[_folded(look.name)] = Scene(look.name, self._goals(table, look.settings()), look.measures)
         self._scenes = {START: Scene(START, dict(enumerate(start.tolist())), 2.0)}
         for scene in patch.scene:
-            self._scenes[_folded(scene.name)] = Scene(scene.name, self._goals(table, scene.set), scene.measures)
+            whom = self._whom_of(scene.set)
+            self._scenes[_folded(scene.name)] = Scene(scene.name, self._goals(table, scene.set), scene.measures, whom)
+
+    def _whom_of(self, settings: Mapping[str, Setting]) -> str | None:
+        view = settings.get(VIEW)
+        return None if view is None else _of(self._views, str(view), "view").whom
 
     def take_patch(self, fresh: "Scenes") -> None:
         """Take over the views, looks and scenes of an edited patch; those that were stored live stay."""
@@ -90,6 +100,8 @@ class Scenes:
 
     def _go(self, scene: Scene, measures: float, size: float) -> None:
         lasts = scene.measures if measures < 0.0 else measures
+        if scene.whom is not None:
+            self._rig.follow(scene.whom, cut=lasts <= 0.0)
         self._parameters.fade(scene.goals, beats=lasts * size)
 
     def _set(self, event: events.SetPicture, size: float) -> None:
@@ -111,6 +123,15 @@ class Scenes:
     def _view(self, event: events.RecallView, size: float) -> None:
         self._go(_of(self._views, event.name, "view"), max(event.measures, 0.0), size)
 
+    def _accompany(self, event: events.Accompany, size: float) -> None:
+        nobody = event.whom.strip().casefold() in NOBODY
+        if not nobody:
+            self._rig.follow(event.whom, cut=event.measures <= 0.0)
+        goals = {picture.FOLLOWING: 0.0 if nobody else 1.0}
+        if event.along >= 0.0:
+            goals[picture.ALONG] = event.along
+        self._parameters.fade(goals, beats=max(event.measures, 0.0) * size)
+
     def _look(self, event: events.RecallLook, size: float) -> None:
         self._go(_of(self._looks, event.name, "look"), event.measures, size)
 
@@ -126,7 +147,8 @@ class Scenes:
         old = (self._scenes | self.stored).get(folded)
         goals = self._parameters.goals()
         measures = 2.0 if old is None else old.measures
-        self.stored[folded] = Scene(event.name, dict(enumerate(np.asarray(goals).tolist())), measures)
+        values = dict(enumerate(np.asarray(goals).tolist()))
+        self.stored[folded] = Scene(event.name, values, measures, self._rig.whom)
 
 
 def _folded(name: str) -> str:
@@ -146,6 +168,7 @@ _ACTS: Final[dict[type, Callable[..., None]]] = {
     events.SetPass: Scenes._pass,
     events.SetPicture: Scenes._set,
     events.RecallView: Scenes._view,
+    events.Accompany: Scenes._accompany,
     events.RecallLook: Scenes._look,
     events.RecallScene: Scenes._recall,
     events.StoreScene: Scenes._store,

@@ -4,6 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.stage_view import StageView
+from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
 from live.motion.skeleton import JOINT_COUNT
 from live.show.dancers import Dancers
@@ -29,9 +30,10 @@ class Seen:
         return view
 
     def fill(
-        self, view: StageView, time: float, timeline: Timeline, span: MeasureSpan, *, tempo: float, brightness: float
-    ) -> None:
-        """Fill the snapshot for `time` [s]: poses at the exact beat, at most a tick after the last one.
+        self, view: StageView, time: float, timeline: Timeline, span: MeasureSpan, *, tempo: float, brightness: float,
+        ticked: float,
+    ) -> None:  # fmt: skip
+        """Fill the snapshot for `time` [s]: poses at the exact beat, at most a tick after the last one (`ticked`).
 
         While the picture is frozen only its light changes.
         """
@@ -53,6 +55,8 @@ class Seen:
         view.count_in = 0.0 if counted is None else max(counted[0], 0.0)
         if view.picture is not None:
             view.picture[:] = self._desk.parameters.picture
+            after = min(max(time - ticked, 0.0), 2.0 * TICK)
+            self._desk.rig.place(view.picture, after, after * timeline.tempo / 60.0)
 
     def state_hash(self, time: float, timeline: Timeline, span: MeasureSpan, *, brightness: float) -> str:
         """A short hash over every bit of the agents' and dancers' states and the poses at the tick of `time` [s]."""

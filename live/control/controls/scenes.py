@@ -48,8 +48,17 @@ SCENE_CONTROLS: Final = (
     ),
     Control(
         "/dance/camera", events.RecallView,
-        (Argument("name", "name", "a [[view]] of the patch; `start` is its [camera]"), _MEASURES),
+        (Argument("name", "name", "a [[view]], `start`, `front`, `side`, `top`, `around`, `projector`"), _MEASURES),
         "Cuts or moves to another camera.", "operator",
+    ),
+    Control(
+        "/dance/camera/follow", events.Accompany,
+        (
+            Argument("whom", "text", "dancers as in `ember & left + 12`; `*` is all, `off` nobody"),
+            Argument("along", "float", "how far the camera goes along: 0 only turns, -1 as before", "", -1, 1, -1.0),
+            _MEASURES,
+        ),
+        "The camera follows somebody.", "operator",
     ),
     Control(
         "/dance/look", events.RecallLook,

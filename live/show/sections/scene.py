@@ -36,14 +36,6 @@ class ViewSection(CameraSection):
     name: Name
     """What it is called."""
 
-    def settings(self) -> dict[str, Setting]:
-        """The parameters that it sets, by address."""
-        return {
-            "/dance/camera/eye": self.eye,
-            "/dance/camera/target": self.target,
-            "/dance/camera/field_of_view": self.field_of_view_deg,
-        }
-
 
 class NamedLookSection(LookSection):
     """`[[looks]]`: another light, for `/dance/look` and scenes; what is left out stays as it is."""

@@ -4,7 +4,11 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from live.show.sections.section import Colour, Far, Name, Place, Section, Share
+from live.base.errors import PersonError
+from live.base.perspective import check_corners
+from live.show.sections.section import Amiss, Colour, Far, Name, Place, Section, Share
+
+Shift = Annotated[float, Field(ge=-5, le=5, allow_inf_nan=False)]
 
 
 class StageSection(Section):
@@ -74,11 +78,45 @@ class CameraSection(Section):
     """What it looks at [m]."""
     field_of_view_deg: Annotated[float, Field(ge=5, le=120)] = 40.0
     """Vertical angle of view."""
+    roll_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
+    """How far it is turned about its axis, clockwise as seen from behind."""
+    shift: tuple[Shift, Shift] = (0.0, 0.0)
+    """Lens shift: how many of its widths to the right and of its heights above the axis the picture lies."""
+    orbit_measures: Annotated[float, Field(ge=-1000, le=1000, allow_inf_nan=False)] = 0.0
+    """It goes around what it looks at once in so many measures, to its right; below 0 to its left, 0: it stands."""
+    follow: Annotated[str, Field(min_length=1, max_length=200)] | None = None
+    """Whom it follows: a group, or groups, attributes, numbers and places as in `ember & left + 12`; * is all."""
+    along: Share = 0.0
+    """How far it goes along with whom it follows; 0: it only turns, 1: it keeps its distance."""
+    plan: Share = 0.0
+    """How much of the plan is drawn: circles with triangles for dancers, and where they came from."""
 
     @model_validator(mode="after")
     def _look_somewhere(self) -> "CameraSection":
         if sum((a - b) ** 2 for a, b in zip(self.eye, self.target, strict=True)) < 1e-6:
             raise ValueError("eye and target are the same point: the camera looks nowhere")
+        if 0.0 < abs(self.orbit_measures) < 0.25:
+            raise ValueError(f"orbit_measures {self.orbit_measures:g}: once in a quarter of a measure is the fastest")
+        return self
+
+
+class ProjectorSection(Section):
+    """`[projector]`: its perspective, from where it stands and where the floor's corners are in its picture."""
+
+    at: tuple[Far, Far, Far]
+    """Where the projector's lens is: x, y (up), z [m]."""
+    corners: Annotated[tuple[tuple[Shift, Shift], ...], Field(min_length=4, max_length=4)]
+    """Where the picture has the floor's corners: back left, back right, front right, front left as the audience sees
+    them; each to the right and down, from 0 to 1."""
+    aspect: Annotated[float, Field(gt=0.1, le=20)] = 16 / 9
+    """Width of that picture by its height."""
+
+    @model_validator(mode="after")
+    def _a_floor(self) -> "ProjectorSection":
+        try:
+            check_corners(self.corners)
+        except PersonError as error:
+            raise Amiss(str(error), "corners") from None
         return self
 
 
