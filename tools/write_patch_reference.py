@@ -64,7 +64,7 @@ def _inner(name: str, section: type[Section]) -> list[str]:
 
 
 def _section(annotation: Any) -> type[Section] | None:
-    kinds = get_args(annotation) if get_origin(annotation) is tuple else (annotation,)
+    kinds = get_args(annotation) if get_origin(annotation) in (tuple, Union, types.UnionType) else (annotation,)
     found = [kind for kind in kinds if isinstance(kind, type) and issubclass(kind, Section)]
     return found[0] if found else None
 

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base import cameras, styles
+from live.base import cameras, lights, styles
 from live.base.stage_view import Camera, Look, Scene
 from live.base.styles import Kind
 
@@ -73,6 +73,7 @@ _LINES: Final[tuple[_Line, ...]] = (
         "The camera's vertical angle of view.",
     ),
     *cameras.LINES,
+    *lights.LINES,
     ("/dance/pass/shadow", "number", 0, 1, (1.0,), "", "How dark the dancers' shadows are; 0: none."),
     ("/dance/pass/mirror", "number", 0, 1, (1.0,), "", "How bright the dancers' images in the floor are; 0: none."),
     (
@@ -173,6 +174,7 @@ LENS: Final = slice(EYE.start, ORBIT)
 STANDING: Final = _where(
     "/dance/light/key", "/dance/light/key/colour", "/dance/light/rim", "/dance/light/rim/colour",
     "/dance/light/haze", "/dance/light/background", "/dance/light/floor",
+    *lights.STANDING,
     *(known.address for known in PARAMETERS if EYE.start <= known.first < ORBIT),
 )  # fmt: skip
 """The numbers on which floor, back wall and light in the haze depend: what the renderer keeps while they stand."""

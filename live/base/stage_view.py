@@ -42,6 +42,8 @@ SET_CAPACITY: Final = 64
 """Obstacles, and walls, drawn at most."""
 GUIDE_CAPACITY: Final = 8192
 """Strokes of the operator's guides drawn at most."""
+SPOT_CAPACITY: Final = 4
+"""Follow spots."""
 FLOOR_MARGIN: Final = 2.5
 """How far the floor's map of shadows and elements reaches beyond the scene's stage [m]."""
 
@@ -165,6 +167,10 @@ class StageView:
     """Whether a moment was written into it: what a frozen picture goes on showing."""
     picture: Float64 | None = None
     """Light, colours and camera now: the row of `live.base.picture`; None: as in the scene."""
+    energy: float = 0.5
+    """Energy of the music, 0 to 1."""
+    spot: Float64 = field(default_factory=lambda: np.zeros((SPOT_CAPACITY, 2)))
+    """Where the follow spots are (x, z) [m], shape (4, 2)."""
     count_in: float = 0.0
     """Beats until a cue that was given happens; 0: none is counting in."""
     overlay: tuple[str, ...] = ()

@@ -42,7 +42,16 @@ from live.control.group_events import (
 from live.control.machine_events import TakeOver
 from live.control.output_events import AllowFlashes, FadePicture, FreezePicture, ShowCard
 from live.control.patch_events import PatchChanged, StepsChanged
-from live.control.scene_events import Accompany, RecallLook, RecallScene, RecallView, SetPass, SetPicture, StoreScene
+from live.control.scene_events import (
+    Accompany,
+    FollowSpot,
+    RecallLook,
+    RecallScene,
+    RecallView,
+    SetPass,
+    SetPicture,
+    StoreScene,
+)
 from live.control.score_events import Advance, HoldScore, Improvise, JumpTo, Practice, Signal
 from live.control.step_events import AskWhy, CallStep, Clear, SetFacing, SetMotion, SetSequence, StepNow, StepsAdded
 
@@ -66,6 +75,7 @@ __all__ = [
     "Evolve",
     "FadePicture",
     "FreezePicture",
+    "FollowSpot",
     "GiveCue",
     "Go",
     "HoldScore",
@@ -150,7 +160,7 @@ EVENT_TYPES: dict[str, type[ControlEvent]] = {
         SetTempo, Nudge, ShiftBeats, ScaleTempo, HoldTempo, SetMetre, CountIn, ChooseSource, Blackout, BeatHeard,
         SourceChanged, StepsAdded, TicksSkipped, MusicHeard, RestartAudio, ChooseAudio, SetLatency,
         SetClick, JumpTo, Advance, HoldScore, Practice, Improvise, Signal, PatchChanged, StepsChanged,
-        SetPicture, SetPass, RecallView, RecallLook, RecallScene, StoreScene, Accompany,
+        SetPicture, SetPass, RecallView, RecallLook, RecallScene, StoreScene, Accompany, FollowSpot,
         Go, GiveCue, StandBy, StepBack, Panic, HoldShow, Undo, Redo,
         TakeOver, FadePicture, FreezePicture, AllowFlashes, ShowCard,
     )

@@ -49,6 +49,18 @@ class Accompany(ControlEvent):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class FollowSpot(ControlEvent):
+    """A follow spot goes after somebody from now on."""
+
+    whom: str
+    """A group, dancers' numbers and words for them."""
+    spot: float = 1.0
+    """Which one, from 1."""
+    level: float = 1.0
+    measures: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RecallLook(ControlEvent):
     """The light changes to a look of the patch."""
 

@@ -6,6 +6,7 @@ from typing import Final
 import moderngl
 import numpy as np
 
+from live.base.lights import SPOTS
 from live.base.picture import (
     BY_ADDRESS,
     COLOURS,
@@ -46,12 +47,31 @@ _BLOCK: Final = np.dtype(
         ("picture", "f4", 4),
         ("ambient", "f4", 4),
         ("finish", "f4", 4),
+        ("side_left", "f4", 4),
+        ("side_right", "f4", 4),
+        ("back_light", "f4", 4),
+        ("beam_light", "f4", 4),
+        ("beam_form", "f4", 4),
+        ("spot_place", "f4", (SPOTS, 4)),
+        ("spot_light", "f4", (SPOTS, 4)),
+        ("gradient_top", "f4", 4),
+        ("gradient_bottom", "f4", 4),
     ]
 )
 
 
 VIGNETTING: Final = 0.6
 """How much darker the corners are than the middle, by the square of the distance from it."""
+ENERGETIC: Final = 1.3
+"""Between silence and the most energetic music light that follows its energy differs so much from the usual light."""
+BEATS_KEPT: Final = 64.0
+"""Beats after which what swings and drifts comes back."""
+_SPOT_ROWS: Final = tuple(
+    (BY_ADDRESS[at].first, BY_ADDRESS[f"{at}/colour"].where, BY_ADDRESS[f"{at}/radius"].first)
+    for at in (f"/dance/spot/{number}" for number in range(1, SPOTS + 1))
+)
+_GRADIENT: Final = ("gradient", "top", "bottom")
+ENERGY: Final = BY_ADDRESS["/dance/light/energy"].first
 CLOSEST: Final = 1e-3
 """A camera nearer to what it looks at than this [m] looks nowhere: the last one stays."""
 
@@ -112,6 +132,14 @@ class FrameBlock:
         data["background"] = (*of("background"), *of("haze"))
         data["floor_colour"][:3] = of("floor")
         data["ambient"] = (*of("ambient/colour"), *of("saturation"))
+        data["side_left"] = (*(of("side/left") * of("side")), *of("pulse"))
+        data["side_right"] = (*(of("side/right") * of("side")), *of("stage"))
+        data["back_light"][:3] = of("back/colour") * of("back")
+        data["beam_light"][:3] = of("beams/colour") * of("beams")
+        data["beam_form"] = (*of("beams/width"), *of("beams/fan"), *of("beams/sway"), *of("beams"))
+        gradient, top, bottom = (row[BY_ADDRESS[f"/dance/background/{name}"].where] for name in _GRADIENT)
+        data["gradient_top"] = (*top, *gradient)
+        data["gradient_bottom"][:3] = bottom
 
     def write(self, view: StageView) -> None:
         """What changes with the moment: the picture's row, brightness, the pulse of the beat; then uploads and binds
@@ -121,7 +149,10 @@ class FrameBlock:
         pulse = (1.0 - phase) ** 3
         downbeat = 1.0 if view.phase < 1.0 else 0.55
         self._data["key_direction"][3] = pulse * downbeat
-        self._data["key_light"][3] = min(max(view.brightness, 0.0), 1.0) * self._row[LEVEL]
+        answers = 1.0 + self._row[ENERGY] * ENERGETIC * (min(max(view.energy, 0.0), 1.0) - 0.5)
+        self._data["key_light"][3] = min(max(view.brightness, 0.0), 1.0) * self._row[LEVEL] * answers
+        self._data["beam_light"][3] = view.beat % BEATS_KEPT
+        self._spots(view)
         self._data["floor_colour"][3] = phase
         width, depth = view.stage_size if view.stage_size[0] > 0.0 else self._stage_size
         changed = max(abs(width - self._stage_size[0]), abs(depth - self._stage_size[1]))
@@ -137,6 +168,16 @@ class FrameBlock:
         """Give the block to all programs as it is now."""
         self._buffer.write(self._data)
         self._buffer.bind_to_uniform_block(FRAME_BINDING)
+
+    def _spots(self, view: StageView) -> None:
+        """Where follow spots are; w of the first one's light says whether any is lit."""
+        data, lit = self._data, False
+        for number, (level, colour, radius) in enumerate(_SPOT_ROWS):
+            strength = float(self._row[level])
+            data["spot_light"][number, :3] = self._row[colour] * strength
+            data["spot_place"][number] = (view.spot[number, 0], view.spot[number, 1], self._row[radius], strength)
+            lit = lit or strength > 0.0
+        data["spot_light"][0, 3] = float(lit)
 
     def _take(self, row: Float64) -> None:
         """Take what is new in a picture's row, and say what that is."""

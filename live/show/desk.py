@@ -6,6 +6,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.kernels import damper
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
 from live.control import events
@@ -22,14 +23,17 @@ from live.show.patch import Patch
 from live.show.prompter import Prompter
 from live.show.scenes import SCENE_EVENTS, Scenes
 from live.show.scheduler import Scheduler
+from live.show.spots import Spots
 from live.show.variation import Variation
 from live.show.views import start_row
 
 DESK_EVENTS: Final = (
     *SCENE_EVENTS, events.Go, events.GiveCue, events.StandBy, events.StepBack, events.Panic, events.HoldShow,
-    events.Undo, events.Redo, *MASTER_EVENTS,
+    events.Undo, events.Redo, events.FollowSpot, *MASTER_EVENTS,
 )  # fmt: skip
 """The events that `act` takes."""
+ENERGY_HALFLIFE: Final = 0.25
+"""Light goes half the way to what the music's energy asks for in so long [s]."""
 CALM: Final = 2.0
 """Beats in which the patch's own light comes back when somebody panics."""
 
@@ -47,6 +51,9 @@ class Desk:
         self.rig = CameraRig(self.parameters, motion, patch.camera.follow, beats=beats)
         """The moving camera."""
         check_whom(patch, motion)
+        self.spots = Spots(self.parameters, motion)
+        self.energy = 0.5
+        """How much energy the music has, smoothly, 0 to 1."""
         self.scenes = Scenes(patch, self.parameters, self.rig)
         self._prompter = prompter
         self.cues = Cues(patch.cue, prompter.playhead, beats=patch.clock.beats_per_measure)
@@ -75,6 +82,9 @@ class Desk:
                 return self._panic(event)
             case events.HoldShow():
                 return self._hold(event) if event.on else self._let_go(event, danced)
+            case events.FollowSpot():
+                beats = max(event.measures, 0.0) * timeline.beats_per_measure
+                self.spots.follow(event.spot, event.whom, event.level, beats=beats)
             case events.Undo():
                 self.edits.undo()
             case events.Redo():
@@ -89,7 +99,7 @@ class Desk:
         self.cues.stop()
         self.parameters.held = False
         self.parameters.reset(beats=CALM)
-        self.rig.follow(self.rig.start)
+        self.rig.chase.follow(self.rig.start)
         self.held = True
         self._prompter.calm(True)
         time, source = event.time, event.source
@@ -123,6 +133,8 @@ class Desk:
         self.parameters.tick(beats)
         self.master.tick(beats)
         self.rig.tick(ticks * TICK, beats)
+        self.spots.tick(ticks * TICK)
+        self.energy = damper(self.energy, self._prompter.mood.of("energy"), ENERGY_HALFLIFE, ticks * TICK)
 
     def fire(self, danced: float, time: float) -> list[ControlEvent]:
         """What cues bring by the danced beat, at `time` [s]."""
@@ -130,7 +142,8 @@ class Desk:
 
     def begin_measure(self, danced: float) -> list[ControlEvent]:
         """A measure has begun."""
-        self.rig.begin_measure()
+        self.rig.chase.begin_measure()
+        self.spots.begin_measure()
         return [] if self.held else self.cues.begin_measure(danced)
 
     # -- what is told --------------------------------------------------------------------------------------------
@@ -139,7 +152,7 @@ class Desk:
         """What belongs to the state of the show; nothing until somebody has used the desk."""
         used = self.parameters.touched or self.cues.state() != [0, -1] or self.held
         own = (self.parameters.value, np.array([self.held, *self.cues.state()], np.float64)) if used else ()
-        return (*own, *self.rig.hashed())
+        return (*own, *self.rig.chase.hashed(), *self.spots.hashed())
 
     def words(self, danced: float) -> tuple[str, ...]:
         """The overlay's lines on cues; none in a show without any."""
@@ -164,5 +177,6 @@ class Desk:
             "fading": self.parameters.fading,
             "master": self.master.facts(),
             **self.rig.facts(),
+            **self.spots.facts(),
             **self.edits.facts(),
         }

@@ -1,5 +1,8 @@
 """The scene of a patch: what the renderer begins with."""
 
+from dataclasses import fields
+from typing import Final
+
 import numpy as np
 
 from live.base.bodies import USUAL
@@ -10,9 +13,10 @@ from live.motion.skeleton import JOINT_COUNT
 from live.show.parameter_table import numbers_of
 from live.show.patch import Patch
 from live.show.sections.draw import drawn
+from live.show.sections.stage import CameraSection
 
 _BODIES_SEED = 23
-from live.show.sections.stage import CameraSection
+_LOOK: Final = {field.name for field in fields(Look)}
 
 
 def projector_camera(patch: Patch) -> Camera | None:
@@ -37,7 +41,7 @@ def camera_at_first(patch: Patch) -> Camera:
 
 def scene_of(patch: Patch) -> Scene:
     """What the renderer must know of a patch."""
-    look = {key: value for key, value in patch.look.model_dump().items() if value is not None}
+    look = {key: value for key, value in patch.look.model_dump().items() if value is not None and key in _LOOK}
     defaults = Look()
     colours = tuple(
         group.colour if group.colour is not None else defaults.group_colours[i % len(defaults.group_colours)]

@@ -101,7 +101,7 @@ class Scenes:
     def _go(self, scene: Scene, measures: float, size: float) -> None:
         lasts = scene.measures if measures < 0.0 else measures
         if scene.whom is not None:
-            self._rig.follow(scene.whom, cut=lasts <= 0.0)
+            self._rig.chase.follow(scene.whom, cut=lasts <= 0.0)
         self._parameters.fade(scene.goals, beats=lasts * size)
 
     def _set(self, event: events.SetPicture, size: float) -> None:
@@ -126,7 +126,7 @@ class Scenes:
     def _accompany(self, event: events.Accompany, size: float) -> None:
         nobody = event.whom.strip().casefold() in NOBODY
         if not nobody:
-            self._rig.follow(event.whom, cut=event.measures <= 0.0)
+            self._rig.chase.follow(event.whom, cut=event.measures <= 0.0)
         goals = {picture.FOLLOWING: 0.0 if nobody else 1.0}
         if event.along >= 0.0:
             goals[picture.ALONG] = event.along
@@ -148,7 +148,7 @@ class Scenes:
         goals = self._parameters.goals()
         measures = 2.0 if old is None else old.measures
         values = dict(enumerate(np.asarray(goals).tolist()))
-        self.stored[folded] = Scene(event.name, values, measures, self._rig.whom)
+        self.stored[folded] = Scene(event.name, values, measures, self._rig.chase.whom)
 
 
 def _folded(name: str) -> str:

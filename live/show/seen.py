@@ -51,11 +51,13 @@ class Seen:
         view.time, view.beat, view.tempo = time, beat, tempo
         view.measure, view.beats_per_measure = span.number, timeline.beats_per_measure
         view.phase = fraction * timeline.beats_per_measure
+        view.energy = self._desk.energy
         counted = self._desk.cues.count_in(span.danced(beat, self._desk.beats))
         view.count_in = 0.0 if counted is None else max(counted[0], 0.0)
         if view.picture is not None:
             view.picture[:] = self._desk.parameters.picture
             after = min(max(time - ticked, 0.0), 2.0 * TICK)
+            self._desk.spots.place(view, after)
             self._desk.rig.place(view.picture, after, after * timeline.tempo / 60.0)
 
     def state_hash(self, time: float, timeline: Timeline, span: MeasureSpan, *, brightness: float) -> str:

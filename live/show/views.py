@@ -9,7 +9,7 @@ from live.show.cue_check import PROJECTOR
 from live.show.patch import Patch
 from live.show.scene_of import camera_of_section, projector_camera, scene_of
 from live.show.sections.draw import Setting
-from live.show.sections.scene import ViewSection
+from live.show.sections.scene import LOOK_ADDRESSES, ViewSection
 from live.show.sections.stage import CameraSection
 
 _ANGLE: Final = 34.0
@@ -45,6 +45,10 @@ def start_row(patch: Patch) -> picture.Float64:
     moves = camera_settings(picture.camera_of(row), patch.camera)
     for address in ("/dance/camera/orbit", "/dance/camera/following", "/dance/camera/along", "/dance/camera/plan"):
         row[picture.BY_ADDRESS[address].where] = moves[address]
+    for key, address in LOOK_ADDRESSES.items():
+        value = getattr(patch.look, key)
+        if value is not None:
+            row[picture.BY_ADDRESS[address].where] = value
     return row
 
 

@@ -119,11 +119,29 @@ def scene_controls():
         sent[f"/dance/pass/{name}"] = (["fi", str(value), "1"], picture(f"/dance/pass/{name}", value, measures=1.0))
     for name in ("trails/colour", "ink/colour", "ink/paper/colour", "grade/lift", "grade/gamma", "grade/gain"):
         sent[f"/dance/pass/{name}"] = (["fff", "1", "0.5", "0.25"], picture(f"/dance/pass/{name}", 1.0, 0.5, 0.25))
+    for name in ("roll", "shift_x", "shift_y", "stretch", "skew", "orbit", "following", "along", "plan"):
+        sent[f"/dance/camera/{name}"] = (["fi", "0.5", "2"], picture(f"/dance/camera/{name}", 0.5, measures=2.0))
+    lamps = ("side", "back", "beams", "pulse", "energy", "stage", "beams/width", "beams/fan", "beams/sway")
+    for name in (*(f"light/{lamp}" for lamp in lamps), "background/gradient", "spot/1", "spot/2", "spot/3", "spot/4"):
+        sent[f"/dance/{name}"] = (["f", "0.25"], picture(f"/dance/{name}", 0.25))
+    for number in range(1, 5):
+        sent[f"/dance/spot/{number}/radius"] = (["f", "2"], picture(f"/dance/spot/{number}/radius", 2.0))
+    tints = ("light/side/left", "light/side/right", "light/back/colour", "light/beams/colour", "background/top")
+    for name in (*tints, "background/bottom", *(f"spot/{number}/colour" for number in range(1, 5))):
+        sent[f"/dance/{name}"] = (["fff", "1", "0.5", "0"], picture(f"/dance/{name}", 1.0, 0.5, 0.0))
     for name in ("eye", "target"):
         sent[f"/dance/camera/{name}"] = (["fff", "1", "2.5", "-3"], picture(f"/dance/camera/{name}", 1.0, 2.5, -3.0))
     return sent | {
         "/dance/pass": (["sii", "ink", "1", "2"], events.SetPass(name="ink", amount=1.0, measures=2.0, **STAMP)),
         "/dance/camera": (["sf", "side", "2"], events.RecallView(name="side", measures=2.0, **STAMP)),
+        "/dance/camera/follow": (
+            ["sfi", "tide & 1", "0.5", "2"],
+            events.Accompany(whom="tide & 1", along=0.5, measures=2.0, **STAMP),
+        ),
+        "/dance/spot/follow": (
+            ["sifi", "tide & 1", "2", "0.5", "1"],
+            events.FollowSpot(whom="tide & 1", spot=2.0, level=0.5, measures=1.0, **STAMP),
+        ),
         "/dance/look": (["s", "dusk"], events.RecallLook(name="dusk", **STAMP)),
         "/dance/scene": (["si", "finale", "0"], events.RecallScene(name="finale", measures=0.0, **STAMP)),
         "/dance/scene/store": (["s", "mine"], events.StoreScene(name="mine", **STAMP)),

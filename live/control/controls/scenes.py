@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Final
 
+from live.base.lights import SPOTS
 from live.base.picture import OF_GROUPS, PARAMETERS, PictureParameter
 from live.control import events
 from live.control.control import Argument, Control
@@ -59,6 +60,16 @@ SCENE_CONTROLS: Final = (
             _MEASURES,
         ),
         "The camera follows somebody.", "operator",
+    ),
+    Control(
+        "/dance/spot/follow", events.FollowSpot,
+        (
+            Argument("whom", "text", "dancers as in `ember & left + 12`; `*` is all"),
+            Argument("spot", "float", "which of the follow spots", "", 1, SPOTS, 1.0),
+            Argument("level", "float", "how bright it becomes", "", 0, 4, 1.0),
+            _MEASURES,
+        ),
+        "A follow spot goes after somebody.", "operator",
     ),
     Control(
         "/dance/look", events.RecallLook,

@@ -15,6 +15,15 @@ layout(std140) uniform Frame {
     vec4 picture;         // width, height [pixels], 1 / width, 1 / height
     vec4 ambient;         // rgb: tint of the light from everywhere, w: saturation of the picture
     vec4 finish;          // x: how much the vignette takes at the film curve, y: shadows, z: mirror images (0 to 1)
+    vec4 side_left;       // rgb, w: how much light answers the beat
+    vec4 side_right;      // rgb, w: how much of floor and wall is seen
+    vec4 back_light;      // rgb
+    vec4 beam_light;      // rgb, w: beats, coming back after 64
+    vec4 beam_form;       // how fast beams widen, how they fan, how far they sway, strength
+    vec4 spot_place[4];   // x, z, radius [m], strength
+    vec4 spot_light[4];   // rgb; w of the first: 1 if any is lit
+    vec4 gradient_top;    // rgb, w: how much of the wall is the gradient
+    vec4 gradient_bottom; // rgb
 };
 
 float square(float x) { return x * x; }
@@ -26,6 +35,22 @@ float key_pool(vec2 place) {
     float reach = dot(at, at);
     return 1.0 / (1.0 + reach * reach * 0.55);
 }
+
+// Follow spots: lamps high in front of the stage, a firm edge around whom they follow.
+vec3 spot_lamp(int k) { return vec3(spot_place[k].x * 0.4 + (float(k) - 1.5) * 1.6, 8.5, stage.y + 5.0); }
+
+// How much of a spot reaches a place: 1 within its radius around the line from its lamp to her middle.
+float spot_reach(int k, vec3 place) {
+    vec3 lamp = spot_lamp(k), to = vec3(spot_place[k].x, 0.9, spot_place[k].y) - lamp;
+    float far = length(to);
+    vec3 way = place - lamp;
+    float along = dot(way, to) / far;
+    float off = length(way - to * (along / far));
+    float radius = spot_place[k].z * along / far;
+    return 1.0 - smoothstep(radius * 0.82, radius * 1.06, off);
+}
+
+float answer() { return 1.0 + side_left.w * key_direction.w; }
 
 float haze_at(vec3 place) {
     return 1.0 - exp(-background.w * max(distance(place, eye.xyz) - eye.w, 0.0));

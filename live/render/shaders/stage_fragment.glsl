@@ -1,5 +1,6 @@
 // Behind the dancers: the kept backdrop, with this moment's shadows, elements and mirror images on the floor.
 #include "frame.glsl"
+#include "beams.glsl"
 #include "finish.glsl"
 
 in vec2 at;
@@ -24,6 +25,26 @@ vec3 resized(vec3 colour, vec2 place) {
     return colour * lit + rim_light.rgb * (0.10 * edge.z * exp(-square(off / 0.04)));
 }
 
+// Pools of the follow spots and of the beams on the floor.
+vec3 pools(vec3 place) {
+    vec3 sum = vec3(0.0);
+    if (beam_form.w > 0.0) {
+        for (int k = 0; k < LAMPS; ++k) {
+            vec3 lamp = beam_lamp(k);
+            vec2 foot = beam_foot(k), off = place.xz - foot;
+            float width = 0.06 + beam_form.x * distance(lamp, vec3(foot, 0.0).xzy);
+            float longer = 1.0 + 0.5 * abs(foot.y - lamp.z) / lamp.y;   // it falls aslant
+            off.y /= longer;
+            sum += beam_tint(k) * exp(-2.0 * dot(off, off) / square(1.25 * width)) * 0.6;
+        }
+        sum *= beam_answer();
+    }
+    for (int k = 0; k < 4; ++k) {
+        if (spot_place[k].w > 0.0) sum += spot_light[k].rgb * spot_reach(k, place);
+    }
+    return sum * (0.03 + 1.7 * floor_colour.rgb);
+}
+
 void main() {
     // while light or camera move it may be smaller than the picture
     vec4 kept = textureSize(backdrop, 0).x == int(picture.x) ? texelFetch(backdrop, ivec2(gl_FragCoord.xy), 0)
@@ -36,7 +57,10 @@ void main() {
     colour *= 1.0 - kept.a * here.a;
     colour += (here.rgb + square3(texture(mirror, at).rgb)) * kept.a;
 #endif
-    colour *= key_light.w * (1.0 + 0.06 * key_direction.w);
+#if FLOOR
+    if (spot_light[0].w + beam_form.w > 0.0) colour += pools(vec3(place.x, 0.0, place.y)) * kept.a * (1.0 - 0.8 * here.a);
+#endif
+    colour *= key_light.w * answer() * side_right.w;
 #if HDR
     shown = vec4(compressed(colour), 1.0);
 #else

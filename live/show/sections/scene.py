@@ -26,6 +26,22 @@ LOOK_ADDRESSES: Final = {
     "haze": "/dance/light/haze",
     "level": "/dance/light/level",
     "saturation": "/dance/light/saturation",
+    "side": "/dance/light/side",
+    "side_left": "/dance/light/side/left",
+    "side_right": "/dance/light/side/right",
+    "back": "/dance/light/back",
+    "back_light": "/dance/light/back/colour",
+    "beams": "/dance/light/beams",
+    "beams_colour": "/dance/light/beams/colour",
+    "beams_width": "/dance/light/beams/width",
+    "beams_fan": "/dance/light/beams/fan",
+    "beams_sway": "/dance/light/beams/sway",
+    "pulse": "/dance/light/pulse",
+    "energy": "/dance/light/energy",
+    "stage": "/dance/light/stage",
+    "gradient": "/dance/background/gradient",
+    "gradient_top": "/dance/background/top",
+    "gradient_bottom": "/dance/background/bottom",
 }
 """The parameter behind each key of a look."""
 

@@ -147,6 +147,38 @@ class LookSection(Section):
     """How colourful all is; 0 is black and white."""
     haze: Annotated[float, Field(ge=0, le=1)] | None = None
     """How fast the depth of the stage fades [1/m]."""
+    side: Annotated[float, Field(ge=0, le=4)] | None = None
+    """Strength of the light from both sides; none if nothing is said."""
+    side_left: Colour | None = None
+    """Colour of the light from the left."""
+    side_right: Colour | None = None
+    """Colour of the light from the right."""
+    back: Annotated[float, Field(ge=0, le=4)] | None = None
+    """Strength of the light from straight behind and above."""
+    back_light: Colour | None = None
+    """Its colour."""
+    beams: Annotated[float, Field(ge=0, le=4)] | None = None
+    """Strength of the beams that are seen in the haze."""
+    beams_colour: Colour | None = None
+    """Colour of every other beam; those between are warmer."""
+    beams_width: Annotated[float, Field(ge=0.01, le=0.5)] | None = None
+    """How fast a beam grows wider on its way."""
+    beams_fan: Annotated[float, Field(ge=-2, le=2)] | None = None
+    """Where the beams meet the floor: 1 below their lamps, 0 all in the middle, -1 crossed."""
+    beams_sway: Share | None = None
+    """How far the beams swing, there and back in eight beats."""
+    pulse: Share | None = None
+    """How much all light answers the beat."""
+    energy: Share | None = None
+    """How much all light follows the energy of the music."""
+    stage: Share | None = None
+    """How much of floor and wall is seen; 0: dancers alone before true black, as for a gauze."""
+    gradient: Share | None = None
+    """How much the wall behind is a gradient of two colours."""
+    gradient_top: Colour | None = None
+    """Its colour above."""
+    gradient_bottom: Colour | None = None
+    """Its colour at the floor."""
 
     @model_validator(mode="after")
     def _light_goes_somewhere(self) -> "LookSection":

@@ -1,0 +1,75 @@
+"""Beams in the haze: cones of light from lamps above the stage, and those of the follow spots."""
+
+from typing import Final
+
+import moderngl
+
+from live.base.lights import SPOTS
+from live.base.picture import BY_ADDRESS
+from live.render.moment import HDR, Making, Moment, ScenePass
+from live.render.release import release_all
+from live.render.shader import program, set_uniform
+
+_DIVISOR: Final = 4
+"""Light in the haze is soft: it is drawn at 1/n of the picture's size and stretched."""
+_BEFORE: Final = 0.45
+"""Share of a beam's light that lies before a dancer on the average: what is behind her she hides."""
+_SWITCHES: Final = (
+    BY_ADDRESS["/dance/light/beams"].first,
+    *(BY_ADDRESS[f"/dance/spot/{number}"].first for number in range(1, SPOTS + 1)),
+)
+
+
+class BeamPass(ScenePass):
+    """Costs nothing while beams and spots are dark."""
+
+    def __init__(self, making: Making) -> None:
+        self._ctx = making.ctx
+        self._beams = program(making.ctx, "full_vertex.glsl", "beam_fragment.glsl")
+        self._over = program(making.ctx, "full_vertex.glsl", "beam_over_fragment.glsl")
+        self._triangles = [making.ctx.vertex_array(linked, []) for linked in (self._beams, self._over)]
+        self._make(making.size)
+
+    def _make(self, size: tuple[int, int]) -> None:
+        small = (max(size[0] // _DIVISOR, 1), max(size[1] // _DIVISOR, 1))
+        self._light = self._ctx.texture(small, 4, dtype=HDR)
+        self._light.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        self._light.repeat_x = self._light.repeat_y = False
+        self._target = self._ctx.framebuffer([self._light])
+
+    def active(self, moment: Moment) -> bool:
+        """While any beam is lit."""
+        return any(moment.amount(place) > 0.0 for place in _SWITCHES)
+
+    def over_active(self, moment: Moment) -> bool:
+        """As `active`: it is asked only then."""
+        return True
+
+    def prepare(self, moment: Moment) -> None:
+        """The light of all beams along each ray."""
+        self._target.use()
+        self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
+        self._triangles[0].render(moderngl.TRIANGLES, vertices=3)
+
+    def over(self, moment: Moment) -> None:
+        """Add it: all of it where the stage is seen, a part where a dancer is."""
+        ctx = self._ctx
+        self._light.use(1)
+        set_uniform(self._over, "beams", 1)
+        ctx.enable(moderngl.DEPTH_TEST | moderngl.BLEND)
+        ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_COLOR
+        for test, share in (("<=", 1.0), (">", _BEFORE)):
+            ctx.depth_func = test
+            set_uniform(self._over, "share", share)
+            self._triangles[1].render(moderngl.TRIANGLES, vertices=3)
+        ctx.depth_func = "<"
+        ctx.disable(moderngl.BLEND)
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """New size of the picture [pixels]."""
+        release_all(self._target, self._light)
+        self._make(size)
+
+    def release(self) -> None:
+        """Free everything."""
+        release_all(self._target, self._light, *self._triangles, self._beams, self._over)

@@ -1,0 +1,57 @@
+// Light that the haze scatters to the eye from cones of light: along each ray their integral is known from where ray and
+// axis are nearest, for across a cone the light falls off like a Gaussian (as in backdrop_fragment.glsl).
+#include "frame.glsl"
+#include "beams.glsl"
+
+in vec2 at;
+in vec3 ray;
+out vec4 shown;
+
+// Smoke that drifts: three slow waves, the same after 64 beats.
+float smoke(vec3 p, float beat) {
+    float t = beat * TAU / 64.0;
+    float a = sin(p.x * 1.9 + 4.0 * t + 1.3 * sin(p.y * 1.1 - 3.0 * t));
+    float b = sin(p.y * 2.3 - 5.0 * t + 1.7 * sin(p.z * 0.9 + 2.0 * t));
+    float c = sin(p.z * 1.7 + 3.0 * t + 1.1 * sin(p.x * 1.3 - 2.0 * t));
+    return 0.82 + 0.18 * (a * b + b * c + c * a) * 0.6;
+}
+
+float cone(vec3 lamp, vec3 aim, float begin, float spread, vec3 start, vec3 direction, float reach) {
+    float together = dot(direction, aim);
+    float across = max(1.0 - together * together, 0.02);
+    vec3 gap = start - lamp;
+    float along = max((dot(gap, aim) - together * dot(gap, direction)) / across, 0.0);
+    float away = (together * dot(gap, aim) - dot(gap, direction)) / across;
+    vec3 nearest = start + direction * away;
+    float off = distance(nearest, lamp + aim * along);
+    float width = begin + spread * along;
+    float light = exp(-2.0 * off * off / (width * width)) / (0.35 + 6.0 * spread * spread * along * along + 0.05 * along);
+    float seen = smoothstep(-width, width, reach - away) * smoothstep(0.0, 0.25, along) * step(0.0, away);
+    return light * seen * width * 1.2533 / sqrt(across) * smoke(nearest, beam_light.w);
+}
+
+void main() {
+    vec3 direction = normalize(ray), start = eye.xyz;
+    float wall_z = -stage.y - 3.0;
+    float to_wall = direction.z < -1e-4 ? (wall_z - start.z) / direction.z : 1e4;
+    float to_floor = direction.y < -1e-4 ? -start.y / direction.y : 1e4;
+    float reach = min(min(to_wall, to_floor), 60.0);
+    vec3 sum = vec3(0.0);
+    if (beam_form.w > 0.0) {
+        for (int k = 0; k < LAMPS; ++k) {
+            vec3 lamp = beam_lamp(k), foot = vec3(beam_foot(k), 0.0).xzy;
+            sum += beam_tint(k) * cone(lamp, normalize(foot - lamp), 0.06, beam_form.x, start, direction, reach);
+        }
+        sum *= beam_answer();
+    }
+    if (spot_light[0].w > 0.0) {
+        for (int k = 0; k < 4; ++k) {
+            if (spot_place[k].w <= 0.0) continue;
+            vec3 lamp = spot_lamp(k), to = vec3(spot_place[k].x, 0.9, spot_place[k].y) - lamp;
+            float far = length(to);
+            float spread = spot_place[k].z / far * 0.8;
+            sum += spot_light[k].rgb * 0.30 * cone(lamp, to / far, 0.06, spread, start, direction, reach);
+        }
+    }
+    shown = vec4(sum * 0.13 * key_light.w, 1.0);
+}

@@ -1,0 +1,19 @@
+// Where the lamps of the beams hang, and where they look, now.
+const int LAMPS = 8;
+const float TAU = 6.2831853;
+
+float beam_side(int k) { return (float(k) - 3.5) / 3.5; }
+vec3 beam_lamp(int k) { return vec3(beam_side(k) * (stage.x * 0.95 + 0.4), 7.2, -stage.y * 0.75); }
+
+// Where it meets the floor.
+vec2 beam_foot(int k) {
+    float turn = TAU * (beam_light.w / 8.0 + float(k) * 0.125);
+    vec2 foot = vec2(beam_side(k) * stage.x * 1.1 * beam_form.y, stage.y * (0.35 - 0.25 * abs(beam_side(k))));
+    return foot + beam_form.z * vec2(sin(turn) * stage.x * 0.55, cos(turn * 0.5) * stage.y * 0.55);
+}
+
+vec3 beam_tint(int k) {
+    return (k & 1) == 0 ? beam_light.rgb : mix(beam_light.rgb, key_light.rgb * beam_form.w, 0.55);
+}
+
+float beam_answer() { return 1.0 + 3.0 * side_left.w * key_direction.w; }

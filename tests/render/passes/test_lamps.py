@@ -1,0 +1,111 @@
+"""Side and back light, beams, follow spots, gradient and gauze: each does what it says, and nothing while it is dark."""
+
+import numpy as np
+import pytest
+
+from live.base.picture import BY_ADDRESS, picture_of
+from live.render.camera import pixel_of
+from live.render.quality import CARD, SOFTWARE
+from live.render.renderer import Renderer
+from tests.render.test_renderer import SIZE, crowd, read, scene
+
+pytestmark = pytest.mark.gl
+DIM = {"light/key": 0.15, "light/rim": 0.4, "light/ambient": 0.05}
+
+
+@pytest.fixture
+def draw(gl_context):
+    """Draws a crowd with some parameters of the picture set, by the rest of their addresses."""
+    target, made = gl_context.simple_framebuffer(SIZE), {}
+
+    def draw(said=None, view=None, quality=SOFTWARE, energy=0.5):
+        if quality not in made:
+            made[quality] = Renderer(gl_context, scene(12), size=SIZE, quality=quality)
+        view = crowd() if view is None else view
+        view.picture, view.energy = picture_of(scene(12)), energy
+        for name, value in (said or {}).items():
+            view.picture[BY_ADDRESS[f"/dance/{name}"].where] = value
+        for _ in range(2):  # in the second frame light stands
+            made[quality].draw(view, target)
+        return read(target).astype(int)
+
+    yield draw
+    for thing in (*made.values(), target):
+        thing.release()
+
+
+@pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
+def test_light_from_the_left_is_on_the_left_of_bodies_and_in_its_colour(draw, quality):
+    dark = draw(DIM, quality=quality)
+    left = draw(DIM | {"light/side": 2.0, "light/side/left": (1, 0, 0), "light/side/right": (0, 0, 1)}, quality=quality)
+    more = left - dark
+    red, blue = (np.argwhere(more[..., colour] > 40) for colour in (0, 2))
+    assert len(red) > 200
+    assert len(blue) > 200
+    assert more[..., 1].max() < 40  # and nothing green
+    body = np.argwhere(more.max(axis=2) > 40)
+    assert red[:, 1].mean() < body[:, 1].mean() < blue[:, 1].mean()
+
+
+def test_back_light_reaches_edges_but_no_chest(draw):
+    view = crowd()
+    more = draw(DIM | {"light/back": 2.0}, view) - draw(DIM, view)
+    lit = more.max(axis=2) > 25
+    chest = pixel_of(scene(12).camera, SIZE, view.joint_position[0, 3] + (0.0, 0.0, 0.12))[0].astype(int)
+    assert lit.sum() > 50
+    assert not lit[chest[1], chest[0]]
+
+
+def test_beams_are_in_the_air_and_swing_with_the_beat(draw):
+    view = crowd()
+    plain = draw(DIM, view)
+    view.beat = 0.0
+    here = draw(DIM | {"light/beams": 2.0}, view)
+    view.beat = 2.0
+    there = draw(DIM | {"light/beams": 2.0}, view)
+    upper = slice(0, SIZE[1] // 3)
+    assert (here - plain)[upper].max() > 30
+    assert np.abs(here - there)[upper].max() > 10
+    view.beat = 64.0
+    assert np.array_equal(draw(DIM | {"light/beams": 2.0}, view), here)  # and comes back
+    still = DIM | {"light/beams": 2.0, "light/beams/sway": 0.0}
+    assert np.abs(draw(still, view)[upper] - plain[upper]).max() > 30
+
+
+def test_a_follow_spot_lights_whom_it_follows_and_nobody_else(draw):
+    view = crowd()
+    view.spot[1] = view.joint_position[4, 0, [0, 2]]
+    more = (draw(DIM | {"spot/2": 1.0, "spot/2/radius": 0.5}, view) - draw(DIM, view)).sum(axis=2)
+    at = pixel_of(scene(12).camera, SIZE, view.joint_position[:, 3] + (0.0, 0.0, 0.12)).astype(int)
+    gained = np.array([more[max(y - 2, 0) : y + 3, max(x - 2, 0) : x + 3].max() for x, y in at])
+    away = np.hypot(*(view.joint_position[:, 0, [0, 2]] - view.spot[1]).T)
+    assert gained[4] > 100
+    assert gained[away > 2.0].max() < 0.4 * gained[4]
+
+
+def test_without_floor_and_wall_all_but_dancers_is_true_black(draw):
+    black = draw({"light/stage": 0.0})
+    assert (black.max(axis=2) == 0).mean() > 0.6
+    assert black.max() > 100
+
+
+def test_the_gradient_is_on_the_wall_with_its_colours(draw):
+    colours = {"background/gradient": 1.0, "background/top": (0, 0, 0.5), "background/bottom": (0.5, 0, 0)}
+    more = draw(colours) - draw()
+    middle = slice(SIZE[0] // 2 - 10, SIZE[0] // 2 + 10)
+    assert more[:6, middle, 2].mean() > more[:6, middle, 0].mean()
+    assert more[..., 0].max() > 40
+    assert np.abs(more[-3:, middle, 0]).max() < 25  # hardly any of it on the floor in front
+
+
+def test_light_follows_energy_and_beat_as_far_as_it_is_told(draw):
+    means = [draw({"light/energy": 1.0}, energy=energy).mean() for energy in (0.0, 0.5, 1.0)]
+    assert means[0] < 0.8 * means[1] < 0.75 * means[2]
+    assert means[1] == draw().mean()
+    view = crowd()
+    view.beat = view.phase = 0.0
+    on = {pulse: draw({"light/pulse": pulse}, view).mean() for pulse in (0.0, 1.0)}
+    view.beat = 0.9
+    off = {pulse: draw({"light/pulse": pulse}, view).mean() for pulse in (0.0, 1.0)}
+    assert on[1.0] > 1.3 * off[1.0]
+    assert abs(on[0.0] - off[0.0]) < 0.5
