@@ -1,6 +1,7 @@
 """Follow spots go after whom they are told, and where they are is part of the show's state."""
 
 import math
+from itertools import pairwise
 
 from live.clock.ticks import TICK
 from tests.show.desk_show import DESK, Hands
@@ -21,7 +22,7 @@ def test_a_spot_follows_a_dancer_damped_and_another_one_after_that():
     assert hands.value("/dance/spot/2") == 0.8
     hands.say("/dance/spot/follow", "front & 3", 2, 0.8, 1)
     ways = [spot(hands.run(ticks=1), 2).copy() for _ in range(128)]
-    assert max(math.dist(a, b) for a, b in zip(ways, ways[1:], strict=False)) < 0.1
+    assert max(math.dist(a, b) for a, b in pairwise(ways)) < 0.1
     assert math.dist(ways[-1], hands.show.state.position[2]) < 0.9
 
 

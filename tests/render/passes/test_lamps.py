@@ -1,4 +1,4 @@
-"""Side and back light, beams, follow spots, gradient and gauze: each does what it says, and nothing while it is dark."""
+"""Side and back light, beams, follow spots, gradient and gauze: each does what it says."""
 
 import numpy as np
 import pytest
@@ -36,15 +36,14 @@ def draw(gl_context):
 
 @pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
 def test_light_from_the_left_is_on_the_left_of_bodies_and_in_its_colour(draw, quality):
-    dark = draw(DIM, quality=quality)
-    left = draw(DIM | {"light/side": 2.0, "light/side/left": (1, 0, 0), "light/side/right": (0, 0, 1)}, quality=quality)
-    more = left - dark
-    red, blue = (np.argwhere(more[..., colour] > 40) for colour in (0, 2))
-    assert len(red) > 200
-    assert len(blue) > 200
-    assert more[..., 1].max() < 40  # and nothing green
-    body = np.argwhere(more.max(axis=2) > 40)
-    assert red[:, 1].mean() < body[:, 1].mean() < blue[:, 1].mean()
+    dark, lit = draw(DIM, quality=quality), []
+    for side, other in (("left", "right"), ("right", "left")):
+        colours = {f"light/side/{side}": (1, 0, 0), f"light/side/{other}": (0, 0, 0)}
+        more = draw(DIM | {"light/side": 2.0} | colours, quality=quality) - dark
+        assert (more[..., 1:] > 40).sum() < 20  # red alone, but where edges are smoothed
+        lit.append(np.argwhere(more[..., 0] > 40))
+    assert min(map(len, lit)) > 200
+    assert lit[0][:, 1].mean() + 1.0 < lit[1][:, 1].mean()
 
 
 def test_back_light_reaches_edges_but_no_chest(draw):
