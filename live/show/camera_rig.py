@@ -45,7 +45,7 @@ class CameraRig:
         """An edited patch may follow somebody else from the start."""
         if fresh.start != self.start:
             self.start = fresh.start
-            self.chase.follow(self.start)
+            self.chase.turn_to(self.start)
 
     # -- time --------------------------------------------------------------------------------------------------
 

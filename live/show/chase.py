@@ -35,6 +35,10 @@ class Chase:
         self.whom = whom
         self.running = self.running and not cut
 
+    def turn_to(self, whom: str) -> None:
+        """The same for words that were checked, whoever they mean now."""
+        self.whom, self._who = whom, None
+
     def begin_measure(self) -> None:
         """Who is meant may have changed: groups do, and places."""
         self._who = None

@@ -99,7 +99,7 @@ class Desk:
         self.cues.stop()
         self.parameters.held = False
         self.parameters.reset(beats=CALM)
-        self.rig.chase.follow(self.rig.start)
+        self.rig.chase.turn_to(self.rig.start)
         self.held = True
         self._prompter.calm(True)
         time, source = event.time, event.source
