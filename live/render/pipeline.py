@@ -25,6 +25,7 @@ from live.render.passes.dancer_pass import DancerPass
 from live.render.passes.floor_pass import FloorPass
 from live.render.passes.lit_target import LitTarget
 from live.render.passes.mirror_pass import MirrorPass
+from live.render.passes.plan_pass import PlanPass
 from live.render.passes.smooth_pass import SmoothPass
 from live.render.passes.stage_pass import StagePass
 from live.render.passes.style_passes import StylePasses
@@ -32,7 +33,7 @@ from live.render.passes.surface_pass import SurfacePass
 from live.render.quality import Quality
 from live.render.release import Releasable, release_all
 
-SCENE_PASSES: Final[tuple[Callable[[Making], ScenePass], ...]] = (StylePasses, BeamPass)
+SCENE_PASSES: Final[tuple[Callable[[Making], ScenePass], ...]] = (StylePasses, BeamPass, PlanPass)
 """What else is in the scene, in the order in which it is drawn."""
 _BODY_AROUND_JOINTS: Final = 0.25
 """The body reaches at most this far beyond its joints [m]."""

@@ -14,7 +14,7 @@ from live.show.sections.stage import CameraSection
 
 _ANGLE: Final = 34.0
 _ANGLE_FROM_ABOVE: Final = 20.0
-_WIDE: Final = 1.6
+_WIDE: Final = 1.7
 """Pictures are at least so much wider than high: then the whole stage is in these views."""
 _AROUND: Final = 16.0
 """Measures in which `around` goes once around the stage."""
@@ -75,7 +75,7 @@ def _own(view: ViewSection) -> tuple[dict[str, Setting], str | None]:
 
 
 def _from_the_front(width: float, depth: float) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-    away = 0.575 * width / (math.tan(math.radians(0.5 * _ANGLE)) * _WIDE)
+    away = 0.54 * width / (math.tan(math.radians(0.5 * _ANGLE)) * _WIDE)
     return (0.0, 0.9 + 0.2 * away, 0.5 * depth + away), (0.0, 0.9, 0.0)
 
 

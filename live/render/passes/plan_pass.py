@@ -1,0 +1,121 @@
+"""The plan, as the thesis draws it (T022): dancers are circles with a triangle for where they face, ways fade behind.
+
+It lies on the floor over the whole picture, from above or from anywhere; what elements do on the floor is seen in it.
+"""
+
+from typing import Final
+
+import moderngl
+import numpy as np
+
+from live.base.picture import PLAN
+from live.base.stage_view import StageView
+from live.render.moment import Making, Moment, ScenePass
+from live.render.release import release_all
+from live.render.shader import program, set_uniform
+
+KEPT: Final = 64
+"""Places of each dancer that are kept ..."""
+PER_BEAT: Final = 8.0
+"""... so many in a beat: the ways of the last two measures."""
+MOST_PIECES: Final = 60_000
+"""Pieces of ways that are drawn at most; ways of very many dancers are shorter."""
+NOWHERE: Final = 1e9
+_GONE: Final = np.array([NOWHERE, NOWHERE], np.float32)
+
+
+class PlanPass(ScenePass):
+    """Costs nothing while no plan is asked for; ways begin when it is."""
+
+    def __init__(self, making: Making) -> None:
+        self._ctx = ctx = making.ctx
+        self._count = count = max(making.scene.dancer_count, 1)
+        self._ground = program(ctx, "full_vertex.glsl", "plan_ground_fragment.glsl")
+        self._ways = program(ctx, "plan_way_vertex.glsl", "plan_way_fragment.glsl")
+        self._marks = program(ctx, "plan_mark_vertex.glsl", "plan_mark_fragment.glsl")
+        self._triangle = ctx.vertex_array(self._ground, [])
+        self._strip = ctx.vertex_array(self._ways, [])
+        self._fit(count)
+        self._eighth, self._filled, self._newest = -1, 0, 0
+
+    def _fit(self, count: int) -> None:
+        """Room for so many dancers."""
+        self._count, self._kept = count, max(2, min(KEPT, MOST_PIECES // count))
+        self._places = self._ctx.texture((count, self._kept), 2, dtype="f4")
+        self._places.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        self._mark = np.zeros((count, 8), np.float32)
+        self._row = np.zeros((count, 2), np.float32)
+        self._buffer = self._ctx.buffer(reserve=self._mark.nbytes, dynamic=True)
+        self._array = self._ctx.vertex_array(self._marks, [(self._buffer, "4f 4f/i", "in_place", "in_colour")])
+        self._colours = self._ctx.texture((count, 1), 4, dtype="f4")
+        self._colours.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        self._tint = np.ones((count, 4), np.float32)
+
+    def active(self, moment: Moment) -> bool:
+        """While a plan is asked for."""
+        return moment.amount(PLAN) > 0.0
+
+    def over_active(self, moment: Moment) -> bool:
+        """As `active`: it is asked only then."""
+        return True
+
+    def prepare(self, moment: Moment) -> None:
+        """Take the places of this moment."""
+        view = moment.view
+        if len(view.joint_position) > self._count:
+            self._release_data()
+            self._fit(len(view.joint_position))
+            self._filled = 0
+        self._take(view, moment.frame.group_colours)
+        eighth = int(np.floor(view.beat * PER_BEAT))
+        if moment.cut or eighth < self._eighth:
+            self._filled = 0
+        if eighth != self._eighth or not self._filled:
+            self._newest = (self._newest + 1) % self._kept
+            self._filled = min(self._filled + 1, self._kept - 1)
+            self._eighth = eighth
+        self._places.write(self._row, viewport=(0, self._newest, self._count, 1))
+
+    def _take(self, view: StageView, colours: np.ndarray) -> None:  # type: ignore[type-arg]
+        """Place, facing and colour of everybody."""
+        count = len(view.joint_position)
+        self._row[:] = NOWHERE
+        self._row[:count] = view.joint_position[:, 0, [0, 2]]
+        self._row[:count][~view.present] = _GONE
+        w, x, y, z = view.joint_rotation[:, 0].T
+        self._mark[:, :2] = self._row
+        self._mark[:count, 2] = 2.0 * (x * z + w * y)
+        self._mark[:count, 3] = 1.0 - 2.0 * (x * x + y * y)
+        self._tint[:count, :3] = colours[view.group]
+        self._mark[:, 4:] = self._tint
+
+    def over(self, moment: Moment) -> None:
+        """Ground, ways, dancers."""
+        ctx, amount = self._ctx, moment.amount(PLAN)
+        ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+        ctx.enable(moderngl.BLEND)
+        ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
+        for linked in (self._ground, self._ways, self._marks):
+            set_uniform(linked, "amount", amount)
+        moment.floor.use(1)
+        set_uniform(self._ground, "floor_map", 1)
+        self._triangle.render(moderngl.TRIANGLES, vertices=3)
+        self._colours.write(self._tint)
+        self._places.use(1)
+        self._colours.use(2)
+        for name, value in (("places", 1), ("colours", 2), ("newest", self._newest), ("count", self._count)):
+            set_uniform(self._ways, name, value)
+        set_uniform(self._ways, "kept", self._kept)
+        if self._filled > 1:
+            self._strip.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=(self._filled - 1) * self._count)
+        self._buffer.write(self._mark)
+        self._array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self._count)
+        ctx.disable(moderngl.BLEND)
+
+    def _release_data(self) -> None:
+        release_all(self._array, self._buffer, self._places, self._colours)
+
+    def release(self) -> None:
+        """Free everything."""
+        self._release_data()
+        release_all(self._triangle, self._strip, self._ground, self._ways, self._marks)
