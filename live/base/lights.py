@@ -14,6 +14,10 @@ SPOTS: Final = SPOT_CAPACITY
 """Follow spots there are."""
 
 
+BACKGROUNDS: Final = 8
+"""Images and videos behind the dancers that a patch can have."""
+
+
 def _spot(number: int) -> tuple[_Line, ...]:
     at = f"/dance/spot/{number}"
     return (
@@ -62,6 +66,10 @@ LINES: Final[tuple[_Line, ...]] = (
     ("/dance/background/gradient", "number", 0, 1, (0.0,), "", "How much the wall is a gradient of two colours."),
     ("/dance/background/top", "colour", 0, 1, (0.02, 0.03, 0.12), "", "Colour of that gradient above."),
     ("/dance/background/bottom", "colour", 0, 1, (0.30, 0.07, 0.05), "", "Colour of that gradient below."),
+    *(
+        (f"/dance/background/{number}", "number", 0, 1, (0.0,), "", f"How much of [[background]] {number} is seen.")
+        for number in range(1, BACKGROUNDS + 1)
+    ),
     *(line for number in range(1, SPOTS + 1) for line in _spot(number)),
 )  # fmt: skip
 """Address, kind, least, most, start, unit, words."""

@@ -89,6 +89,22 @@ class Look:
     """How each group is drawn: addresses of `live.base.picture.OF_GROUPS` with their numbers; the rest is as usual."""
 
 
+@dataclass(frozen=True, slots=True)
+class Background:
+    """An image or a video behind the dancers."""
+
+    file: str
+    fit: str = "wall"
+    """On the `wall` behind the stage, or over the whole `picture`."""
+    beats: float | None = None
+    """A video comes again in so many beats; None: as fast as it is."""
+    width: float | None = None
+    """On the wall [m]; None: half as wide again as the stage."""
+    bottom: float = 0.0
+    """Its lower edge above the floor [m]."""
+    brightness: float = 1.0
+
+
 PASSES: Final = ("shadow", "mirror", "trails", "bloom", "ink", "grade", "vignette")
 """The passes of a picture, in their order."""
 
@@ -105,6 +121,8 @@ class Scene:
     look: Look
     dancer_count: int
     joint_count: int
+    backgrounds: tuple[Background, ...] = ()
+    """Images and videos behind the dancers; `/dance/background/1` is how much of the first one is seen."""
     passes: tuple[str, ...] = PASSES
     """Which passes there are, in their order; those that are left out are never drawn."""
     start: tuple[tuple[str, tuple[float, ...]], ...] = ()

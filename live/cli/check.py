@@ -45,6 +45,7 @@ def check(
         _tell(all_before_doors(loaded, show, hall, parse_endpoint(osc), venue), as_json=as_json)
         return
     choose_sound(wish, loaded)
+    loaded.scene()
     library, graph = loaded.graph.library, loaded.graph
     console = Console(highlight=False)
     if graph.missing:

@@ -31,7 +31,6 @@ from live.show.engine import Engine
 from live.show.journal import JournalError, JournalWriter
 from live.show.load import LoadedShow
 from live.show.report import FrameReport
-from live.show.scene_of import scene_of
 from live.show.show_sound import ShowSound
 from live.show.status import Status, StatusFile
 
@@ -138,7 +137,7 @@ def canvas(stack: contextlib.ExitStack, wish: Wish, loaded: LoadedShow, fine: bo
     stack.callback(ctx.release)
     target = OffscreenTarget(ctx, wish.size)
     stack.callback(target.release)
-    renderer = Renderer(ctx, scene_of(loaded.patch), size=wish.size, quality=CARD if fine else None)
+    renderer = Renderer(ctx, loaded.scene(), size=wish.size, quality=CARD if fine else None, patient=True)
     stack.callback(renderer.release)
     return target, renderer
 

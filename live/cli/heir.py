@@ -17,7 +17,7 @@ from live.cli.warm import warm_kernels
 from live.control.events import ChooseSource
 from live.show.core import Show
 from live.show.left_out import left_out_line
-from live.show.load import LoadedShow, scene_of
+from live.show.load import LoadedShow
 from live.show.venue import Venue
 from live.show.venue_latency import Latencies
 
@@ -66,7 +66,7 @@ def go_on(
     session = Session(played.wish, loaded, Sound() if calm else sound, venue, lifeline=lifeline, resumed=resumed)
     if calm:
         session.inbox.put(ChooseSource(time=session.clock.now(), source="supervisor", name="internal"))
-    scene = scene_of(loaded.patch)
+    scene = loaded.scene()
     if picture is None:
         from live.cli.headless_show import play_headless
 
@@ -116,7 +116,7 @@ def open_picture(
     from live.cli.stage import find_screen
     from live.cli.window_show import Picture
 
-    scene = scene_of(loaded.patch)
+    scene = loaded.scene()
     picture = Picture.opened(
         played.wish, scene, monitor=find_screen(played.monitor), fullscreen=played.fullscreen, hidden=hidden,
         venue=venue,

@@ -12,7 +12,6 @@ from live.control.keys import help_lines
 from live.render.monitor_places import find_place
 from live.render.monitors import Monitor, UnknownMonitor, list_monitors, screen_problem
 from live.show.load import LoadedShow
-from live.show.scene_of import scene_of
 from live.show.sections.segment import formation_names
 
 FILM_SECONDS = 20.0
@@ -39,7 +38,7 @@ def play_show(
         session = Session(wish, loaded, sound, venue, lifeline=lifeline)
         keys = help_lines(formation_names(loaded.patch.formation))
         console.print("\n".join([_welcome(session), *keys]), style="dim", soft_wrap=True, markup=False)
-        play_in_window(session, scene_of(loaded.patch), monitor=chosen, fullscreen=fullscreen, console=console)
+        play_in_window(session, loaded.scene(), monitor=chosen, fullscreen=fullscreen, console=console)
     elif fullscreen:
         raise PersonError(f"--fullscreen: {screen_problem()}", "leave it out to make a film")
     elif sound.device is not None:
@@ -63,7 +62,7 @@ def _headless(session: Session, console: Console) -> None:
     from live.cli.headless_show import play_headless
 
     console.print(f"{_welcome(session)}; Ctrl-C ends it", style="dim", soft_wrap=True, markup=False)
-    play_headless(session, scene_of(session.loaded.patch), console)
+    play_headless(session, session.loaded.scene(), console)
 
 
 def _film(wish: Wish, loaded: LoadedShow, sound: Sound, console: Console) -> None:

@@ -50,6 +50,7 @@ from live.control.scene_events import (
     RecallView,
     SetPass,
     SetPicture,
+    ShowBackground,
     StoreScene,
 )
 from live.control.score_events import Advance, HoldScore, Improvise, JumpTo, Practice, Signal
@@ -118,6 +119,7 @@ __all__ = [
     "SetTempo",
     "ShiftBeats",
     "ShowCard",
+    "ShowBackground",
     "Signal",
     "SourceChanged",
     "Spread",
@@ -160,7 +162,7 @@ EVENT_TYPES: dict[str, type[ControlEvent]] = {
         SetTempo, Nudge, ShiftBeats, ScaleTempo, HoldTempo, SetMetre, CountIn, ChooseSource, Blackout, BeatHeard,
         SourceChanged, StepsAdded, TicksSkipped, MusicHeard, RestartAudio, ChooseAudio, SetLatency,
         SetClick, JumpTo, Advance, HoldScore, Practice, Improvise, Signal, PatchChanged, StepsChanged,
-        SetPicture, SetPass, RecallView, RecallLook, RecallScene, StoreScene, Accompany, FollowSpot,
+        SetPicture, SetPass, RecallView, RecallLook, RecallScene, StoreScene, Accompany, FollowSpot, ShowBackground,
         Go, GiveCue, StandBy, StepBack, Panic, HoldShow, Undo, Redo,
         TakeOver, FadePicture, FreezePicture, AllowFlashes, ShowCard,
     )

@@ -61,6 +61,15 @@ class FollowSpot(ControlEvent):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ShowBackground(ControlEvent):
+    """One of the patch's backgrounds is seen, and no other one."""
+
+    name: str
+    """Its name, or `none`."""
+    measures: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RecallLook(ControlEvent):
     """The light changes to a look of the patch."""
 

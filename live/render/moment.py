@@ -23,6 +23,8 @@ class Making:
     quality: Quality
     size: tuple[int, int]
     """Width and height of the picture [pixels]."""
+    patient: bool = False
+    """Whether pictures of videos are waited for, as in a film that may take its time."""
 
 
 @dataclass(slots=True, eq=False)

@@ -20,6 +20,7 @@ from live.render.chain import Chain
 from live.render.frame import WALL_BEHIND
 from live.render.moment import Making, Moment, PicturePass, ScenePass, Surfaces
 from live.render.passes.backdrop_pass import BackdropPass
+from live.render.passes.background_pass import BackgroundPass
 from live.render.passes.beam_pass import BeamPass
 from live.render.passes.dancer_pass import DancerPass
 from live.render.passes.floor_pass import FloorPass
@@ -33,7 +34,7 @@ from live.render.passes.surface_pass import SurfacePass
 from live.render.quality import Quality
 from live.render.release import Releasable, release_all
 
-SCENE_PASSES: Final[tuple[Callable[[Making], ScenePass], ...]] = (StylePasses, BeamPass, PlanPass)
+SCENE_PASSES: Final[tuple[Callable[[Making], ScenePass], ...]] = (BackgroundPass, StylePasses, BeamPass, PlanPass)
 """What else is in the scene, in the order in which it is drawn."""
 _BODY_AROUND_JOINTS: Final = 0.25
 """The body reaches at most this far beyond its joints [m]."""

@@ -29,7 +29,7 @@ class Renderer:
 
     `samples` is the multisampling; None chooses 4 on a graphics card and 0 where the processor draws. `quality`
     overrides the whole choice. `target` may name the framebuffer that will be drawn to: its size must then be `size`.
-    Targets need no depth and no samples of their own.
+    `patient`: pictures of videos are waited for, as in a film. Targets need no depth and no samples of their own.
     """
 
     def __init__(
@@ -42,6 +42,7 @@ class Renderer:
         target: moderngl.Framebuffer | None = None,
         quality: Quality | None = None,
         steps: bool = False,
+        patient: bool = False,
     ) -> None:
         """`steps`: make all that the lower steps of the ladder of quality need as well; see `take_step`."""
         self._ctx, self._scene, self._size = ctx, scene, _checked(size)
@@ -58,7 +59,7 @@ class Renderer:
         self._frame = FrameBlock(ctx, scene, size)
         self._crowd = Crowd(ctx, scene, self.quality)
         self._crowd.restyle(self._frame.row)
-        self._pipeline = Pipeline(Making(ctx, scene, self.quality, self._size))
+        self._pipeline = Pipeline(Making(ctx, scene, self.quality, self._size, patient))
         self._frame.vignette_at_end = self._pipeline.chain.vignette_at_end
         self._guide = GuidePass(ctx)
         self._overlay = OverlayPass(ctx)

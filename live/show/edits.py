@@ -25,6 +25,7 @@ EDITED: Final[dict[type[ControlEvent], str]] = {
     events.SetMotion: "parameters",
     events.RecallView: "parameters",
     events.Accompany: "parameters",
+    events.ShowBackground: "parameters",
     events.RecallLook: "parameters",
     events.RecallScene: "parameters",
     events.StoreScene: "scenes",

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from live.base.errors import PersonError
+from live.base.stage_view import Scene
 from live.graph.library import StepLibrary, build_library
 from live.graph.metric.weights import Metric
 from live.graph.motion_graph import MotionGraph, build_graph
@@ -56,6 +57,13 @@ class LoadedShow:
         if self.sources is None or not place:
             return str(self.path)
         return f"{self.sources.told(place)}: {field_words(place)}"
+
+    def scene(self) -> Scene:
+        """What the renderer begins with; PersonError for a file that it cannot show."""
+        try:
+            return scene_of(self.patch, self.path)
+        except PersonError as error:
+            raise PersonError(f"{self._where(error.place)}: {error.message}", error.remedy, error.place) from None
 
     def clips(self) -> list[StepClip]:
         """All clips as a start would find them now."""

@@ -29,6 +29,7 @@ from live.show.sections.section import Amiss, Name, Section
 from live.show.sections.segment import FormationTable, RegroupSection, SegmentSection
 from live.show.sections.sequence import SequenceSection
 from live.show.sections.stage import (
+    BackgroundSection,
     CameraSection,
     GateSection,
     LookSection,
@@ -65,6 +66,7 @@ class Patch(Section):
     obstacle: Annotated[tuple[ObstacleSection, ...], Field(max_length=64)] = ()
     camera: CameraSection = CameraSection()
     look: LookSection = LookSection()
+    background: Annotated[tuple[BackgroundSection, ...], Field(max_length=8)] = ()
     picture: PictureSection = PictureSection()
     projector: ProjectorSection | None = None
     view: Annotated[tuple[ViewSection, ...], Field(max_length=200)] = ()
@@ -113,6 +115,7 @@ class Patch(Section):
         things = {"group": [group.name for group in self.group], "formation": formations}
         things |= {"view": [view.name for view in self.view], "looks": [look.name for look in self.looks]}
         things |= {"scene": [scene.name for scene in self.scene], "cue": [cue.name for cue in self.cue]}
+        things["background"] = [background.name for background in self.background]
         things |= {"gate": [gate.name for gate in self.gate], "obstacle": [item.name for item in self.obstacle]}
         for what, names in things.items():
             known: set[str] = set()

@@ -1,17 +1,20 @@
 """The scene of a patch: what the renderer begins with."""
 
 from dataclasses import fields
+from pathlib import Path
 from typing import Final
 
 import numpy as np
 
 from live.base.bodies import USUAL
-from live.base.errors import named
+from live.base.errors import PersonError, named
 from live.base.perspective import matched
-from live.base.stage_view import Camera, Look, Scene
+from live.base.stage_view import Background, Camera, Look, Scene
 from live.motion.skeleton import JOINT_COUNT
+from live.render.background_file import check_background
 from live.show.parameter_table import numbers_of
 from live.show.patch import Patch
+from live.show.patch_file import find_beside
 from live.show.sections.draw import drawn
 from live.show.sections.stage import CameraSection
 
@@ -39,7 +42,21 @@ def camera_at_first(patch: Patch) -> Camera:
     return projector or camera_of_section(patch.camera)
 
 
-def scene_of(patch: Patch) -> Scene:
+def backgrounds_of(patch: Patch, path: Path) -> tuple[Background, ...]:
+    """The backgrounds of the patch at `path`; PersonError for a file that is not there or cannot be shown."""
+    found = []
+    for number, section in enumerate(patch.background):
+        with named("file", ("background", number, "file")):
+            file = find_beside(section.file, path)
+            if file is None:
+                raise PersonError(f"there is no {section.file!r}", f"put it beside {path.name}, or correct the name")
+            check_background(file)
+        keys = section.fit, section.beats, section.width, section.bottom, section.brightness
+        found.append(Background(str(file), *keys))
+    return tuple(found)
+
+
+def scene_of(patch: Patch, path: Path | None = None) -> Scene:
     """What the renderer must know of a patch."""
     look = {key: value for key, value in patch.look.model_dump().items() if value is not None and key in _LOOK}
     defaults = Look()
@@ -57,6 +74,7 @@ def scene_of(patch: Patch) -> Scene:
         camera=camera_at_first(patch),
         dancer_count=patch.dancer_count,
         joint_count=JOINT_COUNT,
+        backgrounds=() if path is None else backgrounds_of(patch, path),
         passes=patch.picture.passes,
         start=patch.picture.start(),
         bodies=_bodies(patch),

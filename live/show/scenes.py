@@ -53,6 +53,7 @@ class Scenes:
         camera = range(picture.CAMERA.start, picture.CAMERA.stop)
         self._views = {START: Scene(START, {place: float(start[place]) for place in camera}, 0.0)}
         self._looks = {START: Scene(START, {place: float(start[place]) for place in light}, 1.0)}
+        self._backgrounds = [section.name for section in patch.background]
         self._views[START] = replace(self._views[START], whom=patch.camera.follow)
         for name, (settings, whom) in view_settings(patch).items():
             self._views[_folded(name)] = Scene(name, self._goals(table, settings), 0.0, whom)
@@ -132,6 +133,16 @@ class Scenes:
             goals[picture.ALONG] = event.along
         self._parameters.fade(goals, beats=max(event.measures, 0.0) * size)
 
+    def _background(self, event: events.ShowBackground, size: float) -> None:
+        chosen = event.name.strip().casefold()
+        names = [name.strip().casefold() for name in self._backgrounds]
+        if chosen != "none" and chosen not in names:
+            known = ", ".join([*self._backgrounds, "none"])
+            raise PersonError(f"no background is called {event.name!r}", f"there are: {known}")
+        places = [picture.BY_ADDRESS[f"/dance/background/{number}"].first for number in range(1, len(names) + 1)]
+        goals = {place: float(name == chosen) for place, name in zip(places, names, strict=True)}
+        self._parameters.fade(goals, beats=max(event.measures, 0.0) * size)
+
     def _look(self, event: events.RecallLook, size: float) -> None:
         self._go(_of(self._looks, event.name, "look"), event.measures, size)
 
@@ -169,6 +180,7 @@ _ACTS: Final[dict[type, Callable[..., None]]] = {
     events.SetPicture: Scenes._set,
     events.RecallView: Scenes._view,
     events.Accompany: Scenes._accompany,
+    events.ShowBackground: Scenes._background,
     events.RecallLook: Scenes._look,
     events.RecallScene: Scenes._recall,
     events.StoreScene: Scenes._store,

@@ -45,6 +45,8 @@ def start_row(patch: Patch) -> picture.Float64:
     moves = camera_settings(picture.camera_of(row), patch.camera)
     for address in ("/dance/camera/orbit", "/dance/camera/following", "/dance/camera/along", "/dance/camera/plan"):
         row[picture.BY_ADDRESS[address].where] = moves[address]
+    for number, background in enumerate(patch.background, start=1):
+        row[picture.BY_ADDRESS[f"/dance/background/{number}"].first] = background.seen
     for key, address in LOOK_ADDRESSES.items():
         value = getattr(patch.look, key)
         if value is not None:

@@ -124,6 +124,8 @@ def scene_controls():
     lamps = ("side", "back", "beams", "pulse", "energy", "stage", "beams/width", "beams/fan", "beams/sway")
     for name in (*(f"light/{lamp}" for lamp in lamps), "background/gradient", "spot/1", "spot/2", "spot/3", "spot/4"):
         sent[f"/dance/{name}"] = (["f", "0.25"], picture(f"/dance/{name}", 0.25))
+    for number in range(1, 9):
+        sent[f"/dance/background/{number}"] = (["f", "1"], picture(f"/dance/background/{number}", 1.0))
     for number in range(1, 5):
         sent[f"/dance/spot/{number}/radius"] = (["f", "2"], picture(f"/dance/spot/{number}/radius", 2.0))
     tints = ("light/side/left", "light/side/right", "light/back/colour", "light/beams/colour", "background/top")
@@ -138,6 +140,7 @@ def scene_controls():
             ["sfi", "tide & 1", "0.5", "2"],
             events.Accompany(whom="tide & 1", along=0.5, measures=2.0, **STAMP),
         ),
+        "/dance/background": (["si", "sea", "2"], events.ShowBackground(name="sea", measures=2.0, **STAMP)),
         "/dance/spot/follow": (
             ["sifi", "tide & 1", "2", "0.5", "1"],
             events.FollowSpot(whom="tide & 1", spot=2.0, level=0.5, measures=1.0, **STAMP),

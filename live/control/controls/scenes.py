@@ -72,6 +72,11 @@ SCENE_CONTROLS: Final = (
         "A follow spot goes after somebody.", "operator",
     ),
     Control(
+        "/dance/background", events.ShowBackground,
+        (Argument("name", "name", "a [[background]] of the patch, or `none`"), _MEASURES),
+        "Brings an image or a video behind the dancers; the others go.", "operator",
+    ),
+    Control(
         "/dance/look", events.RecallLook,
         (Argument("name", "name", "one of the patch's [[looks]]; `start` is its [look]"), _OWN),
         "Changes the light to a look.", "operator",

@@ -44,6 +44,27 @@ class ObstacleSection(Section):
     """It is a wall from `at` to here (x, z) [m]."""
 
 
+class BackgroundSection(Section):
+    """`[[background]]`: an image or a video behind the dancers, seen by `/dance/background`."""
+
+    name: Name
+    """What `/dance/background` calls it."""
+    file: Annotated[str, Field(min_length=1, max_length=400)]
+    """The file, looked up in the patch's folder, then in the project's patches."""
+    fit: Literal["wall", "picture"] = "wall"
+    """On the wall behind the stage, or over the whole picture, as for a projection on a gauze."""
+    beats: Annotated[float, Field(gt=0, le=4096)] | None = None
+    """A video comes again in so many beats; left out: as fast as it is."""
+    width: Annotated[float, Field(gt=0, le=500)] | None = None
+    """How wide it is on the wall [m]; left out: half as wide again as the stage."""
+    bottom: Annotated[float, Field(ge=-5, le=50)] = 0.0
+    """Its lower edge above the floor [m]."""
+    brightness: Annotated[float, Field(ge=0, le=4)] = 0.8
+    """How bright it is."""
+    seen: Share = 0.0
+    """How much of it is seen when the show begins."""
+
+
 class SteeringSection(Section):
     """`[steering]`: how dancers make way for each other, and how their wishes are combined."""
 

@@ -47,7 +47,9 @@ def plan(gl_context):
 
 def test_circles_stand_where_dancers_do_and_triangles_point_where_they_face(plan, golden):
     places = [(-3.0, -1.5), (0.0, 1.0), (3.0, 0.0)]
-    view = stage_view([(ARMS_DOWN, at, turn, n) for n, (at, turn) in enumerate(zip(places, (0.0, 90.0, 200.0), strict=True))])
+    view = stage_view(
+        [(ARMS_DOWN, at, turn, n) for n, (at, turn) in enumerate(zip(places, (0.0, 90.0, 200.0), strict=True))]
+    )
     seen = plan(3)(view)
     bare = plan(1)(stage_view([(ARMS_DOWN, (0.0, 99.0), 0.0, 0)]))
     marks = (np.abs(seen - bare).max(axis=2) > 12).astype(int)

@@ -1,0 +1,131 @@
+"""Images and videos behind the dancers: on the wall behind the stage, or over the whole picture."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import moderngl
+
+from live.base.lights import BACKGROUNDS
+from live.base.picture import BY_ADDRESS
+from live.base.stage_view import Background, StageView
+from live.render.background_file import Picture, is_video, read_image
+from live.render.frame import WALL_BEHIND
+from live.render.moment import Making, Moment, ScenePass
+from live.render.release import release_all
+from live.render.shader import program, set_uniform
+from live.render.video import Video
+
+_ROWS: Final = tuple(BY_ADDRESS[f"/dance/background/{number}"].first for number in range(1, BACKGROUNDS + 1))
+_WALL: Final = 1.5
+"""A picture on the wall is so much wider than the stage, if nothing else is said."""
+
+
+@dataclass(slots=True, eq=False)
+class _Source:
+    """One background: its picture on the card, and the video that it comes from, if it is one."""
+
+    said: Background
+    texture: moderngl.Texture
+    video: Video | None
+
+
+class BackgroundPass(ScenePass):
+    """Costs nothing while no background is seen; videos run with the show's time or beat."""
+
+    def __init__(self, making: Making) -> None:
+        """PersonError for a file that cannot be shown."""
+        self._ctx, self._size = making.ctx, making.size
+        self._scene = making.scene
+        self._program = program(making.ctx, "background_vertex.glsl", "background_fragment.glsl")
+        self._quad = making.ctx.vertex_array(self._program, [])
+        self._sources = [self._open(said, making.patient) for said in making.scene.backgrounds]
+
+    def _open(self, said: Background, patient: bool) -> _Source:
+        path = Path(said.file)
+        video = Video(path, patient=patient) if is_video(path) else None
+        picture = None if video is not None else read_image(path)
+        size = video.size if picture is None else (picture.shape[1], picture.shape[0])  # type: ignore[union-attr]
+        texture = self._ctx.texture(size, 3, alignment=1)
+        texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR if picture is not None else moderngl.LINEAR, moderngl.LINEAR)
+        texture.repeat_x = texture.repeat_y = False
+        if picture is not None:
+            _show(texture, picture)
+            texture.build_mipmaps()
+        else:
+            texture.write(bytes(3 * size[0] * size[1]), alignment=1)
+        return _Source(said, texture, video)
+
+    def active(self, moment: Moment) -> bool:
+        """While any is seen."""
+        return any(moment.amount(place) > 0.0 for place, _ in zip(_ROWS, self._sources, strict=False))
+
+    def over_active(self, moment: Moment) -> bool:
+        """As `active`: it is asked only then."""
+        return True
+
+    def prepare(self, moment: Moment) -> None:
+        """Take the pictures of videos that are due."""
+        for place, source in zip(_ROWS, self._sources, strict=False):
+            if source.video is None or moment.amount(place) <= 0.0:
+                continue
+            picture = source.video.at(video_place(moment.view, source.said.beats, source.video.seconds))
+            if picture is not None:
+                _show(source.texture, picture)
+
+    def over(self, moment: Moment) -> None:
+        """Draw what is seen, the first one first, behind the dancers."""
+        ctx = self._ctx
+        ctx.enable(moderngl.DEPTH_TEST | moderngl.BLEND)
+        ctx.disable(moderngl.CULL_FACE)
+        ctx.depth_func = "<="
+        ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
+        set_uniform(self._program, "shown_texture", 1)
+        for place, source in zip(_ROWS, self._sources, strict=False):
+            amount = moment.amount(place)
+            if amount > 0.0:
+                self._draw(source, amount)
+        ctx.depth_func = "<"
+        ctx.disable(moderngl.BLEND)
+
+    def _draw(self, source: _Source, amount: float) -> None:
+        aspect = source.texture.width / source.texture.height
+        source.texture.use(1)
+        set_uniform(self._program, "amount", amount)
+        set_uniform(self._program, "brightness", source.said.brightness)
+        if source.said.fit == "picture":
+            own = self._size[0] / self._size[1]
+            crop = (min(own / aspect, 1.0), min(aspect / own, 1.0))
+            set_uniform(self._program, "wall", (0.0, 0.0, 0.0, 0.0))
+            set_uniform(self._program, "crop", crop)
+            set_uniform(self._program, "mirrored", 0)
+            self._quad.render(moderngl.TRIANGLE_STRIP, vertices=4)
+            return
+        width = source.said.width or _WALL * self._scene.stage_size[0]
+        depth = -0.5 * self._scene.stage_size[1] - WALL_BEHIND + 0.02
+        set_uniform(self._program, "wall", (0.5 * width, source.said.bottom, width / aspect, depth))
+        set_uniform(self._program, "crop", (1.0, 1.0))
+        for mirrored in (0, 1):
+            set_uniform(self._program, "mirrored", mirrored)
+            self._quad.render(moderngl.TRIANGLE_STRIP, vertices=4)
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """New size of the picture [pixels]."""
+        self._size = size
+
+    def release(self) -> None:
+        """Free everything, and end the threads of videos."""
+        for source in self._sources:
+            if source.video is not None:
+                source.video.close()
+            source.texture.release()
+        release_all(self._quad, self._program)
+
+
+def video_place(view: StageView, beats: float | None, seconds: float) -> float:
+    """Where a video of so many `seconds` is [s] at a moment: it comes again and again, in so many `beats` if it has."""
+    return (view.beat / beats) % 1.0 * seconds if beats else view.time % seconds
+
+
+def _show(texture: moderngl.Texture, picture: Picture) -> None:
+    texture.write(picture.tobytes(), alignment=1)

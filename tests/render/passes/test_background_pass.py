@@ -1,0 +1,86 @@
+"""Images and videos behind the dancers: in their colours, upright, hidden by dancers, and gone when they are not seen."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from live.base.picture import BY_ADDRESS, picture_of
+from live.base.stage_view import Background
+from live.render.camera import pixel_of
+from live.render.passes.background_pass import video_place
+from live.render.quality import CARD, SOFTWARE
+from live.render.renderer import Renderer
+from tests.render.media import FRAMES, grey_of, write_image, write_video
+from tests.render.test_renderer import SIZE, crowd, read, scene
+
+pytestmark = pytest.mark.gl
+
+
+@pytest.fixture
+def show(gl_context):
+    """Draws a crowd before backgrounds."""
+    kept = []
+
+    def make(*backgrounds, quality=SOFTWARE):
+        of = replace(scene(12), backgrounds=backgrounds)
+        renderer = Renderer(gl_context, of, size=SIZE, quality=quality, patient=True)
+        target = gl_context.simple_framebuffer(SIZE)
+        kept.extend((renderer, target))
+
+        def draw(said=None, beat=0.0):
+            view = crowd()
+            view.beat, view.picture = beat, picture_of(of)
+            for name, value in (said or {}).items():
+                view.picture[BY_ADDRESS[f"/dance/{name}"].first] = value
+            renderer.draw(view, target)
+            renderer.draw(view, target)
+            return read(target).astype(int)
+
+        return draw
+
+    yield make
+    for thing in kept:
+        thing.release()
+
+
+@pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
+def test_an_image_on_the_wall_is_upright_in_its_colour_and_behind_dancers(show, tmp_path, quality):
+    draw = show(Background(str(write_image(tmp_path / "a.png")), width=12.0), quality=quality)
+    off, on = draw(), draw({"background/1": 1.0})
+    back = -scene(12).stage_size[1] / 2 - 3.0
+    white, red = (pixel_of(scene(12).camera, SIZE, [at])[0].astype(int) for at in ((-2, 4.2, back), (4.5, 2.0, back)))
+    assert on[white[1], white[0]].min() > 150
+    assert on[red[1], red[0], 0] > 150 > 3 * on[red[1], red[0], 1]
+    chest = pixel_of(scene(12).camera, SIZE, crowd().joint_position[0, 3])[0].astype(int)
+    assert np.abs(on - off)[chest[1], chest[0]].max() < 12
+    assert np.abs(on - off)[SIZE[1] // 3].max() > 100
+
+
+def test_over_the_whole_picture_colours_are_the_file_s_and_black_stays_black(show, tmp_path):
+    colour = (120, 60, 30)
+    draw = show(Background(str(write_image(tmp_path / "a.png", colour)), fit="picture", brightness=1.0))
+    seen = draw({"background/1": 1.0, "light/stage": 0.0, "pass/vignette": 0.0})
+    corner = seen[-3:, -3:].reshape(-1, 3).mean(axis=0)
+    assert corner[0] > corner[1] > corner[2] > 5
+    assert (seen[2, 2] > 180).all()  # white in the upper left
+    half = draw({"background/1": 0.5, "light/stage": 0.0, "pass/vignette": 0.0})[-3:, -3:].reshape(-1, 3).mean(axis=0)
+    assert (half < corner).all()
+    dark = draw({"background/1": 0.0, "light/stage": 0.0})
+    assert dark[-3:, -3:].max() == 0
+
+
+def test_a_video_runs_with_the_beat_and_comes_again(show, tmp_path):
+    draw = show(Background(str(write_video(tmp_path / "v.mp4")), fit="picture", beats=10.0, brightness=1.0))
+    said = {"background/1": 1.0, "light/stage": 0.0, "pass/vignette": 0.0}
+    levels = [draw(said, beat)[2, 2, 0] for beat in (0.3, 2.8, 5.3, 9.8, 12.8)]
+    assert levels[0] < levels[1] < levels[2] < levels[3]
+    assert levels[4] == levels[1]
+
+
+def test_where_a_video_is():
+    view = crowd()
+    view.beat, view.time = 18.0, 7.5
+    assert video_place(view, 16.0, 4.0) == pytest.approx(0.5)
+    assert video_place(view, None, 4.0) == pytest.approx(3.5)
+    assert grey_of(FRAMES - 1) < 255

@@ -1,0 +1,79 @@
+"""A video's pictures by their time: in a film every one, in a show whatever is there, after leaps and damage too."""
+
+import numpy as np
+import pytest
+
+from live.base.errors import PersonError
+from live.render.background_file import check_background
+from live.render.video import Video
+from tests.control.waiting import wait_until
+from tests.render.media import FRAMES, RATE, grey_of, write_image, write_video
+
+
+@pytest.fixture(scope="module")
+def film(tmp_path_factory):
+    return write_video(tmp_path_factory.mktemp("film") / "greys.mp4")
+
+
+def seen(picture):
+    """The number of a picture."""
+    return round((float(picture.mean()) - grey_of(0)) / 10.0)
+
+
+def test_a_patient_video_gives_every_picture_at_its_time_and_none_twice(film):
+    video = Video(film, patient=True)
+    assert video.seconds == pytest.approx(FRAMES / RATE, abs=0.02)
+    for number in range(FRAMES):
+        assert seen(video.at(number / RATE + 0.03)) == number
+        assert video.at(number / RATE + 0.06) is None  # the same still
+    video.close()
+
+
+def test_a_patient_video_leaps_anywhere_and_begins_again(film):
+    video = Video(film, patient=True)
+    for place in (15, 3, 19, 0, 8, 7, 18, 1):
+        picture = video.at(place / RATE + 0.05)
+        assert seen(picture) == place
+    video.close()
+
+
+def test_a_show_never_waits_and_gets_pictures_as_they_come(film):
+    video = Video(film)
+    assert video.at(0.5) is None or True  # whatever is there, at once
+    got = []
+    wait_until(lambda: (picture := video.at(0.55)) is not None and not got.append(picture))
+    assert seen(got[-1]) == 5
+    video.close()
+    video.close()
+
+
+def test_a_video_that_is_damaged_keeps_its_last_picture_and_says_why(film, tmp_path):
+    whole = film.read_bytes()
+    hurt = tmp_path / "hurt.mp4"
+    at = whole.index(b"mdat")
+    middle = at + (len(whole) - at) // 3
+    hurt.write_bytes(whole[:middle] + bytes(np.random.default_rng(1).integers(0, 256, 400)) + whole[middle + 400 :])
+    video = Video(hurt)
+    for number in range(FRAMES):  # whatever it gives, it does not raise
+        video.at(number / RATE)
+    video.close()
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("no.mp4", b"this is no video at all", "cannot be opened"),
+        ("no.png", b"\x89PNG\r\n\x1a\nnor an image", "cannot be read"),
+        ("notes.txt", b"words", "neither an image nor a video"),
+    ],
+)
+def test_files_that_cannot_be_shown_are_named(tmp_path, name, content, words):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(PersonError, match=words):
+        check_background(tmp_path / name)
+
+
+def test_an_image_of_a_giant_is_refused_before_it_is_unpacked(tmp_path, monkeypatch):
+    monkeypatch.setattr("live.render.background_file.MOST_PIXELS", 1000)
+    with pytest.raises(PersonError, match="64 x 36 pixels"):
+        check_background(write_image(tmp_path / "big.png"))
