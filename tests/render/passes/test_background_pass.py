@@ -1,4 +1,4 @@
-"""Images and videos behind the dancers: in their colours, upright, hidden by dancers, and gone when they are not seen."""
+"""Images and videos behind the dancers: in their colours, upright, hidden by dancers, and gone with their amount."""
 
 from dataclasses import replace
 
