@@ -40,9 +40,7 @@ def desk():
     session = SimpleNamespace(
         inbox=inbox,
         engine=SimpleNamespace(overlay=False, view=SimpleNamespace(picture=None)),
-        show=SimpleNamespace(
-            blackout=False, follower=SimpleNamespace(held=False), desk=desk_, patch=patch
-        ),
+        show=SimpleNamespace(blackout=False, follower=SimpleNamespace(held=False), desk=desk_, patch=patch),
         status=SimpleNamespace(tool=""),
     )
     window = FakeWindow()

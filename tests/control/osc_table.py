@@ -61,6 +61,7 @@ def every_control():
         "/dance/takeover": ([], events.TakeOver(**STAMP)),
         "/dance/ping": ([], None),
         **group_controls(),
+        **picture_controls(),
         **scene_controls(),
         **score_controls(),
     }
@@ -91,12 +92,36 @@ def clock_and_sound_controls():
     }
 
 
-def scene_controls():
-    """What light desk and stage manager say."""
+NUMBERS = {
+    "light": {"rim": 2.0, "ambient": 0.5, "haze": 0.25, "saturation": 0.0, "side": 0.25, "back": 0.25, "beams": 0.25,
+              "pulse": 0.25, "energy": 0.25, "stage": 0.25, "beams/width": 0.25, "beams/fan": 0.25, "beams/sway": 0.25},
+    "pass": {"shadow": 0.0, "mirror": 0.5, "bloom": 2.0, "vignette": 0.25, "trails": 1.0, "ink": 1.0, "grade": 0.5,
+             "trails/beats": 2.0, "trails/zoom": -0.5, "ink/width": 3.0, "ink/paper": 0.5, "grade/contrast": 1.5,
+             "grade/temperature": -0.5},
+    "camera": dict.fromkeys(
+        ("roll", "shift_x", "shift_y", "stretch", "skew", "orbit", "following", "along", "plan"), 0.5
+    ),
+    "background": {"gradient": 0.25} | {str(number): 1.0 for number in range(1, 9)},
+    "spot": {str(number): 0.25 for number in range(1, 5)} | {f"{number}/radius": 2.0 for number in range(1, 5)},
+}  # fmt: skip
+"""What is sent to parameters of the picture that are numbers."""
+PLACES = {
+    "light": ("key/colour", "rim/colour", "ambient/colour", "background", "floor", "side/left", "side/right",
+              "back/colour", "beams/colour"),
+    "pass": ("trails/colour", "ink/colour", "ink/paper/colour", "grade/lift", "grade/gamma", "grade/gain"),
+    "background": ("top", "bottom"),
+    "spot": tuple(f"{number}/colour" for number in range(1, 5)),
+    "camera": ("eye", "target"),
+}  # fmt: skip
+"""Those that are colours or places."""
 
-    def picture(parameter, *numbers, **others):
-        return events.SetPicture(parameter=parameter, **dict(zip("xyz", numbers, strict=False)), **others, **STAMP)
 
+def picture(parameter, *numbers, **others):
+    return events.SetPicture(parameter=parameter, **dict(zip("xyz", numbers, strict=False)), **others, **STAMP)
+
+
+def picture_controls():
+    """What a light desk says."""
     sent = {
         "/dance/light/level": (["f", "0.5"], picture("/dance/light/level", 0.5)),
         "/dance/light/key": (["ff", "2", "4"], picture("/dance/light/key", 2.0, measures=4.0)),
@@ -109,31 +134,20 @@ def scene_controls():
             sent[address] = (["fffsf", "1", "0.5", "0", "tide", "2"], wanted)
         else:
             sent[address] = (["fs", "1", "tide"], picture(address, 1.0, group="tide"))
-    for name, value in (("rim", 2.0), ("ambient", 0.5), ("haze", 0.25), ("saturation", 0.0)):
-        sent[f"/dance/light/{name}"] = (["d", str(value)], picture(f"/dance/light/{name}", value))
-    for name in ("light/key/colour", "light/rim/colour", "light/ambient/colour", "light/background", "light/floor"):
-        sent[f"/dance/{name}"] = (["fff", "1", "0.5", "0"], picture(f"/dance/{name}", 1.0, 0.5, 0.0))
-    passes = ("shadow", 0.0), ("mirror", 0.5), ("bloom", 2.0), ("vignette", 0.25), ("trails", 1.0), ("ink", 1.0)
-    more = ("trails/beats", 2.0), ("trails/zoom", -0.5), ("ink/width", 3.0), ("ink/paper", 0.5), ("grade", 0.5)
-    for name, value in (*passes, *more, ("grade/contrast", 1.5), ("grade/temperature", -0.5)):
-        sent[f"/dance/pass/{name}"] = (["fi", str(value), "1"], picture(f"/dance/pass/{name}", value, measures=1.0))
-    for name in ("trails/colour", "ink/colour", "ink/paper/colour", "grade/lift", "grade/gamma", "grade/gain"):
-        sent[f"/dance/pass/{name}"] = (["fff", "1", "0.5", "0.25"], picture(f"/dance/pass/{name}", 1.0, 0.5, 0.25))
-    for name in ("roll", "shift_x", "shift_y", "stretch", "skew", "orbit", "following", "along", "plan"):
-        sent[f"/dance/camera/{name}"] = (["fi", "0.5", "2"], picture(f"/dance/camera/{name}", 0.5, measures=2.0))
-    lamps = ("side", "back", "beams", "pulse", "energy", "stage", "beams/width", "beams/fan", "beams/sway")
-    for name in (*(f"light/{lamp}" for lamp in lamps), "background/gradient", "spot/1", "spot/2", "spot/3", "spot/4"):
-        sent[f"/dance/{name}"] = (["f", "0.25"], picture(f"/dance/{name}", 0.25))
-    for number in range(1, 9):
-        sent[f"/dance/background/{number}"] = (["f", "1"], picture(f"/dance/background/{number}", 1.0))
-    for number in range(1, 5):
-        sent[f"/dance/spot/{number}/radius"] = (["f", "2"], picture(f"/dance/spot/{number}/radius", 2.0))
-    tints = ("light/side/left", "light/side/right", "light/back/colour", "light/beams/colour", "background/top")
-    for name in (*tints, "background/bottom", *(f"spot/{number}/colour" for number in range(1, 5))):
-        sent[f"/dance/{name}"] = (["fff", "1", "0.5", "0"], picture(f"/dance/{name}", 1.0, 0.5, 0.0))
-    for name in ("eye", "target"):
-        sent[f"/dance/camera/{name}"] = (["fff", "1", "2.5", "-3"], picture(f"/dance/camera/{name}", 1.0, 2.5, -3.0))
-    return sent | {
+    for folder, numbers in NUMBERS.items():
+        for name, value in numbers.items():
+            address = f"/dance/{folder}/{name}"
+            sent[address] = (["di", str(value), "2"], picture(address, value, measures=2.0))
+    for folder, names in PLACES.items():
+        for name in names:
+            address = f"/dance/{folder}/{name}"
+            sent[address] = (["fff", "1", "0.5", "0.25"], picture(address, 1.0, 0.5, 0.25))
+    return sent
+
+
+def scene_controls():
+    """What the stage manager says."""
+    return {
         "/dance/pass": (["sii", "ink", "1", "2"], events.SetPass(name="ink", amount=1.0, measures=2.0, **STAMP)),
         "/dance/camera": (["sf", "side", "2"], events.RecallView(name="side", measures=2.0, **STAMP)),
         "/dance/camera/follow": (

@@ -76,7 +76,7 @@ class PlanPass(ScenePass):
             self._eighth = eighth
         self._places.write(self._row, viewport=(0, self._newest, self._count, 1))
 
-    def _take(self, view: StageView, colours: np.ndarray) -> None:  # type: ignore[type-arg]
+    def _take(self, view: StageView, colours: np.ndarray) -> None:
         """Place, facing and colour of everybody."""
         count = len(view.joint_position)
         self._row[:] = NOWHERE

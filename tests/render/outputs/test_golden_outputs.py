@@ -55,7 +55,5 @@ def test_bent(golden, throw, name):
 
 
 def test_a_grid_through_a_mesh(golden, throw):
-    seen = throw(
-        stage(), Output("left", mesh=(regular(3, 2)[0], ((0.0, 1.0), (0.5, 0.9), (1.0, 1.0)))), card="grid"
-    )
+    seen = throw(stage(), Output("left", mesh=(regular(3, 2)[0], ((0.0, 1.0), (0.5, 0.9), (1.0, 1.0)))), card="grid")
     golden(seen, "card_grid_mesh", law=lambda picture: not picture[175:, 140:180].any() and bright(picture) > 0.02)
