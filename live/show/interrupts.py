@@ -88,6 +88,7 @@ class Interrupts:
 
     def tick(self, span: MeasureSpan, timeline: Timeline, time: float) -> None:
         """Cut whoever must leave her step at the tick at `time` [s]."""
+        self._dancers.inertia.place(time)  # a picture drawn since the last tick has left another time's ages
         if self._decided and self._dancers.decided and self._unplanned.any():
             self._go_on()  # the tick of the decision has enough to do
         self._decided = self._dancers.decided

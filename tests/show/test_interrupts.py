@@ -9,7 +9,8 @@ from live.clock.ticks import TICK
 from live.control.event_json import event_from_json, event_to_json
 from live.control.events import Performer, StepNow
 from live.show.core import Show
-from live.show.patch_file import parse_patch
+from live.show.load import load_show
+from live.show.patch_file import find_patch, parse_patch
 from tests.show.made_show import GRAPH, PATCH, made_show
 
 BEAT = 0.5  # s at 120 bpm
@@ -190,3 +191,29 @@ def test_nobody_is_cut_while_nothing_happens():
     show = made_show()
     run(show, 1, tick(8.0))
     assert show.interrupts.cutting.cuts == show.interrupts.avoided == 0
+
+
+def test_pictures_that_are_drawn_between_ticks_change_nothing():
+    """Whoever was cut settles for some 26 ticks; a picture drawn late in the last of them must not end that early."""
+    loaded = load_show(find_patch("score"))
+    steps = loaded.graph.library.steps
+    unseen, seen = loaded.start(seed=5), loaded.start(seed=5)
+    view = seen.view()
+    for number in range(1, 640):
+        time = number * TICK
+        happens = []
+        for person in range(2 if number % 4 == 0 else 0):
+            angle = 1.3 * time * (1 - 2 * person) + person
+            x, z = 2.2 * float(np.sin(angle)), 1.5 * float(np.cos(1.7 * angle))
+            happens.append(Performer(time=time, source="test", name=f"p{person}", x=x, z=z))
+        if number % 41 == 0:
+            happens.append(cue(time, steps[number // 41 % len(steps)], group="all", measures=0.0))
+        for event in happens:
+            unseen.apply(event)
+            seen.apply(event)
+        unseen.tick(time)
+        seen.tick(time)
+        seen.fill(view, time + 0.95 * TICK)
+        assert np.array_equal(seen.dancers.inertia.began, unseen.dancers.inertia.began), number
+    assert unseen.interrupts.cutting.cuts > 100
+    assert seen.state_hash() == unseen.state_hash()
