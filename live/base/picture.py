@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base import cameras, lights, styles
+from live.base.own_pass import MOST_PASSES, NUMBERS, own_numbers
 from live.base.stage_view import Camera, Look, Scene
 from live.base.styles import Kind
 
@@ -113,7 +114,11 @@ def _laid_out() -> tuple[PictureParameter, ...]:
 PARAMETERS: Final = _laid_out()
 """All of them but what every group has for itself, in the order of the row."""
 BY_ADDRESS: Final = {parameter.address: parameter for parameter in PARAMETERS}
-COLOURS: Final = PARAMETERS[-1].first + PARAMETERS[-1].size
+OWN: Final = slice(
+    PARAMETERS[-1].first + PARAMETERS[-1].size, PARAMETERS[-1].first + PARAMETERS[-1].size + MOST_PASSES * NUMBERS
+)
+"""The numbers of a patch's own passes (`own_pass.own_numbers`)."""
+COLOURS: Final = OWN.stop
 """Where the groups' colours begin, three numbers for each."""
 STYLES: Final = COLOURS + 3 * GROUPS
 """Where the groups' styles begin, `STYLE_SIZE` numbers for each."""
@@ -208,8 +213,14 @@ def picture_of(scene: Scene) -> Float64:
     }
     for parameter in PARAMETERS:
         row[parameter.where] = said.get(parameter.address, parameter.start)
+    own = own_numbers(scene.own)
+    for number in own.values():
+        row[OWN.start + number.place] = number.start
     for address, numbers in scene.start:
-        row[BY_ADDRESS[address].where] = numbers
+        if address in own:
+            row[OWN.start + own[address].place] = numbers[0]
+        else:
+            row[BY_ADDRESS[address].where] = numbers
     colours = look.group_colours or ((0.8, 0.8, 0.8),)
     row[COLOURS:STYLES] = [value for group in range(GROUPS) for value in colours[group % len(colours)]]
     row[STYLES:] = [value for group in range(GROUPS) for value in _drawn(look, group)]

@@ -10,6 +10,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.own_pass import OwnPass
+
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
@@ -125,6 +127,8 @@ class Scene:
     """Images and videos behind the dancers; `/dance/background/1` is how much of the first one is seen."""
     passes: tuple[str, ...] = PASSES
     """Which passes there are, in their order; those that are left out are never drawn."""
+    own: tuple[OwnPass, ...] = ()
+    """Passes that the patch brings itself; their names stand among `passes`."""
     start: tuple[tuple[str, tuple[float, ...]], ...] = ()
     """Parameters of the picture that do not begin where they usually do: addresses and numbers."""
     bodies: tuple[str, ...] = ()

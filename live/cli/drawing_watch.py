@@ -2,11 +2,13 @@
 
 from typing import Any
 
+from live.base.errors import PersonError
 from live.base.stage_view import StageView
 from live.cli.session import Session
 from live.render.frame_times import FrameTimes
 from live.render.ladder import Ladder
 from live.render.renderer import Renderer
+from live.show.patch import Patch
 
 
 class DrawingWatch:
@@ -23,6 +25,16 @@ class DrawingWatch:
         session.status.more["quality"] = self.quality
         session.status.more["frame_parts"] = self.times.facts
         session.status.notes.append(self._words)
+        self._problem = ""
+        session.status.notes.append(lambda: self._problem)
+
+    def take_patch(self, patch: Patch) -> None:
+        """Another patch is in force: its own passes may have other texts."""
+        try:
+            self._renderer.take_own(patch.picture.own_passes)
+            self._problem = ""
+        except PersonError as error:
+            self._problem = f"{error}; the last good one goes on"
 
     def begin(self, late: int, seconds: float) -> None:
         """A frame begins, `seconds` after the last one; `late` frames so far."""

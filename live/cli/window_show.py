@@ -244,6 +244,8 @@ def _frames(
     screen: bool | None = None
     watch = DrawingWatch(session, picture.renderer)
 
+    session.engine.patched.append(watch.take_patch)
+
     def draw(view: StageView) -> None:
         watch.graph(view)
         picture.draw(view)

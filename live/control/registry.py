@@ -21,6 +21,8 @@ from live.control.controls.steps import STEP_CONTROLS
 from live.control.events import ControlEvent
 from live.control.rejections import Reason, Rejection
 
+_PASS: Final = "/dance/pass/"
+
 
 class Registry:
     """Controls by their exact address; there are no patterns."""
@@ -44,6 +46,9 @@ class Registry:
         Thread: any. Never raises for anything a sender can choose.
         """
         control = self._controls.get(address)
+        if control is None and address.startswith(_PASS):  # of a patch's own passes only the show knows the names
+            control = self._controls.get(f"{_PASS}set" if address.count("/") == 4 else _PASS.rstrip("/"))
+            values = [*address.removeprefix(_PASS).split("/"), *values]
         if control is None:
             return Rejection(Reason.UNKNOWN_ADDRESS, address)
         return control.call(values, time, source)

@@ -22,11 +22,13 @@ class SetPicture(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetPass(ControlEvent):
-    """A pass of the picture, by its name, is drawn with this amount: 0 is off."""
+    """A pass of the picture, by its name, is drawn with this amount: 0 is off. Or a parameter of it is set."""
 
     name: str
     amount: float
     measures: float = 0.0
+    parameter: str = ""
+    """Empty: the amount of the pass itself."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,11 +5,13 @@ from typing import Final
 
 import moderngl
 
+from live.base.own_pass import OwnPass
 from live.render.moment import HDR, Making, Moment, PicturePass, Surfaces
 from live.render.passes.bloom_pass import BloomPass
 from live.render.passes.final_pass import FinalPass
 from live.render.passes.grade_pass import GradePass
 from live.render.passes.ink_pass import InkPass
+from live.render.passes.own_pass import OwnPicturePass
 from live.render.passes.trails_pass import TrailsPass
 from live.render.passes.vignette_pass import VignettePass
 from live.render.release import release_all
@@ -33,11 +35,15 @@ class Chain:
         self._ctx = making.ctx
         order = making.scene.passes
         self.vignette_at_end = order[-1:] == (AT_END,)
-        self._passes = [
-            (name, PICTURE_PASSES[name](making))
-            for name in order
-            if name in PICTURE_PASSES and not (name == AT_END and self.vignette_at_end)
-        ]
+        own = {one.name: (one, slot) for slot, one in enumerate(making.scene.own)}
+        self._own: dict[str, OwnPicturePass] = {}
+        self._passes: list[tuple[str, PicturePass]] = []
+        for name in order:
+            if name in own:
+                self._own[name] = OwnPicturePass(making, *own[name])
+                self._passes.append((name, self._own[name]))
+            elif name in PICTURE_PASSES and not (name == AT_END and self.vignette_at_end):
+                self._passes.append((name, PICTURE_PASSES[name](making)))
         self._final = FinalPass(making.ctx)
         self._make(making.size)
 
@@ -48,6 +54,13 @@ class Chain:
             texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
             texture.repeat_x = texture.repeat_y = False
         self._targets = [self._ctx.framebuffer([texture]) for texture in self._textures]
+
+    def take_own(self, passes: tuple[OwnPass, ...]) -> None:
+        """Other texts for own passes; PersonError if one does not compile: its last one goes on."""
+        for one in passes:
+            there = self._own.get(one.name)
+            if there is not None and there.own != one:
+                there.take(one)
 
     def active(self, moment: Moment, left_out: Sequence[str]) -> list[PicturePass]:
         """The passes that change something now, in order, without those that quality leaves out."""

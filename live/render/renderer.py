@@ -5,7 +5,8 @@ from typing import Final
 
 import moderngl
 
-from live.base.picture import STYLE_OF_GROUP, Float64, of_group, picture_of
+from live.base.own_pass import OwnPass
+from live.base.picture import BY_ADDRESS, STYLE_OF_GROUP, Float64, of_group, picture_of
 from live.base.stage_view import PATH, Camera, Scene, StageView
 from live.base.styles import AMOUNTS
 from live.render.crowd import Crowd
@@ -88,7 +89,7 @@ class Renderer:
         view.guide_count = 1
         for step in (*reversed(range(len(self.steps))), 0) if len(self.steps) > 1 else (0,):
             self.take_step(step)
-            for styles in (_all_styles(self._scene), None) if step == 0 else (None,):
+            for styles in (_everything(self._scene, passes=len(self.steps) > 1), None) if step == 0 else (None,):
                 view.picture = styles
                 self.draw(view, framebuffer)
         self._moment.cut = True
@@ -144,6 +145,10 @@ class Renderer:
         self._fit()
         self._crowd.look_from(self._frame.camera)
 
+    def take_own(self, passes: tuple[OwnPass, ...]) -> None:
+        """Other texts for the patch's own passes; PersonError if one does not compile: its last one goes on."""
+        self._pipeline.chain.take_own(passes)
+
     def take_step(self, step: int) -> None:
         """Draw with another step of the ladder from now on; one of another size is made as by `resize`."""
         if step == self.step and self.quality is self.steps[step].quality:
@@ -194,9 +199,13 @@ def _nobody(part: str) -> None:
     """Nobody measures."""
 
 
-def _all_styles(scene: Scene) -> Float64:
-    """A picture's row in which the dancers of the first group are drawn in all styles at once."""
+def _everything(scene: Scene, *, passes: bool) -> Float64:
+    """A picture's row in which the dancers of the first group are drawn in all styles at once; with all `passes` on."""
     row = picture_of(scene)
+    if passes:
+        for name in ("trails", "ink", "vignette", "bloom"):
+            row[BY_ADDRESS[f"/dance/pass/{name}"].first] = 0.5
+        row[BY_ADDRESS["/dance/pass/grade/contrast"].first] = 1.1
     for name in AMOUNTS:
         row[of_group(STYLE_OF_GROUP + name, 0).where] = 0.5
     return row

@@ -35,6 +35,8 @@ def fitted(new: Patch, running: Patch) -> tuple[Patch, tuple[str, ...]]:
         elif old != edited:
             waits += _keys(name, old, edited)
             changes[name] = old
+    if "picture.passes" in waits:  # the texts belong to the names
+        changes["picture"] = changes["picture"].model_copy(update={"own": running.picture.own})
     if len(new.gate) != len(running.gate):
         waits.append("gate")
         changes["gate"] = running.gate

@@ -13,6 +13,7 @@ from live.graph.library import StepLibrary, build_library
 from live.graph.metric.weights import Metric
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.motion.step_clip import StepClip
+from live.render.pass_trial import try_passes
 from live.show.core import Show
 from live.show.library_hash import library_hash
 from live.show.new_steps import clip_key
@@ -121,6 +122,7 @@ def load_show(path: Path, *, recordings: Path | None = None) -> LoadedShow:
     """Read the patch at `path` and its steps, or the recordings of a folder in their place."""
     with _no_collection():
         patch, sources = read_sources(path)
+    try_passes(patch.picture.own_passes)
     return replace(show_of(patch, path, recordings=recordings), sources=sources)
 
 

@@ -3,9 +3,11 @@
 import contextlib
 import os
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from live.base.errors import PersonError
+from live.base.own_pass import NAME
+from live.base.stage_view import PASSES
 from live.show.long_patches import validated
 from live.show.patch import Patch
 from live.show.toml_file import model_of, parse_model, read_text
@@ -24,6 +26,8 @@ PATCHES: Final = next(
 MAIN_FILE: Final = "show.toml"
 FOLDERS: Final = ("formations", "looks", "score")
 """Folders beside show.toml whose TOML files belong to the patch, in the order in which they are read."""
+OWN_PASSES: Final = "passes"
+"""The folder beside a patch with its own passes: NAME.glsl."""
 MOST_FILES: Final = 256
 MOST_BYTES: Final = 16_000_000
 
@@ -78,9 +82,35 @@ def read_sources(path: Path) -> tuple[Patch, TomlSources]:
     """The patch in `path` with, for a folder's show.toml, all that belongs to it; and where each key of it stands."""
     try:
         sources = TomlSources([parse_text(read_text(file, "patch"), str(file), "patch") for file in patch_files(path)])
+        _add_own_passes(sources.data, path)
         return model_of(sources, Patch, "patch", validated), sources
     except PersonError as error:
         raise PatchError(error.message, error.remedy, error.place) from None
+
+
+def own_pass_files(path: Path) -> list[Path]:
+    """The files of own passes beside the patch in `path`."""
+    try:
+        return sorted((path.parent / OWN_PASSES).glob("*.glsl"))[:MOST_FILES]
+    except OSError:
+        return []
+
+
+def _add_own_passes(data: dict[str, Any], path: Path) -> None:
+    """Put the texts of own passes that a patch names into it; a file that is not there is told of with the name."""
+    table = data.get("picture")
+    named = table.get("passes") if isinstance(table, dict) else None
+    if not isinstance(table, dict) or not isinstance(named, list) or "own" in table:
+        return
+    found = []
+    for name in named:
+        if not isinstance(name, str) or name in PASSES or NAME.fullmatch(name) is None:
+            continue
+        file = path.parent / OWN_PASSES / f"{name}.glsl"
+        if is_file(file):
+            found.append({"name": name, "source": read_text(file, "pass")})
+    if found:
+        table["own"] = found
 
 
 def patch_files(path: Path) -> list[Path]:

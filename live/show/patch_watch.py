@@ -14,12 +14,13 @@ from live.base.errors import PersonError
 from live.base.packed import packed
 from live.control.events import ControlEvent, PatchChanged
 from live.graph.motion_graph import MotionGraph
+from live.render.pass_trial import try_passes
 from live.show.core import Show
 from live.show.edit import fitted, version_of
 from live.show.library_watch import LibraryWatch, Stamp
 from live.show.load import LoadedShow
 from live.show.long_patches import freed, written_text
-from live.show.patch_file import patch_files, read_sources
+from live.show.patch_file import own_pass_files, patch_files, read_sources
 from live.show.pickled import walk_ahead
 from live.show.polite import polite
 from live.show.recorded import patch_for
@@ -125,6 +126,8 @@ class PatchWatch:
             return False
         if len(packed(text)) > LONGEST:
             raise PersonError("the patch is too long to be taken while the show runs")
+        if patch.picture.own != self._patch.picture.own:
+            try_passes(patch.picture.own_passes)
         prepared = self._proved(text, graph, sources)
         walk_ahead(prepared.fresh.patch, "patch")  # for snapshots
         self._text, self._patch, self._graph, self.version = text, patch, prepared.fresh.graph, prepared.version
@@ -162,7 +165,7 @@ def stamp_of_files(path: Path) -> Stamp:
     """Names, times and sizes of the files of a patch: it changes when they do."""
     rows = []
     try:
-        for file in patch_files(path):
+        for file in (*patch_files(path), *own_pass_files(path)):
             facts = file.stat()
             rows.append((str(file), facts.st_mtime_ns, facts.st_size))
     except (OSError, PersonError):  # it is being moved: look again later

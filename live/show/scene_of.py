@@ -76,6 +76,7 @@ def scene_of(patch: Patch, path: Path | None = None) -> Scene:
         joint_count=JOINT_COUNT,
         backgrounds=() if path is None else backgrounds_of(patch, path),
         passes=patch.picture.passes,
+        own=patch.picture.own_passes,
         start=patch.picture.start(),
         bodies=_bodies(patch),
     )

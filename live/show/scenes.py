@@ -11,6 +11,7 @@ import numpy as np
 
 from live.base import picture
 from live.base.errors import PersonError
+from live.base.own_pass import ROOT, own_numbers
 from live.base.stage_view import PASSES
 from live.control import events
 from live.control.events import ControlEvent
@@ -25,7 +26,6 @@ from live.show.views import view_settings
 MOST: Final = 1000
 """Scenes that are kept at most."""
 START: Final = "start"
-PASS: Final = "/dance/pass"
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +46,7 @@ class Scenes:
     def __init__(self, patch: Patch, parameters: Parameters, rig: CameraRig) -> None:
         """PersonError for a scene that names what is not there."""
         self._parameters, self._rig = parameters, rig
+        self._own = own_numbers(patch.picture.own_passes)
         self.stored: dict[str, Scene] = {}
         """Scenes that were stored live, by their folded names."""
         table, start = parameters.table, parameters.start
@@ -71,6 +72,7 @@ class Scenes:
     def take_patch(self, fresh: "Scenes") -> None:
         """Take over the views, looks and scenes of an edited patch; those that were stored live stay."""
         self._views, self._looks, self._scenes = fresh._views, fresh._looks, fresh._scenes
+        self._own = fresh._own
 
     def _goals(self, table: ParameterTable, settings: Mapping[str, Setting]) -> dict[int, float]:
         goals: dict[int, float] = {}
@@ -114,9 +116,20 @@ class Scenes:
             self._parameters.set(parameter, numbers, beats=event.measures * size)
 
     def _pass(self, event: events.SetPass, size: float) -> None:
-        known = picture.BY_ADDRESS.get(f"{PASS}/{_folded(event.name)}")
-        if known is None:
-            raise PersonError(f"no pass is called {event.name!r}", f"there are: {', '.join(PASSES)}")
+        address = "/".join(filter(None, (ROOT, _folded(event.name), event.parameter.strip())))
+        own = self._own.get(address)
+        if own is not None:
+            amount = min(max(event.amount, own.low), own.high)
+            self._parameters.fade({picture.OWN.start + own.place: amount}, beats=event.measures * size)
+            return
+        known = picture.BY_ADDRESS.get(address)
+        if known is None or known.size != 1:
+            names = [one.removeprefix(f"{ROOT}/") for one in self._own]
+            what = f"parameter {event.parameter!r}" if event.parameter else "pass"
+            raise PersonError(
+                f"no {what} is called {event.name!r}" if not event.parameter else f"{event.name!r} has no {what}",
+                f"there are: {', '.join((*PASSES, *names))}",
+            )
         amount = min(max(event.amount, known.low), known.high)
         for parameter in self._parameters.table.find(known.address):
             self._parameters.set(parameter, (amount,), beats=event.measures * size)

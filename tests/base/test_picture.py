@@ -20,7 +20,8 @@ def test_the_numbers_of_all_parameters_lie_side_by_side():
         for address in own
         for place in range(picture.SIZE)[picture.of_group(address, n).where]
     ]
-    assert places + groups + styles == list(range(picture.SIZE))
+    passes = list(range(picture.SIZE))[picture.OWN]
+    assert places + passes + groups + styles == list(range(picture.SIZE))
 
 
 def test_every_parameter_starts_within_its_range_and_has_words():

@@ -48,6 +48,16 @@ SCENE_CONTROLS: Final = (
         "Switches a pass of the picture on or off, or fades it.", "operator",
     ),
     Control(
+        "/dance/pass/set", events.SetPass,
+        (
+            Argument("name", "name", "a pass of the picture, as of the patch's own"),
+            Argument("parameter", "name", "one of its parameters"),
+            Argument("amount", "float", "the new value, within the parameter's own range", "", -1e6, 1e6),
+            _MEASURES,
+        ),
+        "Sets a parameter of a pass; `/dance/pass/NAME/PARAMETER VALUE` does it, too.", "operator",
+    ),
+    Control(
         "/dance/camera", events.RecallView,
         (Argument("name", "name", "a [[view]], `start`, `front`, `side`, `top`, `around`, `projector`"), _MEASURES),
         "Cuts or moves to another camera.", "operator",

@@ -1,0 +1,206 @@
+"""A patch's own passes: what they are given, what is said of their mistakes, and that none holds a show up."""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from live.base.errors import PersonError
+from live.base.own_pass import own_numbers, read_own_pass
+from live.base.picture import OWN, picture_of
+from live.base.stage_view import PASSES
+from live.render.own_program import problem_of
+from live.render.pass_trial import try_passes
+from live.render.quality import CARD, SOFTWARE
+from live.render.renderer import Renderer
+from tests.render.test_passes import SCENE, SIZE, many, three
+from tests.render.test_renderer import read
+
+NEGATIVE = "vec4 pass(vec2 at) { return vec4(vec3(0.5) - min(light(at), vec3(0.5)), 1.0); }\n"
+WAVES = """// Waves that run over the picture with the beat.
+uniform float speed;   // 0 4 1   waves in a beat
+uniform float height;  // 0 0.2 0.02
+vec4 pass(vec2 at) {
+    at.y += height * sin(6.2831853 * (4.0 * at.x + beat * speed));
+    return vec4(light(at), 1.0);
+}
+"""
+
+
+def own(name, source):
+    return read_own_pass(name, source)
+
+
+@pytest.fixture
+def draw(gl_context):
+    """Draw moments (view, beat) with own passes; gives the last picture and the renderer."""
+    kept = []
+
+    def drawn(passes, *moments, quality=SOFTWARE, values=None):
+        order = (*PASSES[:-1], *(one.name for one in passes), "vignette")
+        scene = replace(SCENE, own=tuple(passes), passes=order)
+        renderer, target = Renderer(gl_context, scene, size=SIZE, quality=quality), gl_context.simple_framebuffer(SIZE)
+        kept.extend((renderer, target))
+        row = picture_of(scene)
+        for address, value in (values or {}).items():
+            row[OWN.start + own_numbers(scene.own)[address].place] = value
+        for view, beat in moments or ((three(), 0.0),):
+            view.picture, view.beat = row, beat
+            renderer.draw(view, target)
+        return read(target), renderer, row, target
+
+    yield drawn
+    for thing in kept:
+        thing.release()
+
+
+# -- texts -----------------------------------------------------------------------------------------------------
+
+
+def test_a_uniform_with_a_range_is_a_parameter():
+    found = own("waves", WAVES)
+    assert [(one.name, one.low, one.high, one.start) for one in found.parameters] == [
+        ("speed", 0.0, 4.0, 1.0),
+        ("height", 0.0, 0.2, 0.02),
+    ]
+    assert found.parameters[0].words == "waves in a beat"
+    numbers = own_numbers((own("first", NEGATIVE), found))
+    assert list(numbers) == [
+        "/dance/pass/first", "/dance/pass/waves", "/dance/pass/waves/speed", "/dance/pass/waves/height",
+    ]  # fmt: skip
+    assert len({one.place for one in numbers.values()}) == 4
+
+
+@pytest.mark.parametrize(
+    ("name", "source", "words"),
+    [
+        ("Waves", NEGATIVE, "cannot be called 'Waves'"),
+        ("a/b", NEGATIVE, "cannot be called"),
+        ("waves", "void main() {}", "no `vec4 pass"),
+        ("waves", "uniform float a;\n" + NEGATIVE, "passes/waves.glsl, line 1: uniform 'a' has no range"),
+        ("waves", "\nuniform float a; // 1 0 0.5\n" + NEGATIVE, "line 2: uniform 'a' has no range"),
+        ("waves", "uniform float a; // 0 1 nan\n" + NEGATIVE, "line 1: uniform 'a' has no range"),
+        ("waves", "uniform vec3 a; // 0 1 1\n" + NEGATIVE, "line 1: uniform 'a' is a vec3"),
+        ("waves", "uniform float beat; // 0 1 1\n" + NEGATIVE, "'beat' is there already"),
+        ("waves", "uniform float a; // 0 1 1\n" * 2 + NEGATIVE, "line 2: a second uniform 'a'"),
+        ("waves", "".join(f"uniform float a{i}; // 0 1 1\n" for i in range(16)) + NEGATIVE, "16 uniforms"),
+        ("waves", "//" + "x" * 40_000 + "\n" + NEGATIVE, "at most 32000"),
+    ],
+)
+def test_what_is_wrong_with_a_text_is_said_with_its_line(name, source, words):
+    with pytest.raises(PersonError, match=words.replace("(", r"\(")):
+        own(name, source)
+
+
+@pytest.mark.parametrize(
+    ("log", "line"),
+    [
+        ("GLSL Compiler failed\n\nfragment_shader\n===\n0:3(12): error: `x' undeclared", 3),  # Mesa
+        ('0(7) : error C1503: undefined variable "x"', 7),  # NVIDIA
+        ("ERROR: 0:12: Use of undeclared identifier 'x'", 12),  # Apple, AMD
+    ],
+)
+def test_the_words_of_every_driver_give_the_line(log, line):
+    told = problem_of("waves", log)
+    assert told.startswith(f"passes/waves.glsl, line {line}: ")
+    assert "x" in told.split(": ", 1)[1]
+
+
+# -- pictures --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
+def test_an_own_pass_draws_and_its_amount_takes_it_away(draw, quality):
+    plain = draw((), quality=quality)[0].astype(int)
+    negative = draw((own("negative", NEGATIVE),), quality=quality)[0].astype(int)
+    none = draw((own("negative", NEGATIVE),), quality=quality, values={"/dance/pass/negative": 0.0})[0]
+    assert np.array_equal(none, plain)
+    assert negative.mean() > plain.mean() + 60
+    bright = plain.max(axis=2) > 150
+    assert negative[bright].mean() < negative[~bright].mean() - 30
+
+
+@pytest.mark.gl
+def test_parameters_and_beat_reach_it(draw):
+    waves = own("waves", WAVES)
+    usual, higher, later = (
+        draw((waves,), (three(), beat), values={"/dance/pass/waves/height": height})[0].astype(int)
+        for height, beat in ((0.02, 0.0), (0.1, 0.0), (0.02, 0.25))
+    )
+    assert np.abs(usual - higher).mean() > 0.5
+    assert np.abs(usual - later).mean() > 0.1
+
+
+@pytest.mark.gl
+def test_surfaces_and_the_last_picture_reach_it(draw):
+    source = """vec4 pass(vec2 at) {
+        if (dancer(at) == 0) return vec4(0.0, 0.0, 0.0, 1.0);
+        float away = depth(at);
+        return vec4(away > 3.0 && away < 8.0, float(dancer(at)) / 3.0, normal(at).z > 0.0, 1.0);
+    }"""
+    picture = draw((own("seen", source),))[0]
+    somebody = picture.max(axis=2) > 60
+    assert 0.02 < somebody.mean() < 0.3
+    assert (picture[somebody][:, 0] > 100).mean() > 0.95  # all of them are that far away
+    assert (picture[somebody][:, 2] > 100).mean() > 0.8  # nearly all that is seen faces the eye
+    greens = [round(float(np.median(picture[:, part][somebody[:, part]][:, 1]))) for part in
+              (slice(0, 100), slice(118, 138), slice(156, 256))]  # fmt: skip
+    assert greens == sorted(set(greens))  # dancers one, two, three from left to right
+    brighter = own("brighter", "vec4 pass(vec2 at) { return vec4(last(at) + 0.02, 1.0); }")
+    means = [draw((brighter,), *((three(), beat / 8) for beat in range(count)))[0].mean() for count in (1, 4, 8)]
+    assert means == sorted(means)
+    assert means[2] > means[0] + 20
+
+
+@pytest.mark.gl
+def test_numbers_that_are_none_are_black(draw):
+    picture = draw((own("nan", "vec4 pass(vec2 at) { return vec4(vec3(sqrt(at.x - 2.0)) / 0.0, 1.0); }"),))[0]
+    assert picture.max() <= 1
+
+
+@pytest.mark.gl
+def test_another_text_takes_its_place_and_a_wrong_one_does_not(draw):
+    picture, renderer, row, target = draw((own("mine", NEGATIVE),))
+    renderer.take_own((own("mine", WAVES),))
+    view = three()
+    view.picture = row
+    renderer.draw(view, target)
+    waves = read(target)
+    assert np.abs(waves.astype(int) - picture).mean() > 20
+    with pytest.raises(PersonError, match=r"passes/mine.glsl, line 2: "):
+        renderer.take_own((own("mine", "\nvec4 pass(vec2 at) { return nothing; }"),))
+    renderer.draw(view, target)
+    assert np.array_equal(read(target), waves)
+
+
+@pytest.mark.gl
+def test_golden_own_pass(draw, golden):
+    kaleidoscope = """vec4 pass(vec2 at) {
+        vec2 p = (at - 0.5) * vec2(size.x / size.y, 1.0);
+        float a = abs(mod(atan(p.y, p.x) + beat, 1.0471976) - 0.5235988), r = length(p);
+        return vec4(light(vec2(cos(a), sin(a)) * r * vec2(size.y / size.x, 1.0) + 0.5), 1.0);
+    }"""
+    golden(draw((own("kaleidoscope", kaleidoscope),), (three(), 0.4))[0], "own_pass", law=many)
+
+
+# -- trial -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.gl
+def test_a_trial_takes_good_ones_and_tells_of_others(gl_context):
+    try_passes(())
+    try_passes((own("waves", WAVES), own("negative", NEGATIVE)))
+    with pytest.raises(PersonError, match=r"passes/bad.glsl, line 3: .*undefd"):
+        try_passes((own("waves", WAVES), own("bad", "\n\nvec4 pass(vec2 at) { return undefd; }")))
+
+
+@pytest.mark.gl
+def test_a_shader_that_never_ends_is_ended(gl_context):
+    text = "vec4 pass(vec2 at) {\n float x = at.x;\n while (x < 2.0) x = fract(x + 0.1);\n return vec4(x); }"
+    endless = own("endless", text)
+    begin = time.monotonic()
+    with pytest.raises(PersonError, match=r"passes/endless.glsl: not done after 6 s: is there a loop that never ends"):
+        try_passes((endless,), limit=6.0)
+    assert time.monotonic() - begin < 60.0
