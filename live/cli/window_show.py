@@ -26,7 +26,7 @@ from live.render.camera import floor_point
 from live.render.frame import CLOSEST
 from live.render.monitors import Monitor, UnknownMonitor
 from live.render.outputs.projection import Projection
-from live.render.pacing import Pacer
+from live.render.pacing import DisplayGrid, Pacer
 from live.render.window import NoWindow
 from live.render.window_input import (
     CloseRequested,
@@ -252,11 +252,13 @@ def _frames(
         watch.times.mark("draw")
 
     rate = live_rate(session.wish, window.ctx, window.monitor.refresh_hz)
-    if rate == window.monitor.refresh_hz:
+    display = rate == window.monitor.refresh_hz  # its swap paces the loop
+    if display:
         rate = min(rate * PACE_ABOVE, 1000.0)
     pacer = Pacer(rate, session.clock.now, time.sleep)
     watch.period = 1.0 / min(rate, window.monitor.refresh_hz or rate)
-    previous = session.clock.now()
+    grid = DisplayGrid(1.0 / watch.period)
+    previous = swapped = session.clock.now()
     while not operator.leaving:
         started = pacer.wait()
         watch.begin(pacer.late, started - previous)
@@ -264,13 +266,14 @@ def _frames(
             if not setup.act(where, value):
                 operator.act(picture.on_picture(where, value), session.clock.now())
         session.before_frame()
-        session.engine.frame(draw)
+        session.engine.frame(draw, at=grid.at(swapped if display else started))
         if recording is not None:
             recording.frame(picture.pictures.last, started)
         session.status.late_frames = pacer.late
         session.after_frame(started, previous)
         watch.times.mark("rest")
         picture.show(started)
+        swapped = session.clock.now()
         watch.end()
         awake.frame(started)
         if session.lifeline is not None and window.fullscreen is not screen:

@@ -1,9 +1,16 @@
 """Pacing: one frame every 1/fps seconds, whether or not the display makes the program wait."""
 
+import math
 from collections.abc import Callable
 
 SPIN = 0.001
 """The last part of a wait [s] that is not slept through: sleeping ends late by about as much."""
+GRID_GAIN = 0.04
+"""How much of what a frame's start strays from the grid moves the grid."""
+ASTRAY = 0.02
+"""A display's rate is at most this share off what it says."""
+STALLED = 15
+"""After a gap of more pictures than this the grid begins anew."""
 LATE = 1.5
 """A frame counts as late when it starts more than so many periods after the one before it."""
 
@@ -51,3 +58,41 @@ class Pacer:
         self._last = now
         self.frames += 1
         return now
+
+
+class DisplayGrid:
+    """Even times for frames, from the moments at which the display's swap came back, or at which they were let go.
+
+    A frame begins when the machine happens to wake; its picture is seen at the display's next one. A dance sampled at
+    the moments of waking would stutter by what they stray. So frames are counted on a grid whose step and place follow
+    those moments slowly (a phase-locked loop of second order): steps of 1/59.94 s also where the display says 60. The
+    grid lies where starts lie on average.
+    """
+
+    def __init__(self, fps: float) -> None:
+        """`fps`: about how many pictures a second; 1 % off does no harm."""
+        self._nominal = self.period = 1.0 / fps
+        """Seconds from one picture to the next, as learnt."""
+        self._at: float | None = None
+        self._seen = 0
+
+    def at(self, started: float) -> float:
+        """The even time for the frame that begins then [s]; never before that of the last one."""
+        if self._at is None:
+            self._at = started
+            return started
+        # machines wake late, never early: only what is later than most of a step is the next one
+        steps = max(math.floor((started - self._at) / self.period + 0.25), 1)
+        expected = self._at + steps * self.period
+        off = started - expected
+        if abs(off) > self._nominal or steps > STALLED:  # a stall: begin anew here
+            self._at, self._seen = max(started, self._at), 0
+            return self._at
+        # quick at first, then slow: what strays is averaged over about 1/gain frames
+        self._seen += 1
+        gain = max(2.0 / (self._seen + 1), GRID_GAIN)
+        self._at = expected + gain * off
+        if self._seen > 1:
+            learnt = self.period + 0.25 * gain * gain * off / steps
+            self.period = min(max(learnt, self._nominal * (1.0 - ASTRAY)), self._nominal * (1.0 + ASTRAY))
+        return self._at

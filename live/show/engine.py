@@ -81,8 +81,11 @@ class Engine:
         self.on_error: Callable[[Exception], None] | None = None
         """Told once when drawing fails; the show goes on. None (in tests and offline): the error is raised."""
 
-    def frame(self, picture: Picture) -> None:
-        """One frame: events, ticks that are due, drawing."""
+    def frame(self, picture: Picture, *, at: float | None = None) -> None:
+        """One frame: events, ticks that are due, drawing.
+
+        `at` [s]: when the frame begins for the dance, near the clock's time: on the even grid of the display.
+        """
         now = self._clock.now()
         for _ in range(0, EVENTS_PER_FRAME, EVENTS_AT_ONCE):
             events = self._inbox.drain(EVENTS_AT_ONCE)
@@ -92,7 +95,7 @@ class Engine:
                 break
         self._status.dropped_events = self._inbox.dropped
         self.mark("events")
-        target = now + self.lead
+        target = (now if at is None else at) + self.lead
         self._run_ticks(now, target)
         if self.show.patch is not self._patch:
             self._patch = self.show.patch

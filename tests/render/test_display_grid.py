@@ -1,0 +1,103 @@
+"""What is shown on displays made for the test: even steps, whatever rate they have and however the machine wakes."""
+
+import numpy as np
+import pytest
+
+from live.render.pacing import DisplayGrid, Pacer
+
+RATES = pytest.mark.parametrize("rate", [50.0, 59.94, 60.0, 120.0])
+
+
+class Display:
+    """A display of `rate` pictures a second with vertical synchronisation, and a machine that wakes late.
+
+    What is shown at each of its pictures is the frame that was swapped before it; a swap returns then.
+    """
+
+    def __init__(self, rate, *, seed=1):
+        self.rate, self.time = rate, 3.0
+        self.random, self.stray = np.random.default_rng(seed), 0.08 / rate
+
+    def now(self):
+        self.time += 1e-6
+        return self.time
+
+    def sleep(self, seconds):
+        self.time += max(seconds, 20e-6)
+
+    def swap(self):
+        """Wait for the next picture; when it was."""
+        shown = (np.floor(self.time * self.rate) + 1.0) / self.rate
+        # the machine goes on a little later, sometimes much
+        self.time = shown + self.random.exponential(self.stray)
+        return shown
+
+
+def play(display, said, seconds, work=lambda number: 0.002):
+    """Frames as the live loop runs them: when the last swap came back, its time on the grid, when each is shown."""
+    pacer = Pacer(said * 1.05, display.now, display.sleep)
+    grid = DisplayGrid(said)
+    rows = []
+    end = display.time + seconds
+    swapped = display.now()
+    while display.time < end:
+        pacer.wait()
+        began, at = swapped, grid.at(swapped)
+        display.time += work(len(rows))
+        rows.append((began, at, display.swap()))
+        swapped = display.now()
+    return np.array(rows), grid
+
+
+@RATES
+def test_what_is_shown_goes_on_evenly_where_frames_start_unevenly(rate):
+    rows, grid = play(Display(rate), round(rate), 30.0)
+    started, at, shown = rows[int(rate) :].T  # after a second
+    raw, even = (times - shown for times in (started, at))
+    assert raw.std() > 0.05 / rate
+    assert even.std() < 0.02 / rate
+    assert even.std() < 0.3 * raw.std()
+    assert grid.period == pytest.approx(1.0 / rate, rel=1e-3)
+
+
+@RATES
+def test_steps_are_the_display_s_and_no_slow_beat_is_left(rate):
+    """No drift between what is shown and the display, nor a beat of 60 against 59.94 (one in 17 s)."""
+    rows, _ = play(Display(rate), round(rate), 40.0)
+    _, at, shown = rows[int(2 * rate) :].T
+    off = at - shown
+    per_second = off[: len(off) // int(rate) * int(rate)].reshape(-1, int(rate)).mean(axis=1)
+    assert np.ptp(per_second) < 0.05 / rate
+    assert abs(np.polyfit(np.arange(len(per_second)), per_second, 1)[0]) < 20e-6
+    steps = np.diff(at) * rate
+    assert np.abs(steps - np.round(steps)).max() < 0.08
+    assert np.array_equal(np.round(steps), np.round(np.diff(shown) * rate))
+
+
+@RATES
+def test_a_late_frame_is_one_longer_step_and_all_is_even_again(rate):
+    rows, _ = play(Display(rate), round(rate), 10.0, lambda number: 2.4 / rate if number % 200 == 199 else 0.003)
+    _, at, shown = rows[int(rate) :].T
+    steps, due = np.diff(at) * rate, np.round(np.diff(shown) * rate)
+    assert due.max() >= 3
+    assert np.abs(steps - np.round(steps)).max() < 0.12
+    off = (at - shown)[np.r_[True, due == 1]]  # a late frame itself is shown late, nothing else is
+    assert off.std() < 0.03 / rate
+
+
+def test_a_stall_begins_anew_and_time_never_goes_back():
+    display = Display(60.0)
+    rows, _ = play(display, 60.0, 20.0, lambda number: 2.0 if number == 300 else 0.004)
+    _, at, _ = rows.T
+    assert (np.diff(at) >= 0.0).all()
+    assert np.abs(at - rows[:, 0]).max() < 0.010
+
+
+def test_a_loop_that_no_display_holds_keeps_its_own_grid():
+    display = Display(1e6)  # swaps at once
+    pacer, grid = Pacer(30.0, display.now, display.sleep), DisplayGrid(30.0)
+    at = []
+    for _ in range(300):
+        at.append(grid.at(pacer.wait()))
+        display.time += 0.012
+    assert np.diff(at[30:]) == pytest.approx(np.full(269, 1.0 / 30.0), abs=0.2e-3)
