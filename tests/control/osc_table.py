@@ -148,19 +148,6 @@ def picture_controls():
 def scene_controls():
     """What the stage manager says."""
     return {
-    for name, value in (("rim", 2.0), ("ambient", 0.5), ("haze", 0.25), ("saturation", 0.0)):
-        sent[f"/dance/light/{name}"] = (["d", str(value)], picture(f"/dance/light/{name}", value))
-    for name in ("light/key/colour", "light/rim/colour", "light/ambient/colour", "light/background", "light/floor"):
-        sent[f"/dance/{name}"] = (["fff", "1", "0.5", "0"], picture(f"/dance/{name}", 1.0, 0.5, 0.0))
-    passes = ("shadow", 0.0), ("mirror", 0.5), ("bloom", 2.0), ("vignette", 0.25), ("trails", 1.0), ("ink", 1.0)
-    more = ("trails/beats", 2.0), ("trails/zoom", -0.5), ("ink/width", 3.0), ("ink/paper", 0.5), ("grade", 0.5)
-    for name, value in (*passes, *more, ("grade/contrast", 1.5), ("grade/temperature", -0.5)):
-        sent[f"/dance/pass/{name}"] = (["fi", str(value), "1"], picture(f"/dance/pass/{name}", value, measures=1.0))
-    for name in ("trails/colour", "ink/colour", "ink/paper/colour", "grade/lift", "grade/gamma", "grade/gain"):
-        sent[f"/dance/pass/{name}"] = (["fff", "1", "0.5", "0.25"], picture(f"/dance/pass/{name}", 1.0, 0.5, 0.25))
-    for name in ("eye", "target"):
-        sent[f"/dance/camera/{name}"] = (["fff", "1", "2.5", "-3"], picture(f"/dance/camera/{name}", 1.0, 2.5, -3.0))
-    return sent | {
         "/dance/pass/set": (
             ["ssff", "waves", "speed", "2.5", "1"],
             events.SetPass(name="waves", parameter="speed", amount=2.5, measures=1.0, **STAMP),

@@ -201,7 +201,9 @@ def test_a_shader_that_never_ends_is_ended(gl_context):
     # some drivers end a loop after 65,535 rounds; of three within each other none sees the end
     text = """vec4 pass(vec2 at) {
         float x = at.x;
-        for (int i = 0; i < 60000; ++i) for (int j = 0; j < 60000; ++j) for (int k = 0; k < 60000; ++k) x = sin(x + 0.1);
+        for (int i = 0; i < 60000; ++i)
+            for (int j = 0; j < 60000; ++j)
+                for (int k = 0; k < 60000; ++k) x = sin(x + 0.1);
         return vec4(x);
     }"""
     endless = own("endless", text)
