@@ -30,7 +30,7 @@ def test_what_a_patch_says_of_the_picture_reaches_the_renderer():
     ("line", "words"),
     [
         ('passes = ["blom"]', "no pass 'blom'"),
-        ('passes = ["ink", "ink"]', "stands there twice"),
+        ('passes = ["ink", "ink"]', "is there twice"),
         ('set = {"/dance/pass/inc" = 1}', "no parameter of the picture"),
         ('set = {"/dance/pass/ink" = 7}', "0 to 1"),
         ('set = {"/dance/pass/ink/colour" = 1}', "3 numbers"),
