@@ -1,0 +1,201 @@
+"""Styles of dancers: each is seen as what it is, belongs to its group alone, fades, and costs nothing when off."""
+
+import numpy as np
+import pytest
+
+from live.base.picture import STYLE_OF_GROUP, of_group, picture_of
+from live.base.stage_view import Camera
+from live.render.camera import pixel_of
+from live.render.quality import SOFTWARE
+from live.render.renderer import Renderer
+from tests.render.poses import ARMS_DOWN, LUNGE, REACH, STEP, stage_view
+from tests.render.test_renderer import read, scene
+
+pytestmark = pytest.mark.gl
+SIZE = (320, 180)
+CAMERA = Camera(eye=(0.0, 1.5, 4.2), target=(0.0, 0.95, 0.0), field_of_view_deg=40.0)
+SCENE = scene(3, CAMERA)
+GREY = np.array([0.2126, 0.7152, 0.0722])
+
+
+def row_with(group=None, **said):
+    """The row of the scene, in which one group (or all three) is drawn so; solid is 0 unless said otherwise."""
+    row = picture_of(SCENE)
+    for one in range(3) if group is None else (group,):
+        for name, value in ({"solid": 0.0} | said).items():
+            row[of_group(STYLE_OF_GROUP + name.replace("__", "/"), one).where] = value
+    return row
+
+
+def three(beat=0.0, swing=0.0):
+    """Three dancers of three groups; `swing` moves arms and places."""
+    arms = {"leftUpperArm": (0, 60 * np.sin(swing), -60 + 100 * swing), "rightUpperArm": (0, -50, 60 - 90 * swing)}
+    view = stage_view(
+        [
+            (LUNGE | arms, (-1.2 + 0.3 * swing, 0.0), 20.0, 0),
+            (STEP | arms, (0.0 + 0.3 * swing, 0.2), 40.0 * swing, 1),
+            ((REACH if swing == 0.0 else ARMS_DOWN | arms), (1.2, 0.0), -15.0, 2),
+        ]
+    )
+    view.beat, view.phase = beat, beat % 4
+    return view
+
+
+@pytest.fixture(scope="module")
+def drawn(headless_context):
+    """The picture of the last of some moments (view, row), drawn by one renderer that has forgotten all others."""
+    with headless_context:
+        renderer = Renderer(headless_context, SCENE, size=SIZE, quality=SOFTWARE)
+        target = headless_context.simple_framebuffer(SIZE)
+
+    def draw(*moments):
+        with headless_context:
+            for view, row in ((three(), picture_of(SCENE)), *moments):
+                view.picture = row
+                renderer.draw(view, target)
+            return read(target)
+
+    yield draw
+    with headless_context:
+        renderer.release()
+        target.release()
+
+
+def dance(row, beats=3.1, frames=48):
+    """Moments of a movement through so many beats."""
+    return [(three(beats * k / frames + 0.05, 1.0 + np.sin(2.0 * k / frames)), row) for k in range(frames + 1)]
+
+
+def bright(picture):
+    return picture @ GREY
+
+
+def column(picture, dancer):
+    """The part of the picture in which one dancer stands."""
+    middle = int(pixel_of(CAMERA, SIZE, [[(-1.2, 0.0, 1.2)[dancer], 1.0, 0.0]])[0, 0])
+    return picture[:, middle - 48 : middle + 48]
+
+
+def flat_white(picture):
+    """A broad area of white, and nothing between it and the dark."""
+    return 0.02 < (bright(picture) > 225).mean() < 0.2
+
+
+def lines(picture):
+    """White that is nowhere broad, around black."""
+    seen = bright(picture)
+    white = seen > 150
+    broad = white[1:-1, 1:-1] & white[:-2, 1:-1] & white[2:, 1:-1] & white[1:-1, :-2] & white[1:-1, 2:]
+    return white.mean() > 0.005 and broad.mean() < 0.3 * white.mean() and (seen < 10).mean() > 0.02
+
+
+def points(picture):
+    """Many bright dots: what is bright is seldom so two pixels farther."""
+    seen = bright(picture)
+    peaks = (
+        (seen[2:-2, 2:-2] > 70) & (seen[2:-2, 2:-2] > seen[2:-2, 4:] + 15) & (seen[2:-2, 2:-2] > seen[2:-2, :-4] + 15)
+    )
+    return peaks.sum() > 120
+
+
+STILL = {
+    "silhouette": flat_white,
+    "ink": lines,
+    "particles": points,
+    "xray": lambda seen: (bright(seen) > 120).mean() > 0.004,
+}
+
+
+@pytest.mark.parametrize("style", STILL)
+def test_each_style_is_seen_as_what_it_is(drawn, golden, style):
+    golden(drawn((three(0.3), row_with(**{style: 1.0}))), f"style_{style}", law=STILL[style], off=0.01)
+
+
+@pytest.mark.parametrize("style", ["ribbons", "trails"])
+def test_what_was_is_seen_beside_what_is(drawn, golden, style):
+    """The same moment with and without its past: light is added, and only where no dancer is."""
+    moments = dance(row_with(**{style: 1.0, "solid": 1.0}))
+    seen, alone = drawn(*moments), drawn(moments[-1])
+
+    def law(picture):
+        more = bright(picture) - bright(alone)
+        return (more > 12).mean() > 0.008 and (more < -60).mean() < 0.01
+
+    golden(seen, f"style_{style}", law=law, off=0.01)
+
+
+def test_a_mixture_of_styles_and_a_half_dissolved_body(drawn, golden):
+    row = row_with(0, solid=0.5, emission=0.5) + row_with(1, solid=1.0, ink=1.0) - picture_of(SCENE)
+    row += row_with(2, solid=0.3, xray=1.0, particles=0.4) - picture_of(SCENE)
+    whole = drawn((three(0.3), picture_of(SCENE)))
+
+    def law(picture):
+        changed = np.abs(picture.astype(int) - whole).max(axis=2) > 20
+        return all(column(changed[:, :, None], dancer).mean() > 0.02 for dancer in range(3))
+
+    golden(drawn((three(0.3), row)), "style_mixed", law=law, off=0.01)
+
+
+def test_a_style_belongs_to_its_group_alone(drawn):
+    plain = drawn((three(), picture_of(SCENE))).astype(int)
+    for style in ("silhouette", "particles"):
+        other = drawn((three(), row_with(1, **{style: 1.0}))).astype(int)
+        change = np.abs(other - plain).max(axis=2)
+        assert (column(change[:, :, None], 1) > 30).mean() > 0.02
+        for dancer in (0, 2):  # by another way, in half floats: the same within a few steps of 255
+            assert np.mean(column(change[:, :, None], dancer) > 12) < 0.02
+
+
+def test_a_silhouette_has_its_colour_and_fades_in_evenly(drawn):
+    x, y = pixel_of(CAMERA, SIZE, three().joint_position[1, [2]])[0].astype(int)
+    steps = [
+        drawn((three(), row_with(solid=1.0 - share, silhouette=share, silhouette__colour=(0.0, 1.0, 0.0))))[y, x]
+        for share in (0.0, 0.5, 1.0)
+    ]
+    green = [int(one[1]) for one in steps]
+    assert green[0] < green[1] < green[2]
+    assert green[2] > 220
+    assert steps[2][0] < 30 > steps[2][2]
+
+
+def test_half_of_a_body_is_half_dissolved(drawn):
+    """The share of the body's pixels that still show it follows the amount."""
+    none, whole = (drawn((three(), row_with(silhouette=share))) for share in (1e-4, 1.0))
+    body = bright(whole) - bright(none) > 90
+    left = [
+        (bright(drawn((three(), row_with(silhouette=share))))[body] - bright(none)[body] > 60).mean()
+        for share in (0.25, 0.5, 0.75)
+    ]
+    assert left[0] < left[1] < left[2]
+    assert 0.02 < left[0] < 0.45
+    assert 0.3 < left[1] < 0.75
+    assert 0.6 < left[2] < 0.99
+
+
+def test_particles_follow_the_beat_and_nothing_else(drawn):
+    row = row_with(particles=1.0)
+    first, again, later = (drawn((three(beat), row)).astype(int) for beat in (1.25, 1.25, 1.75))
+    assert np.array_equal(first, again)
+    assert (np.abs(first - later).max(axis=2) > 25).mean() > 0.005
+    few = drawn((three(1.25), row_with(particles=1.0, particles__share=0.1)))
+    none = drawn((three(1.25), row_with()))
+    assert 0.03 < (bright(few) - bright(none)).sum() / (bright(first) - bright(none)).sum() < 0.3
+
+
+def test_colours_answer_the_beat_as_much_as_is_asked(drawn):
+    on, off = ({"solid": 1.0, "pulse": share} for share in (1.0, 0.0))
+    x, y = pixel_of(CAMERA, SIZE, three().joint_position[1, [2]])[0].astype(int)
+    here = np.s_[y - 3 : y + 4, x - 2 : x + 3]
+    swing = [
+        bright(drawn((three(0.0), row_with(**how)))[here]).mean()
+        - bright(drawn((three(0.8), row_with(**how)))[here]).mean()
+        for how in (off, on)
+    ]
+    assert swing[1] > swing[0] + 20
+
+
+def test_a_jump_back_in_time_forgets_what_was(drawn):
+    row = row_with(solid=1.0, ribbons=1.0, trails=1.0)
+    moments = dance(row)
+    fresh = drawn((three(0.01, 1.0), row))
+    assert np.array_equal(drawn(*moments, (three(0.01, 1.0), row)), fresh)

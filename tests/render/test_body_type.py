@@ -1,0 +1,68 @@
+"""Body types: other widths on the same bones."""
+
+import numpy as np
+import pytest
+
+from live.base.bodies import BODIES, USUAL
+from live.render.body import COARSE, LIGHT, build_body
+from live.render.body_points import build_points
+from live.render.body_shape import BODY, Shape
+from live.render.body_type import TYPES, parts_of
+
+
+def half_width(name, height):
+    line = np.stack([np.linspace(0.0, 0.3, 301), np.full(301, height), np.zeros(301)], axis=1)
+    return float(line[np.flatnonzero(Shape(parts_of(name)).distance(line) < 0.0).max(), 0])
+
+
+def litres(name, level=COARSE):
+    mesh = build_body(level, name)
+    a, b, c = (mesh.position[mesh.triangle[:, corner]].astype(np.float64) for corner in range(3))
+    return 1000.0 * float((np.cross(a, b) * c).sum()) / 6.0
+
+
+def test_there_is_a_type_for_every_name_and_the_usual_one_is_the_body_itself():
+    assert tuple(TYPES) == BODIES
+    assert parts_of(USUAL) is BODY
+    with pytest.raises(ValueError, match="body 'tall'"):
+        parts_of("tall")
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_every_body_is_closed_and_stands_on_the_same_floor_with_the_same_reach(name):
+    mesh = build_body(COARSE, name)
+    edges = np.concatenate([mesh.triangle[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0))])
+    assert len(np.unique(edges, axis=0)) == len(edges)
+    assert {tuple(edge) for edge in edges.tolist()} == {(b, a) for a, b in edges.tolist()}
+    usual = build_body(COARSE)
+    assert mesh.position[:, 1].min() == pytest.approx(usual.position[:, 1].min(), abs=0.006)
+    assert mesh.position[:, 0].max() == pytest.approx(usual.position[:, 0].max(), abs=0.012)
+
+
+def test_they_are_as_heavy_as_they_are_called():
+    weight = {name: litres(name) for name in BODIES}
+    assert weight["slim"] < 0.9 * weight[USUAL]
+    assert weight["child"] < 0.92 * weight[USUAL]
+    assert weight["strong"] > 1.12 * weight[USUAL]
+    assert weight["round"] > 1.25 * weight[USUAL]
+
+
+def test_they_are_as_wide_as_they_are_called():
+    shoulders, waist = ({name: half_width(name, y) for name in BODIES} for y in (1.33, 1.06))
+    assert shoulders["strong"] == max(shoulders.values())
+    assert waist["round"] == max(waist.values())
+    assert waist["slim"] == min(waist.values())
+    assert waist["child"] / shoulders["child"] > 1.1 * waist[USUAL] / shoulders[USUAL]  # no waist yet
+
+
+def test_points_lie_on_the_skin_and_their_first_ones_are_spread_as_all_are():
+    points = build_points(1500)
+    distance = np.abs(Shape(BODY).distance(points.position.astype(np.float64)))
+    assert np.median(distance) < 0.004
+    np.testing.assert_allclose(points.weight.sum(axis=1), 1.0, atol=1e-5)
+    np.testing.assert_allclose(np.linalg.norm(points.normal, axis=1), 1.0, atol=1e-5)
+    for axis in range(3):
+        first, all_ = (np.percentile(points.position[:count, axis], [20, 50, 80]) for count in (300, 1500))
+        np.testing.assert_allclose(first, all_, atol=0.09)
+    mesh = build_body(LIGHT)
+    assert points.joint.max() <= mesh.joint.max()

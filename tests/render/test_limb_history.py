@@ -1,0 +1,87 @@
+"""What ribbons and ghosts remember: exactly the beats they say, at any frame rate."""
+
+import numpy as np
+import pytest
+
+from live.base.picture import STYLE_OF_GROUP, of_group, picture_of
+from live.motion.skeleton import SKELETON
+from live.render.crowd import Crowd
+from live.render.limb_history import PER_BEAT, SAMPLES, LimbHistory
+from live.render.pose_history import PoseHistory
+from live.render.quality import SOFTWARE
+from tests.render.poses import ARMS_DOWN, stage_view
+from tests.render.test_renderer import scene
+
+pytestmark = pytest.mark.gl
+HAND = SKELETON.index("leftHand")
+
+
+def at(beat):
+    """Two dancers who walk one metre a beat to the right; the second is away in the third beat."""
+    view = stage_view([(ARMS_DOWN, (beat, 0.0), 0.0, 0), (ARMS_DOWN, (beat, 1.0), 0.0, 1)])
+    view.beat = beat
+    view.present[1] = not 2.0 < beat < 3.0
+    return view
+
+
+def samples(history):
+    """The ring as the newest sample first, shape (known, 2, 4, 4)."""
+    rows = np.frombuffer(history.texture.read(), np.float32).reshape(SAMPLES + 1, 2, 4, 4)
+    newest = int(history.ring[0])
+    return rows[(newest - np.arange(history.valid)) % SAMPLES]
+
+
+@pytest.mark.parametrize("rate", [23.0, 60.0, 7.0])
+def test_samples_lie_on_their_beats_at_any_frame_rate(gl_context, rate):
+    history = LimbHistory(gl_context, 2)
+    for frame in range(int(4.0 * rate)):
+        history.update(at(0.5 + frame / rate), 2)
+    known, last = samples(history), 0.5 + (int(4.0 * rate) - 1) / rate
+    newest = np.floor(last * PER_BEAT) / PER_BEAT
+    beats = newest - np.arange(len(known)) / PER_BEAT
+    assert beats[-1] == pytest.approx(0.5 + 1 / PER_BEAT, abs=1.01 / PER_BEAT)
+    hand = at(0.0).joint_position[0, HAND, 0]
+    walked = known[:, 0, 0, 0] - beats
+    assert np.ptp(walked) < 1e-4  # each sample is where she was at that very beat
+    assert walked[0] > hand  # the tip of the hand lies beyond its joint
+    assert history.ring[2] == pytest.approx(last - newest)
+    away = (beats > 2.0 + 1.0 / rate) & (beats < 3.0 - 1.0 / rate)
+    assert (known[away, 1, :, 3] == 0.0).all()
+    assert (known[:, 0, :, 3] == 1.0).all()
+    history.release()
+
+
+def test_a_jump_forgets(gl_context):
+    history = LimbHistory(gl_context, 2)
+    for frame in range(60):
+        history.update(at(frame / 30.0), 2)
+    assert history.valid > 20
+    for beat in (0.5, 40.0):
+        history.update(at(beat), 2)
+        assert history.valid == 0
+    history.release()
+
+
+def test_each_group_leaves_ghosts_at_its_own_beats(gl_context):
+    crowd = Crowd(gl_context, scene(2), SOFTWARE)
+    row = picture_of(scene(2))
+    for group, spacing in ((0, 1.0), (1, 0.5)):
+        row[of_group(STYLE_OF_GROUP + "trails", group).where] = 1.0
+        row[of_group(STYLE_OF_GROUP + "trails/spacing", group).where] = spacing
+    crowd.restyle(row)
+    history = PoseHistory(gl_context, 2)
+    for frame in range(100):  # until beat 3.3
+        view = at(frame / 30.0)
+        crowd.update(view)
+        history.update(view, crowd)
+    ages = np.array([history.ages(slot) for slot in range(8)])
+    assert sorted(ages[ages[:, 0] >= 0.0, 0]) == pytest.approx([0.3, 1.3, 2.3], abs=1e-5)
+    assert sorted(ages[ages[:, 1] >= 0.0, 1])[:6] == pytest.approx([0.3, 0.8, 1.3, 1.8, 2.3, 2.8], abs=1e-5)
+    assert (ages[:, 2:] == -1.0).all()
+    # the ghost of beat 2 stands where she was then (dual quaternion: translation = 2 dual conj(real))
+    slot = int(np.argmin(np.abs(ages[:, 0] - 1.3)))
+    real, dual = np.frombuffer(history.textures[slot].read(), np.float32).reshape(2, -1, 2, 4)[0, 0].astype(float)
+    x = 2.0 * (-dual[3] * real[0] + dual[0] * real[3] - dual[1] * real[2] + dual[2] * real[1])
+    assert x == pytest.approx(2.0, abs=1.0 / 30.0 + 1e-3)
+    history.release()
+    crowd.release()

@@ -1,0 +1,102 @@
+"""Skinning keeps the body's volume where it bends, by the shader's formula here and by the shader itself."""
+
+import moderngl
+import numpy as np
+import pytest
+
+from live.base.bodies import BODIES, USUAL
+from live.motion.skeleton import JOINT_COUNT, SKELETON
+from live.render.body import DISTANT, FINE, LIGHT, build_body
+from live.render.body_shape import Shape
+from live.render.body_type import parts_of
+from live.render.crowd import POSE_UNIT, Crowd, layout, vertex_bytes
+from live.render.kernels import pose_texels
+from live.render.quality import SOFTWARE
+from live.render.shader import set_uniform, source
+from tests.render.poses import pose, stage_view
+from tests.render.test_renderer import scene
+
+MOST = 0.05
+"""How much of the limb from the middle of one bone to the middle of the next may be lost."""
+BENT = {"elbow": {"leftLowerArm": (0, -90, 0)}, "knee": {"leftLowerLeg": (120, 0, 0)}}
+BOXES = {
+    "elbow": ((0.2975, 0.5525), (1.28, 1.48), (-0.11, 0.09)),
+    "knee": ((0.0, 0.2), (0.2825, 0.6825), (-0.12, 0.12)),
+}
+
+
+def limb(name, joint, step=0.005):
+    """Litres of the limb around a joint, counted in the shape itself, which no mesh has touched."""
+    axes = [np.arange(low + step / 2, high, step) for low, high in BOXES[joint]]
+    places = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    return 1000.0 * float((Shape(parts_of(name)).distance(places) < 0.0).sum()) * step**3
+
+
+def litres(mesh, places):
+    a, b, c = (places[mesh.triangle[:, corner]].astype(np.float64) for corner in range(3))
+    return 1000.0 * float((np.cross(a, b) * c).sum()) / 6.0
+
+
+def skinned(mesh, turns):
+    """Dual-quaternion skinning (Kavan et al. 2007) in double precision."""
+    position, rotation = pose(turns)
+    texels = np.zeros((1, 2 * JOINT_COUNT, 4), np.float32)
+    pose_texels(position[None], rotation[None], np.ascontiguousarray(SKELETON.rest_positions(), np.float32), texels)
+    joints = texels[0].reshape(JOINT_COUNT, 2, 4).astype(np.float64)
+    real, dual = joints[mesh.joint, 0], joints[mesh.joint, 1]
+    weight = np.where((real * real[:, :1]).sum(axis=-1) < 0.0, -1.0, 1.0) * np.rint(mesh.weight * 255.0)
+    real, dual = ((part * weight[..., None]).sum(axis=1) for part in (real, dual))
+    scale = np.linalg.norm(real, axis=1, keepdims=True)
+    real, dual = real / scale, dual / scale
+    v, u = mesh.position.astype(np.float64), real[:, :3]
+    turn = 2.0 * np.cross(u, v)
+    moved = 2.0 * (real[:, 3:] * dual[:, :3] - dual[:, 3:] * u + np.cross(u, dual[:, :3]))
+    return v + real[:, 3:] * turn + np.cross(u, turn) + moved
+
+
+@pytest.mark.parametrize("joint", BENT)
+@pytest.mark.parametrize(("level", "name"), [(LIGHT, one) for one in BODIES] + [(FINE, USUAL), (FINE, "strong")])
+def test_no_body_loses_volume_where_it_bends(level, name, joint):
+    mesh = build_body(level, name)
+    loss = litres(mesh, skinned(mesh, {})) - litres(mesh, skinned(mesh, BENT[joint]))
+    assert abs(loss) < MOST * limb(name, joint)
+
+
+def test_linear_skinning_would_lose_it():
+    """The law can fail: blended matrices (the usual way) lose more of a fine knee than is allowed."""
+    mesh = build_body(FINE)
+    position, rotation = pose(BENT["knee"])
+    rest = SKELETON.rest_positions().astype(np.float64)
+    w, u = rotation[:, :1].astype(np.float64), rotation[:, 1:].astype(np.float64)
+    v = mesh.position[:, None, :] - rest[mesh.joint]
+    turn = 2.0 * np.cross(u[mesh.joint], v)
+    each = position[mesh.joint] + v + w[mesh.joint] * turn + np.cross(u[mesh.joint], turn)
+    places = (each * mesh.weight[..., None]).sum(axis=1)
+    assert litres(mesh, skinned(mesh, {})) - litres(mesh, places) > MOST * limb(USUAL, "knee")
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize("joint", BENT)
+@pytest.mark.parametrize("level", [LIGHT, DISTANT])
+def test_the_shader_does_the_same(gl_context, level, joint):
+    """By transform feedback from the shader that draws the dancers."""
+    mesh = build_body(level)
+    text = source("skin.glsl") + "out vec3 seen;\nvoid main() { seen = skinned(in_position, in_normal).place; }\n"
+    linked = gl_context.program(vertex_shader=text, varyings=["seen"])
+    crowd = Crowd(gl_context, scene(1), SOFTWARE)
+    form, names = layout(linked)
+    vertices, who = gl_context.buffer(vertex_bytes(mesh)), gl_context.buffer(np.zeros(1, np.float32).tobytes())
+    array = gl_context.vertex_array(linked, [(vertices, form, *names), (who, "1f/i", "in_dancer")])
+    out = gl_context.buffer(reserve=12 * len(mesh.position))
+    crowd.update(stage_view([(BENT[joint], (0.0, 0.0), 0.0, 0)]))
+    crowd.dress_program(linked)
+    set_uniform(linked, "poses", POSE_UNIT)
+    array.transform(out, moderngl.POINTS, vertices=len(mesh.position), instances=1)
+    seen = np.frombuffer(out.read(), np.float32).reshape(-1, 3)
+    here = skinned(mesh, BENT[joint])
+    here += seen.mean(axis=0) - here.mean(axis=0)  # the view sets her hips in the middle
+    np.testing.assert_allclose(seen, here, atol=2e-4)
+    if level == LIGHT:
+        assert abs(litres(mesh, seen) - litres(mesh, skinned(mesh, {}))) < MOST * limb(USUAL, joint)
+    for thing in (array, out, vertices, who, linked, crowd):
+        thing.release()
