@@ -91,6 +91,8 @@ def test_the_shader_does_the_same(gl_context, level, joint):
     crowd.update(stage_view([(BENT[joint], (0.0, 0.0), 0.0, 0)]))
     crowd.dress_program(linked)
     set_uniform(linked, "poses", POSE_UNIT)
+    bound = gl_context.simple_framebuffer((4, 4))  # without a screen there is none to begin with
+    bound.use()
     array.transform(out, moderngl.POINTS, vertices=len(mesh.position), instances=1)
     seen = np.frombuffer(out.read(), np.float32).reshape(-1, 3)
     here = skinned(mesh, BENT[joint])
@@ -98,5 +100,5 @@ def test_the_shader_does_the_same(gl_context, level, joint):
     np.testing.assert_allclose(seen, here, atol=2e-4)
     if level == LIGHT:
         assert abs(litres(mesh, seen) - litres(mesh, skinned(mesh, {}))) < MOST * limb(USUAL, joint)
-    for thing in (array, out, vertices, who, linked, crowd):
+    for thing in (array, out, vertices, who, linked, crowd, bound):
         thing.release()

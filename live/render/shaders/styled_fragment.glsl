@@ -52,9 +52,9 @@ void main() {
     vec3 paper = background.rgb * 0.35;
     colour = mix(mix(paper, colour, solid), style(group, 1).rgb * (1.8 * beat), flat_);
     // ink along the borders of her clothes, too
-    float seam = seams(body.xyz) / max(length(fwidth(body.xyz)), 1e-6);
+    float fine = length(fwidth(body.xyz)), seam = seams(body.xyz) / max(fine, 1e-6);
     float pen = style(group, 2).w * picture.y / 1080.0 * 0.75;
-    colour = mix(colour, style(group, 2).rgb * (2.0 * beat), amount.z * (1.0 - smoothstep(0.5 * pen, 0.5 * pen + 1.0, seam)) * 0.8);
+    colour = mix(colour, style(group, 2).rgb * (2.0 * beat), amount.z * (1.0 - smoothstep(0.5 * pen, 0.5 * pen + 1.0, seam)) * 0.8 * smoothstep(0.016, 0.006, fine));
     colour += glow * (burn * 1.3);
     shown = shown_as(colour);
 #endif

@@ -1,0 +1,65 @@
+"""How dancers are drawn and what bodies they have, as a patch says it."""
+
+import pytest
+from pydantic import ValidationError
+
+from live.base import picture
+from live.show.patch import Patch
+from live.show.scene_of import scene_of
+from live.show.sections.draw import KEYS
+
+
+def patch(**group):
+    first = {"name": "ember", "dancers": 30, "steps": ["groove"]}
+    return {"name": "p", "group": [first | group, {"name": "tide", "dancers": 3, "steps": ["groove"]}]}
+
+
+def test_a_group_begins_as_its_patch_says():
+    made = Patch.model_validate(
+        patch(draw={"solid": 0.0, "ink": 1, "ink_width": 3.5, "silhouette_colour": [0.1, 0.2, 0.3]})
+    )
+    row = picture.picture_of(scene_of(made))
+    said = {"solid": (0.0,), "ink": (1.0,), "ink/width": (3.5,), "silhouette/colour": (0.1, 0.2, 0.3)}
+    for name, numbers in said.items():
+        assert tuple(row[picture.of_group(picture.STYLE_OF_GROUP + name, 0).where]) == numbers
+    plain = picture.picture_of(scene_of(Patch.model_validate(patch())))
+    assert (row[picture.STYLES + picture.STYLE_SIZE :] == plain[picture.STYLES + picture.STYLE_SIZE :]).all()
+
+
+@pytest.mark.parametrize(
+    ("draw", "words"),
+    [
+        ({"inky": 1.0}, "group 'ember': nothing is drawn by 'inky'; there are: solid, silhouette"),
+        ({"ink": 2.0}, "/dance/draw/ink' = 2.0"),
+        ({"ink_colour": 1.0}, "expected 3 numbers"),
+        ({"ink tide": 1.0}, "no group's name belongs behind it here"),
+    ],
+)
+def test_what_cannot_be_drawn_is_named(draw, words):
+    with pytest.raises(ValidationError, match=words):
+        Patch.model_validate(patch(draw=draw))
+
+
+def test_a_look_draws_all_groups_or_one():
+    look = {"name": "lines", "draw": {"solid": 0, "ink": 1, "xray tide": 1}}
+    made = Patch.model_validate(patch() | {"looks": [look]})
+    assert made.looks[0].settings() == {"/dance/draw/solid": 0.0, "/dance/draw/ink": 1.0, "/dance/draw/xray tide": 1.0}
+    with pytest.raises(ValidationError, match="look 'lines': nothing is drawn by 'lnk'"):
+        Patch.model_validate(patch() | {"looks": [look | {"draw": {"lnk": 1}}]})
+
+
+def test_every_style_has_its_key():
+    assert len(KEYS) == len(picture.OF_GROUPS) - 1
+    assert {"solid", "silhouette_colour", "trails_spacing"} <= set(KEYS)
+
+
+def test_bodies_are_drawn_by_the_seed_of_the_show_for_those_who_begin_in_the_group():
+    bodies = {"bodies": ["slim", "strong", "strong"]}
+    one, same, other = (scene_of(Patch.model_validate(patch(**bodies) | {"seed": seed})).bodies for seed in (5, 5, 6))
+    assert one == same != other
+    assert set(one[:30]) == {"slim", "strong"}
+    assert one[:30].count("strong") > one[:30].count("slim")
+    assert one[30:] == ("dancer",) * 3
+    assert scene_of(Patch.model_validate(patch())).bodies == ()
+    with pytest.raises(ValidationError, match="'dancer', 'slim', 'strong', 'round' or 'child'"):
+        Patch.model_validate(patch(bodies=["tall"]))
