@@ -68,13 +68,22 @@ class Instances:
         return len(there)
 
     def _fill_styled(self, group: Int32, there: Float32, near: Float32, far: Float32, styles: GroupStyles) -> None:
-        self._put("all", _only(there, group, styles.masks["casting"]))
-        for where, some in (("near", near), ("far", far)):
-            self._put(where, _only(some, group, styles.plain))
-            for name in ("bodies", "ink"):
-                self._put(f"{name} {where}", _only(some, group, styles.masks[name]))
-        for name in ("particles", "ribbons", "trails", "xray"):
-            self._put(name, _only(there, group, styles.masks[name]))
+        masks = styles.masks
+        for names, some in (
+            (
+                {"all": masks["casting"]} | {name: masks[name] for name in ("particles", "ribbons", "trails", "xray")},
+                there,
+            ),
+            ({"near": styles.plain, "bodies near": masks["bodies"], "ink near": masks["ink"]}, near),
+            ({"far": styles.plain, "bodies far": masks["bodies"], "ink far": masks["ink"]}, far),
+        ):
+            own = None  # the group of each, looked up once
+            for name, mask in names.items():
+                if mask.all():
+                    self._put(name, some)
+                elif mask.any() and len(some):
+                    own = group[some.astype(np.int32)] % len(mask) if own is None else own
+                    self._put(name, some[mask[own]])
 
     def _put(self, name: str, some: Float32) -> None:
         if len(some) == 0:
@@ -108,12 +117,3 @@ class Instances:
         """Free the buffers."""
         for buffer in self._buffers.values():
             buffer.release()
-
-
-def _only(some: Float32, group: Int32, mask: Bool) -> Float32:
-    """Those of a list whose group is in the mask (16,)."""
-    if mask.all():
-        return some
-    if not mask.any():
-        return some[:0]
-    return np.ascontiguousarray(some[mask[group[some.astype(np.int32)] % len(mask)]])
