@@ -31,32 +31,38 @@ class OutputPass:
     def __init__(self, ctx: moderngl.Context, output: Output, number: int = 0, detail: str = "") -> None:
         """`number`: of the output, from 0, for its tint; `detail`: a line under its name. PersonError for its mask."""
         self._ctx = ctx
-        self._program = program(ctx, "output_vertex.glsl", "output_fragment.glsl")
+        shaders = "output_vertex.glsl", "output_fragment.glsl"
+        tinted = int(output.is_tinted)
+        self._programs = [program(ctx, *shaders, (("CARD", card), ("TINTED", tinted))) for card in (0, 1)]
         self._buffer = ctx.buffer(reserve=MOST_VERTICES * 20, dynamic=True)
-        self._array = ctx.vertex_array(self._program, [(self._buffer, "3f 2f", "in_place", "in_frame")])
+        place = [(self._buffer, "3f 2f", "in_place", "in_frame")]
+        self._arrays = [ctx.vertex_array(linked, place) for linked in self._programs]
         picture = words_of(output.name, detail)
         self._words = _grey(ctx, picture)
         self._mask = _grey(ctx, np.full((1, 1), 255, np.uint8) if output.mask is None else read_mask(output))
         for unit, name in enumerate(("picture", "mask", "words"), start=1):
-            set_uniform(self._program, name, unit)
-        set_uniform(self._program, "words_size", (picture.shape[1], picture.shape[0]))
-        set_uniform(self._program, "card_tint", TINTS[number % len(TINTS)])
+            self._tell(name, unit)
+        self._tell("words_size", (picture.shape[1], picture.shape[0]))
+        self._tell("card_tint", TINTS[number % len(TINTS)])
         self.set(output)
 
+    def _tell(self, name: str, value: object) -> None:
+        for linked in self._programs:
+            set_uniform(linked, name, value)
+
     def set(self, output: Output) -> None:
-        """Bend and tint as this output says; its mask stays."""
+        """Bend as this output says; its mask, and whether it tints at all, stay."""
         self._output = output
         data = vertices(output)
         self._buffer.write(data)
         self._count = len(data)
         edge = output.edge
         across, down = bool(edge.left or edge.right), bool(edge.top or edge.bottom)
-        set_uniform(self._program, "crop", output.crop)
-        set_uniform(self._program, "turned", turned(output).T.ravel().tolist())
-        set_uniform(self._program, "edge", (edge.left, edge.right, edge.top, edge.bottom))
-        set_uniform(self._program, "blend", (edge.gamma, edge.black, (1 + across) * (1 + down)))
-        set_uniform(self._program, "tinted", output.is_tinted)
-        set_uniform(self._program, "bent", output.is_bent)
+        self._tell("crop", output.crop)
+        self._tell("turned", turned(output).T.ravel().tolist())
+        self._tell("edge", (edge.left, edge.right, edge.top, edge.bottom))
+        self._tell("blend", (edge.gamma, edge.black, (1 + across) * (1 + down)))
+        self._tell("bent", output.is_bent)
 
     def draw(
         self, picture: moderngl.Texture, target: moderngl.Framebuffer, *, card: Card = "off", left: float = 1.0
@@ -65,22 +71,24 @@ class OutputPass:
         leaves."""
         width, height = target.viewport[2:]
         upright = self._output.rotation in (0, 180)
-        set_uniform(self._program, "window_size", (width, height))
-        set_uniform(self._program, "frame_size", (width, height) if upright else (height, width))
-        set_uniform(self._program, "picture_size", picture.size)
-        set_uniform(self._program, "light", (self._output.brightness, self._output.gamma, left))
-        set_uniform(self._program, "card", CARDS.index(card))
+        drawn = int(card != "off")
+        linked, array = self._programs[drawn], self._arrays[drawn]
+        set_uniform(linked, "window_size", (width, height))
+        set_uniform(linked, "frame_size", (width, height) if upright else (height, width))
+        set_uniform(linked, "picture_size", picture.size)
+        set_uniform(linked, "light", (self._output.brightness, self._output.gamma, left))
+        set_uniform(linked, "card", CARDS.index(card))
         target.use()
         target.clear(0.0, 0.0, 0.0, 1.0)
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
         picture.use(1)
         self._mask.use(2)
         self._words.use(3)
-        self._array.render(moderngl.TRIANGLES, vertices=self._count)
+        array.render(moderngl.TRIANGLES, vertices=self._count)
 
     def release(self) -> None:
         """Free everything."""
-        release_all(self._array, self._buffer, self._words, self._mask, self._program)
+        release_all(*self._arrays, self._buffer, self._words, self._mask, *self._programs)
 
 
 def turned(output: Output) -> npt.NDArray[np.float32]:

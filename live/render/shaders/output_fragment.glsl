@@ -1,4 +1,5 @@
 // What a projector throws: its part of the picture or a test card, its soft edges, mask, brightness and gamma.
+// TINTED, CARD: what is left out costs nothing (llvmpipe works off both sides of every branch).
 #include "test_card.glsl"
 in vec2 frame;
 
@@ -9,9 +10,8 @@ uniform mat3x2 turned;     // from the frame to the upright part of the picture:
 uniform vec4 edge;         // breadth of the soft edges: left, right, top, bottom
 uniform vec3 blend;        // projector's gamma, its black, how many projectors overlap at most
 uniform vec3 light;        // brightness, gamma, what the flash limit leaves
-uniform bool tinted;       // whether any of these changes anything
 uniform bool bent;         // whether the frame's border must be smoothed
-uniform int card;          // 0: the picture
+uniform int card;          // which one
 
 out vec4 shown;
 
@@ -24,22 +24,29 @@ float share(float inside, float breadth) {
 vec3 tint(vec3 colour, vec2 at) {
     vec4 inside = vec4(at.x, 1.0 - at.x, at.y, 1.0 - at.y);
     float mine = share(inside.x, edge.x) * share(inside.y, edge.y) * share(inside.z, edge.z) * share(inside.w, edge.w);
+    float left = mine * light.x;
+    vec3 toned = light.y == 1.0 ? colour : pow(colour, vec3(light.y));
+    if (blend.y <= 0.0) return left < 1.0 ? toned * pow(left, 1.0 / blend.x) : toned;  // powers are dear
     bvec4 under = lessThan(inside, edge);
     float others = (under.x || under.y ? 2.0 : 1.0) * (under.z || under.w ? 2.0 : 1.0);
     float lift = blend.y * (blend.z / others - 1.0);  // black is that much brighter where all overlap
-    vec3 through = pow(pow(colour, vec3(light.y)), vec3(blend.x)) * mine * light.x;
-    return pow(lift + (1.0 - lift) * through, vec3(1.0 / blend.x));
+    return pow(lift + (1.0 - lift) * pow(toned, vec3(blend.x)) * left, vec3(1.0 / blend.x));
 }
 
 void main() {
     vec2 at = turned * vec3(frame, 1.0);
     vec2 part = crop.xy + at * crop.zw;
-    vec3 colour = card == 0 ? texture(picture, vec2(part.x, 1.0 - part.y)).rgb : card_colour(card, at, part);
-    if (tinted) {
-        colour = card == 0 || card == BARS ? tint(colour, at) : colour;
-        vec2 window = gl_FragCoord.xy / window_size;
-        colour *= pow(texture(mask, vec2(window.x, 1.0 - window.y)).r, 1.0 / blend.x);
-    }
+#if CARD
+    vec3 colour = card_colour(card, at, part);
+#else
+    vec3 colour = texture(picture, vec2(part.x, 1.0 - part.y)).rgb;
+#endif
+#if TINTED
+    if (CARD == 0 || card == BARS) colour = tint(colour, at);
+    vec2 window = gl_FragCoord.xy / window_size;
+    float open = texture(mask, vec2(window.x, 1.0 - window.y)).r;
+    if (open < 1.0) colour *= pow(open, 1.0 / blend.x);
+#endif
     if (light.z < 1.0) colour *= pow(light.z, 1.0 / 2.2);
     if (bent) {
         vec2 step = max(fwidth(frame), vec2(1e-9));
