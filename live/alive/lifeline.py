@@ -104,9 +104,9 @@ class Lifeline:
         self.beat(tick, Phase.RUNNING)
         self.listen()
 
-    def tell_screen(self, fullscreen: bool, monitor: str) -> None:
+    def tell_screen(self, fullscreen: bool, monitor: str, *others: str) -> None:
         """The picture is full screen on that monitor now, or in a window."""
-        self.wire.tell(alive="screen", fullscreen=fullscreen, monitor=monitor)
+        self.wire.tell(alive="screen", fullscreen=fullscreen, monitor=monitor, others=list(others))
 
     def tell_following(self, facts: dict[str, int]) -> None:
         """How well this machine follows another, if that has changed."""

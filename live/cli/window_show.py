@@ -216,7 +216,7 @@ def _setup(session: Session, picture: Picture, anew: bool) -> OutputSetup:
     setup = OutputSetup(picture, keeping.keep, session.show.refusals.add)
     session.engine.outward.append(setup.hear)
     session.status.more["outputs"] = setup.facts
-    session.status.more["flashes_held"] = lambda: picture.flashes.limit.held
+    session.status.more["flashes_held"] = lambda: picture.flashes.held
     session.status.notes.append(lambda: setup.kept if setup.kept.startswith("NOT") else "")
     return setup
 
@@ -278,7 +278,7 @@ def _frames(
         awake.frame(started)
         if session.lifeline is not None and window.fullscreen is not screen:
             screen = window.fullscreen
-            session.lifeline.tell_screen(screen, window.monitor.name)
+            session.lifeline.tell_screen(screen, *(one.window.monitor.name for one in picture.screens))
         previous = started
         if session.finished(started):
             break

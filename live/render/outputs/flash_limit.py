@@ -15,11 +15,13 @@ Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
 
 CHANGE: Final = 0.1
-"""A change of luminance by so much counts."""
-ALLOWED: Final = 0.095
-"""What a rise is cut off at, so that it does not."""
+"""A change of luminance by so much counts ..."""
 DARK: Final = 0.8
 """... where the darker one is below this."""
+RED_CHANGE: Final = 20.0 / 320.0
+"""A change of R - G - B of what is saturated red (R / (R + G + B) of 0.8 or more) by so much counts, however bright."""
+ALLOWED: Final = 0.95
+"""What a rise is cut off at, as a share of that change, so that it does not count."""
 AREA: Final = 0.25
 """... on so much of the picture."""
 TOGETHER: Final = 0.12
@@ -34,8 +36,9 @@ WATCHED: Final = 2
 class FlashLimit:
     """Judges pictures in turn; the same pictures at the same times are always judged alike."""
 
-    def __init__(self, cells: int) -> None:
-        """`cells`: into how many equal parts pictures are divided."""
+    def __init__(self, cells: int, *, change: float = CHANGE, dark: float = DARK) -> None:
+        """`cells`: into how many equal parts pictures are divided; `change` and `dark`: what counts."""
+        self._change, self._dark = change, dark
         self._low, self._high = np.full(cells, np.inf), np.full(cells, -np.inf)
         self._rising, self._falling = np.zeros(cells, np.bool_), np.zeros(cells, np.bool_)
         self._rose, self._fell = np.full(cells, -np.inf), np.full(cells, -np.inf)
@@ -61,28 +64,34 @@ class FlashLimit:
 
         `luminance`: of its cells, 0 to 1, shape (cells,). `lifted`: it is shown as it is, and only counted.
         """
-        left = 1.0
-        if self.rises(time) >= MOST and not lifted:
-            left = self._most(time, luminance)
-        self.held += left < 1.0
-        self._note(time, luminance * left)
+        left = 1.0 if lifted else self.most(time, luminance)
+        self.show(time, luminance * left, held=left < 1.0)
         return left
+
+    def most(self, time: float, luminance: Float64) -> float:
+        """The most light, 0 to 1, at which a picture may be shown at `time` [s]."""
+        return self._most(time, luminance) if self.rises(time) >= MOST else 1.0
+
+    def show(self, time: float, shown: Float64, *, held: bool = False) -> None:
+        """A picture is shown at `time` [s] with this luminance, its light held back or not."""
+        self.held += held
+        self._note(time, shown)
 
     def _most(self, time: float, luminance: Float64) -> float:
         """The most light at which too few cells rise for that to count."""
         if self._up:
             return 1.0  # it has risen already: more light is not another change
         free = max(self._few - int(np.count_nonzero(self._rose > time - TOGETHER)), 0)
-        dark = (self._low < DARK) & ~self._rising
-        share = np.where(dark, (self._low + ALLOWED) / np.maximum(luminance, 1e-9), np.inf)
+        dark = (self._low < self._dark) & ~self._rising
+        share = np.where(dark, (self._low + ALLOWED * self._change) / np.maximum(luminance, 1e-9), np.inf)
         place = min(free, len(share) - 1)
         return float(min(np.partition(share, place)[place], 1.0))
 
     def _note(self, time: float, shown: Float64) -> None:
         """Keep what was shown."""
         self._low, self._high = np.minimum(self._low, shown), np.maximum(self._high, shown)
-        up = (shown - self._low >= CHANGE) & (self._low < DARK) & ~self._rising
-        down = (self._high - shown >= CHANGE) & (shown < DARK) & ~self._falling
+        up = (shown - self._low >= self._change) & (self._low < self._dark) & ~self._rising
+        down = (self._high - shown >= self._change) & (shown < self._dark) & ~self._falling
         for now, before, since, extreme in (
             (up, self._rising, self._rose, self._high),
             (down, self._falling, self._fell, self._low),

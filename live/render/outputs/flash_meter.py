@@ -1,4 +1,4 @@
-"""Flash meter: the luminance of a picture's cells, read back without waiting, or at once where that matters."""
+"""Flash meter: luminance and red of a picture's cells, read back without waiting, or at once where that matters."""
 
 from typing import Final
 
@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from live.render.outputs.flash_limit import FlashLimit
+from live.render.outputs.flash_limit import RED_CHANGE, FlashLimit
 from live.render.release import release_all
 from live.render.shader import program, set_uniform
 
@@ -25,9 +25,9 @@ class FlashMeter:
         set_uniform(self._program, "picture", 1)
         set_uniform(self._program, "cells", CELLS)
         self._triangle = ctx.vertex_array(self._program, [])
-        self._texture = ctx.texture(CELLS, 1, dtype="f4")
+        self._texture = ctx.texture(CELLS, 2, dtype="f4")
         self._target = ctx.framebuffer([self._texture])
-        self._size = CELLS[0] * CELLS[1] * 4
+        self._size = CELLS[0] * CELLS[1] * 8
         self._buffers = [ctx.buffer(reserve=self._size) for _ in range(2)]
         self._turn = 0
 
@@ -38,10 +38,10 @@ class FlashMeter:
         picture.use(1)
         self._triangle.render(moderngl.TRIANGLES, vertices=3)
         self._turn = 1 - self._turn
-        self._target.read_into(self._buffers[self._turn], components=1, dtype="f4", alignment=1)
+        self._target.read_into(self._buffers[self._turn], components=2, dtype="f4", alignment=1)
 
     def before(self) -> Float64:
-        """Luminance, 0 to 1, of the cells of the picture before the one measured last, shape (144,)."""
+        """Luminance and saturated red, 0 to 1, of the cells of the picture before the one measured last, (2, 144)."""
         return self._read(self._buffers[1 - self._turn])
 
     def now(self) -> Float64:
@@ -49,7 +49,7 @@ class FlashMeter:
         return self._read(self._buffers[self._turn])
 
     def _read(self, buffer: moderngl.Buffer) -> Float64:
-        return np.frombuffer(buffer.read(size=self._size), np.float32).astype(np.float64)
+        return np.frombuffer(buffer.read(size=self._size), np.float32).reshape(-1, 2).T.astype(np.float64)
 
     def release(self) -> None:
         """Free everything."""
@@ -61,20 +61,31 @@ class FlashGuard:
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._meter = FlashMeter(ctx)
-        self.limit = FlashLimit(CELLS[0] * CELLS[1])
+        count = CELLS[0] * CELLS[1]
+        self.limits = FlashLimit(count), FlashLimit(count, change=RED_CHANGE, dark=np.inf)
+        """Of luminance, and of saturated red."""
+        self.held = 0
+        """Pictures whose light was held back."""
         self._open: float | None = None  # the time of a picture that was shown and not judged yet
 
     def left(self, picture: moderngl.Texture, time: float) -> float:
         """The share of light, 0 to 1, at which this picture may be shown at `time` [s]."""
         self._meter.measure(picture)
         if self._open is not None:
-            self.limit.judge(self._open, self._meter.before())
+            for limit, cells in zip(self.limits, self._meter.before(), strict=True):
+                limit.show(self._open, cells)
             self._open = None
-        self.limit.rises(time)
-        if self.limit.is_watching:
-            return self.limit.judge(time, self._meter.now())
-        self._open = time
-        return 1.0
+        for limit in self.limits:
+            limit.rises(time)
+        if not any(limit.is_watching for limit in self.limits):
+            self._open = time
+            return 1.0
+        now = self._meter.now()
+        left = min(limit.most(time, cells) for limit, cells in zip(self.limits, now, strict=True))
+        for limit, cells in zip(self.limits, now, strict=True):
+            limit.show(time, cells * left)
+        self.held += left < 1.0
+        return left
 
     def rest(self) -> None:
         """Nobody wants to know: the next picture is the first one again."""

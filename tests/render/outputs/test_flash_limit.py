@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from live.render.outputs.flash_limit import FlashLimit
+from live.render.outputs.flash_limit import RED_CHANGE, FlashLimit
 from live.render.outputs.flash_meter import CELLS, FlashGuard, FlashMeter
 
 COUNT = CELLS[0] * CELLS[1]
@@ -108,9 +108,12 @@ def test_the_meter_measures_light_by_cells(gl_context):
     meter = FlashMeter(gl_context)
     expected = ((values / 255.0) ** 2.2) @ (0.2126, 0.7152, 0.0722)
     meter.measure(texture)
-    np.testing.assert_allclose(meter.now(), expected.ravel(), atol=1e-3)
+    light = (values / 255.0) ** 2.2
+    red = np.where(light[..., 0] >= 0.8 * light.sum(axis=2), light[..., 0] - light[..., 1] - light[..., 2], 0.0)
+    assert 0 < np.count_nonzero(red) < red.size
+    np.testing.assert_allclose(meter.now(), [expected.ravel(), red.ravel()], atol=1e-3)
     meter.measure(dark)
-    np.testing.assert_allclose(meter.before(), expected.ravel(), atol=1e-3)
+    np.testing.assert_allclose(meter.before()[0], expected.ravel(), atol=1e-3)
     assert not np.any(meter.now())
     for thing in (meter, texture, dark):
         thing.release()
@@ -132,6 +135,22 @@ def test_what_the_guard_lets_through_flashes_no_more_than_three_times(gl_context
     shown = [guard.left(white if on else black, time) * on for on, time in zip(lit, times, strict=True)]
     assert flashes(times, lit.astype(float)) > 3
     assert flashes(times, shown) <= 3
-    assert guard.limit.held > 20
+    assert guard.held > 20
     for thing in (guard, black, white):
+        thing.release()
+
+
+def test_red_that_is_too_dark_to_flash_otherwise_is_limited_too(gl_context):
+    """A deep red: its luminance changes by less than a tenth, R - G - B by more than a sixteenth."""
+    black, red = (gl_context.texture((64, 36), 4, bytes([value, 0, 0, 255]) * (64 * 36)) for value in (0, 160))
+    guard = FlashGuard(gl_context)
+    times = np.arange(180) / 60.0
+    lit = np.round(times * 16.0).astype(int) % 2 == 1
+    light = (160 / 255.0) ** 2.2
+    assert 0.2126 * light < 0.1 < light
+    shown = [light * guard.left(red if on else black, time) * on for on, time in zip(lit, times, strict=True)]
+    scaled = np.array(shown) * (0.1 / RED_CHANGE)  # so that a sixteenth counts as a tenth
+    assert flashes(times, lit * light * (0.1 / RED_CHANGE)) > 3
+    assert flashes(times, scaled) <= 3
+    for thing in (guard, black, red):
         thing.release()

@@ -215,7 +215,7 @@ def test_a_strobe_is_damped_on_the_projector_until_the_operator_lifts_the_limit(
     opened: Open, stage_x: TwoMonitorX
 ) -> None:
     projection = opened(Output(monitor="2"), size=(160, 90))
-    view, held = moment(), projection.flashes.limit
+    view, held = moment(), projection.flashes
 
     def strobe(pictures: int) -> None:
         for number in range(pictures):
