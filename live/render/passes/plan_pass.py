@@ -8,7 +8,7 @@ from typing import Final
 import moderngl
 import numpy as np
 
-from live.base.picture import PLAN
+from live.base.picture import PLAN, Float64
 from live.base.stage_view import StageView
 from live.render.moment import Making, Moment, ScenePass
 from live.render.release import release_all
@@ -76,7 +76,7 @@ class PlanPass(ScenePass):
             self._eighth = eighth
         self._places.write(self._row, viewport=(0, self._newest, self._count, 1))
 
-    def _take(self, view: StageView, colours: np.ndarray) -> None:
+    def _take(self, view: StageView, colours: Float64) -> None:
         """Place, facing and colour of everybody."""
         count = len(view.joint_position)
         self._row[:] = NOWHERE
