@@ -48,11 +48,13 @@ def film_show(
     guides: bool = False,
     click: bool | None = None,
     taps: bool | None = None,
+    alpha: bool = False,
 ) -> None:
     """Render `seconds` of the show to `path`; with `report`, the figures of what was danced as JSON.
 
     `click`, `taps`: whether a click track and the taps of the dancers' feet are heard; None: as the patch says.
 
+    `alpha`: the dancers without their stage, on nothing; drawn as with `fine`.
     `fine`: draw as on a graphics card even without one; a picture then takes some five times as long.
     `guides`: with the operator's guides in it. A film that is broken off is closed properly and plays to there.
     """
@@ -72,10 +74,10 @@ def film_show(
     heard = film_sound(sound.music)
     mixed = mixed_sound(loaded, show, heard, click, taps)
     with contextlib.ExitStack() as stack:
-        target, renderer = canvas(stack, wish, loaded, fine)
+        target, renderer = canvas(stack, wish, loaded, fine, alpha=alpha)
         writer = stack.enter_context(
             film_writer(
-                path, size=wish.size, fps=wish.film_fps, sound=heard if mixed is None else mixed.film, live=False
+                path, size=wish.size, fps=wish.film_fps, sound=heard if mixed is None else mixed.film, alpha=alpha
             )
         )
         engine.journal = _journal(stack, wish, loaded, show, tempo, engine, sound.path)
@@ -128,16 +130,22 @@ def mixed_sound(
     return ShowSound(show, music, click=click, taps=taps, begin=begin) if click or taps else None
 
 
-def canvas(stack: contextlib.ExitStack, wish: Wish, loaded: LoadedShow, fine: bool) -> tuple[OffscreenTarget, Renderer]:
-    """What is drawn into, and what draws; released with the stack."""
+def canvas(
+    stack: contextlib.ExitStack, wish: Wish, loaded: LoadedShow, fine: bool, *, alpha: bool = False
+) -> tuple[OffscreenTarget, Renderer]:
+    """What is drawn into, and what draws; released with the stack. PersonError for what this driver cannot draw."""
     try:
         ctx = create_headless_context()
     except NoOpenGL as error:
         raise PersonError(str(error)) from None
     stack.callback(ctx.release)
-    target = OffscreenTarget(ctx, wish.size)
-    stack.callback(target.release)
-    renderer = Renderer(ctx, loaded.scene(), size=wish.size, quality=CARD if fine else None, patient=True)
+    try:
+        target = OffscreenTarget(ctx, wish.size, alpha=alpha)
+        stack.callback(target.release)
+        quality = CARD if fine and not alpha else None
+        renderer = Renderer(ctx, loaded.scene(), size=wish.size, quality=quality, patient=True, bare=alpha)
+    except ValueError as error:
+        raise PersonError(f"{error}") from None
     stack.callback(renderer.release)
     return target, renderer
 

@@ -8,9 +8,10 @@ from rich.console import Console
 from live.base.errors import PersonError
 from live.cli.wish import Wish
 from live.control.music_file import Music
-from live.render.film import FilmError, FilmWriter
+from live.render.film import FilmError, FilmWriter, PictureWriter
 from live.render.film_sound import FilmSound
 from live.render.headless import is_software
+from live.render.picture_folder import PictureFolder
 from live.render.readback import FrameReader
 
 SOFTWARE_FPS = 30.0
@@ -21,10 +22,14 @@ def film_sound(music: Music | None) -> FilmSound | None:
     return None if music is None else FilmSound.of(music.samples, music.sample_rate, loop=True)
 
 
-def film_writer(path: Path, *, size: tuple[int, int], fps: float, sound: FilmSound | None, live: bool) -> FilmWriter:
-    """A film with its sound; PersonError if it cannot be made."""
+def film_writer(
+    path: Path, *, size: tuple[int, int], fps: float, sound: FilmSound | None, alpha: bool = False
+) -> PictureWriter:
+    """A film with its sound, of the kind that its name says; PersonError if it cannot be made."""
     try:
-        return FilmWriter(path, size=size, fps=fps, sound=sound, live=live)
+        if path.suffix.lower() == ".png":
+            return PictureFolder(path, size=size, fps=fps, sound=sound, alpha=alpha)
+        return FilmWriter(path, size=size, fps=fps, sound=sound, alpha=alpha)
     except FilmError as error:
         raise PersonError(str(error)) from None
 
@@ -48,7 +53,10 @@ class LiveRecording:
     def __init__(
         self, path: Path, ctx: moderngl.Context, size: tuple[int, int], fps: float, music: Music | None
     ) -> None:
-        self._writer = film_writer(path, size=size, fps=fps, sound=film_sound(music), live=True)
+        try:
+            self._writer = FilmWriter(path, size=size, fps=fps, sound=film_sound(music), live=True)
+        except FilmError as error:
+            raise PersonError(str(error)) from None
         self._reader = FrameReader(ctx, size)
         self._fps = fps
         self._written = 0

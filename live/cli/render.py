@@ -7,12 +7,15 @@ import typer
 
 
 def render(
-    out: Annotated[Path, typer.Option(help="The film to write.", metavar="FILE.mp4")],
+    out: Annotated[
+        Path,
+        typer.Option(help="The film to write (.mp4, .mov, .mkv), or a folder for PNG pictures.", metavar="FILE|FOLDER"),
+    ],
     patch: Annotated[str | None, typer.Argument(help="A patch. Default: the first show.")] = None,
     audio: Annotated[str | None, typer.Option(help="A music file. Default: the patch's music.", metavar="FILE")] = None,
     bpm: Annotated[float | None, typer.Option(help="No music: the internal clock at this tempo.")] = None,
     size: Annotated[str, typer.Option(help="Width and height in pixels.", metavar="WxH")] = "1280x720",
-    fps: Annotated[float, typer.Option(help="Frames per second.")] = 60.0,
+    fps: Annotated[str, typer.Option(help="Frames per second: 25, 59.94, 24000/1001.", metavar="N")] = "60",
     seconds: Annotated[float | None, typer.Option(help="Length. Default: the music's, or 60 s without music.")] = None,
     seed: Annotated[int | None, typer.Option(min=0, max=2**31 - 1, help="Seed of all chance in the show.")] = None,
     steps: Annotated[
@@ -20,6 +23,10 @@ def render(
     ] = None,
     fine: Annotated[
         bool, typer.Option("--fine", help="Draw as a graphics card would even without one; this takes its time.")
+    ] = False,
+    alpha: Annotated[
+        bool,
+        typer.Option("--alpha", help="The dancers without their stage, on nothing (.mov, .mkv, PNG); drawn as --fine."),
     ] = False,
     guides: Annotated[
         bool,
@@ -34,15 +41,16 @@ def render(
     from rich.console import Console
 
     from live.base.errors import PersonError
-    from live.cli.options import film_file, parse_number, parse_size, writable_file
+    from live.cli.film_names import film_name, parse_rate
+    from live.cli.options import parse_number, parse_size, writable_file
     from live.cli.warm import warm_kernels
 
     parse_number(bpm, "--bpm", 20, 400)
     parse_number(seconds, "--seconds", 0.02, 7 * 86400)
-    parse_number(fps, "--fps", 1, 480)
-    for path, name in ((out, "--out"), (journal, "--journal"), (report, "--report")):
+    rate = parse_rate(fps)
+    for path, name in ((journal, "--journal"), (report, "--report")):
         writable_file(path, name)
-    film_file(out, "--out", never=[audio, patch])
+    film = film_name(out, "--out", alpha=alpha, never=[audio, patch])
     console = Console(stderr=True, highlight=False)
     warm_kernels(console)  # before anything is imported that has kernels
     from live.cli.film_show import film_show
@@ -50,7 +58,7 @@ def render(
     from live.cli.wish import Wish
 
     wish = Wish(
-        patch=patch, audio=audio, bpm=bpm, steps=steps, seed=seed, journal=journal, size=parse_size(size), fps=fps
+        patch=patch, audio=audio, bpm=bpm, steps=steps, seed=seed, journal=journal, size=parse_size(size), fps=rate
     )
     loaded = wish.load()
     sound = choose_sound(wish, loaded)
@@ -58,7 +66,7 @@ def render(
         raise PersonError(f"--audio {audio!r} is an input device: `live render` needs a music file")
     length = seconds or (60.0 if sound.music is None else sound.music.duration)
     film_show(
-        wish, loaded, sound, path=out, seconds=length, console=console, report=report, fine=fine, guides=guides,
-        click=click, taps=taps,
+        wish, loaded, sound, path=film, seconds=length, console=console, report=report, fine=fine, guides=guides,
+        click=click, taps=taps, alpha=alpha,
     )  # fmt: skip
-    console.print(f"the film is here: {out.resolve()}", soft_wrap=True, markup=False)
+    console.print(f"the film is here: {film.resolve()}", soft_wrap=True, markup=False)

@@ -19,11 +19,16 @@ def replay(
         int, typer.Option("--from", min=1, help="Begin with this measure, from the snapshot before it.", metavar="N")
     ] = 1,
     last: Annotated[int | None, typer.Option("--to", min=1, help="End with this measure.", metavar="N")] = None,
-    render: Annotated[Path | None, typer.Option(help="Film it, with its sound.", metavar="FILE.mp4")] = None,
+    render: Annotated[
+        Path | None, typer.Option(help="Film it, with its sound (.mp4, .mov, .mkv, or a folder).", metavar="FILE")
+    ] = None,
     size: Annotated[str, typer.Option(help="Size of the film.", metavar="WxH")] = "1920x1080",
-    fps: Annotated[float, typer.Option(help="Frames per second of the film.")] = 60.0,
+    fps: Annotated[str, typer.Option(help="Frames per second of the film: 25, 59.94, 24000/1001.", metavar="N")] = "60",
     fine: Annotated[
         bool, typer.Option("--fine", help="Film as a graphics card would draw it even without one.")
+    ] = False,
+    alpha: Annotated[
+        bool, typer.Option("--alpha", help="Film the dancers without their stage, on nothing (.mov, .mkv, PNG).")
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
 ) -> None:
@@ -34,13 +39,14 @@ def replay(
     from rich.console import Console
 
     from live.base.errors import PersonError
-    from live.cli.options import film_file, parse_number, parse_size, writable_file
+    from live.cli.film_names import film_name, parse_rate
+    from live.cli.options import parse_size
     from live.cli.warm import warm_kernels
 
-    parse_number(fps, "--fps", 1, 480)
+    rate = parse_rate(fps) or 60.0
     picture = parse_size(size)
-    writable_file(render, "--render")
-    film_file(render, "--render", never=[str(journal)])
+    if render is not None:
+        render = film_name(render, "--render", alpha=alpha, never=[str(journal)])
     if last is not None and last < first:
         raise PersonError(f"--from {first} --to {last}: the first measure comes last")
     warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
@@ -61,7 +67,9 @@ def replay(
         from live.cli.replay_film import film_replay
 
         console = Console(stderr=True, highlight=False)
-        result = film_replay(start, recorded, loaded, render, picture, fps, first=first, to=last, fine=fine)
+        result = film_replay(
+            start, recorded, loaded, render, picture, rate, first=first, to=last, fine=fine, alpha=alpha
+        )
         console.print(f"the film is here: {render.resolve()}", soft_wrap=True, markup=False)
     else:
         result = run_from(start, recorded, loaded=loaded, to=last)

@@ -32,11 +32,12 @@ def film_replay(
     first: int = 1,
     to: int | None = None,
     fine: bool = False,
+    alpha: bool = False,
 ) -> Replayed:
     """Film a journal from measure `first` to the end of `to` (from 1), comparing hashes on the way.
 
-    The sound is the music that was played from a file, if it was, with click and taps as the patch says. A damaged
-    line ends the film; PersonError for what cannot be made.
+    The sound is the music that was played from a file, if it was, with click and taps as the patch says. `alpha`: the
+    dancers without their stage, on nothing. A damaged line ends the film; PersonError for what cannot be made.
     """
     running = Replaying(start.show, journal.usable(), tick=start.tick, to=to)
     running.advance_to(first)
@@ -48,9 +49,9 @@ def film_replay(
     mixed = mixed_sound(loaded, show, heard, begin=begin)
     frames = max(1, math.ceil((journal.last_tick * TICK - begin) * fps))
     with contextlib.ExitStack() as stack:
-        target, renderer = canvas(stack, Wish(size=size, fps=fps), replace(loaded, patch=show.patch), fine)
+        target, renderer = canvas(stack, Wish(size=size, fps=fps), replace(loaded, patch=show.patch), fine, alpha=alpha)
         sound = mixed.film if mixed is not None else _from(music, begin)
-        writer = stack.enter_context(film_writer(path, size=size, fps=fps, sound=sound, live=False))
+        writer = stack.enter_context(film_writer(path, size=size, fps=fps, sound=sound, alpha=alpha))
         progress = stack.enter_context(progress_bar(Console(stderr=True)))
         task = progress.add_task("", total=frames if to is None else None)
         view, frame = show.view(), 0

@@ -1,4 +1,4 @@
-"""Films: pictures and sound into an mp4 (H.264, AAC) without holding up the frame loop."""
+"""Films: pictures and sound into a file without holding up the frame loop."""
 
 import contextlib
 import os
@@ -8,14 +8,15 @@ from fractions import Fraction
 from pathlib import Path
 from queue import SimpleQueue
 from types import TracebackType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol, Self
 
 import av
 import numpy as np
 import numpy.typing as npt
-from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc, VideoReformatter
 
-from live.render.film_sound import FilmSound, SoundTrack
+from live.render.film_encoder import FilmEncoder
+from live.render.film_kinds import kind_of
+from live.render.film_sound import FilmSound
 
 Picture = npt.NDArray[np.uint8]
 
@@ -34,17 +35,35 @@ class _Job(NamedTuple):
     """How often the picture before it stands in for pictures that were left out."""
 
 
+class PictureWriter(Protocol):
+    """What takes the pictures of a film, one after the other."""
+
+    def write(self, picture: Picture, count: int = 1) -> None:
+        """Add one picture for so many frames."""
+
+    def close(self) -> None:
+        """Complete the film."""
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
+        """Close it."""
+
+
 class FilmWriter:
-    """Writes one film of a constant frame rate; encodes in a thread of its own behind a few preallocated pictures.
+    """Writes one film of a constant frame rate, of the kind that its name ends in (`film_kinds.py`); encodes in a
+    thread of its own behind a few preallocated pictures.
 
     `size`: width and height of the pictures that come in [pixels]; an odd one loses its last column or row, which
     `notes` tells. `sound`: see `FilmSound`; it becomes exactly as long as the picture.
+    `alpha`: pictures are RGBA, straight, as `MattePass` draws them.
     `live`: when the encoder is behind, a picture is left out, counted in `dropped`, and the one before it stands
     longer, so that the film keeps time and the show is never held up; otherwise `write` waits. A live film is
-    written in fragments: even when the machine loses its power, what was written until then can be played.
+    written in fragments (mp4): even when the machine loses its power, what was written until then can be played.
 
-    Raises `FilmError` at once when the file cannot be begun (missing folder, no right to write, no codec); later
-    failures (a full disk) surface once, at the next `write` or at `close`, after which further pictures are ignored.
+    Raises ValueError for a name, size or rate that no film has, and for alpha where its kind has none; `FilmError` at
+    once when the file cannot be begun (missing folder, no right to write, no codec); later failures (a full disk)
+    surface once, at the next `write` or at `close`, after which further pictures are ignored.
     Thread: `write` and `close` from one thread.
     """
 
@@ -59,11 +78,15 @@ class FilmWriter:
         preset: str | None = None,
         crf: int = 20,
         depth: int = 8,
+        alpha: bool = False,
     ) -> None:
         width, height = size
         if width < 2 or height < 2:
             raise ValueError(f"a film of {width}x{height} pixels: at least 2 each way are needed")
         self.path = Path(path)
+        self._kind, self._alpha = kind_of(self.path), alpha
+        if alpha and self._kind.alpha_pixels is None:
+            raise ValueError(f"{path}: a film of this kind has no alpha")
         self.size = (width - width % 2, height - height % 2)
         self.fps = Fraction(fps).limit_denominator(1001)
         if not 1 <= self.fps <= 1000:
@@ -73,12 +96,13 @@ class FilmWriter:
             self.notes = (f"{self.path}: {width}x{height} is odd; the film is {self.size[0]}x{self.size[1]}",)
         self.frames = 0
         self.dropped = 0
-        self._input_shape = (height, width, 3)
+        self._input_shape = (height, width, 4 if alpha else 3)
         self._live = live
         self._sound = sound
-        self._options = {"preset": preset or ("ultrafast" if live else "veryfast"), "crf": str(crf)}
-        self._sources = [av.VideoFrame(*self.size, "rgb24") for _ in range(depth)]
-        self._pixels = [_pixels_of(source) for source in self._sources]
+        chosen = {"preset": preset or ("ultrafast" if live else "veryfast"), "crf": str(crf)}
+        self._options = chosen if self._kind.video == "libx264" else {}
+        self._sources = [av.VideoFrame(*self.size, "rgba" if alpha else "rgb24") for _ in range(depth)]
+        self._pixels = [_pixels_of(source, 4 if alpha else 3) for source in self._sources]
         self._free: SimpleQueue[int] = SimpleQueue()
         self._jobs: SimpleQueue[_Job] = SimpleQueue()
         self._repeats = 0
@@ -94,7 +118,7 @@ class FilmWriter:
         self._check()
 
     def write(self, picture: Picture, count: int = 1) -> None:
-        """Add one picture, uint8 RGB of shape (height, width, 3), top row first; it is copied.
+        """Add one picture, uint8 RGB (RGBA) of shape (height, width, 3 or 4), top row first; it is copied.
 
         It stands for `count` frames: what is shown longer costs hardly more.
         """
@@ -151,8 +175,11 @@ class FilmWriter:
                 _give_way()
             flags = "hybrid_fragmented+delay_moov" if self._live else "faststart"
             options = {"movflags": flags, "movie_timescale": "90000"}  # lengths in ms would cut the last picture short
-            with av.open(str(self.path), "w", format="mp4", options=options) as container:
-                encoder = _Encoder(container, self.size, self.fps, self._options, self._sound)
+            options = options if self._kind.container in ("mp4", "mov") else {}
+            with av.open(str(self.path), "w", format=self._kind.container, options=options) as container:
+                encoder = FilmEncoder(
+                    container, self.size, self.fps, self._kind, self._options, self._sound, alpha=self._alpha
+                )
                 container.start_encoding()
                 ready.set()
                 self._encode_all(encoder)
@@ -162,7 +189,7 @@ class FilmWriter:
             self._free.put(_FAILED)
             ready.set()
 
-    def _encode_all(self, encoder: "_Encoder") -> None:
+    def _encode_all(self, encoder: FilmEncoder) -> None:
         while True:
             job = self._jobs.get()
             for _ in range(job.repeats):
@@ -174,50 +201,6 @@ class FilmWriter:
             self._free.put(job.slot)
 
 
-class _Encoder:
-    """The streams of an open film (encoder's thread only)."""
-
-    def __init__(
-        self, container: Any, size: tuple[int, int], fps: Fraction, options: dict[str, str], sound: FilmSound | None
-    ) -> None:
-        self._container = container
-        self._fps = fps
-        self._stream = container.add_stream("libx264", rate=fps)
-        self._stream.width, self._stream.height = size
-        self._stream.pix_fmt = "yuv420p"
-        self._stream.time_base = 1 / fps
-        self._stream.options = options
-        codec = self._stream.codec_context
-        codec.gop_size = max(1, round(2 * fps))  # two seconds are lost at most with an unfinished live film
-        codec.colorspace, codec.color_primaries = Colorspace.ITU709, ColorPrimaries.BT709
-        codec.color_trc, codec.color_range = ColorTrc.BT709, ColorRange.MPEG
-        self._reformatter = VideoReformatter()
-        self._track = SoundTrack(container, sound) if sound else None
-        self._last: Any = None
-        self._count = 0
-
-    def picture(self, source: Any) -> None:
-        """Encode a new picture."""
-        self._last = self._reformatter.reformat(
-            source, format="yuv420p", dst_colorspace=Colorspace.ITU709, dst_color_range=ColorRange.MPEG
-        )
-        self.repeat()
-
-    def repeat(self) -> None:
-        """Encode the last picture (once more), and the sound beside it."""
-        self._last.pts, self._last.time_base, self._last.duration = self._count, 1 / self._fps, 1
-        self._container.mux(self._stream.encode(self._last))
-        self._count += 1
-        if self._track:
-            self._track.follow(self._count / self._fps)
-
-    def finish(self) -> None:
-        """Bring out what the encoders still hold."""
-        self._container.mux(self._stream.encode(None))
-        if self._track:
-            self._track.follow(self._count / self._fps, last=True)
-
-
 def _give_way() -> None:
     """Let the show go first: lower the priority of this thread, and of those of the encoder that it will start."""
     if sys.platform == "linux":
@@ -226,8 +209,8 @@ def _give_way() -> None:
             os.setpriority(os.PRIO_PROCESS, thread, os.getpriority(os.PRIO_PROCESS, thread) + 5)
 
 
-def _pixels_of(source: Any) -> Picture:
-    """The pixels of an RGB frame as an array (height, width, 3) on its own memory."""
+def _pixels_of(source: Any, channels: int) -> Picture:
+    """The pixels of an RGB or RGBA frame as an array (height, width, channels) on its own memory."""
     plane = source.planes[0]
     rows = np.frombuffer(plane, np.uint8)[: source.height * plane.line_size].reshape(source.height, plane.line_size)
-    return rows[:, : source.width * 3].reshape(source.height, source.width, 3)
+    return rows[:, : source.width * channels].reshape(source.height, source.width, channels)

@@ -1,4 +1,4 @@
-"""The sound of a film: samples on demand, encoded as AAC beside the picture."""
+"""The sound of a film: samples on demand, encoded beside the picture."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -56,19 +56,23 @@ class FilmSound:
 
 
 class SoundTrack:
-    """The AAC stream of an open film; keeps as long as the picture."""
+    """The stream of sound of an open film; keeps as long as the picture."""
 
-    def __init__(self, container: Any, sound: FilmSound) -> None:
+    def __init__(self, container: Any, sound: FilmSound, codec: str = "aac") -> None:
         if sound.channels not in (1, 2) or sound.rate < 1:
             raise ValueError(f"sound of {sound.channels} channels at {sound.rate} Hz: one or two are possible")
         self._container = container
         self._sound = sound
         self._layout = "mono" if sound.channels == 1 else "stereo"
-        rate = sound.rate if sound.rate in AAC_RATES else 48000
-        self._stream = container.add_stream("aac", rate=rate)
+        aac = codec == "aac"
+        rate = sound.rate if not aac or sound.rate in AAC_RATES else 48000
+        self._stream = container.add_stream(codec, rate=rate)
         self._stream.layout = self._layout
-        self._stream.bit_rate = 96_000 * sound.channels
-        self._resampler = av.AudioResampler(format="fltp", layout=self._layout, rate=rate, frame_size=1024)
+        if aac:
+            self._stream.bit_rate = 96_000 * sound.channels
+        self._resampler = av.AudioResampler(
+            format="fltp" if aac else "s16", layout=self._layout, rate=rate, frame_size=1024
+        )
         self._count = 0
 
     def follow(self, seconds: Fraction, *, last: bool = False) -> None:

@@ -39,7 +39,8 @@ def is_software(ctx: moderngl.Context) -> bool:
 class OffscreenTarget:
     """A framebuffer (RGBA of 8 bits, depth) of `size` (width, height) [pixels] with its reader."""
 
-    def __init__(self, ctx: moderngl.Context, size: tuple[int, int]) -> None:
+    def __init__(self, ctx: moderngl.Context, size: tuple[int, int], *, alpha: bool = False) -> None:
+        """`alpha`: pictures are RGBA. ValueError for a size that this driver cannot draw."""
         limit = int(ctx.info["GL_MAX_TEXTURE_SIZE"])
         if not all(1 <= length <= limit for length in size):
             raise ValueError(f"a picture of {size[0]}x{size[1]} pixels cannot be drawn: 1 to {limit} each way")
@@ -47,7 +48,7 @@ class OffscreenTarget:
         self._colour = ctx.renderbuffer(size, 4)
         self._depth = ctx.depth_renderbuffer(size)
         self.framebuffer: moderngl.Framebuffer = ctx.framebuffer([self._colour], self._depth)
-        self._reader = FrameReader(ctx, size)
+        self._reader = FrameReader(ctx, size, alpha=alpha)
 
     def push(self) -> Picture | None:
         """Start to read the frame just drawn, return the one before it (see `FrameReader.push`)."""

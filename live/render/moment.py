@@ -25,6 +25,8 @@ class Making:
     """Width and height of the picture [pixels]."""
     patient: bool = False
     """Whether pictures of videos are waited for, as in a film that may take its time."""
+    bare: bool = False
+    """Whether dancers are drawn without a stage, on nothing: pictures with alpha (`passes/matte_pass.py`)."""
 
 
 @dataclass(slots=True, eq=False)

@@ -25,6 +25,7 @@ from live.render.passes.beam_pass import BeamPass
 from live.render.passes.dancer_pass import DancerPass
 from live.render.passes.floor_pass import FloorPass
 from live.render.passes.lit_target import LitTarget
+from live.render.passes.matte_pass import MattePass
 from live.render.passes.mirror_pass import MirrorPass
 from live.render.passes.plan_pass import PlanPass
 from live.render.passes.smooth_pass import SmoothPass
@@ -58,6 +59,7 @@ class Pipeline:
             self._targets = {quality.samples: LitTarget(ctx, quality.samples, size)}
             self._target = self._targets[quality.samples]
             self._dancer = DancerPass(ctx, quality)
+            self._matte = MattePass(ctx, size) if making.bare else None
         else:
             self._smooth = {hdr: SmoothPass(ctx, self._surface.depth, size, hdr=hdr) for hdr in (False, True)}
         self._scene_passes = [make(making) for make in SCENE_PASSES]
@@ -95,7 +97,13 @@ class Pipeline:
         if self._lit:
             self._draw_lit(moment, here)
             surfaces = self._draw_surfaces(moment, here) if _needs_surfaces(active) else None
-            self.chain.draw(active, self._target.resolve(), target, surfaces, moment)
+            matte = self._matte
+            if matte is None:
+                self.chain.draw(active, self._target.resolve(), target, surfaces, moment)
+            else:
+                light = matte.straighten(self._target.resolve())
+                self.chain.draw(active, light, matte.target, surfaces, moment)
+                matte.draw(target, moment.view.brightness)
             return
         where = self._where_dancers_are(moment)
         overs = [one for one in here if one.over_active(moment)]
@@ -122,10 +130,15 @@ class Pipeline:
         self._dancer.draw(moment.crowd, moment.floor)
         for one in here:
             one.lit(moment)
-        self._draw_stage(into, moment, hdr=True)
-        for one in here:
-            if one.over_active(moment):
-                one.over(moment)
+        overs = [one for one in here if one.over_active(moment)]
+        if self._matte is None:
+            self._draw_stage(into, moment, hdr=True)
+        else:
+            self._matte.keep(into)
+            into.color_mask = (True, True, True, False)  # light covers nothing
+        for one in overs:
+            one.over(moment)
+        into.color_mask = (True, True, True, True)
 
     def _draw_surfaces(self, moment: Moment, here: list[ScenePass], *, named: bool = True) -> Surfaces:
         self._surface.draw(moment.crowd, named=named)
@@ -155,6 +168,8 @@ class Pipeline:
         if self._lit:
             for lit in self._targets.values():
                 lit.resize(size)
+            if self._matte is not None:
+                self._matte.resize(size)
         else:
             for smooth in self._smooth.values():
                 smooth.resize(self._surface.depth, size)
@@ -165,6 +180,8 @@ class Pipeline:
     def release(self) -> None:
         """Free everything."""
         own: list[Releasable] = [self.floor, self._mirror, self._backdrop, self.chain, *self._stages.values()]
+        if self._lit and self._matte is not None:
+            own.append(self._matte)
         own += [*self._targets.values(), self._dancer] if self._lit else [*self._smooth.values()]
         release_all(*self._scene_passes, *own, self._surface)
 

@@ -1,6 +1,7 @@
 """The renderer: a `StageView` into a framebuffer, by way of its pipeline."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Final
 
 import moderngl
@@ -18,7 +19,7 @@ from live.render.passes.graph_pass import GraphPass
 from live.render.passes.guide_pass import GuidePass
 from live.render.passes.overlay_pass import OverlayPass
 from live.render.pipeline import Pipeline
-from live.render.quality import Quality, choose
+from live.render.quality import CARD, Quality, choose
 from live.render.release import release_all
 
 LEAP: Final = 64.0
@@ -44,12 +45,15 @@ class Renderer:
         quality: Quality | None = None,
         steps: bool = False,
         patient: bool = False,
+        bare: bool = False,
     ) -> None:
-        """`steps`: make all that the lower steps of the ladder of quality need as well; see `take_step`."""
+        """`steps`: make all that the lower steps of the ladder of quality need as well; see `take_step`.
+        `bare`: without a stage, on nothing; the target's alpha says where something is (samples are needed)."""
         self._ctx, self._scene, self._size = ctx, scene, _checked(size)
         if target is not None and tuple(target.size) != size:
             raise ValueError(f"renderer: the target is {target.size}, the size asked for {size}")
-        self.quality = quality or choose(ctx, scene.dancer_count, samples)
+        self.quality = quality or (_bare_quality(ctx) if bare else choose(ctx, scene.dancer_count, samples))
+        self._empty = 0.0 if bare else 1.0
         self.steps = ladder_of(self.quality) if steps else (Step("all", self.quality),)
         """The ladder of quality, the best step first."""
         self.step = 0
@@ -60,7 +64,7 @@ class Renderer:
         self._frame = FrameBlock(ctx, scene, size)
         self._crowd = Crowd(ctx, scene, self.quality)
         self._crowd.restyle(self._frame.row)
-        self._pipeline = Pipeline(Making(ctx, scene, self.quality, self._size, patient))
+        self._pipeline = Pipeline(Making(ctx, scene, self.quality, self._size, patient, bare))
         self._frame.vignette_at_end = self._pipeline.chain.vignette_at_end
         self._guide = GuidePass(ctx)
         self._overlay = OverlayPass(ctx)
@@ -117,7 +121,7 @@ class Renderer:
         moment.beats, self._beat = 0.0 if moment.cut else passed, view.beat
         if frame.level <= 0.0:
             target.use()
-            target.clear(0.0, 0.0, 0.0, 1.0)
+            target.clear(0.0, 0.0, 0.0, self._empty)
         else:
             self._crowd.update(view)
             self.mark("upload")
@@ -209,6 +213,13 @@ def _everything(scene: Scene, *, passes: bool) -> Float64:
     for name in AMOUNTS:
         row[of_group(STYLE_OF_GROUP + name, 0).where] = 0.5
     return row
+
+
+def _bare_quality(ctx: moderngl.Context) -> Quality:
+    """Edges of alpha come of samples: as on a graphics card, whatever draws. ValueError where there are none."""
+    if ctx.max_samples < 1:
+        raise ValueError("this driver takes no samples: it draws no picture with alpha")
+    return replace(CARD, samples=min(CARD.samples, int(ctx.max_samples)))
 
 
 def _checked(size: tuple[int, int]) -> tuple[int, int]:

@@ -1,0 +1,62 @@
+"""Names and rates of films as people write them."""
+
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from live.base.errors import PersonError
+from live.cli.film_names import film_name, parse_rate
+
+
+@pytest.mark.parametrize(
+    ("text", "rate"),
+    [
+        ("60", 60), ("25", 25), ("29.97", Fraction(30000, 1001)), ("59.94", Fraction(60000, 1001)),
+        ("23.976", Fraction(24000, 1001)), ("24000/1001", Fraction(24000, 1001)), ("12.5", Fraction(25, 2)),
+        ("50.0", 50), (" 48 ", 48), ("119.88", Fraction(120000, 1001)),
+    ],
+)  # fmt: skip
+def test_frames_a_second(text: str, rate: Fraction) -> None:
+    found = parse_rate(text)
+    assert found is not None
+    assert Fraction(found).limit_denominator(1001) == rate
+
+
+@pytest.mark.parametrize("text", ["", "fast", "0", "-25", "481", "1/0", "nan", "inf", "25 30"])
+def test_what_is_no_rate(text: str) -> None:
+    with pytest.raises(PersonError, match="--fps"):
+        parse_rate(text)
+    assert parse_rate(None) is None
+
+
+def test_names(tmp_path: Path) -> None:
+    for name in ("film.mp4", "film.mov", "FILM.MKV"):
+        assert film_name(tmp_path / name, "--out", never=[None]) == tmp_path / name
+    assert film_name(tmp_path, "--out", never=[]) == tmp_path / "%05d.png"
+    assert film_name(tmp_path / "take", "--out", alpha=True, never=[]) == tmp_path / "take" / "%05d.png"
+    assert film_name(tmp_path / "take" / "a%d.png", "--out", never=[]) == tmp_path / "take" / "a%d.png"
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("film.avi", "ends in"), ("film.png", "%05d"), ("a%d%d.png", "%05d"), ("a%s.png", "%05d"),
+        ("100%-%05d.png", "%05d"),
+        ("none/film.mp4", "no folder"), ("none/take/%05d.png", "no folder"), ("%d/%d.png", "not of their folder"),
+    ],
+)  # fmt: skip
+def test_names_that_are_refused(tmp_path: Path, name: str, told: str) -> None:
+    with pytest.raises(PersonError) as error:
+        film_name(tmp_path / name, "--out", never=[])
+    assert told in str(error.value.message) + str(error.value.remedy)
+
+
+def test_alpha_and_what_is_read(tmp_path: Path) -> None:
+    with pytest.raises(PersonError, match="no alpha") as error:
+        film_name(tmp_path / "film.mp4", "--out", alpha=True, never=[])
+    assert "film.mov" in str(error.value.remedy)
+    song = tmp_path / "song.mp4"
+    song.write_bytes(b"")
+    with pytest.raises(PersonError, match="made from"):
+        film_name(song, "--out", never=[str(song)])
