@@ -2,7 +2,7 @@
 
 A picture that is laid over another one by its alpha must hold the colour of what covers the pixel, not that colour
 already darkened along its edges ("straight" alpha). So the scene, drawn on nothing, is divided by its cover before
-the picture passes and the film curve (Porter and Duff 1984, section 3); light in the air, which covers nothing, gets
+the picture passes and the film curve (Porter and Duff 1984, section 3); light in the air (ghosts, ribbons, glow) gets
 the alpha with which it looks the same over black.
 """
 

@@ -13,7 +13,7 @@ void main() {
     vec4 solid = texelFetch(kept, ivec2(gl_FragCoord.xy), 0);
     vec3 colour = texelFetch(picture_drawn, ivec2(gl_FragCoord.xy), 0).rgb;
     float cover = clamp(solid.a, 0.0, 1.0);
-    vec3 light = cover > 0.0 ? clamp(film(expanded(light_over(solid))), 0.0, 1.0) : colour;
+    vec3 light = cover > 0.0 ? clamp(film(expanded(max(light_over(solid), 0.0))), 0.0, 1.0) : colour;
     float bright = max(light.r, max(light.g, light.b));
     light *= max(bright - LEAST, 0.0) / max(bright * (1.0 - LEAST), 1e-4);
     vec3 over_black = cover * colour + (1.0 - cover) * light;

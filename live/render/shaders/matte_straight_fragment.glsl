@@ -7,5 +7,5 @@ void main() {
     vec4 solid = texelFetch(kept, ivec2(gl_FragCoord.xy), 0);
     vec3 colour = solid.a > 0.0 ? min(solid.rgb / solid.a, 1.0) : vec3(0.0);
     vec3 light = light_over(solid);
-    shown = vec4(colour + light * (1.0 - colour), 1.0);
+    shown = vec4(max(colour + light * (1.0 - colour), 0.0), 1.0);
 }
