@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.character import CharacterFile
 from live.base.own_pass import OwnPass
 
 Float32 = npt.NDArray[np.float32]
@@ -132,7 +133,10 @@ class Scene:
     start: tuple[tuple[str, tuple[float, ...]], ...] = ()
     """Parameters of the picture that do not begin where they usually do: addresses and numbers."""
     bodies: tuple[str, ...] = ()
-    """Name of each dancer's body (`live.base.bodies`), from the first dancer on; the others have the usual one."""
+    """Name of each dancer's body (`live.base.bodies`, or a character's), from the first dancer on; the others have the
+    usual one."""
+    characters: tuple[CharacterFile, ...] = ()
+    """Bodies that come out of files."""
 
 
 @dataclass(slots=True, eq=False)

@@ -6,6 +6,7 @@ joint below the one before, and the trunk is what lies between the legs' and the
 """
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -75,7 +76,12 @@ def map_joints(motion: SourceMotion) -> dict[str, str | None]:
 
 def find_body(motion: SourceMotion) -> SourceBody:
     """Find the body in a recording's skeleton; what is not there is None (see `SourceBody.missing`)."""
-    return _BodyFinder(motion).find()
+    return find_body_among(motion.names, motion.parents.tolist())
+
+
+def find_body_among(names: Sequence[str], parents: Sequence[int]) -> SourceBody:
+    """The same for joints by their names and parents (-1: none), parents first."""
+    return _BodyFinder(names, parents).find()
 
 
 def split_name(name: str) -> tuple[str, str]:
@@ -103,10 +109,10 @@ def split_name(name: str) -> tuple[str, str]:
 
 
 class _BodyFinder:
-    def __init__(self, motion: SourceMotion) -> None:
-        self._parents = [int(parent) for parent in motion.parents]
+    def __init__(self, names: Sequence[str], parents: Sequence[int]) -> None:
+        self._parents = list(parents)
         self._by_name: dict[tuple[str, str], list[int]] = {}
-        for joint, name in enumerate(motion.names):
+        for joint, name in enumerate(names):
             self._by_name.setdefault(split_name(name), []).append(joint)
 
     def find(self) -> SourceBody:

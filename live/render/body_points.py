@@ -36,7 +36,11 @@ class BodyPoints:
 @cache
 def build_points(count: int, name: str = USUAL) -> BodyPoints:
     """So many points on the body of that name; the same ones each time."""
-    mesh = build_body(LIGHT, name)
+    return points_on(build_body(LIGHT, name), count)
+
+
+def points_on(mesh: BodyMesh, count: int) -> BodyPoints:
+    """So many points on a surface; the same ones each time."""
     draw = np.random.default_rng(_SEED)
     corners = mesh.triangle[_chosen(mesh, count)]
     share = _within(draw.random((count, 2)))

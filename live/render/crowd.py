@@ -6,11 +6,12 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from live.base.bodies import BODIES, USUAL
 from live.base.stage_view import Camera, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT, SKELETON
-from live.render.body import BodyMesh, build_body
+from live.render.body import BodyMesh
+from live.render.body_of import bodies_of, characters_of, mesh_of
 from live.render.camera import view_matrix
+from live.render.character_buffers import CharacterBuffers
 from live.render.group_styles import GroupStyles
 from live.render.instances import Instances, Sight
 from live.render.kernels import pose_texels
@@ -45,6 +46,16 @@ def vertex_bytes(mesh: BodyMesh) -> bytes:
 _NUMPY: Final = {"3f": ("f4", 3), "1f": ("f4",), "4u1": ("u1", 4), "4f1": ("u1", 4)}
 
 
+VERTEX_BYTES: Final = 36
+SHORT: Final = 65_535
+"""Vertices that two bytes can number."""
+
+
+def index_bytes(mesh: BodyMesh) -> bytes:
+    """The corners of all triangles, in two bytes each where they suffice, else in four."""
+    return mesh.triangle.astype(np.uint32 if len(mesh.position) > SHORT else np.uint16).tobytes()
+
+
 def layout(program: moderngl.Program) -> tuple[str, list[str]]:
     """Buffer format and attribute names: what the program does not use becomes padding."""
     form, names = [], []
@@ -69,11 +80,6 @@ def pose_texture(ctx: moderngl.Context, capacity: int) -> moderngl.Texture:
     return texture
 
 
-def bodies_of(scene: Scene) -> tuple[str, ...]:
-    """The bodies that dancers of a scene have, by name."""
-    return tuple(name for name in BODIES if name == USUAL or name in scene.bodies)
-
-
 class Crowd:
     """Owns pose texture, instance lists, bodies and the groups' styles; `update` once a frame."""
 
@@ -86,6 +92,10 @@ class Crowd:
         self.styles = GroupStyles(ctx)
         self.body_names = bodies_of(scene)
         """The bodies that dancers of this scene have."""
+        self._scene = scene
+        self._worn = {name: CharacterBuffers(ctx, one) for name, one in characters_of(scene).items()}
+        self.reach = max((one.reach for one in self._worn.values()), default=0.0)
+        """How far characters reach beyond their joints at most [m]."""
         self._meshes: dict[tuple[Any, ...], tuple[moderngl.Buffer, moderngl.Buffer]] = {}
         self._vertex_arrays: dict[tuple[Any, ...], moderngl.VertexArray] = {}
         self._capacity = 0
@@ -166,36 +176,45 @@ class Crowd:
     def _mesh(self, key: tuple[Any, ...]) -> tuple[moderngl.Buffer, moderngl.Buffer]:
         level, name = key
         if key not in self._meshes:
-            mesh = build_body(level, name)
+            mesh = mesh_of(self._scene, name, level)
             self._meshes[key] = (
                 self._ctx.buffer(vertex_bytes(mesh)),
-                self._ctx.buffer(mesh.triangle.astype(np.uint16).tobytes()),
+                self._ctx.buffer(index_bytes(mesh)),
             )
         return self._meshes[key]
 
     def draw(
-        self, program: moderngl.Program, level: int, which: str = "all", poses: moderngl.Texture | None = None
+        self,
+        program: moderngl.Program,
+        level: int,
+        which: str = "all",
+        poses: moderngl.Texture | None = None,
+        worn: moderngl.Program | None = None,
     ) -> None:
         """Draw the bodies of the dancers of a list (`live.render.instances.LISTS`) with a program that includes
-        `skin.glsl`, in the poses of now or in those of a texture like `poses`."""
+        `skin.glsl`, in the poses of now or in those of a texture like `poses`; characters with `worn`, which shows
+        their own images, if there is one."""
         for body, name in enumerate(self.body_names):
             count = self._instances.count(which, body)
             if count == 0:
                 continue
-            key = (program.glo, level, which, body)
+            character = self._worn.get(name) if worn is not None else None
+            linked = program if character is None or worn is None else worn
+            key = (linked.glo, level, which, body)
             if key not in self._vertex_arrays:
                 vertices, indices = self._mesh((level, name))
-                form, names = layout(program)
-                self._vertex_arrays[key] = self._ctx.vertex_array(
-                    program,
-                    [(vertices, form, *names), (self._instances.buffer(which, body), "1f/i", "in_dancer")],
-                    indices,
-                    index_element_size=2,
-                )
-            self.dress_program(program)
+                form, names = layout(linked)
+                content = [(vertices, form, *names), (self._instances.buffer(which, body), "1f/i", "in_dancer")]
+                content += [] if character is None else [character.content(linked, level)]
+                size = 4 if vertices.size // VERTEX_BYTES > SHORT else 2
+                self._vertex_arrays[key] = self._ctx.vertex_array(linked, content, indices, index_element_size=size)
+            self.dress_program(linked)
             if poses is not None:
                 poses.use(POSE_UNIT)
-            self._vertex_arrays[key].render(moderngl.TRIANGLES, instances=count)
+            if character is None:
+                self._vertex_arrays[key].render(moderngl.TRIANGLES, instances=count)
+            else:
+                character.render(linked, self._vertex_arrays[key], count)
 
     def draw_other(
         self, program: moderngl.Program, which: str, make: "VertexMaker", mode: int, vertices: int = -1
@@ -238,6 +257,7 @@ class Crowd:
             vertices.release()
             indices.release()
         self._meshes.clear()
+        release_all(*self._worn.values())
         self.styles.release()
 
 

@@ -38,7 +38,7 @@ from live.render.release import Releasable, release_all
 SCENE_PASSES: Final[tuple[Callable[[Making], ScenePass], ...]] = (BackgroundPass, StylePasses, BeamPass, PlanPass)
 """What else is in the scene, in the order in which it is drawn."""
 _BODY_AROUND_JOINTS: Final = 0.25
-"""The body reaches at most this far beyond its joints [m]."""
+"""The generated body reaches at most this far beyond its joints [m]."""
 
 
 class Pipeline:
@@ -47,18 +47,19 @@ class Pipeline:
     def __init__(self, making: Making) -> None:
         ctx, scene, size, quality = making.ctx, making.scene, making.size, making.quality
         self._ctx, self._scene, self._size, self._quality = ctx, scene, size, quality
+        worn = bool(scene.characters)
         width, depth = scene.stage_size
         self.floor = FloorPass(ctx, quality, (width + 2 * FLOOR_MARGIN, depth + 2 * FLOOR_MARGIN))
-        self._mirror = MirrorPass(ctx, size, quality.mirror_divisor)
+        self._mirror = MirrorPass(ctx, size, quality.mirror_divisor, worn=worn)
         self._backdrop = BackdropPass(ctx, size, coarse=quality.samples == 0)
         self.chain = Chain(making)
         self._lit = quality.samples > 0
-        self._surface = SurfacePass(ctx, quality, size)
+        self._surface = SurfacePass(ctx, quality, size, worn=worn)
         self._stages = {hdr: StagePass(ctx, hdr=hdr) for hdr in ((True,) if self._lit else (False, True))}
         if self._lit:
             self._targets = {quality.samples: LitTarget(ctx, quality.samples, size)}
             self._target = self._targets[quality.samples]
-            self._dancer = DancerPass(ctx, quality)
+            self._dancer = DancerPass(ctx, quality, worn=worn)
             self._matte = MattePass(ctx, size) if making.bare else None
         else:
             self._smooth = {hdr: SmoothPass(ctx, self._surface.depth, size, hdr=hdr) for hdr in (False, True)}
@@ -155,7 +156,8 @@ class Pipeline:
         if len(view.joint_position) == 0:
             return 0, 0, 0, 0
         joints = view.joint_position.reshape(-1, 3)
-        low, high = joints.min(axis=0) - _BODY_AROUND_JOINTS, joints.max(axis=0) + _BODY_AROUND_JOINTS
+        reach = max(_BODY_AROUND_JOINTS, moment.crowd.reach)
+        low, high = joints.min(axis=0) - reach, joints.max(axis=0) + reach
         return covered(self._world_to_clip, self._size, low.astype(np.float64), high.astype(np.float64))
 
     def resize(self, size: tuple[int, int], camera: Camera) -> None:

@@ -8,6 +8,8 @@ import moderngl
 
 VERSION: Final = "#version 410 core"
 """The newest GLSL of macOS, and enough."""
+WORN: Final = (("WORN", 1),)
+"""Constants of programs that draw characters with images of their own."""
 FRAME_BINDING: Final = 0
 """Where the block of uniforms that all programs share is bound."""
 STYLES_BINDING: Final = 1

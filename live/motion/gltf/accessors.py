@@ -25,6 +25,7 @@ _WIDTHS: Final = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 _FAR: Final = 1 << 40
 _DATA_URI: Final = re.compile(r"data:[^,]{0,200};base64,")
 _BARE_NAME: Final = re.compile(r"(?!\.)[^/\\:\0]{1,255}")
+_NAME_BELOW: Final = re.compile(r"(?:(?!\.)[^/\\:\0]{1,255}/){0,4}(?!\.)[^/\\:\0]{1,255}")
 _COMPRESSION: Final = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 
 
@@ -35,7 +36,11 @@ class Accessors:
     at most as many numbers as a file of that size can hold, and all together take a time linear in the file's size.
     """
 
-    def __init__(self, gltf: GltfFile, resolve: Resolve | None = None) -> None:
+    def __init__(
+        self, gltf: GltfFile, resolve: Resolve | None = None, *, files: int = FILE_LIMIT, folders: bool = False
+    ) -> None:
+        """`files` is how many others the file may name, `folders` whether they may lie in folders beside it."""
+        self._file_limit, self._name = files, _NAME_BELOW if folders else _BARE_NAME
         self._root = JsonPlace(gltf.json, "", gltf.file)
         self._chunk, self._resolve = gltf.chunk, resolve
         self._buffers: dict[int, memoryview] = {}
@@ -72,6 +77,17 @@ class Accessors:
         if strange.size:
             raise accessor.error("", f"element {strange[0]} is not usable", "finite numbers, at most 1e7, expected")
         return result
+
+    def content(self, place: JsonPlace) -> memoryview:
+        """The bytes of an image: out of a buffer view, a data URI, or a file beside this one; MotionFileError."""
+        if not place.has("bufferView"):
+            return memoryview(self._content(place, -1))
+        view = self._root.element("bufferViews", place.whole("bufferView", below=self._root.length("bufferViews")))
+        buffer = self._buffer(view.whole("buffer", below=self._root.length("buffers")))
+        start, length = view.whole("byteOffset", 0, below=_FAR), view.whole("byteLength", below=_FAR)
+        if start + length > len(buffer):
+            raise view.error("", f"ends at byte {start + length} of {len(buffer)}", "the whole file expected")
+        return buffer[start : start + length]
 
     def _spend(self, accessor: JsonPlace, numbers: int) -> None:
         self._left -= numbers
@@ -147,14 +163,14 @@ class Accessors:
 
     def _beside(self, place: JsonPlace, name: str) -> bytes:
         """A file in the same folder and nowhere else."""
-        if not _BARE_NAME.fullmatch(name):
+        if not self._name.fullmatch(name):
             raise place.error("uri", f"is {shown(name)}", "a file in the same folder expected; or export as .glb")
         if self._resolve is None:
             raise place.error("uri", f"names another file, {shown(name)}", "one file expected: export as .glb")
         if name in self._files:
             return self._files[name]
-        if len(self._files) >= FILE_LIMIT:
-            raise place.error("uri", f"is the file number {FILE_LIMIT + 1}", "one file expected: export as .glb")
+        if len(self._files) >= self._file_limit:
+            raise place.error("uri", f"is the file number {self._file_limit + 1}", "one file expected: export as .glb")
         try:
             content = self._resolve(name)
         except MotionFileError:

@@ -96,6 +96,20 @@ class JsonPlace:
                 raise self.error(key, "holds a number out of range", "finite numbers, at most 1e7, expected")
         return tuple(float(number) for number in value)
 
+    def number(self, key: str, default: float) -> float:
+        """One finite number."""
+        value = self._value.get(key, default)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise self.error(key, f"is {_kind(value)}", "a number expected")
+        if not math.isfinite(value) or abs(value) > MAGNITUDE_LIMIT:
+            raise self.error(key, "is out of range", "a finite number, at most 1e7, expected")
+        return float(value)
+
+    def texts(self, key: str) -> list[str]:
+        """The texts of an array; empty where there is none."""
+        value = self._value.get(key, [])
+        return [one for one in value if isinstance(one, str)] if isinstance(value, list) else []
+
     def flag(self, key: str) -> bool:
         """Whether the key is there and true."""
         return self._value.get(key) is True

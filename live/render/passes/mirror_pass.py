@@ -5,17 +5,22 @@ import moderngl
 from live.render.body import COARSE
 from live.render.crowd import Crowd
 from live.render.release import release_all
-from live.render.shader import program, set_uniform
+from live.render.shader import WORN, program, set_uniform
 
 
 class MirrorPass:
     """Result: `texture`, square roots of the light that the floor throws back, over the whole picture."""
 
-    def __init__(self, ctx: moderngl.Context, size: tuple[int, int], divisor: int) -> None:
+    def __init__(self, ctx: moderngl.Context, size: tuple[int, int], divisor: int, *, worn: bool = False) -> None:
         self._ctx, self._divisor = ctx, divisor
         self._programs = [
             program(ctx, "mirror_vertex.glsl", "mirror_fragment.glsl", (("SOFT", 0), ("STYLED", styled)))
             for styled in (0, 1)
+        ]
+        self._worn = [
+            program(ctx, "mirror_vertex.glsl", "mirror_fragment.glsl", (("SOFT", 0), ("STYLED", styled), *WORN))
+            for styled in (0, 1)
+            if worn
         ]
         self._gloss = program(ctx, "full_vertex.glsl", "gloss_fragment.glsl")
         self._triangle = ctx.vertex_array(self._gloss, [])
@@ -44,7 +49,8 @@ class MirrorPass:
         self._target.clear()
         self._ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         self._ctx.front_face = "cw"  # mirrored
-        crowd.draw(self._programs[crowd.styles.any], COARSE)
+        styled = crowd.styles.any
+        crowd.draw(self._programs[styled], COARSE, worn=self._worn[styled] if self._worn else None)
         self._ctx.front_face = "ccw"
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         self._result.use()
@@ -63,4 +69,4 @@ class MirrorPass:
     def release(self) -> None:
         """Free everything."""
         self._release_target()
-        release_all(self._triangle, *self._programs, self._gloss)
+        release_all(self._triangle, *self._programs, *self._worn, self._gloss)

@@ -5,9 +5,12 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from live.base.stage_view import StageView
-from live.render.body_points import build_points
-from live.render.crowd import Crowd, bodies_of
+from live.base.bodies import BODIES
+from live.base.stage_view import Scene, StageView
+from live.render.body import LIGHT
+from live.render.body_of import bodies_of, mesh_of
+from live.render.body_points import BodyPoints, build_points, points_on
+from live.render.crowd import Crowd
 from live.render.moment import Making
 from live.render.release import release_all
 from live.render.shader import program, set_uniform
@@ -23,7 +26,8 @@ class ParticlePass:
         ctx = self._ctx = making.ctx
         self._count = making.quality.points
         self._program = program(ctx, "particle_vertex.glsl", "particle_fragment.glsl", (("SOFT", 0),))
-        self._buffers = {name: ctx.buffer(_bytes(self._count, name)) for name in bodies_of(making.scene)}
+        scene = making.scene
+        self._buffers = {name: ctx.buffer(_bytes(_points(scene, name, self._count))) for name in bodies_of(scene)}
 
     def draw(self, crowd: Crowd, view: StageView) -> None:
         """Draw all dancers who have particles."""
@@ -41,8 +45,12 @@ class ParticlePass:
         release_all(*self._buffers.values(), self._program)
 
 
-def _bytes(count: int, name: str) -> bytes:
-    points = build_points(count, name)
+def _points(scene: Scene, name: str, count: int) -> BodyPoints:
+    return build_points(count, name) if name in BODIES else points_on(mesh_of(scene, name, LIGHT), count)
+
+
+def _bytes(points: BodyPoints) -> bytes:
+    count = len(points.position)
     kinds = [("position", "f4", 3), ("normal", "f4", 3), ("chance", "f4", 4), ("joint", "u1", 4), ("weight", "u1", 4)]
     data = np.zeros(count, np.dtype(kinds))
     data["position"], data["normal"], data["chance"] = points.position, points.normal, points.chance

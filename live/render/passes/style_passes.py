@@ -18,7 +18,7 @@ class StylePasses(ScenePass):
 
     def __init__(self, making: Making) -> None:
         self._ctx, self._many = making.ctx, making.quality.samples > 0
-        self._styled = StyledPass(making.ctx)
+        self._styled = StyledPass(making.ctx, worn=bool(making.scene.characters))
         self._ghosts, self._ribbons = GhostPass(making), RibbonPass(making)
         self._particles, self._xray = ParticlePass(making), XrayPass(making)
 

@@ -4,13 +4,13 @@ import moderngl
 
 from live.render.crowd import Crowd
 from live.render.release import release_all
-from live.render.shader import program, set_uniform
+from live.render.shader import WORN, program, set_uniform
 
 
 class StyledPass:
     """Draws opaque surfaces into the bound target: lit, or (`surface`) as the surfaces that other passes read."""
 
-    def __init__(self, ctx: moderngl.Context) -> None:
+    def __init__(self, ctx: moderngl.Context, *, worn: bool = False) -> None:
         self._ctx = ctx
         self._programs = [
             (
@@ -18,6 +18,11 @@ class StyledPass:
                 program(ctx, "contour_vertex.glsl", "contour_fragment.glsl", (("SOFT", 1), ("SURFACE", surface))),
             )
             for surface in (0, 1)
+        ]
+        self._worn = [
+            program(ctx, "styled_vertex.glsl", "styled_fragment.glsl", (("SOFT", 1), ("SURFACE", surface), *WORN))
+            for surface in (0, 1)
+            if worn
         ]
 
     def draw(self, crowd: Crowd, floor_map: moderngl.Texture, *, surface: bool = False) -> None:
@@ -27,9 +32,11 @@ class StyledPass:
         ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         ctx.depth_func = "<="
         floor_map.use(1)
-        set_uniform(body, "floor_map", 1)
+        worn = self._worn[surface] if self._worn else None
+        for linked in filter(None, (body, worn)):
+            set_uniform(linked, "floor_map", 1)
         for where, level in (("near", quality.near_level), ("far", quality.far_level)):
-            crowd.draw(body, level, f"bodies {where}")
+            crowd.draw(body, level, f"bodies {where}", worn=worn)
         ctx.front_face = "cw"  # the insides of the swollen body
         for where, level in (("near", quality.near_level), ("far", quality.far_level)):
             crowd.draw(ink, level, f"ink {where}")
@@ -38,4 +45,4 @@ class StyledPass:
 
     def release(self) -> None:
         """Free the programs."""
-        release_all(*(one for both in self._programs for one in both))
+        release_all(*(one for both in self._programs for one in both), *self._worn)

@@ -7,7 +7,7 @@ from live.render.crowd import Crowd
 from live.render.moment import Surfaces
 from live.render.quality import Quality
 from live.render.release import release_all
-from live.render.shader import program, set_uniform
+from live.render.shader import WORN, program, set_uniform
 
 
 class SurfacePass:
@@ -17,11 +17,16 @@ class SurfacePass:
     reads while the shader reads as well, so nothing is read that is being written.
     """
 
-    def __init__(self, ctx: moderngl.Context, quality: Quality, size: tuple[int, int]) -> None:
+    def __init__(self, ctx: moderngl.Context, quality: Quality, size: tuple[int, int], *, worn: bool = False) -> None:
         self._ctx, self.quality = ctx, quality
         self._surface, self._named = (
             program(ctx, "dancer_vertex.glsl", "gbuffer_fragment.glsl", (("SOFT", 0), ("WHO", who))) for who in (0, 1)
         )
+        self._worn = [
+            program(ctx, "dancer_vertex.glsl", "gbuffer_fragment.glsl", (("SOFT", 0), ("WHO", who), *WORN))
+            for who in (0, 1)
+            if worn
+        ]
         self._shades = [
             program(ctx, "full_vertex.glsl", "shade_fragment.glsl", (("NEAR", NEAR), ("FAR", FAR), ("HDR", hdr)))
             for hdr in (0, 1)
@@ -47,8 +52,9 @@ class SurfacePass:
         target.use()
         target.clear()
         self._ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
-        crowd.draw(linked, self.quality.near_level, "near")
-        crowd.draw(linked, self.quality.far_level, "far")
+        worn = self._worn[named] if self._worn else None
+        crowd.draw(linked, self.quality.near_level, "near", worn=worn)
+        crowd.draw(linked, self.quality.far_level, "far", worn=worn)
 
     def shade(self, floor_map: moderngl.Texture, *, hdr: bool = False) -> None:
         """Light the surfaces into the bound target, which must not write depth; `hdr`: as compressed light."""
@@ -73,4 +79,4 @@ class SurfacePass:
     def release(self) -> None:
         """Free everything."""
         self._release_target()
-        release_all(*self._triangles, self._surface, self._named, *self._shades)
+        release_all(*self._triangles, self._surface, self._named, *self._worn, *self._shades)

@@ -12,6 +12,6 @@ out vec4 shown;
 
 void main() {
     vec4 colour = surface(body.xyz, int(body.w + 0.5));
-    vec3 light = lit(place, normalize(facing.xyz), colour.rgb * colour.rgb, colour.a, facing.w);
+    vec3 light = lit(place, outward(normalize(facing.xyz)), colour.rgb * colour.rgb, colour.a, facing.w);
     shown = vec4(compressed(light * key_light.w), 1.0);
 }

@@ -18,5 +18,5 @@ void main() {
     int number = int(body.w + 0.5) + 1;
     who = vec4(float(number & 255), float((number >> 8) & 255), 0.0, 255.0) / 255.0;
 #endif
-    shape = vec4(facing.xyz * 0.5 + 0.5, colour.a);
+    shape = vec4(outward(facing.xyz) * 0.5 + 0.5, colour.a);
 }

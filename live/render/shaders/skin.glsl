@@ -7,6 +7,14 @@ in vec3 in_normal;
 in uvec4 in_joint;
 in vec4 in_weight;
 in float in_dancer;          // index
+#define VERTEX 1
+#ifdef WORN                  // a character with images of its own
+in vec2 in_uv;
+in vec4 in_tint;
+in vec4 in_finish;
+out vec4 worn_at;            // place on the image, layer, opacity where it ends
+out vec4 worn_tint;
+#endif
 
 vec3 turned(vec4 q, vec3 v) {
     vec3 t = 2.0 * cross(q.xyz, v);
@@ -16,6 +24,10 @@ vec3 turned(vec4 q, vec3 v) {
 struct Skinned { vec3 place; vec3 normal; };
 
 Skinned skinned(vec3 position, vec3 normal) {
+#ifdef WORN
+    worn_at = vec4(in_uv, in_finish.x * 255.0, in_finish.y / max(in_finish.z, 0.004));
+    worn_tint = in_tint;
+#endif
     int dancer = int(in_dancer);
     ivec2 base = ivec2(dancer / pose_layout.x * pose_layout.y, dancer % pose_layout.x);
     ivec2 at = base + ivec2(2 * int(in_joint.x), 0);

@@ -33,10 +33,10 @@ void main() {
     vec4 seen = surface(body.xyz, dancer);
     int number = dancer + 1;
     cover = vec4(seen.rgb, facing.w);
-    shape = vec4(normalize(facing.xyz) * 0.5 + 0.5, seen.a);
+    shape = vec4(outward(normalize(facing.xyz)) * 0.5 + 0.5, seen.a);
     name = vec4(float(number & 255), float((number >> 8) & 255), float(group), 255.0) / 255.0;
 #else
-    vec3 n = normalize(facing.xyz);
+    vec3 n = outward(normalize(facing.xyz));
     vec4 cloth = surface(body.xyz, dancer);
     vec3 glow = glow_of(dancer), albedo = cloth.rgb * cloth.rgb;
     vec3 colour = lit(place, n, albedo, cloth.a, facing.w);

@@ -7,6 +7,30 @@ vec4 material(int which, int dancer) {
     return texelFetch(wardrobe, ivec2(which + dancer / wardrobe_rows * 5, dancer % wardrobe_rows), 0);
 }
 
+#ifdef WORN
+uniform sampler2DArray images;   // square roots of colours
+#ifdef VERTEX
+vec4 surface(vec3 rest, int dancer) {
+    return vec4(textureLod(images, vec3(in_uv, in_finish.x * 255.0), 4.0).rgb * in_tint.rgb, in_tint.a);
+}
+#else
+in vec4 worn_at;
+in vec4 worn_tint;
+
+vec4 surface(vec3 rest, int dancer) {
+    vec4 image = texture(images, worn_at.xyz);
+    if (image.a < worn_at.w) discard;
+    return vec4(image.rgb * worn_tint.rgb, worn_tint.a);
+}
+
+// Hair and skirts are seen from behind, too.
+vec3 outward(vec3 normal) { return gl_FrontFacing ? normal : -normal; }
+#endif
+
+float seams(vec3 rest) { return 1.0; }
+#else
+vec3 outward(vec3 normal) { return normal; }
+
 // Square root of the colour, and sheen. Where pixels are dear the borders are sharp.
 vec4 surface(vec3 rest, int dancer) {
     float side = abs(rest.x);
@@ -35,3 +59,4 @@ float seams(vec3 rest) {
     float hair = min(0.012 + 0.42 * (rest.y - 1.60) - rest.z, rest.y - 1.536);
     return min(abs(bare), min(abs(hair), abs(waist)));
 }
+#endif
