@@ -66,7 +66,7 @@ def go_on(
     session = Session(played.wish, loaded, Sound() if calm else sound, venue, lifeline=lifeline, resumed=resumed)
     if calm:
         session.inbox.put(ChooseSource(time=session.clock.now(), source="supervisor", name="internal"))
-    scene = loaded.scene()
+    scene = loaded.scene(whole=False)
     if picture is None:
         from live.cli.headless_show import play_headless
 
@@ -116,7 +116,7 @@ def open_picture(
     from live.cli.stage import find_screen
     from live.cli.window_show import Picture
 
-    scene = loaded.scene()
+    scene = loaded.scene(whole=False)
     picture = Picture.opened(
         played.wish, scene, monitor=find_screen(played.monitor), fullscreen=played.fullscreen, hidden=hidden,
         venue=venue,

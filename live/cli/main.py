@@ -19,6 +19,7 @@ from live.cli import (
     bench,
     bvh,
     calibrate,
+    character,
     check,
     clock_check,
     dance,
@@ -62,6 +63,7 @@ app.command("clock-check")(clock_check.clock_check)
 app.command("dance")(dance.dance)
 app.command("devices")(devices.devices)
 app.command("calibrate")(calibrate.calibrate)
+app.command("character")(character.character)
 app.command("doctor")(doctor.doctor)
 app.command("beats")(beats.beats)
 app.command("bench")(bench.bench)

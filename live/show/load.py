@@ -14,6 +14,7 @@ from live.graph.metric.weights import Metric
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.motion.step_clip import StepClip
 from live.render.pass_trial import try_passes
+from live.show.characters import check_characters, drawable, files_of
 from live.show.core import Show
 from live.show.library_hash import library_hash
 from live.show.new_steps import clip_key
@@ -53,18 +54,20 @@ class LoadedShow:
         except PersonError as error:
             raise PersonError(f"{self._where(error.place)}: {error.message}", error.remedy, error.place) from None
 
+    def scene(self, *, whole: bool = True) -> Scene:
+        """What the renderer begins with; PersonError for a file that it cannot show. If it need not be `whole`, whoever
+        wears a character that cannot be drawn now has the usual body."""
+        try:
+            found = files_of(self.patch, self.path) if whole else drawable(self.patch, self.path)
+            return scene_of(self.patch, self.path, found)
+        except PersonError as error:
+            raise PersonError(f"{self._where(error.place)}: {error.message}", error.remedy, error.place) from None
+
     def _where(self, place: tuple[str | int, ...]) -> str:
         """File and, if it is known, line of a key of the patch, with the key."""
         if self.sources is None or not place:
             return str(self.path)
         return f"{self.sources.told(place)}: {field_words(place)}"
-
-    def scene(self) -> Scene:
-        """What the renderer begins with; PersonError for a file that it cannot show."""
-        try:
-            return scene_of(self.patch, self.path)
-        except PersonError as error:
-            raise PersonError(f"{self._where(error.place)}: {error.message}", error.remedy, error.place) from None
 
     def clips(self) -> list[StepClip]:
         """All clips as a start would find them now."""
@@ -123,6 +126,11 @@ def load_show(path: Path, *, recordings: Path | None = None) -> LoadedShow:
     with _no_collection():
         patch, sources = read_sources(path)
     try_passes(patch.picture.own_passes)
+    try:
+        check_characters(patch, path)
+    except PersonError as error:
+        where = f"{sources.told(error.place)}: {field_words(error.place)}"
+        raise PersonError(f"{where}: {error.message}", error.remedy, error.place) from None
     return replace(show_of(patch, path, recordings=recordings), sources=sources)
 
 

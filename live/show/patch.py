@@ -12,6 +12,7 @@ from live.base.perspective import matched
 from live.show.call_check import check_named
 from live.show.cue_check import check_cues
 from live.show.score_check import check_score
+from live.show.sections.character import Characters
 from live.show.sections.cue import CueSection
 from live.show.sections.element import ElementSection
 from live.show.sections.facing import parse_facing
@@ -69,6 +70,7 @@ class Patch(Section):
     background: Annotated[tuple[BackgroundSection, ...], Field(max_length=8)] = ()
     picture: PictureSection = PictureSection()
     projector: ProjectorSection | None = None
+    character: Characters = ()
     view: Annotated[tuple[ViewSection, ...], Field(max_length=200)] = ()
     looks: Annotated[tuple[NamedLookSection, ...], Field(max_length=200)] = ()
     scene: Annotated[tuple[SceneSection, ...], Field(max_length=1000)] = ()
@@ -116,6 +118,7 @@ class Patch(Section):
         things |= {"view": [view.name for view in self.view], "looks": [look.name for look in self.looks]}
         things |= {"scene": [scene.name for scene in self.scene], "cue": [cue.name for cue in self.cue]}
         things["background"] = [background.name for background in self.background]
+        things |= {"character": [each.name for each in self.character]}
         things |= {"gate": [gate.name for gate in self.gate], "obstacle": [item.name for item in self.obstacle]}
         for what, names in things.items():
             known: set[str] = set()
@@ -135,6 +138,18 @@ class Patch(Section):
                         self.projector.aspect)  # fmt: skip
             except PersonError as error:
                 raise Amiss(str(error), "projector", "corners") from None
+        return self
+
+    @model_validator(mode="after")
+    def _characters_are_worn(self) -> "Patch":
+        groups = {group.name.casefold() for group in self.group}
+        for index, each in enumerate(self.character):
+            for name in each.groups:
+                if name.casefold() not in groups:
+                    raise Amiss(f"character {each.name!r}: no group is called {name!r}", "character", index, "groups")
+            if each.dancers and max(each.dancers) > self.dancer_count:
+                words = f"character {each.name!r}: there is no dancer {max(each.dancers)}, only {self.dancer_count}"
+                raise Amiss(words, "character", index, "dancers")
         return self
 
     @model_validator(mode="after")

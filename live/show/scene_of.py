@@ -4,21 +4,20 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Final
 
-import numpy as np
-
-from live.base.bodies import USUAL
+from live.base.bodies import BODIES, USUAL
+from live.base.character import CharacterFile
 from live.base.errors import PersonError, named
 from live.base.perspective import matched
 from live.base.stage_view import Background, Camera, Look, Scene
 from live.motion.skeleton import JOINT_COUNT
 from live.render.background_file import check_background
+from live.show.characters import bodies_of
 from live.show.parameter_table import numbers_of
 from live.show.patch import Patch
 from live.show.patch_file import find_beside
 from live.show.sections.draw import drawn
 from live.show.sections.stage import CameraSection
 
-_BODIES_SEED = 23
 _LOOK: Final = {field.name for field in fields(Look)}
 
 
@@ -56,8 +55,8 @@ def backgrounds_of(patch: Patch, path: Path) -> tuple[Background, ...]:
     return tuple(found)
 
 
-def scene_of(patch: Patch, path: Path | None = None) -> Scene:
-    """What the renderer must know of a patch."""
+def scene_of(patch: Patch, path: Path | None = None, characters: tuple[CharacterFile, ...] = ()) -> Scene:
+    """What the renderer must know of a patch, whose own characters are where `characters` says."""
     look = {key: value for key, value in patch.look.model_dump().items() if value is not None and key in _LOOK}
     defaults = Look()
     colours = tuple(
@@ -68,6 +67,7 @@ def scene_of(patch: Patch, path: Path | None = None) -> Scene:
         tuple((address, numbers_of(address, value)) for address, value in drawn(group.draw).items())
         for group in patch.group
     )
+    known = {*BODIES, *(each.name for each in characters)}
     return Scene(
         stage_size=(patch.stage.width, patch.stage.depth),
         look=Look(**look, group_colours=colours, group_styles=styles),
@@ -78,17 +78,6 @@ def scene_of(patch: Patch, path: Path | None = None) -> Scene:
         passes=patch.picture.passes,
         own=patch.picture.own_passes,
         start=patch.picture.start(),
-        bodies=_bodies(patch),
+        bodies=tuple(name if name in known else USUAL for name in bodies_of(patch)),
+        characters=characters,
     )
-
-
-def _bodies(patch: Patch) -> tuple[str, ...]:
-    """The body of each dancer, drawn from those of the group in which she begins; nothing if all have the usual one."""
-    if all(group.bodies is None for group in patch.group):
-        return ()
-    chance = np.random.default_rng([patch.seed, _BODIES_SEED])
-    names: list[str] = []
-    for group in patch.group:
-        bodies = group.bodies or (USUAL,)
-        names += [bodies[index] for index in chance.integers(len(bodies), size=group.dancers).tolist()]
-    return tuple(names)
