@@ -1,4 +1,4 @@
-"""A character in four moments of a step, side by side, as a show would draw it."""
+"""A character in three moments of a step, side by side, as a show would draw it."""
 
 from pathlib import Path
 
@@ -17,9 +17,9 @@ from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_cont
 from live.render.quality import CARD
 from live.render.renderer import Renderer
 
-MOMENTS = 4
-_APART = 1.45
-_TURNS = (18.0, 0.0, -28.0, 150.0)
+MOMENTS = 3
+_APART = 1.6
+_TURNS = (18.0, -28.0, 150.0)
 """Which way it looks in each moment [degrees]: the last one shows its back."""
 
 
@@ -30,10 +30,8 @@ def draw_character(said: CharacterFile, out: Path, step: str | None, size: tuple
     from PIL import Image
 
     view = _dancing(_step(step))
-    camera = Camera(eye=(0.0, 1.5, 7.4), target=(0.0, 0.92, 0.0), field_of_view_deg=29.0)
-    scene = Scene(
-        (10.0, 7.0), camera, Look(), MOMENTS, JOINT_COUNT, bodies=(said.name,) * MOMENTS, characters=(said,)
-    )
+    camera = Camera(eye=(0.0, 1.5, 7.4), target=(0.0, 0.92, 0.0), field_of_view_deg=22.0)
+    scene = Scene((10.0, 7.0), camera, Look(), MOMENTS, JOINT_COUNT, bodies=(said.name,) * MOMENTS, characters=(said,))
     try:
         ctx = create_headless_context()
     except NoOpenGL as error:
@@ -70,7 +68,8 @@ def _dancing(step: StepClip) -> StageView:
     for moment, degrees in enumerate(_TURNS):
         turn = quaternion.from_axis_angle(np.array([0.0, 1.0, 0.0]), np.radians(degrees))
         own = places[moment] - places[moment, 0] * (1.0, 0.0, 1.0)
-        own = quaternion.rotate(turn, own) + ((moment - 0.5 * (MOMENTS - 1)) * _APART, 0.0, 0.0)
+        own = quaternion.rotate(turn, own)
+        own[:, 0] += (moment - 0.5 * (MOMENTS - 1)) * _APART
         view.joint_position[moment] = own
         view.joint_rotation[moment] = quaternion.mul(turn, turns[moment])
         view.group[moment] = moment % 3

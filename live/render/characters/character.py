@@ -93,9 +93,7 @@ def _loaded(said: CharacterFile, stamp: tuple[int, int]) -> Character:
     layer_of = {image: number + 1 for number, image in enumerate(used)}
     fitted = fit(model, joints)
     surface = _surface(model, materials, layer_of)
-    triangle = np.concatenate(
-        [part.triangle + first for part, first in zip(model.parts, _firsts(model), strict=True)]
-    )
+    triangle = np.concatenate([part.triangle + first for part, first in zip(model.parts, _firsts(model), strict=True)])
     openness = _openness(fitted)
     levels = {level: _level(fitted, surface, openness, triangle, wanted) for level, wanted in TRIANGLES.items()}
     two_sided = any(materials[part.material][0].two_sided for part in model.parts)  # type: ignore[index]

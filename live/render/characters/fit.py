@@ -159,13 +159,13 @@ def _split(weight: Float64, position: Float64, place: Float64, known: npt.NDArra
     return weight
 
 
-def _posed(
-    position: Float64, normal: Float64, place: Float64, weight: Float64
-) -> tuple[Float64, Float64, Float64]:
+def _posed(position: Float64, normal: Float64, place: Float64, weight: Float64) -> tuple[Float64, Float64, Float64]:
     """Limbs turned until they lie as the dancer's in her rest pose, the skin by blended dual quaternions."""
     turn = np.tile((1.0, 0.0, 0.0, 0.0), (JOINT_COUNT, 1))
     for bone, tip in _LIMBS:
-        turn[_at(bone)] = quaternion.from_two_vectors(place[_at(tip)] - place[_at(bone)], _REST[_at(tip)] - _REST[_at(bone)])
+        turn[_at(bone)] = quaternion.from_two_vectors(
+            place[_at(tip)] - place[_at(bone)], _REST[_at(tip)] - _REST[_at(bone)]
+        )
     for side in ("left", "right"):
         turn[_at(side + "Hand")] = turn[_at(side + "LowerArm")]
         ahead = (place[_at(side + "Toes")] - place[_at(side + "Foot")]) * (1.0, 0.0, 1.0)

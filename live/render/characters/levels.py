@@ -68,9 +68,7 @@ def _finer(name: str) -> float:
     return next((by for word, by in _FINER.items() if name.endswith(word)), 1.0)
 
 
-def _level(
-    position: Float64, main: Int64, island: Int64, triangle: Int64, finer: Float64, size: float
-) -> Level:
+def _level(position: Float64, main: Int64, island: Int64, triangle: Int64, finer: Float64, size: float) -> Level:
     grid = np.floor(position * finer / size).astype(np.int64) + 4096
     key = ((grid[:, 0] * 8192 + grid[:, 1]) * 8192 + grid[:, 2]) * JOINT_COUNT + main
     cell = np.unique(key, return_inverse=True)[1].reshape(-1)

@@ -1,0 +1,108 @@
+"""Characters on the engine's skeleton: whatever names, pose, unit and proportions they come with."""
+
+import numpy as np
+import pytest
+
+from live.base.character import CharacterFile, Worn
+from live.base.errors import PersonError
+from live.motion.skeleton import SKELETON
+from live.render.body import COARSE, LIGHT, build_body
+from live.render.characters.character import TRIANGLES, load_character
+from live.render.characters.fit import fit
+from live.render.characters.joints import find_joints
+from live.render.characters.read import parse_model
+from tests.render.characters.figures import glb_of, mixamo, painted, rigify, unreal
+
+BODY = build_body(LIGHT)
+OTHER = {"LowerLeg": 0.8, "Foot": 0.85, "UpperArm": 1.2, "LowerArm": 1.2, "Hand": 1.1, "head": 1.3}
+
+
+def fitted(**wanted):
+    model = parse_model(glb_of(**wanted), "anna.glb")
+    return model, fit(model, find_joints(model, {}))
+
+
+@pytest.mark.parametrize(
+    "wanted",
+    [{}, {"names": mixamo}, {"names": unreal}, {"names": rigify}, {"vrm": "1.0"}, {"vrm": "0.x", "turn": 180.0},
+     {"names": mixamo, "unit": 100.0}, {"turn": -90.0}, {"names": unreal, "unit": 39.37, "turn": 30.0}],
+)  # fmt: skip
+def test_the_generated_body_out_of_a_file_is_the_generated_body(wanted):
+    model, own = fitted(**wanted)
+    assert find_joints(model, {}) == {name: at for at, name in enumerate(SKELETON.names)}
+    soles = BODY.position[:, 1].min()  # they end a little over the floor, and are put upon it
+    assert 0.0 <= soles < 0.0015
+    assert np.abs(own.position - BODY.position).max() < 2e-5 + 1.3 * soles
+    assert np.abs(own.normal - BODY.normal).max() < 1e-3
+
+
+def test_arms_that_hang_in_the_rest_pose_are_raised():
+    _, own = fitted(names=mixamo, arms_down=45.0)
+    off = np.linalg.norm(own.position - BODY.position, axis=1)
+    assert off.max() < 0.006
+    assert off.mean() < 0.0005
+
+
+def test_hands_and_feet_are_where_the_dancers_are_whatever_the_proportions():
+    _, own = fitted(names=mixamo, lengths=OTHER, arms_down=50.0)
+    assert own.moved > 0.15  # its joints do lie elsewhere
+    for name in ("leftHand", "rightHand", "leftFoot", "rightFoot", "leftLowerArm", "rightLowerLeg", "hips"):
+        mine = own.weight[:, SKELETON.index(name)] > 0.8
+        apart = own.position[mine].mean(axis=0) - BODY.position[mine].mean(axis=0)
+        assert np.linalg.norm(apart) < 0.012, name
+    feet = own.weight[:, [SKELETON.index("leftFoot"), SKELETON.index("leftToes")]].sum(axis=1) > 0.8
+    assert abs(own.position[feet, 1].min()) < 0.004  # the sole lies on the floor
+
+
+def test_joints_that_a_character_lacks_are_made_up():
+    lacks = ("upperChest", "neck", "leftToes", "rightToes", "leftShoulder", "rightShoulder")
+    model, own = fitted(vrm="1.0", without=lacks)
+    assert {name for name, node in find_joints(model, {}).items() if node is None} == set(lacks)
+    assert np.abs(own.position - BODY.position).max() < 0.01
+    assert np.allclose(own.weight.sum(axis=1), 1.0)
+    for name in ("upperChest", "neck", "leftToes", "rightToes"):  # their skin bends where the dancer's does
+        assert own.weight[:, SKELETON.index(name)].max() > 0.9
+
+
+def test_bones_that_nobody_could_know_are_said():
+    data = glb_of(names=lambda name: f"Bone{SKELETON.index(name):03d}")
+    model = parse_model(data, "anna.glb")
+    with pytest.raises(ValueError, match=r"no hips, no head.*joints = \{ hips"):
+        find_joints(model, {})
+    said = {name: f"Bone{at:03d}" for at, name in enumerate(SKELETON.names)}
+    assert find_joints(model, said)["leftHand"] == SKELETON.index("leftHand")
+    with pytest.raises(ValueError, match="no bone is called 'Bon'"):
+        find_joints(model, said | {"head": "Bon"})
+    with pytest.raises(ValueError, match=r"would be .* and "):
+        find_joints(model, said | {"head": "Bone000"})
+
+
+def test_levels_have_fewer_triangles_and_keep_the_shape(tmp_path):
+    path = tmp_path / "anna.glb"
+    path.write_bytes(glb_of(level=2, image=painted()))
+    loaded = load_character(CharacterFile("anna", str(path)))
+    fine, light, coarse = (loaded.levels[level].body for level in (2, 1, 0))
+    assert len(fine.triangle) == len(build_body(2).triangle)
+    for level, mesh in ((LIGHT, light), (COARSE, coarse)):
+        assert 0.6 * TRIANGLES[level] < len(mesh.triangle) <= TRIANGLES[level]
+        assert np.abs(mesh.position.max(axis=0) - fine.position.max(axis=0)).max() < 0.02
+        assert np.abs(mesh.position.min(axis=0) - fine.position.min(axis=0)).max() < 0.02
+        edges = mesh.position[mesh.triangle] - mesh.position[mesh.triangle[:, [1, 2, 0]]]
+        assert np.linalg.norm(edges, axis=2).max() < 0.12  # nothing is torn across the body
+        assert np.allclose(mesh.weight.sum(axis=1), 1.0, atol=1e-5)
+    assert _volume(light) == pytest.approx(_volume(fine), rel=0.06)
+
+
+def _volume(mesh):
+    a, b, c = (mesh.position[mesh.triangle[:, corner]].astype(float) for corner in range(3))
+    return np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0
+
+
+def test_materials_are_changed_and_hidden_by_name(tmp_path):
+    path = tmp_path / "anna.glb"
+    path.write_bytes(glb_of(image=painted()))
+    red = CharacterFile("anna", str(path), materials=(("cloth", Worn(colour=(0.25, 0.0, 0.0), sheen=0.5)),))
+    assert np.allclose(load_character(red).levels[2].tint, (0.5, 0.0, 0.0, 0.5))
+    for name, worn, words in (("hat", Worn(), "no material is called 'hat'"), ("cloth", Worn(hidden=True), "hidden")):
+        with pytest.raises(PersonError, match=words):
+            load_character(CharacterFile("anna", str(path), materials=((name, worn),)))

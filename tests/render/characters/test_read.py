@@ -1,0 +1,174 @@
+"""Files that cannot be characters: each is told by name, none takes memory or leads out of its folder."""
+
+import io
+import json
+import struct
+import zlib
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from live.base.character import CharacterFile
+from live.base.errors import PersonError
+from live.render.characters.character import load_character
+from live.render.characters.read import BYTE_LIMIT, parse_model
+from tests.render.characters.figures import Figure, document, glb, glb_of, painted
+
+
+def broken(change, **wanted):
+    root, chunk = document(Figure(**wanted))
+    chunk = bytearray(chunk)
+    change(root, chunk)
+    return glb(root, bytes(chunk))
+
+
+def poke(view, place, value, form):
+    def change(root, chunk):
+        struct.pack_into(form, chunk, root["bufferViews"][view]["byteOffset"] + place, value)
+
+    return change
+
+
+def put(*keys, value):
+    def change(root, _):
+        for key in keys[:-1]:
+            root = root[key]
+        root[keys[-1]] = value
+
+    return change
+
+
+def without_skin(root, _):
+    del root["skins"]
+    del root["nodes"][-1]["skin"]
+
+
+def in_one_place(root, _):
+    for node in root["nodes"]:
+        node["translation"] = [0.0, 0.0, 0.0]
+
+
+POSITION, JOINTS, INDICES = 0, 3, 5
+CASES = {
+    "no skin": (without_skin, "has no skin"),
+    "no place": (poke(POSITION, 0, float("nan"), "<f"), "not usable"),
+    "a vertex that is not there": (poke(INDICES, 0, 10**6, "<I"), "name the vertex 1000000"),
+    "a joint that is not there": (poke(JOINTS, 0, 200, "<B"), "names the joint 200 of 22"),
+    "a material that is not there": (put("meshes", 0, "primitives", 0, "material", value=3), "material is 3"),
+    "an accessor that is not there": (put("meshes", 0, "primitives", 0, "indices", value=99), "no number 99"),
+    "an accessor that is too long": (put("accessors", 0, "count", value=10**9), "numbers|beyond"),
+    "a view beyond the end": (put("bufferViews", 0, "byteLength", value=10**8), "ends at byte"),
+    "lines": (put("meshes", 0, "primitives", 0, "mode", value=1), "hold no triangles"),
+    "compressed": (put("extensionsRequired", value=["KHR_draco_mesh_compression"]), "needs KHR_draco"),
+    "bones in one place": (in_one_place, "in one place"),
+    "nothing that moves it": (
+        lambda root, _: root["meshes"][0]["primitives"][0]["attributes"].pop("JOINTS_0"),
+        "moves",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_what_is_broken_is_told(case, tmp_path):
+    change, words = CASES[case]
+    path = tmp_path / "anna.glb"
+    path.write_bytes(broken(change))
+    with pytest.raises(PersonError, match=words) as refused:
+        load_character(CharacterFile("anna", str(path)))
+    assert "anna.glb" in refused.value.message
+    assert "\n" not in str(refused.value)
+    assert refused.value.remedy
+
+
+def test_a_file_that_is_too_large_is_not_read(tmp_path):
+    path = tmp_path / "anna.glb"
+    with path.open("wb") as file:
+        file.truncate(2 * BYTE_LIMIT)
+    with pytest.raises(PersonError, match="200 MB; a character has 100 MB at most") as refused:
+        load_character(CharacterFile("anna", str(path)))
+    assert "fewer triangles" in (refused.value.remedy or "")
+
+
+def bomb(width, height):
+    """A PNG of a few bytes that claims to be large."""
+
+    def part(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    head = struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + part(b"IHDR", head) + part(b"IDAT", zlib.compress(b"\0")) + part(b"IEND", b"")
+
+
+@pytest.mark.parametrize(
+    ("image", "words"),
+    [
+        (bomb(60000, 60000), "image 0"),
+        (bomb(9000, 10), "9000 x 10"),
+        (b"GIF89a" + bytes(40), "no PNG, JPEG or WebP"),
+        (painted()[:90], "image 0 is"),
+        (bomb(64, 64), "broken"),
+    ],
+)
+def test_images_that_cannot_be_are_told(image, words, tmp_path):
+    path = tmp_path / "anna.glb"
+    path.write_bytes(glb_of(image=image))
+    with pytest.raises(PersonError, match=words):
+        load_character(CharacterFile("anna", str(path)))
+
+
+def written(tmp_path, uri):
+    """A .gltf with its chunk beside it, and an image at `uri`."""
+    root, chunk = document(Figure())
+    root["buffers"][0]["uri"] = "anna.bin"
+    root["images"], root["textures"] = [{"uri": uri}], [{"source": 0}]
+    root["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 0}
+    (tmp_path / "anna.bin").write_bytes(chunk)
+    path = tmp_path / "anna.gltf"
+    path.write_text(json.dumps(root))
+    return CharacterFile("anna", str(path))
+
+
+def test_images_beside_the_file_are_found_below_its_folder_and_nowhere_else(tmp_path):
+    folder = tmp_path / "model"
+    (folder / "images").mkdir(parents=True)
+    (folder / "images" / "red cloth.png").write_bytes(painted())
+    (tmp_path / "secret.png").write_bytes(painted())
+    (folder / "link.png").symlink_to(tmp_path / "secret.png")
+    assert len(load_character(written(folder, "images/red%20cloth.png")).layers) == 2
+    for uri, words in (
+        ("images/blue.png", "missing"), ("../secret.png", "same folder"), ("/etc/passwd", "same folder"),
+        ("link.png", "out of its folder"), ("data:image/png;base64,!", "base64"), ("images/%2e%2e/%2e%2e/a.png", "folder"),
+    ):  # fmt: skip
+        with pytest.raises(PersonError, match=words):
+            load_character(written(folder, uri))
+
+
+def test_colours_are_kept_as_square_roots_of_linear_light(tmp_path):
+    out = io.BytesIO()
+    Image.fromarray(np.full((4, 4, 4), (188, 0, 255, 128), np.uint8)).save(out, "PNG")
+    path = tmp_path / "anna.glb"
+    path.write_bytes(glb_of(image=out.getvalue()))
+    layers = load_character(CharacterFile("anna", str(path))).layers
+    linear = (layers[1, 0, 0, :3] / 255.0) ** 2
+    assert linear == pytest.approx([0.5029, 0.0, 1.0], abs=0.004)  # sRGB 188 is half the light (IEC 61966-2-1)
+    assert layers[1, 0, 0, 3] == 128
+    assert (layers[0] == 255).all()
+
+
+def test_what_only_the_wearer_sees_is_left_out_and_the_licence_is_told():
+    def own_eyes(root, _):
+        root["nodes"].append({"name": "eyes", "mesh": 0, "skin": 0})
+        root["meshes"].append(root["meshes"][0])
+        root["nodes"][-1]["mesh"] = 1
+        root["extensions"]["VRM"]["firstPerson"] = {
+            "meshAnnotations": [{"mesh": 1, "firstPersonFlag": "FirstPersonOnly"}]
+        }
+
+    model = parse_model(broken(own_eyes, vrm="0.x"), "anna.vrm")
+    assert len(model.parts) == 1
+    assert "own eyes" in model.notes[0]
+    assert model.kind == "VRM 0.x"
+    assert model.licence["author"] == "somebody"
+    assert model.licence["licence"] == "CC0"
+    assert parse_model(glb_of(vrm="1.0"), "anna.vrm").licence["author"] == "somebody"
