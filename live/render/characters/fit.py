@@ -94,7 +94,7 @@ def _axes(model: Model, joints: Mapping[str, int | None]) -> Float64:
     """Rows: the character's left, up and ahead in its file; up is one of the file's axes."""
 
     def at(name: str) -> Float64:
-        return model.place[joints[name] or 0]
+        return np.asarray(model.place[joints[name] or 0])
 
     rise = at("head") - 0.5 * (at("leftFoot") + at("rightFoot"))
     up = np.zeros(3)
@@ -184,4 +184,5 @@ def _posed(position: Float64, normal: Float64, place: Float64, weight: Float64) 
     length = np.maximum(np.linalg.norm(real, axis=1, keepdims=True), 1e-9)
     real, other = real / length, other / length
     move = 2.0 * quaternion.mul(other, quaternion.inverse(real))[:, 1:]
-    return quaternion.rotate(real, position) + move, quaternion.rotate(real, normal), posed
+    placed = np.asarray(quaternion.rotate(real, position) + move, np.float64)
+    return placed, np.asarray(quaternion.rotate(real, normal), np.float64), posed

@@ -49,7 +49,7 @@ def _named(model: Model, joint: str, name: str) -> int:
         raise MotionFileError(model.file, None, f"{shown(joint)} is no joint of a dancer", f"one of {known}")
     for node in (*sorted(model.joints), *range(len(model.names))):
         if model.names[node] == name:
-            return node
+            return int(node)
     some = ", ".join(model.names[node] for node in sorted(model.joints)[:12])
     raise MotionFileError(model.file, None, f"no bone is called {shown(name)}", f"there are: {some} ...")
 

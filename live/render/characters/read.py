@@ -135,12 +135,12 @@ class _Reader:
             if mesh in own_meshes or node in own_nodes:
                 self._notes.append("meshes for the wearer's own eyes are left out")
                 continue
-            skin = skins[place.whole("skin", below=len(skins))] if place.has("skin") else None
-            if skin is None and not self._carried(node):
+            own = skins[place.whole("skin", below=len(skins))] if place.has("skin") else None
+            if own is None and not self._carried(node):
                 self._notes.append(f"{self._nodes.name(node)!r} hangs on no bone and is left out")
                 continue
             for primitive in self._root.element("meshes", mesh).elements("primitives"):
-                part = self._part(primitive, node, skin)
+                part = self._part(primitive, node, own)
                 if part is not None:
                     yield part
 

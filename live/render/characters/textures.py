@@ -60,7 +60,9 @@ def _pixels(image: Image.Image, side: int, number: int, file: str) -> UInt8:
     try:
         image.draft("RGB", (side, side))
         whole = image.convert("RGBA")
-        return np.asarray(whole.resize((side, side), Image.Resampling.BOX if side < whole.width else Image.BILINEAR))
+        return np.asarray(
+            whole.resize((side, side), Image.Resampling.BOX if side < whole.width else Image.Resampling.BILINEAR)
+        )
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
         words = f"image {number} is broken: {' '.join(str(error).split())[:80]}"
         raise MotionFileError(file, None, words, "export it again") from None

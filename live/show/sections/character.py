@@ -1,6 +1,6 @@
 """Users' own characters: `[[character]]`."""
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field, field_validator
 
@@ -32,14 +32,21 @@ class CharacterSection(Section):
     """The groups whose dancers are drawn as it; where several characters have a group, by chance."""
     dancers: Annotated[tuple[Annotated[int, Field(ge=1, le=4000)], ...], Field(max_length=4000)] = ()
     """Single dancers by number. With neither groups nor dancers it is everybody's."""
-    joints: Annotated[
-        dict[Literal[SKELETON.names], Annotated[str, Field(min_length=1, max_length=200)]],  # type: ignore[valid-type]
-        Field(max_length=22),
-    ] = Field(default={})
+    joints: Annotated[dict[Name, Annotated[str, Field(min_length=1, max_length=200)]], Field(max_length=22)] = Field(
+        default={}
+    )
     """Bones of the file where their names do not say what they are: `{ hips = "Bone.003" }`. `live character FILE`
     tells which were found."""
     materials: Annotated[dict[Name, CharacterMaterialSection], Field(max_length=64)] = Field(default={})
     """Changes of materials, by their names in the file."""
+
+    @field_validator("joints")
+    @classmethod
+    def _are_joints(cls, joints: dict[str, str]) -> dict[str, str]:
+        for name in joints:
+            if name not in SKELETON.names:
+                raise ValueError(f"{name!r} is no joint of a dancer: there are {', '.join(SKELETON.names)}")
+        return joints
 
     @field_validator("name")
     @classmethod
