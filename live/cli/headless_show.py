@@ -1,4 +1,4 @@
-"""The show without a window, in real time: for rehearsal, tests and long runs; with a film if asked for."""
+"""The show without a window, in real time: for rehearsal, tests and long runs; with a picture if somebody takes it."""
 
 import time
 from collections.abc import Callable
@@ -12,17 +12,17 @@ from live.render.pacing import Pacer
 
 
 def play_headless(session: Session, scene: Scene, console: Console) -> None:
-    """Run until the seconds are over or Ctrl-C; draws only if the film is recorded."""
-    if session.wish.record is None:
+    """Run until the seconds are over or Ctrl-C; draws only if somebody takes the picture."""
+    if session.wish.record is None and not session.wish.share:
         with session.running():
             _loop(session, lambda view: None, session.wish.film_fps)
         return
-    from live.cli.recording import LiveRecording, live_rate
+    from live.cli.recording import live_rate
+    from live.cli.takers import Takers
     from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context
     from live.render.renderer import Renderer
 
     wish = session.wish
-    assert wish.record is not None
     try:
         ctx = create_headless_context()
     except NoOpenGL as error:
@@ -30,17 +30,17 @@ def play_headless(session: Session, scene: Scene, console: Console) -> None:
     target = OffscreenTarget(ctx, wish.size)
     renderer = Renderer(ctx, scene, size=wish.size)
     rate = live_rate(wish, ctx)
-    recording = LiveRecording(wish.record, ctx, wish.size, rate, session.sound.music)
+    takers = Takers(session, ctx, wish.size)
 
     def draw(view: StageView) -> None:
         renderer.draw(view, target.framebuffer)
-        recording.frame(target.framebuffer, session.clock.now())
+        takers.frame(target.framebuffer, session.clock.now())
 
     try:
         with session.running():
             _loop(session, draw, rate)
     finally:
-        recording.close(console)
+        takers.close(console)
         renderer.release()
         target.release()
         ctx.release()

@@ -131,7 +131,7 @@ def play(
         bool,
         typer.Option(
             "--headless",
-            help="No window: run in real time without a picture, or --record it.",
+            help="No window: run in real time without a picture, or --record or --share it.",
             rich_help_panel=PANEL_PICTURE,
         ),
     ] = False,
@@ -145,6 +145,14 @@ def play(
     record: Annotated[
         Path | None,
         typer.Option(help="Record the picture as an mp4.", metavar="FILE.mp4", rich_help_panel=PANEL_RECORD),
+    ] = None,
+    share: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Share the picture with other programs: shm:NAME, or a stream like udp://127.0.0.1:5000.",
+            metavar="shm:NAME|URL",
+            rich_help_panel=PANEL_RECORD,
+        ),
     ] = None,
     journal: Annotated[
         Path | None, typer.Option(help="Write the journal here, for `live replay`.", rich_help_panel=PANEL_RECORD)
@@ -193,6 +201,7 @@ def play(
         writable_file,
     )
     from live.cli.played import Played
+    from live.cli.share_names import parse_shares
     from live.cli.supervised import is_supervised, supervise
     from live.cli.warm import warm_kernels
     from live.cli.wish import Wish
@@ -225,6 +234,7 @@ def play(
             status_json=status_json,
             seconds=seconds,
             record=record,
+            share=parse_shares(share),
             operator=operator,
             size=parse_size(size),
             fps=fps,

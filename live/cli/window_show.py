@@ -15,8 +15,9 @@ from live.cli.drawing_watch import DrawingWatch
 from live.cli.output_keeping import OutputKeeping
 from live.cli.output_places import outputs_of, places_of
 from live.cli.output_setup import OutputSetup
-from live.cli.recording import LiveRecording, live_rate
+from live.cli.recording import live_rate
 from live.cli.session import Session
+from live.cli.takers import Takers
 from live.cli.wish import Wish
 from live.control.events import Attract, ControlEvent, Repel
 from live.control.keys import FORMATION_KEYS, KEYS, event_for_formation, event_for_key
@@ -180,12 +181,9 @@ def play_picture(
     session: Session, scene: Scene, picture: Picture, *, console: Console, reveal: bool | None = None
 ) -> None:
     """Run the show in windows that are open; `reveal`: they are hidden, show them now, full screen or not."""
-    wish = session.wish
-    recording: LiveRecording | None = None
+    takers: Takers | None = None
     try:
-        if wish.record is not None:
-            fps = live_rate(wish, picture.window.ctx)
-            recording = LiveRecording(wish.record, picture.window.ctx, picture.size, fps, session.sound.music)
+        takers = Takers(session, picture.window.ctx, picture.size)
         operator = Operator(session, picture, scene)
         setup = _setup(session, picture, reveal is not None)
         session.engine.on_error = lambda error: console.print(
@@ -194,10 +192,10 @@ def play_picture(
         with session.running():
             if reveal is not None:
                 picture.reveal(fullscreen=reveal)
-            _loop(session, picture, operator, setup, recording)
+            _loop(session, picture, operator, setup, takers)
     finally:
-        if recording is not None:
-            recording.close(console)
+        if takers is not None:
+            takers.close(console)
 
 
 def _setup(session: Session, picture: Picture, anew: bool) -> OutputSetup:
@@ -221,12 +219,10 @@ def _setup(session: Session, picture: Picture, anew: bool) -> OutputSetup:
     return setup
 
 
-def _loop(
-    session: Session, picture: Picture, operator: Operator, setup: OutputSetup, recording: LiveRecording | None
-) -> None:
+def _loop(session: Session, picture: Picture, operator: Operator, setup: OutputSetup, takers: Takers) -> None:
     awake = Awake(x11_display()).begin()
     try:
-        _frames(session, picture, operator, setup, recording, awake)
+        _frames(session, picture, operator, setup, takers, awake)
     finally:
         setup.done()
         awake.end()
@@ -237,7 +233,7 @@ def _frames(
     picture: Picture,
     operator: Operator,
     setup: OutputSetup,
-    recording: LiveRecording | None,
+    takers: Takers,
     awake: Awake,
 ) -> None:
     window = picture.window
@@ -267,8 +263,7 @@ def _frames(
                 operator.act(picture.on_picture(where, value), session.clock.now())
         session.before_frame()
         session.engine.frame(draw, at=grid.at(swapped if display else started))
-        if recording is not None:
-            recording.frame(picture.pictures.last, started)
+        takers.frame(picture.pictures.last, started)
         session.status.late_frames = pacer.late
         session.after_frame(started, previous)
         watch.times.mark("rest")

@@ -36,6 +36,8 @@ class Wish:
     status_json: Path | None = None
     seconds: float | None = None
     record: Path | None = None
+    share: tuple[str, ...] = ()
+    """Where the picture is shared: shm:NAME, or addresses of streams."""
     operator: str | None = None
     """The monitor of the operator's own window; None: as the venue says."""
     size: tuple[int, int] = (1280, 720)

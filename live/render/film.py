@@ -102,7 +102,7 @@ class FilmWriter:
         chosen = {"preset": preset or ("ultrafast" if live else "veryfast"), "crf": str(crf)}
         self._options = chosen if self._kind.video == "libx264" else {}
         self._sources = [av.VideoFrame(*self.size, "rgba" if alpha else "rgb24") for _ in range(depth)]
-        self._pixels = [_pixels_of(source, 4 if alpha else 3) for source in self._sources]
+        self._pixels = [pixels_of(source, 4 if alpha else 3) for source in self._sources]
         self._free: SimpleQueue[int] = SimpleQueue()
         self._jobs: SimpleQueue[_Job] = SimpleQueue()
         self._repeats = 0
@@ -172,7 +172,7 @@ class FilmWriter:
         """The encoder's thread, from the first byte of the file to the last."""
         try:
             if self._live:
-                _give_way()
+                give_way()
             flags = "hybrid_fragmented+delay_moov" if self._live else "faststart"
             options = {"movflags": flags, "movie_timescale": "90000"}  # lengths in ms would cut the last picture short
             options = options if self._kind.container in ("mp4", "mov") else {}
@@ -201,7 +201,7 @@ class FilmWriter:
             self._free.put(job.slot)
 
 
-def _give_way() -> None:
+def give_way() -> None:
     """Let the show go first: lower the priority of this thread, and of those of the encoder that it will start."""
     if sys.platform == "linux":
         thread = threading.get_native_id()
@@ -209,7 +209,7 @@ def _give_way() -> None:
             os.setpriority(os.PRIO_PROCESS, thread, os.getpriority(os.PRIO_PROCESS, thread) + 5)
 
 
-def _pixels_of(source: Any, channels: int) -> Picture:
+def pixels_of(source: Any, channels: int) -> Picture:
     """The pixels of an RGB or RGBA frame as an array (height, width, channels) on its own memory."""
     plane = source.planes[0]
     rows = np.frombuffer(plane, np.uint8)[: source.height * plane.line_size].reshape(source.height, plane.line_size)

@@ -37,11 +37,12 @@ class FilmEncoder:
             codec.colorspace, codec.color_primaries = Colorspace.ITU709, ColorPrimaries.BT709
             codec.color_trc, codec.color_range = ColorTrc.BT709, ColorRange.MPEG
         if kind.video == "libx264":
-            codec.gop_size = max(1, round(2 * fps))  # two seconds are lost at most with an unfinished live film
+            codec.gop_size = max(1, round(kind.seconds_whole * fps))
         self._reformatter = VideoReformatter()
         self._track = SoundTrack(container, sound, kind.audio) if sound else None
         self._last: Any = None
-        self._count = 0
+        self.count = 0
+        """Frames so far."""
 
     def picture(self, source: Any) -> None:
         """Encode a new picture."""
@@ -55,14 +56,18 @@ class FilmEncoder:
 
     def repeat(self) -> None:
         """Encode the last picture (once more), and the sound beside it."""
-        self._last.pts, self._last.time_base, self._last.duration = self._count, 1 / self._fps, 1
+        self._last.pts, self._last.time_base, self._last.duration = self.count, 1 / self._fps, 1
         self._container.mux(self._stream.encode(self._last))
-        self._count += 1
+        self.count += 1
         if self._track:
-            self._track.follow(self._count / self._fps)
+            self._track.follow(self.count / self._fps)
+
+    def skip(self, frames: int) -> None:
+        """Leave out so many frames: the picture before them stays."""
+        self.count += frames
 
     def finish(self) -> None:
         """Bring out what the encoders still hold."""
         self._container.mux(self._stream.encode(None))
         if self._track:
-            self._track.follow(self._count / self._fps, last=True)
+            self._track.follow(self.count / self._fps, last=True)

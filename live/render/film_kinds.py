@@ -25,6 +25,8 @@ class FilmKind:
     """Options of the encoder of the pictures ..."""
     alpha_options: tuple[tuple[str, str], ...] = ()
     """... and others with alpha."""
+    seconds_whole: float = 2.0
+    """So often there is a picture that needs no other (H.264): as much is lost of an unfinished live film at most."""
 
     @property
     def rgb(self) -> bool:

@@ -1,0 +1,34 @@
+"""Takers: who takes the pictures of a running show beside its window: a film, other programs."""
+
+import moderngl
+from rich.console import Console
+
+from live.cli.recording import LiveRecording, live_rate
+from live.cli.session import Session
+from live.cli.sharing import LiveSharing
+
+
+class Takers:
+    """All of them; none costs nothing. Thread: the main thread, which owns the OpenGL context."""
+
+    def __init__(self, session: Session, ctx: moderngl.Context, size: tuple[int, int]) -> None:
+        """As was wished for; PersonError if one cannot be made."""
+        wish, music, fps = session.wish, session.sound.music, live_rate(session.wish, ctx)
+        self._all: list[LiveRecording | LiveSharing] = []
+        if wish.record is not None:
+            self._all.append(LiveRecording(wish.record, ctx, size, fps, music))
+        if wish.share:
+            sharing = LiveSharing(wish.share, ctx, size, fps, music)
+            self._all.append(sharing)
+            session.status.notes.append(sharing.words)
+            session.status.more["shared"] = sharing.facts
+
+    def frame(self, framebuffer: moderngl.Framebuffer, time: float) -> None:
+        """The picture just drawn at `time` [s of the show]."""
+        for each in self._all:
+            each.frame(framebuffer, time)
+
+    def close(self, console: Console) -> None:
+        """End them, and say what became of each."""
+        for each in self._all:
+            each.close(console)

@@ -1,0 +1,33 @@
+"""Where pictures are shared, as people write it."""
+
+import pytest
+
+from live.base.errors import PersonError
+from live.cli import share_names
+from live.cli.share_names import parse_shares
+
+
+def test_names_and_addresses() -> None:
+    given = ["shm:stage", "udp://127.0.0.1:5000", "udp://239.0.0.1:5000?ttl=2", "tcp://[::1]:7000", "shm:stage"]
+    assert parse_shares(given) == tuple(given[:4])
+    assert parse_shares(None) == ()
+
+
+@pytest.mark.parametrize(
+    "text", ["", "stage", "shm:", "shm:../x", "udp:127.0.0.1", "udp://127.0.0.1", "udp://host:0", "udp://host:70000",
+             "http://host:80", "rtmp://host:1935/live"],
+)  # fmt: skip
+def test_what_is_neither(text: str) -> None:
+    with pytest.raises(PersonError, match="--share"):
+        parse_shares([text])
+
+
+def test_without_srt_it_is_told_what_carries_it_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    import live.render.share_stream as stream
+
+    monkeypatch.setattr(stream, "has_srt", lambda: False)
+    with pytest.raises(PersonError, match="built without SRT") as error:
+        share_names.parse_shares(["srt://127.0.0.1:5000"])
+    assert "ffmpeg -i udp://" in str(error.value.remedy)
+    monkeypatch.setattr(stream, "has_srt", lambda: True)
+    assert share_names.parse_shares(["srt://127.0.0.1:5000"]) == ("srt://127.0.0.1:5000",)
