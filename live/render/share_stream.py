@@ -24,6 +24,8 @@ STREAM: Final = FilmKind(
 )  # fmt: skip
 SLOTS: Final = 3
 """Pictures that wait for the encoder at most."""
+PACKETS: Final = "?pkt_size=1316"
+"""Seven packets of a transport stream in each datagram: more would be cut on the way."""
 AGAIN: Final = 1.0
 """After a failure the stream is opened again after so many seconds."""
 
@@ -97,9 +99,10 @@ class SharedStream:
                 return
 
     def _send_all(self) -> None:
-        options = {"pkt_size": "1316"} if self.url.startswith("udp") else {}
+        whole = "" if not self.url.startswith("udp") or "pkt_size" in self.url else PACKETS
+        url = self.url + (whole if not whole or "?" not in self.url else whole.replace("?", "&"))
         form = "rtp_mpegts" if self.url.startswith("rtp") else STREAM.container
-        with av.open(self.url, "w", format=form, options=options, timeout=5.0) as container:
+        with av.open(url, "w", format=form, timeout=5.0) as container:
             encoder: FilmEncoder | None = None
             first = 0
             while (job := self._jobs.get()) is not None:
