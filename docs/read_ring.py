@@ -1,7 +1,7 @@
 """Read the picture that `live play --share shm:NAME` hands over. Needs numpy; copy it into your own program.
 
-    python read_ring.py NAME            # says what comes, once a second
-    python read_ring.py NAME out.ppm    # writes the next picture and ends
+python read_ring.py NAME            # says what comes, once a second
+python read_ring.py NAME out.ppm    # writes the next picture and ends
 """
 
 import sys

@@ -20,7 +20,7 @@ _BLOCK: Final = 20_000
 
 
 def warp(position: Float64, place: Float64, weight: Float64) -> Float64:
-    """Positions (V, 3) warped as joints go from `place` (J, 3) to the rest pose; `weight` (V, J) says what is a head."""
+    """Positions (V, 3) warped as joints go from `place` (J, 3) to the rest pose; `weight` (V, J): what is a head."""
     start, end = _anchors(position, place, weight)
     moved = end - start
     if np.abs(moved).max() < 1e-9:

@@ -138,7 +138,8 @@ def test_images_beside_the_file_are_found_below_its_folder_and_nowhere_else(tmp_
     assert len(load_character(written(folder, "images/red%20cloth.png")).layers) == 2
     for uri, words in (
         ("images/blue.png", "missing"), ("../secret.png", "same folder"), ("/etc/passwd", "same folder"),
-        ("link.png", "out of its folder"), ("data:image/png;base64,!", "base64"), ("images/%2e%2e/%2e%2e/a.png", "folder"),
+        ("link.png", "out of its folder"), ("data:image/png;base64,!", "base64"),
+        ("images/%2e%2e/%2e%2e/a.png", "folder"),
     ):  # fmt: skip
         with pytest.raises(PersonError, match=words):
             load_character(written(folder, uri))
