@@ -160,6 +160,8 @@ def test_fades_count_ins_jumps_and_what_can_be_undone_go_on(tick):
     script = {
         40: events.RecallScene(time=0.6, source="key", name="low", measures=2.0),
         60: events.StoreScene(time=0.9, source="key", name="mine"),
+        65: events.FadePicture(time=1.0, source="key", level=0.2, beats=12.0),
+        68: events.AllowFlashes(time=1.1, source="key", on=True),
         90: events.Go(time=1.4, source="key"),
         120: events.GiveCue(time=1.9, source="key", name="solo"),
         180: events.SetPicture(time=2.8, source="osc", parameter="/dance/light/level", x=0.9, measures=3.0),
@@ -178,4 +180,6 @@ def test_fades_count_ins_jumps_and_what_can_be_undone_go_on(tick):
         each.view_now = each.view()
         each.fill(each.view_now, 480 * TICK)
     assert restored.view_now.picture.tobytes() == show.view_now.picture.tobytes()
+    assert restored.view_now.brightness == show.view_now.brightness < 0.5
+    assert restored.view_now.flashes
     assert restored.desk.facts(480.0) == show.desk.facts(480.0)

@@ -7,7 +7,7 @@ import pytest
 from live.base.errors import PersonError
 from live.render.outputs.output import Output, SoftEdge
 from live.show.toml_file import parse_model
-from live.show.venue import Venue
+from live.show.venue import Venue, read_venue
 
 
 def venue(text: str) -> Venue:
@@ -70,3 +70,10 @@ def test_what_is_wrong_is_named_with_its_line(text, words):
 def test_there_are_not_too_many():
     with pytest.raises(PersonError, match="output: at most 8"):
         venue("".join(f'[[output]]\nname = "{n}"\n' for n in range(9)))
+
+
+def test_the_projects_own_venues_can_be_read():
+    left, right = (one.output(Path()) for one in read_venue("two_projectors").output)
+    assert left.crop[2] - right.crop[0] == pytest.approx(0.1)  # what both show
+    assert left.edge.right * left.crop[2] == pytest.approx(0.1, abs=1e-3)
+    assert right.edge.left * right.crop[2] == pytest.approx(0.1, abs=1e-3)

@@ -77,6 +77,16 @@ class Projection:
         """How much of its light each picture may have."""
         self._lifted = False
         self._closing.callback(self._release)
+        self._draw_once()
+
+    def _draw_once(self) -> None:
+        """Drivers compile a program when it first draws: better now than in the show."""
+        for screen in self.all[::-1]:  # the first one last, whose context stays the current one
+            screen.window.make_current()
+            screen.draw_once(self.pictures)
+        for time in (-2.0, -1.0):
+            self.flashes.left(self.pictures.texture, time)
+        self.flashes.rest()
 
     def _screen(self, output: Output, places: Places, number: int) -> Screen:
         """Open one output's window."""

@@ -61,6 +61,15 @@ class Screen:
         if self.editing is not None and self._handles is not None:
             self._handles.draw(self.editing.points, self.editing.chosen, self.lines, target)
 
+    def draw_once(self, pictures: Pictures) -> None:
+        """Draw everything that may be drawn later, where nobody sees it."""
+        scratch = self.window.ctx.texture((16, 16), 4)
+        target = self.window.ctx.framebuffer([scratch])
+        for card in ("off", "grid"):
+            self._pass.draw(self._texture(pictures), target, card=card)
+        target.release()
+        scratch.release()
+
     def _throw(self, pictures: Pictures, target: Any, left: float) -> None:
         untouched = self.output.is_plain and self.card == "off" and left >= 1.0 and pictures.size == self.window.size
         if untouched and pictures.ctx is self.window.ctx:
