@@ -233,3 +233,17 @@ def test_a_strobe_is_damped_on_the_projector_until_the_operator_lifts_the_limit(
     view.flashes = True
     strobe(60)
     assert held.held == before
+
+
+@pytest.mark.x11
+def test_hidden_windows_are_revealed_with_everything_ready(opened: Open, stage_x: TwoMonitorX) -> None:
+    projection = opened(LEFT, RIGHT, fullscreen=True, hidden=True, operator=None)
+    projection.draw(moment())
+    assert projection.size == (1600, 600)  # as it will be once it is seen
+    assert not any(monitor.any() for monitor in monitors_of(stage_x))
+    projection.reveal(fullscreen=True)
+    frames(projection, moment())
+    assert [screen.window.size for screen in projection.screens] == [FIRST, SECOND]
+    assert projection.fullscreen
+    _, second = monitors_of(stage_x)
+    np.testing.assert_array_equal(second, picture_of(projection)[:, 800:])
