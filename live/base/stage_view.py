@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.character import CharacterFile
+from live.base.items import Item
 from live.base.own_pass import OwnPass
 
 Float32 = npt.NDArray[np.float32]
@@ -126,6 +127,8 @@ class Scene:
     joint_count: int
     backgrounds: tuple[Background, ...] = ()
     """Images and videos behind the dancers; `/dance/background/1` is how much of the first one is seen."""
+    items: tuple[Item, ...] = ()
+    """Boxes, cylinders and steps that stand on the stage."""
     passes: tuple[str, ...] = PASSES
     """Which passes there are, in their order; those that are left out are never drawn."""
     own: tuple[OwnPass, ...] = ()

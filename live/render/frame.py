@@ -71,6 +71,7 @@ _SPOT_ROWS: Final = tuple(
     for at in (f"/dance/spot/{number}" for number in range(1, SPOTS + 1))
 )
 _GRADIENT: Final = ("gradient", "top", "bottom")
+_SIDE, _BACK, _BEAMS = (BY_ADDRESS[f"/dance/light/{name}"].first for name in ("side", "back", "beams"))
 ENERGY: Final = BY_ADDRESS["/dance/light/energy"].first
 CLOSEST: Final = 1e-3
 """A camera nearer to what it looks at than this [m] looks nowhere: the last one stays."""
@@ -199,6 +200,22 @@ class FrameBlock:
     def row(self) -> Float64:
         """The picture's row in the frame that was written last."""
         return self._row
+
+    @property
+    def spots(self) -> bool:
+        """Whether any follow spot is lit."""
+        return bool(self._data["spot_light"][0, 3] > 0.0)
+
+    @property
+    def beside(self) -> bool:
+        """Whether any lamp is lit that is dark in the usual light, but for beams."""
+        row = self._row
+        return self.spots or bool(row[_SIDE] > 0.0 or row[_BACK] > 0.0)
+
+    @property
+    def pools(self) -> bool:
+        """Whether spots or beams light the floor."""
+        return self.spots or bool(self._row[_BEAMS] > 0.0)
 
     @property
     def shadows(self) -> bool:

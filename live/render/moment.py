@@ -74,6 +74,9 @@ class ScenePass:
         """Whether `over` draws anything now: then a picture on the processor takes the way through half floats."""
         return False
 
+    def cast(self) -> None:
+        """Draw shadows into the bound layers of the floor, whether active or not."""
+
     def prepare(self, moment: Moment) -> None:
         """Draw into textures of its own, before the picture."""
 

@@ -24,6 +24,7 @@ from live.render.passes.background_pass import BackgroundPass
 from live.render.passes.beam_pass import BeamPass
 from live.render.passes.dancer_pass import DancerPass
 from live.render.passes.floor_pass import FloorPass
+from live.render.passes.item_pass import ItemPass, vertices_of
 from live.render.passes.lit_target import LitTarget
 from live.render.passes.matte_pass import MattePass
 from live.render.passes.mirror_pass import MirrorPass
@@ -35,7 +36,9 @@ from live.render.passes.surface_pass import SurfacePass
 from live.render.quality import Quality
 from live.render.release import Releasable, release_all
 
-SCENE_PASSES: Final[tuple[Callable[[Making], ScenePass], ...]] = (BackgroundPass, StylePasses, BeamPass, PlanPass)
+SCENE_PASSES: Final[tuple[Callable[[Making], ScenePass], ...]] = (
+    ItemPass, BackgroundPass, StylePasses, BeamPass, PlanPass,
+)  # fmt: skip
 """What else is in the scene, in the order in which it is drawn."""
 _BODY_AROUND_JOINTS: Final = 0.25
 """The generated body reaches at most this far beyond its joints [m]."""
@@ -64,6 +67,9 @@ class Pipeline:
         else:
             self._smooth = {hdr: SmoothPass(ctx, self._surface.depth, size, hdr=hdr) for hdr in (False, True)}
         self._scene_passes = [make(making) for make in SCENE_PASSES]
+        if scene.items:
+            self.floor.casters = [one.cast for one in self._scene_passes]
+        self._standing = vertices_of(scene.items)[:, :3]
         self.look_from(scene.camera)
 
     def take(self, quality: Quality) -> None:
@@ -114,7 +120,7 @@ class Pipeline:
         into = smooth.target
         into.use()
         into.scissor = where
-        self._surface.shade(moment.floor, hdr=hdr)
+        self._surface.shade(moment.floor, hdr=hdr, beside=moment.frame.beside)
         self._draw_stage(into, moment, hdr=hdr)
         for one in overs:
             one.over(moment)
@@ -148,14 +154,17 @@ class Pipeline:
         return self._surface.surfaces
 
     def _draw_stage(self, into: moderngl.Framebuffer, moment: Moment, *, hdr: bool) -> None:
-        self._stages[hdr].draw(into, self._floor_rows, self._backdrop.texture, moment.floor, self._mirror.texture)
+        self._stages[hdr].draw(
+            into, self._floor_rows, self._backdrop.texture, moment.floor, self._mirror.texture, pools=moment.frame.pools
+        )
 
     def _where_dancers_are(self, moment: Moment) -> tuple[int, int, int, int]:
-        """The pixels that dancers may cover: others need neither be lit nor smoothed."""
-        view = moment.view
-        if len(view.joint_position) == 0:
+        """The pixels that dancers and items may cover: others need neither be lit nor smoothed."""
+        joints = moment.view.joint_position.reshape(-1, 3)
+        if len(self._standing):
+            joints = np.concatenate([joints, self._standing])
+        if len(joints) == 0:
             return 0, 0, 0, 0
-        joints = view.joint_position.reshape(-1, 3)
         reach = max(_BODY_AROUND_JOINTS, moment.crowd.reach)
         low, high = joints.min(axis=0) - reach, joints.max(axis=0) + reach
         return covered(self._world_to_clip, self._size, low.astype(np.float64), high.astype(np.float64))

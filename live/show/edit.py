@@ -8,7 +8,7 @@ from live.show.sections.section import Section
 
 AT_THE_START: Final = (
     "seed", "steps", "reserve", "music", "sound", "clock", "link", "midi.input", "midi.clock_out", "midi.time_code_bpm",
-    "midi.time_code_offset_s", "stage", "background", "picture.passes", "character", "steering.separation",
+    "midi.time_code_offset_s", "stage", "background", "item", "picture.passes", "character", "steering.separation",
     "steering.combine",
 )  # fmt: skip
 """Keys that count when a show starts, and not again."""

@@ -33,6 +33,7 @@ from live.show.sections.stage import (
     BackgroundSection,
     CameraSection,
     GateSection,
+    ItemSection,
     LookSection,
     ObstacleSection,
     ProjectorSection,
@@ -67,6 +68,7 @@ class Patch(Section):
     obstacle: Annotated[tuple[ObstacleSection, ...], Field(max_length=64)] = ()
     camera: CameraSection = CameraSection()
     look: LookSection = LookSection()
+    item: Annotated[tuple[ItemSection, ...], Field(max_length=200)] = ()
     background: Annotated[tuple[BackgroundSection, ...], Field(max_length=8)] = ()
     picture: PictureSection = PictureSection()
     projector: ProjectorSection | None = None

@@ -7,6 +7,7 @@ from typing import Final
 from live.base.bodies import BODIES, USUAL
 from live.base.character import CharacterFile
 from live.base.errors import PersonError, named
+from live.base.items import Item
 from live.base.perspective import matched
 from live.base.stage_view import Background, Camera, Look, Scene
 from live.motion.skeleton import JOINT_COUNT
@@ -75,6 +76,7 @@ def scene_of(patch: Patch, path: Path | None = None, characters: tuple[Character
         dancer_count=patch.dancer_count,
         joint_count=JOINT_COUNT,
         backgrounds=() if path is None else backgrounds_of(patch, path),
+        items=tuple(Item(**section.model_dump()) for section in patch.item),
         passes=patch.picture.passes,
         own=patch.picture.own_passes,
         start=patch.picture.start(),

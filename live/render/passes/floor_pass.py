@@ -4,6 +4,7 @@ Shadows are the dancers flattened along the key light, in three layers by height
 layer, the wider it is blurred, so that feet stand firmly and arms cast a breath.
 """
 
+from collections.abc import Callable
 from typing import Final
 
 import moderngl
@@ -27,6 +28,8 @@ class FloorPass:
 
     def __init__(self, ctx: moderngl.Context, quality: Quality, floor_size: tuple[float, float]) -> None:
         self._ctx = ctx
+        self.casters: list[Callable[[], None]] = []
+        """What else casts shadows: each draws into the layers that are bound."""
         self._casts = [
             program(ctx, "shadow_vertex.glsl", "shadow_fragment.glsl", (("SOFT", 0), ("STYLED", styled)))
             for styled in (0, 1)
@@ -90,6 +93,8 @@ class FloorPass:
         ctx.enable(moderngl.BLEND)
         ctx.blend_equation = moderngl.MAX, moderngl.MAX
         crowd.draw(self._casts[crowd.styles.any], COARSE)
+        for cast in self.casters:
+            cast()
         ctx.blend_equation = moderngl.FUNC_ADD, moderngl.FUNC_ADD
         ctx.disable(moderngl.BLEND)
         for source, target, triangle in zip(

@@ -13,8 +13,10 @@ class StagePass:
         """`hdr`: into compressed light, to be developed later; otherwise as it is shown."""
         self._ctx = ctx
         self._programs = [
-            program(ctx, "full_vertex.glsl", "stage_fragment.glsl", (("HDR", int(hdr)), ("FLOOR", floor)))
-            for floor in (1, 0)
+            program(
+                ctx, "full_vertex.glsl", "stage_fragment.glsl", (("HDR", int(hdr)), ("FLOOR", floor), ("POOLS", pools))
+            )
+            for floor, pools in ((1, 0), (0, 0), (1, 1))
         ]
         self._triangles = [ctx.vertex_array(linked, []) for linked in self._programs]
 
@@ -25,15 +27,21 @@ class StagePass:
         backdrop: moderngl.Texture,
         floor_map: moderngl.Texture,
         mirror: moderngl.Texture,
+        *,
+        pools: bool = False,
     ) -> None:
-        """Draw at the far plane, after the dancers; below `floor_rows` (from the bottom) the floor may be seen."""
+        """Draw at the far plane, after the dancers; below `floor_rows` (from the bottom) the floor may be seen.
+
+        `pools`: with the pools of spots and beams on it.
+        """
         self._ctx.enable(moderngl.DEPTH_TEST)
         self._ctx.depth_func = "<="
         width, height = target.size
         for unit, texture in enumerate((backdrop, floor_map, mirror), start=1):
             texture.use(unit)
         regions = ((0, 0, width, floor_rows), (0, floor_rows, width, height - floor_rows))
-        for linked, triangle, region in zip(self._programs, self._triangles, regions, strict=True):
+        for which, region in zip((2 if pools else 0, 1), regions, strict=True):
+            linked, triangle = self._programs[which], self._triangles[which]
             if region[3] <= 0:
                 continue
             for unit, name in enumerate(("backdrop", "floor_map", "mirror"), start=1):

@@ -28,9 +28,13 @@ class SurfacePass:
             if worn
         ]
         self._shades = [
-            program(ctx, "full_vertex.glsl", "shade_fragment.glsl", (("NEAR", NEAR), ("FAR", FAR), ("HDR", hdr)))
+            program(
+                ctx, "full_vertex.glsl", "shade_fragment.glsl",
+                (("NEAR", NEAR), ("FAR", FAR), ("HDR", hdr), ("BESIDE", beside)),
+            )
             for hdr in (0, 1)
-        ]
+            for beside in (0, 1)
+        ]  # fmt: skip
         self._triangles = [ctx.vertex_array(shade, []) for shade in self._shades]
         self._make(size)
 
@@ -56,16 +60,18 @@ class SurfacePass:
         crowd.draw(linked, self.quality.near_level, "near", worn=worn)
         crowd.draw(linked, self.quality.far_level, "far", worn=worn)
 
-    def shade(self, floor_map: moderngl.Texture, *, hdr: bool = False) -> None:
-        """Light the surfaces into the bound target, which must not write depth; `hdr`: as compressed light."""
-        linked = self._shades[hdr]
+    def shade(self, floor_map: moderngl.Texture, *, hdr: bool = False, beside: bool = True) -> None:
+        """Light the surfaces into the bound target, which must not write depth; `hdr`: as compressed light; `beside`:
+        with the lamps that are dark in the usual light."""
+        which = 2 * hdr + beside
+        linked = self._shades[which]
         self._ctx.enable(moderngl.DEPTH_TEST)
         self._ctx.depth_func = ">"
         textures = {"cover": self._cover, "shape": self._shape, "depth": self.depth, "floor_map": floor_map}
         for unit, (name, texture) in enumerate(textures.items(), start=1):
             texture.use(unit)
             set_uniform(linked, name, unit)
-        self._triangles[hdr].render(moderngl.TRIANGLES, vertices=3)
+        self._triangles[which].render(moderngl.TRIANGLES, vertices=3)
         self._ctx.depth_func = "<"
 
     def resize(self, size: tuple[int, int]) -> None:

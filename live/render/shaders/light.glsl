@@ -4,7 +4,12 @@ uniform sampler2D floor_map;
 const vec3 RIM_LEFT = vec3(-0.6276, 0.4602, -0.6276);
 const vec3 RIM_RIGHT = vec3(0.6276, 0.4602, -0.6276);
 
-// Lamps that are dark in the usual light: low from both sides, straight behind, follow spots.
+// Lamps that are dark in the usual light: low from both sides, straight behind, follow spots. Where the processor draws
+// a program without them is used while they are dark: a branch would cost it as much as the lamps.
+#ifndef BESIDE
+#define BESIDE 1
+#endif
+#if BESIDE
 vec3 beside(vec3 place, vec3 n, vec3 albedo, vec3 to_eye, float edge, float openness) {
     const vec3 LEFT = vec3(-0.94, 0.24, 0.24), RIGHT = vec3(0.94, 0.24, 0.24), BACK = vec3(0.0, 0.62, -0.78);
     float left = clamp((dot(n, LEFT) + 0.12) / 1.12, 0.0, 1.0), right = clamp((dot(n, RIGHT) + 0.12) / 1.12, 0.0, 1.0);
@@ -21,6 +26,7 @@ vec3 beside(vec3 place, vec3 n, vec3 albedo, vec3 to_eye, float edge, float open
     }
     return colour;
 }
+#endif
 
 vec3 lit(vec3 place, vec3 n, vec3 albedo, float sheen, float openness) {
     vec3 to_eye = normalize(eye.xyz - place);
@@ -43,8 +49,10 @@ vec3 lit(vec3 place, vec3 n, vec3 albedo, float sheen, float openness) {
     light += glow * ((1.1 - 0.6 * n.y) * 2.0 / (1.0 + 2.0 * height * height));
 
     vec3 colour = albedo * light;
+#if BESIDE
     vec4 more = vec4(side_left.rgb + side_right.rgb + back_light.rgb, spot_light[0].w);
     if (dot(more, vec4(1.0)) > 0.0) colour += beside(place, n, albedo, to_eye, edge, openness);
+#endif
     colour += key_light.rgb * (shine * pool * 0.5);
     colour += rim_light.rgb * (rim * edge * 0.75 * (0.4 + 0.6 * openness));
     colour *= answer();

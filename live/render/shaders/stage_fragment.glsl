@@ -1,6 +1,5 @@
 // Behind the dancers: the kept backdrop, with this moment's shadows, elements and mirror images on the floor.
 #include "frame.glsl"
-#include "beams.glsl"
 #include "finish.glsl"
 
 in vec2 at;
@@ -25,6 +24,8 @@ vec3 resized(vec3 colour, vec2 place) {
     return colour * lit + rim_light.rgb * (0.10 * edge.z * exp(-square(off / 0.04)));
 }
 
+#if POOLS
+#include "beams.glsl"
 // Pools of the follow spots and of the beams on the floor.
 vec3 pools(vec3 place) {
     vec3 sum = vec3(0.0);
@@ -44,6 +45,7 @@ vec3 pools(vec3 place) {
     }
     return sum * (0.03 + 1.7 * floor_colour.rgb);
 }
+#endif
 
 void main() {
     // while light or camera move it may be smaller than the picture
@@ -57,8 +59,8 @@ void main() {
     colour *= 1.0 - kept.a * here.a;
     colour += (here.rgb + square3(texture(mirror, at).rgb)) * kept.a;
 #endif
-#if FLOOR
-    if (spot_light[0].w + beam_form.w > 0.0) colour += pools(vec3(place.x, 0.0, place.y)) * kept.a * (1.0 - 0.8 * here.a);
+#if FLOOR && POOLS
+    colour += pools(vec3(place.x, 0.0, place.y)) * kept.a * (1.0 - 0.8 * here.a);
 #endif
     colour *= key_light.w * answer() * side_right.w;
 #if HDR

@@ -8,6 +8,7 @@ from live.base.errors import PersonError
 from live.base.perspective import check_corners
 from live.show.sections.section import Amiss, Colour, Far, Name, Place, Section, Share
 
+Extent = Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)]
 Shift = Annotated[float, Field(ge=-5, le=5, allow_inf_nan=False)]
 
 
@@ -42,6 +43,25 @@ class ObstacleSection(Section):
     """How far it reaches around that [m]; of no meaning for a wall."""
     wall_to: Place | None = None
     """It is a wall from `at` to here (x, z) [m]."""
+
+
+class ItemSection(Section):
+    """`[[item]]`: an item of the set that is drawn; an `[[obstacle]]` at its place keeps dancers away from it."""
+
+    form: Literal["box", "cylinder", "steps"] = "box"
+    """What it is."""
+    at: Place
+    """Its middle (x, z) [m]."""
+    size: tuple[Extent, Extent, Extent] = (1.0, 0.5, 1.0)
+    """Width, height and depth [m]."""
+    turn_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
+    """How far it is turned: 0 faces the audience, positive towards +x."""
+    lift: Annotated[float, Field(ge=0, le=50)] = 0.0
+    """How high its underside is above the floor [m]."""
+    colour: Colour = (0.10, 0.10, 0.12)
+    """Its colour."""
+    steps: Annotated[int, Field(ge=1, le=40)] = 4
+    """How many steps `steps` have; they rise away from the audience."""
 
 
 class BackgroundSection(Section):

@@ -1,0 +1,68 @@
+"""Items on the stage: lit, before and behind dancers, with a shadow; a scene without any is drawn as before."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from live.base.items import Item
+from live.render.camera import pixel_of
+from live.render.quality import CARD, SOFTWARE
+from live.render.renderer import Renderer
+from tests.render.test_renderer import SIZE, read, scene, standing
+
+pytestmark = pytest.mark.gl
+
+
+@pytest.fixture
+def drawn(gl_context):
+    """Draws one dancer in the middle among items."""
+
+    def draw(*items, quality=SOFTWARE):
+        renderer = Renderer(gl_context, replace(scene(1), items=items), size=SIZE, quality=quality)
+        target = gl_context.simple_framebuffer(SIZE)
+        renderer.draw(standing(), target)
+        seen = read(target).astype(int)
+        renderer.release()
+        target.release()
+        return seen
+
+    return draw
+
+
+def pixel(*at):
+    return pixel_of(scene(1).camera, SIZE, [at])[0].astype(int)
+
+
+@pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
+def test_an_item_hides_whom_it_stands_before_and_is_hidden_behind_her(drawn, quality):
+    bare = drawn(quality=quality)
+    red = {"size": (1.5, 2.2, 0.4), "colour": (0.6, 0.02, 0.02)}
+    before, behind = (
+        drawn(Item("box", (0.0, 1.5), **red), quality=quality),
+        drawn(Item("box", (0.0, -1.5), **red), quality=quality),
+    )
+    x, y = pixel(0.0, 1.2, 0.1)
+    assert before[y, x, 0] > 60 > 2 * before[y, x, 1]
+    assert np.abs(behind[y, x] - bare[y, x]).max() < 12
+    x, y = pixel(0.5, 1.2, -1.3)
+    assert behind[y, x, 0] > 60 > 2 * behind[y, x, 1]
+
+
+def test_an_item_casts_a_shadow_away_from_the_key_light(drawn):
+    bare, seen = drawn(), drawn(Item("box", (2.0, 0.0), (0.8, 1.0, 0.8)))
+    x, z = np.array(scene(1).look.key_direction)[[0, 2]] / abs(scene(1).look.key_direction[1])
+    at = pixel(2.0 + 0.85 * x - 0.15, 0.0, 0.85 * z)
+    other = pixel(2.0 - 0.9 * x + 0.3, 0.0, 0.3 - 0.9 * z)
+    assert seen[at[1], at[0]].sum() < 0.85 * bare[at[1], at[0]].sum()
+    assert seen[other[1], other[0]].sum() > 0.95 * bare[other[1], other[0]].sum()
+
+
+def test_items_far_from_all_dancers_are_lit_too(drawn, golden):
+    seen = drawn(
+        Item("cylinder", (-4.0, -2.0), (0.6, 3.0, 0.6), colour=(0.3, 0.3, 0.3)),
+        Item("steps", (3.0, -2.0), (2.0, 1.0, 1.5)),
+    )
+    x, y = pixel(-4.0, 1.5, -1.7)
+    assert seen[y, x].max() > 60
+    golden(seen.astype(np.uint8), "items", law=lambda picture: picture[y, x].max() > 60)
