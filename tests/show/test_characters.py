@@ -1,0 +1,88 @@
+"""`[[character]]`: who wears which, and what is refused with its line before a show."""
+
+import pytest
+
+from live.base.bodies import USUAL
+from live.base.errors import PersonError
+from live.show.characters import bodies_of, check_characters, drawable, files_of
+from live.show.edit import fitted
+from live.show.patch_file import PatchError, parse_patch
+from live.show.scene_of import scene_of
+from tests.render.characters.figures import glb_of
+from tests.show.made_show import PATCH
+
+BEGIN = PATCH.partition("[[group]]")[0]
+GROUPS = """
+[[group]]
+name = "ember"
+dancers = 40
+steps = ["groove"]
+[[group]]
+name = "tide"
+dancers = 5
+steps = ["groove"]
+"""
+ANNA = '[[character]]\nname = "anna"\nfile = "characters/anna.glb"\n'
+
+
+def patch(text):
+    return parse_patch(BEGIN + GROUPS + text, "a.toml")
+
+
+def test_dancers_of_a_group_wear_its_characters_by_seeded_chance_and_some_by_number():
+    assert bodies_of(patch("")) == ()
+    said = ANNA + 'groups = ["Ember"]\ndancers = [43]\n'
+    both = patch(said + ANNA.replace("anna", "ben") + 'groups = ["ember"]\n')
+    bodies = bodies_of(both)
+    assert set(bodies[:40]) == {"anna", "ben"}
+    assert 8 < bodies[:40].count("ben") < 32
+    assert bodies[40:45] == (USUAL, USUAL, "anna", USUAL, USUAL)
+    assert len(bodies) == 45 + both.reserve  # whoever waits in the wings is one of them, too
+    assert bodies == bodies_of(both) != bodies_of(both.model_copy(update={"seed": 5}))
+    assert set(bodies_of(patch(ANNA))) == {"anna"}
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (ANNA + 'groups = ["embers"]', "no group is called 'embers'"),
+        (ANNA + "dancers = [46]", "no dancer 46"),
+        (ANNA.replace('"anna"', '"slim"'), "'slim' is a body"),
+        (ANNA + 'joints = { hip = "a" }', "'hip' is no joint"),
+        (ANNA + ANNA, "two characters are called 'anna'"),
+        (ANNA + "[character.materials.Hat]\nhiden = true", "hiden"),
+    ],
+)
+def test_what_cannot_be_is_refused_with_its_place(text, words):
+    with pytest.raises(PatchError, match=words) as refused:
+        patch(text)
+    assert "a.toml, line" in str(refused.value)
+
+
+def test_files_are_looked_at_before_the_show_and_last_good_ones_stay(tmp_path):
+    path, said = tmp_path / "show.toml", patch(ANNA)
+    with pytest.raises(PersonError, match=r"no file 'characters/anna\.glb'"):
+        files_of(said, path)
+    folder = tmp_path / "characters"
+    folder.mkdir()
+    (folder / "anna.glb").write_bytes(b"glTF and no more")
+    with pytest.raises(PersonError, match=r"anna\.glb") as refused:
+        check_characters(said, path)
+    assert refused.value.place == ("character", 0, "file")
+    assert drawable(said, path) == ()  # an engine that goes on draws the usual body
+    assert set(scene_of(said, None, drawable(said, path)).bodies) == {USUAL}
+    (folder / "anna.glb").write_bytes(glb_of())
+    check_characters(said, path)
+    scene = scene_of(said, None, files_of(said, path))
+    assert scene.characters[0].path == str(folder / "anna.glb")
+    assert set(scene.bodies) == {"anna"}
+    assert fitted(patch(""), said) == (with_characters(said), ("character",))
+    outside = said.model_copy(update={"character": (said.character[0].model_copy(update={"file": "../anna.glb"}),)})
+    (tmp_path.parent / "anna.glb").write_bytes(b"")
+    with pytest.raises(PersonError, match="outside"):
+        files_of(outside, path)
+
+
+def with_characters(said):
+    """The running patch: what waits for the next start stays as it was."""
+    return patch("").model_copy(update={"character": said.character})
