@@ -22,6 +22,7 @@ from live.cli import (
     character,
     check,
     clock_check,
+    contact_sheet,
     dance,
     devices,
     doctor,
@@ -59,6 +60,7 @@ app.command("render")(render.render)
 app.command("replay")(replay.replay)
 app.command("check")(check.check)
 app.command("score")(score.score)
+app.command("contact-sheet")(contact_sheet.contact_sheet)
 app.command("clock-check")(clock_check.clock_check)
 app.command("dance")(dance.dance)
 app.command("devices")(devices.devices)
