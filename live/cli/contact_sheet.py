@@ -74,7 +74,7 @@ def contact_sheet(
     if not pictures:
         raise PersonError(f"{show}: no measure of it is long enough for a picture", "more --seconds")
     last = pictures[-1][1]
-    told = f"{last.measure} measures   {int(last.seconds) // 60}:{int(last.seconds) % 60:02d}"
+    told = f"to measure {last.measure}   {int(last.seconds) // 60}:{int(last.seconds) % 60:02d}"
     drawn = sheet.draw(pictures, loaded.patch.name, told)
     try:
         drawn.save(out)

@@ -37,10 +37,10 @@ class Sheet:
         self._size, self._columns, self._paper = size, columns, paper
         self._unit = unit = size[0] / 40.0
         self._gap, self._margin, self._words = round(2.2 * unit), round(4.0 * unit), round(6.4 * unit)
-        self._head = round(9.0 * unit)
+        self._head = round(10.0 * unit)
         self._fonts = {
             name: ImageFont.load_default(size=max(round(share * unit), 6))
-            for name, share in (("title", 3.2), ("number", 2.1), ("plain", 1.35), ("small", 1.2))
+            for name, share in (("title", 3.2), ("number", 2.1), ("plain", 1.4), ("small", 1.25))
         }
 
     def draw(self, pictures: list[tuple[Picture, Taken]], title: str, told: str) -> Image.Image:
@@ -49,6 +49,8 @@ class Sheet:
         image = Image.new("RGB", (width, height), self._paper.ground)
         pen = ImageDraw.Draw(image)
         baseline = round(self._margin + 3.0 * self._unit)
+        room = width - 2 * self._margin - pen.textlength(told, self._fonts["plain"]) - 2.0 * self._unit
+        title = self._fitting(pen, title, room, "title")
         pen.text((self._margin, baseline), title, self._paper.ink, self._fonts["title"], anchor="ls")
         pen.text((width - self._margin, baseline), told, self._paper.faint, self._fonts["plain"], anchor="rs")
         last: Taken | None = None
@@ -91,7 +93,7 @@ class Sheet:
             pen.polygon([(x, line - u), (x, line), (x + 0.8 * u, line - 0.5 * u)], fill=paper.mark)
             words = self._fitting(pen, taken.cue, room - x - 1.4 * u, "plain")
             pen.text((x + 1.4 * u, line), words, paper.mark, fonts["plain"], anchor="ls")
-        self._tell_steps(pen, (left, right), line + round(2.3 * u), taken)
+        self._tell_steps(pen, (left, right), line + round(2.4 * u), taken)
 
     def _tell_steps(self, pen: ImageDraw.ImageDraw, across: tuple[int, int], line: int, taken: Taken) -> None:
         u, x = self._unit, float(across[0])
