@@ -58,6 +58,8 @@ class GroupStyles:
         xray."""
         self.spacing = np.ones(GROUPS)
         """Beats between ghosts."""
+        self.share = 1.0
+        """How many of a dancer's points the group with the most of them shows, 0 to 1."""
         self.variety: Float32 = np.full(GROUPS, 0.2, np.float32)
         self.sheen: Float32 = np.ones(GROUPS, np.float32)
         """How much the clothes of each group's dancers differ and shine."""
@@ -79,6 +81,7 @@ class GroupStyles:
         self.masks["bodies"] = (fill > 0.0) & ~self.plain
         self.masks["casting"] = fill + xray + of("particles") > 0.0
         self.any = not self.plain.all() or any(self.masks[name].any() for name in ("particles", "ribbons", "trails"))
+        self.share = float((of("particles/share") * self.masks["particles"]).max())
         self.spacing = np.maximum(of("trails/spacing"), 0.25)
         self.variety, self.sheen = of("variety").astype(np.float32), of("sheen").astype(np.float32)
 
