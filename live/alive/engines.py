@@ -113,7 +113,8 @@ class Engines:
         for child in (self.spare, self.engine, *self._dead):
             if child is not None:
                 # whoever still begins has nothing to close, and may be where Python drops the signal's exception
-                (child.kill if child.phase is Phase.STARTING else child.terminate)()
+                begins = child.process.poll() is None and child.phase is Phase.STARTING
+                (child.kill if begins else child.terminate)()
                 child.end()
         self.nursery.close()
 
