@@ -40,6 +40,8 @@ SCENE_PASSES: Final[tuple[Callable[[Making], ScenePass], ...]] = (
     ItemPass, BackgroundPass, StylePasses, BeamPass, PlanPass,
 )  # fmt: skip
 """What else is in the scene, in the order in which it is drawn."""
+_OF_STAGE: Final = (BackgroundPass, PlanPass)
+"""Those of them that are behind or under the dancers: not in pictures with alpha."""
 _BODY_AROUND_JOINTS: Final = 0.25
 """The generated body reaches at most this far beyond its joints [m]."""
 
@@ -66,7 +68,7 @@ class Pipeline:
             self._matte = MattePass(ctx, size) if making.bare else None
         else:
             self._smooth = {hdr: SmoothPass(ctx, self._surface.depth, size, hdr=hdr) for hdr in (False, True)}
-        self._scene_passes = [make(making) for make in SCENE_PASSES]
+        self._scene_passes = [make(making) for make in SCENE_PASSES if not (making.bare and make in _OF_STAGE)]
         if scene.items:
             self.floor.casters = [one.cast for one in self._scene_passes]
         self._standing = vertices_of(scene.items)[:, :3]

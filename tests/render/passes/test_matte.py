@@ -1,13 +1,18 @@
 """Pictures with alpha: laid over anything they look as if they had been drawn there."""
 
 from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
 
 import moderngl
 import numpy as np
 import pytest
+from PIL import Image
 
 from live.base.picture import BY_ADDRESS, picture_of
+from live.base.stage_view import Background
 from live.render.headless import OffscreenTarget
+from live.render.quality import CARD
 from live.render.renderer import Renderer
 from tests.render.test_passes import SCENE, three
 
@@ -90,6 +95,24 @@ def test_a_blackout_leaves_nothing(bare: tuple[Renderer, OffscreenTarget]) -> No
     whole = full[..., 3] == 1.0
     assert np.abs(half[..., 3][whole] - 0.5).max() < 0.01
     assert not drawn(bare, brightness=0.0).any()
+
+
+def test_what_is_behind_the_dancers_is_not_there(gl_context: moderngl.Context, tmp_path: Path) -> None:
+    Image.new("RGB", (64, 36), (250, 180, 90)).save(tmp_path / "sky.png")
+    scene = replace(SCENE, backgrounds=(Background(str(tmp_path / "sky.png"), fit="picture"),))
+    view = three()
+    view.picture = picture_of(scene)
+    view.picture[BY_ADDRESS["/dance/background/1"].where] = 1.0
+    alpha = []
+    for bare in (False, True):
+        renderer = Renderer(gl_context, scene, size=SIZE, bare=bare, quality=CARD)
+        target = OffscreenTarget(gl_context, SIZE, alpha=True)
+        renderer.draw(view, target.framebuffer)
+        alpha.append(target.read()[:12].copy())
+        renderer.release()
+        target.release()
+    assert alpha[0][..., :3].max() > 100, "with a stage it is seen"
+    assert not alpha[1].any()
 
 
 def test_another_size(bare: tuple[Renderer, OffscreenTarget], headless_context: moderngl.Context) -> None:
