@@ -83,7 +83,8 @@ def test_a_running_show_takes_the_cues_and_scenes_of_an_edited_patch():
 
 def test_the_example_of_the_documents_is_a_patch_and_its_cues_happen():
     page = (Path(__file__).resolve().parents[2] / "docs" / "cues.md").read_text(encoding="utf-8")
-    text = page.split("```toml\n")[1].split("```")[0].replace('"groove"', '"sway"').replace('"ember"', '"front"')
+    blocks = [block.split("```")[0] for block in page.split("```toml\n")[1:]]
+    text = next(block for block in blocks if "[[cue]]" in block).replace('"groove"', '"sway"')
     hands = Hands(text).run(1)
     for beats in (9, 48):  # the third comes by itself
         hands.say("/dance/go")
