@@ -295,8 +295,10 @@ def test_a_missing_folder_is_told_at_once(tmp_path: Path) -> None:
 
 
 def test_a_folder_in_the_place_of_the_file(tmp_path: Path) -> None:
+    folder = tmp_path / "film.mp4"
+    folder.mkdir()
     with pytest.raises(FilmError, match="Is a directory"):
-        FilmWriter(tmp_path, size=SIZE, fps=25)
+        FilmWriter(folder, size=SIZE, fps=25)
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="/dev/full, a disk that is always full, is of Linux")
