@@ -185,6 +185,20 @@ STANDING: Final = _where(
 """The numbers on which floor, back wall and light in the haze depend: what the renderer keeps while they stand."""
 
 
+def camera_values(camera: Camera) -> dict[str, float | tuple[float, float, float]]:
+    """A camera's values by address: places [m], angles [degrees], the others are shares."""
+    return {
+        "/dance/camera/eye": camera.eye,
+        "/dance/camera/target": camera.target,
+        "/dance/camera/field_of_view": camera.field_of_view_deg,
+        "/dance/camera/roll": camera.roll_deg,
+        "/dance/camera/shift_x": camera.shift[0],
+        "/dance/camera/shift_y": camera.shift[1],
+        "/dance/camera/stretch": camera.stretch,
+        "/dance/camera/skew": camera.skew,
+    }
+
+
 def picture_of(scene: Scene) -> Float64:
     """The row of a scene's camera and look, shape (SIZE,): float64, so that it is exactly what the scene says."""
     row = np.zeros(SIZE)
@@ -202,14 +216,7 @@ def picture_of(scene: Scene) -> Float64:
         "/dance/light/haze": look.haze,
         "/dance/light/background": look.background,
         "/dance/light/floor": look.floor,
-        "/dance/camera/eye": camera.eye,
-        "/dance/camera/target": camera.target,
-        "/dance/camera/field_of_view": camera.field_of_view_deg,
-        "/dance/camera/roll": camera.roll_deg,
-        "/dance/camera/shift_x": camera.shift[0],
-        "/dance/camera/shift_y": camera.shift[1],
-        "/dance/camera/stretch": camera.stretch,
-        "/dance/camera/skew": camera.skew,
+        **camera_values(camera),
     }
     for parameter in PARAMETERS:
         row[parameter.where] = said.get(parameter.address, parameter.start)

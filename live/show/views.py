@@ -24,14 +24,7 @@ def camera_settings(camera: Camera, moves: CameraSection | None = None) -> dict[
     """A camera and how it moves as values by address: all that `/dance/camera/...` can set."""
     moves = moves or CameraSection()
     return {
-        "/dance/camera/eye": camera.eye,
-        "/dance/camera/target": camera.target,
-        "/dance/camera/field_of_view": camera.field_of_view_deg,
-        "/dance/camera/roll": camera.roll_deg,
-        "/dance/camera/shift_x": camera.shift[0],
-        "/dance/camera/shift_y": camera.shift[1],
-        "/dance/camera/stretch": camera.stretch,
-        "/dance/camera/skew": camera.skew,
+        **picture.camera_values(camera),
         "/dance/camera/orbit": 0.0 if moves.orbit_measures == 0.0 else 1.0 / moves.orbit_measures,
         "/dance/camera/following": float(moves.follow is not None),
         "/dance/camera/along": moves.along,
