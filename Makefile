@@ -1,28 +1,32 @@
 # The house's front door. `make help` lists what there is; ARGS goes to the command behind a target:
 #   make play ARGS="--audio song.wav --monitor 1 --fullscreen"
 .DEFAULT_GOAL := help
-.PHONY: help play test check format soak clean
+.PHONY: help play test test-long check format soak clean
 BIN := .venv/bin
 ARGS ?=
 
 help: ## list these targets
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' Makefile
 
 play: ## install what is missing and start the default show (ARGS="--help": its options)
 	@tools/setup.sh play
 	@$(BIN)/live play $(ARGS)
 
-test: ## install what the tests need too and run them all (ARGS="tests/clock -x": some)
+test: ## install what the tests need too and run them (ARGS="tests/clock -x": some)
 	@tools/setup.sh test
 	@$(BIN)/python -m pytest $(ARGS)
 
-check: ## format, lint, types, layers, tests: what a change has to pass
+test-long: ## the tests that `make test` leaves out: long ones, about what changes seldom
+	@tools/setup.sh test
+	@$(BIN)/python -m pytest -m long $(ARGS)
+
+check: ## format, lint, types, layers, all tests: what a change has to pass
 	@tools/setup.sh test
 	$(BIN)/ruff format --check
 	$(BIN)/ruff check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/python -m pytest $(ARGS)
+	$(BIN)/python -m pytest -m "not soak" $(ARGS)
 
 format: ## put every file into the project's form
 	@tools/setup.sh test

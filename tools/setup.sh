@@ -36,11 +36,11 @@ apt_play="libegl1 libgl1 libasound2t64|libasound2 libportaudio2 libatomic1
   libx11-6 libxcursor1 libxi6 libxinerama1 libxrandr2"
 apt_test="xserver-xorg-core xserver-xorg-video-dummy x11-xserver-utils xdotool imagemagick
   pulseaudio pulseaudio-utils libasound2-plugins jackd2 liblo-tools iproute2
-  libfluidsynth3 timgm6mb-soundfont"
+  libfluidsynth3 timgm6mb-soundfont chromium|chromium-browser"
 dnf_play="libglvnd-egl libglvnd-glx mesa-libEGL mesa-libGL mesa-dri-drivers alsa-lib portaudio libatomic
   libX11 libXcursor libXi libXinerama libXrandr"
 dnf_test="xorg-x11-server-Xorg xorg-x11-drv-dummy xrandr xdotool ImageMagick pulseaudio pulseaudio-utils
-  alsa-plugins-pulseaudio liblo iproute"
+  alsa-plugins-pulseaudio liblo iproute chromium"
 brew_play="portaudio"
 brew_test="liblo"
 
@@ -226,9 +226,9 @@ install_python_packages() {
   fi
   groups=--no-dev
   [ "$mode" = play ] || groups="--group=dev"
-  sync_packages --extra=link "$groups" && return 0
+  sync_packages --extra=link --extra=fast "$groups" && return 0
   say "setup: once more without Ableton Link, of which not every machine has a wheel"
-  sync_packages "$groups" || die "could not install the locked packages; the message above says why"
+  sync_packages --extra=fast "$groups" || die "could not install the locked packages; the message above says why"
 }
 
 sync_packages() {
