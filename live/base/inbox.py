@@ -1,14 +1,20 @@
 """Inbox: discrete events from many threads to the one that runs the show, without a lock of ours."""
 
 from collections import deque
+from collections.abc import Hashable
 from itertools import count
 from typing import Generic, TypeVar
+
+from live.base.lane import Lane
+from live.base.precedence import Precedence
 
 Item = TypeVar("Item")
 
 
 class Inbox(Generic[Item]):
     """Bounded queue with many writers and one reader; when full the oldest item gives way and is counted.
+
+    What is put here comes before what is in the lanes.
 
     Thread: `put` from any thread, `drain` and `dropped` from the reader only. `deque.append` with a maximum length
     and `next(count)` are single, atomic operations of the interpreter, which is why no lock is needed.
@@ -19,27 +25,64 @@ class Inbox(Generic[Item]):
         self._put = count(1)
         self._put_total = 0
         self._drained = 0
+        self._lanes: list[Lane[Item]] = []
+        self._next = 0
+        self._precedence = Precedence()
+
+    def lane(self, capacity: int = 4096, rank: int = 0) -> Lane[Item]:
+        """A lane of its own for somebody who might send very much: others are heard all the same.
+
+        `rank`: what is set in a lane of a higher one counts, whoever else sets it at the same time.
+        """
+        self._lanes.append(Lane(capacity, rank))
+        return self._lanes[-1]
 
     def put(self, item: Item) -> None:
         """Append one item; never blocks, never raises."""
         self._items.append(item)
         self._put_total = next(self._put)
 
-    def drain(self, limit: int | None = None) -> list[Item]:
-        """Take what is there now, oldest first, at most `limit` items (the rest waits for the next frame)."""
-        taken: list[Item] = []
+    def drain(self, limit: int | None = None, now: float = 0.0) -> list[Item]:
+        """Take what is there at `now` [s], oldest first, at most `limit` items (the rest waits for the next frame)."""
+        return [item for _, item in self.drain_keyed(limit, now)]
+
+    def drain_keyed(self, limit: int | None = None, now: float = 0.0) -> list[tuple[Hashable, Item]]:
+        """As `drain`, with the key of each item that has one, else None."""
+        taken: list[tuple[Hashable, Item]] = []
         for _ in range(len(self._items) if limit is None else min(limit, len(self._items))):
             try:
-                taken.append(self._items.popleft())
+                taken.append((None, self._items.popleft()))
             except IndexError:  # a full deque shrank under us: nothing is left to take
                 break
         self._drained += len(taken)
+        if self._lanes:
+            self._drain_lanes(taken, limit, now)
         return taken
 
+    def _drain_lanes(self, taken: list[tuple[Hashable, Item]], limit: int | None, now: float) -> None:
+        """Add what the lanes have, one item of each in turn."""
+        empty = 0
+        while empty < len(self._lanes) and (limit is None or len(taken) < limit):
+            lane = self._lanes[self._next % len(self._lanes)]
+            self._next += 1
+            place = lane.take_place()
+            if place is None:
+                empty += 1
+            else:
+                empty = 0
+                if place.key is None or self._precedence.admits(place.key, lane.rank, now):
+                    taken.append((place.key, place.item))
+
     def __len__(self) -> int:
-        return len(self._items)
+        return len(self._items) + sum(map(len, self._lanes))
 
     @property
     def dropped(self) -> int:
         """How many items were pushed out unread since the start."""
-        return max(0, self._put_total - self._drained - len(self._items))
+        own = max(0, self._put_total - self._drained - len(self._items))
+        return own + sum(lane.dropped for lane in self._lanes)
+
+    @property
+    def outranked(self) -> int:
+        """Values that gave way to somebody of a higher rank."""
+        return self._precedence.outranked

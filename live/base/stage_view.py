@@ -33,6 +33,8 @@ EVADE: Final = 9
 PATH: Final = 10
 VOICE: Final = 11
 """An attractor that is one of an audience's many."""
+PHONE: Final = 12
+"""Only drawn: the light of a phone of the audience, in its colour."""
 UNIFORM: Final = 0
 RADIAL: Final = 1
 VORTEX: Final = 2
@@ -46,6 +48,8 @@ SET_CAPACITY: Final = 64
 """Obstacles, and walls, drawn at most."""
 GUIDE_CAPACITY: Final = 8192
 """Strokes of the operator's guides drawn at most."""
+LIGHT_CAPACITY: Final = 32
+"""Lights of an audience's phones drawn at most."""
 SPOT_CAPACITY: Final = 4
 """Follow spots."""
 FLOOR_MARGIN: Final = 2.5
@@ -98,6 +102,7 @@ class Background:
     """An image or a video behind the dancers."""
 
     file: str
+    """Its whole path; empty: it was lost while the show ran, and nothing is seen of it."""
     fit: str = "wall"
     """On the `wall` behind the stage, or over the whole `picture`."""
     beats: float | None = None
@@ -172,6 +177,9 @@ class StageView:
     element_corner: Float32 = field(default_factory=lambda: np.zeros((ELEMENT_CORNERS, 2), np.float32))
     """Corners (x, z) [m] of all elements, shape (1024, 2); the last one of a closed line is its first one again."""
     element_count: int = 0
+    light: Float32 = field(default_factory=lambda: np.zeros((LIGHT_CAPACITY, 5), np.float32))
+    """Lights of an audience's phones: x, z [m], hue 0 to 1, level 0 to 1, and 1 for one that repels; shape (32, 5)."""
+    light_count: int = 0
     obstacle: Float32 = field(default_factory=lambda: np.zeros((SET_CAPACITY, 4), np.float32))
     """Round obstacles: x, z, radius [m], and 1 for an item of the set, 0 for a real dancer; shape (64, 4)."""
     obstacle_count: int = 0
