@@ -1,11 +1,12 @@
 """Everything that is wrong or doubtful in a folder of steps, with file, line and field (T003, T043, T161)."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
 
+from live.base.errors import PersonError
 from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
 from live.graph.structure import plain_pose
@@ -20,6 +21,7 @@ from live.steps.recording_reader import RecordingReader
 from live.steps.sketch_folder import StepsError, sketched_steps
 from live.steps.step_folder import named_alike
 from live.steps.stream import cut_recording
+from live.steps.textured import read_textured, stale_textures
 
 BELIEVED: Final = 0.35
 """A tempo guessed from the feet with less confidence says nothing against the tempo that is written."""
@@ -56,6 +58,9 @@ def check_folder(directory: Path) -> Checked:
             steps += sketched_steps({file: text})
         except StepsError as error:
             findings.append(Finding("wrong", _sketch_problem(Path(file), str(error))))
+    textured, found = _textured(files.sketches)
+    steps += textured
+    findings += found
     entries: list[RecordingEntry] = []
     for toml, group in files.recordings.items():
         reader, guessed = RecordingReader(), set[Path]()
@@ -74,6 +79,17 @@ def check_folder(directory: Path) -> Checked:
                 doubts += _tempo(entry, reader)
             findings += [Finding("doubtful", entry.problem(field, words)) for field, words in doubts]
     return Checked(named_alike(steps), entries, findings)
+
+
+def _textured(sketches: Mapping[str, str]) -> tuple[list[StepClip], list[Finding]]:
+    """The textured versions of sketches, and what is wrong or old about them."""
+    words = "the sketch was changed since: make it again with live steps enrich, or remove it"
+    try:
+        old = [Finding("doubtful", Problem(path, None, "", words)) for path in stale_textures(sketches)]
+        return read_textured(sketches), old
+    except PersonError as error:
+        path, _, rest = str(error).partition(": ")
+        return [], [Finding("wrong", Problem(Path(path), None, "", rest))]
 
 
 def _sketch_problem(file: Path, words: str) -> Problem:

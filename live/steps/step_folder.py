@@ -8,10 +8,11 @@ from live.motion.step_clip import StepClip
 from live.steps.recording_file import nothing_in, read_step_files
 from live.steps.recordings import recorded_steps
 from live.steps.sketch_folder import sketched_steps
+from live.steps.textured import read_textured
 
 
 def load_folder(directory: Path) -> list[StepClip]:
-    """All steps of a folder, sketches first, each kind in the order of the file names.
+    """All steps of a folder, sketches first, then their textured versions, then recordings, in the order of file names.
 
     A name that comes again in other letters is the same step's, for case, blanks, hyphens and underscores do not matter
     where steps are called: it is written as it came first. Raises RecordingError or StepsError (both PersonErrors) with
@@ -20,7 +21,8 @@ def load_folder(directory: Path) -> list[StepClip]:
     files = read_step_files(directory)
     if not files.sketches and not files.recordings and not files.problems:
         raise nothing_in(directory)
-    return named_alike((sketched_steps(files.sketches) if files.sketches else []) + recorded_steps(files))
+    sketched = sketched_steps(files.sketches) if files.sketches else []
+    return named_alike(sketched + read_textured(files.sketches) + recorded_steps(files))
 
 
 def plain_name(name: str) -> str:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.show.patch_file import PATCHES
+from live.show.patch_places import PATCHES
 from live.steps import sketch_folder
 from live.steps.clip_cache import ClipCache
 from live.steps.sketch_folder import StepsError, load_steps

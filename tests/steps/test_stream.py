@@ -10,7 +10,7 @@ from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
 from live.graph.stream import random_walk
 from live.show.load import load_show
-from live.show.patch_file import DEFAULT_PATCH
+from live.show.patch_places import DEFAULT_PATCH
 from live.steps.library_check import check_folder
 from live.steps.recording import RecordingError
 from live.steps.recordings import load_recordings

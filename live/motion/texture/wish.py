@@ -1,0 +1,185 @@
+"""Wish: what is to be textured, what made anew, what drives it, and how fragments are chosen (P001)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from live.base.errors import PersonError
+from live.motion.skeleton import SKELETON
+from live.motion.texture.bands import MOST_BANDS
+from live.motion.texture.joining import REACH
+from live.motion.texture.matching import SHARE
+
+_NAMES: Final = SKELETON.names
+
+
+def _with(*ends: str) -> tuple[int, ...]:
+    return tuple(n for n, name in enumerate(_NAMES) if any(name.endswith(end) for end in ends))
+
+
+LEGS: Final = _with("UpperLeg", "LowerLeg", "Foot", "Toes")
+LOWER: Final = (0, *LEGS)
+UPPER: Final = tuple(n for n in range(1, len(_NAMES)) if n not in LEGS)
+WORDS: Final[dict[str, tuple[int, ...]]] = {
+    "upper": UPPER,
+    "lower": LOWER,
+    "legs": LEGS,
+    "hips": _with("UpperLeg"),
+    "knees": _with("LowerLeg"),
+    "ankles": _with("Foot"),
+    "pelvis": (0,),
+    "trunk": tuple(map(SKELETON.index, ("spine", "chest", "upperChest"))),
+    "head": tuple(map(SKELETON.index, ("neck", "head"))),
+    "shoulders": _with("UpperArm"),
+    "elbows": _with("LowerArm"),
+    "arms": _with("Shoulder", "UpperArm", "LowerArm", "Hand"),
+    "none": (),
+}
+"""Words for several joints. `hips` and `knees` are the joints at whose end the leg bends: upper and lower legs."""
+
+
+LATEST: Final = 36_000.0
+"""No sketch is so long [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """What is asked of the method; the defaults are the paper's."""
+
+    drive: tuple[int, ...] = (*WORDS["hips"], *WORDS["knees"])
+    """Joints whose angles are matched."""
+    changes: tuple[tuple[float, tuple[int, ...]], ...] = ()
+    """From so many seconds on only these of them are matched, in order (P019); before the first: `first`."""
+    first: tuple[int, ...] = ()
+    """Those that are matched before `changes`; empty: all of `drive`."""
+    synthesize: tuple[int, ...] = UPPER
+    """Joints made of the data alone, in the lowest band and all between."""
+    texture: tuple[int, ...] = LOWER
+    """Joints of the sketch that get bands of the data in place of their own."""
+    bands: tuple[int, int] = (2, 3)
+    """First and last band of texture; what is synthesised has the first and all below it. Band 1 is the highest."""
+    match_band: int = 4
+    """Band of the driving angles that is matched and cut: the 4th for walking, the 6th for modern dance."""
+    cut: int | None = None
+    """Column (3 joint + axis) whose turning points cut; None: the driving one that moves most in the sketch."""
+    keep: float = SHARE
+    """K: candidates for each fragment, as a share of all fragments below 1, else their number."""
+    paths: int = 1
+    """P: how many paths are made."""
+    apart: bool = False
+    """Whether no path takes at any place what an earlier one took there: dancers who differ, not the P best."""
+    weigh: float = 0.0
+    """0: paths as published, the fewest joins whatever they match; else what a join costs, in median distances of the
+    closest matches, 1 to 4 are useful."""
+    scale: bool = False
+    """Whether fragments are scaled as their driving angles ask for (P010)."""
+    reach: int = REACH
+    """N of the joins [samples at 24 Hz]."""
+    derivative: float = 1.0
+    """Weight of derivatives against values in the matching, both brought to the same spread first."""
+
+    def __post_init__(self) -> None:
+        low, high = self.bands
+        _check(
+            1 <= low <= high <= MOST_BANDS, f"bands {low}-{high}", f"two of 1 to {MOST_BANDS}, the higher band first"
+        )
+        _check(1 <= self.match_band <= MOST_BANDS, f"band {self.match_band}", f"1 to {MOST_BANDS}")
+        _check(bool(self.drive), "no joint drives", "hips,knees")
+        times = [time for time, _ in self.changes]
+        _check(
+            all(time > 0.0 for time in times[:1]) and times == sorted(set(times)) and all(s for _, s in self.changes),
+            "what drives does not change in order", '"hips,knees @2.5 leftUpperLeg,leftLowerLeg @4 hips"'
+        )  # fmt: skip
+        _check(0.0 < self.keep <= 10_000.0, f"K = {self.keep:g}", "a share below 1 or a number of fragments")
+        _check(1 <= self.paths <= 64, f"{self.paths} paths", "1 to 64")
+        _check(2 <= self.reach <= 100, f"N = {self.reach}", "2 to 100 samples, 5 to 20 are useful")
+        _check(0.0 <= self.derivative <= 100.0, f"derivative weight {self.derivative:g}", "0 to 100")
+        _check(0.0 <= self.weigh <= 1000.0, f"join weight {self.weigh:g}", "0 to 1000, 1 to 4 are useful")
+        both = set(self.synthesize) & set(self.texture)
+        _check(not both, f"{_told(both)} cannot be textured and synthesised", "name each joint once")
+        legs = set(self.synthesize) & set(LOWER)
+        _check(not legs, f"{_told(legs)} cannot be synthesised, for feet would not stand", "texture them")
+        _check(bool(self.synthesize or self.texture), "nothing is textured and nothing synthesised", "upper or lower")
+        driven = set(self.drive) & set(self.synthesize)
+        _check(not driven, f"{_told(driven)} cannot drive and be synthesised", "let joints drive that the sketch moves")
+
+    def drives_at(self, seconds: float) -> tuple[int, ...]:
+        """The joints that are matched at that time of the sketch."""
+        found = self.first or self.drive
+        for time, joints in self.changes:
+            found = joints if seconds >= time else found
+        return found
+
+    def candidates(self, fragments: int) -> int:
+        """K for that many fragments of the data."""
+        return max(1, round(self.keep * fragments if self.keep < 1.0 else self.keep))
+
+
+def _check(good: bool, problem: str, allowed: str) -> None:
+    if not good:
+        raise PersonError(problem, allowed)
+
+
+def _told(joints: set[int]) -> str:
+    return ", ".join(_NAMES[joint] for joint in sorted(joints))
+
+
+def parse_joints(text: str, option: str) -> tuple[int, ...]:
+    """The joints of words like "hips,knees" or "upper,leftFoot", in order; PersonError for a word that is none."""
+    by_name: dict[str, tuple[int, ...]] = {
+        name.casefold(): (index,) for index, name in enumerate(_NAMES) if name != "hips"
+    }
+    by_name |= {word.casefold(): joints for word, joints in WORDS.items()}
+    found: set[int] = set()
+    for word in text.replace(" ", ",").split(","):
+        if word and word.casefold() not in by_name:
+            raise PersonError(
+                f"{option}: no joint is called {word[:40]!r}", ", ".join(WORDS) + f", or {_NAMES[10]} ..."
+            )
+        found.update(by_name.get(word.casefold(), ()))
+    return tuple(sorted(found))
+
+
+Changes = tuple[tuple[float, tuple[int, ...]], ...]
+
+
+def parse_drive(text: str, option: str) -> tuple[tuple[int, ...], Changes]:
+    """ "hips @2.5 leftUpperLeg,leftLowerLeg @4 hips": joints at first, and those from a time [s] on (P019)."""
+    first, *later = text.split("@")
+    found = []
+    for part in later:
+        time, _, words = part.strip().partition(" ")
+        try:
+            seconds = float(time)
+        except ValueError:
+            seconds = -1.0
+        if not (0.0 < seconds <= LATEST and words.strip()):
+            raise PersonError(
+                f"{option}: '@{part.strip()[:40]}': a time above 0 s and joints expected", "hips @2.5 hips,knees"
+            )
+        found.append((seconds, parse_joints(words, option)))
+    return parse_joints(first, option), tuple(found)
+
+
+def parse_bands(text: str, option: str) -> tuple[int, int]:
+    """ "2-6" or "3"; PersonError for what is no band."""
+    parts = text.strip().split("-")
+    if len(parts) in (1, 2) and all(part.strip().isdecimal() for part in parts):
+        low, high = int(parts[0]), int(parts[-1])
+        if 1 <= low <= high <= MOST_BANDS:
+            return low, high
+    raise PersonError(f"{option} {text[:40]!r}: bands 1 (the highest) to {MOST_BANDS} expected", f"{option} 2-3")
+
+
+def column_of(text: str, option: str, drive: Sequence[int]) -> int | None:
+    """ "leftUpperLeg.x" as a column among those that drive, None for "auto"; PersonError otherwise."""
+    if text.strip().casefold() == "auto":
+        return None
+    joint, _, axis = text.strip().rpartition(".")
+    names = {_NAMES[one].casefold(): one for one in drive}
+    if joint.casefold() not in names or axis.casefold() not in ("x", "y", "z"):
+        one = _NAMES[drive[0]] if drive else "leftUpperLeg"
+        raise PersonError(
+            f"{option} {text[:40]!r}: auto, or a driving joint with its axis expected", f"{option} {one}.x"
+        )
+    return 3 * names[joint.casefold()] + "xyz".index(axis.casefold())

@@ -1,0 +1,71 @@
+"""The worked example of the paper's figure 7 (P012), and all ways tried one by one on small ones."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from live.motion.texture.paths import best_paths, weighed_paths
+
+FIGURE_7 = ((4, 1, 3), (5, 7, 2), (9, 4, 6), (2, 8, 5))
+
+
+def _follows(first: int, second: int) -> bool:
+    return second == first + 1
+
+
+def _fragments(places: tuple[int, ...], candidates: tuple[tuple[int, ...], ...]) -> list[int]:
+    return [row[place] for row, place in zip(candidates, places, strict=True)]
+
+
+def test_figure_7() -> None:
+    ranks = [[0.0, 1.0, 2.0]] * 4
+    found = best_paths(FIGURE_7, ranks, _follows, 3)
+    assert [_fragments(path.places, FIGURE_7) for path in found] == [[4, 5, 6, 2], [4, 5, 4, 5], [1, 2, 4, 5]]
+    assert [path.free for path in found] == [2, 2, 2]
+    more = best_paths(FIGURE_7, ranks, _follows, 4)
+    assert more[:3] == found
+    assert more[3].free == 1  # there is no fourth with two
+
+
+def _tried(candidates: list[list[int]], distances: list[list[float]]) -> list[tuple[int, float, tuple[int, ...]]]:
+    """Every way whose candidates are the closest or stand beside a free join: (cost, distance, places), sorted."""
+    ways = []
+    for places in itertools.product(*(range(len(row)) for row in candidates)):
+        taken = [row[place] for row, place in zip(candidates, places, strict=True)]
+        free = [_follows(a, b) for a, b in itertools.pairwise(taken)]
+        beside = [any(free[max(0, n - 1) : n + 1]) for n in range(len(taken))]
+        if all(place == 0 or linked for place, linked in zip(places, beside, strict=True)):
+            far = sum(row[place] for row, place in zip(distances, places, strict=True))
+            ways.append((len(free) - sum(free), far, places))
+    return sorted(ways)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_as_when_every_way_is_tried(seed: int) -> None:
+    chance = np.random.default_rng(seed)
+    count, keep, most = int(chance.integers(1, 6)), int(chance.integers(1, 5)), int(chance.integers(1, 9))
+    candidates = [chance.permutation(7)[:keep].tolist() for _ in range(count)]
+    distances = [sorted(chance.integers(0, 50, keep).astype(float).tolist()) for _ in range(count)]
+    found = best_paths(candidates, distances, _follows, most)
+    tried = _tried(candidates, distances)[:most]
+    assert [(count - 1 - path.free, path.distance) for path in found] == [way[:2] for way in tried]
+    assert len({path.places for path in found}) == len(found)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_weighed_as_when_every_way_is_tried(seed: int) -> None:
+    chance = np.random.default_rng(100 + seed)
+    count, keep, most, join = int(chance.integers(1, 6)), int(chance.integers(1, 5)), int(chance.integers(1, 6)), 7.25
+    candidates = [chance.permutation(7)[:keep].tolist() for _ in range(count)]
+    distances = [sorted(chance.uniform(0, 20, keep).tolist()) for _ in range(count)]
+    sums = []
+    for places in itertools.product(*(range(len(row)) for row in candidates)):
+        taken = _fragments(places, tuple(map(tuple, candidates)))
+        far = sum(row[place] for row, place in zip(distances, places, strict=True))
+        sums.append((far + join * sum(not _follows(a, b) for a, b in itertools.pairwise(taken)), places))
+    found = weighed_paths(candidates, distances, _follows, most, join)
+    assert [path.places for path in found] == [places for _, places in sorted(sums)[:most]]
+    assert [path.distance + join * (count - 1 - path.free) for path in found] == pytest.approx(
+        [far for far, _ in sorted(sums)[:most]]
+    )

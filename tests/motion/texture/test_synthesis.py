@@ -1,0 +1,196 @@
+"""The whole method on made dancers: what their legs tell is found, feet stand, what is wrong is named."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from live.base.errors import PersonError
+from live.motion.clip import Clip
+from live.motion.forward import forward_kinematics
+from live.motion.quality.feet import slides
+from live.motion.texture.bands import RATE, split_bands
+from live.motion.texture.calibration import without_calibration
+from live.motion.texture.figures import figures_of
+from live.motion.texture.footing import freedom
+from live.motion.texture.material import material_of
+from live.motion.texture.synthesis import Textured, prepare, textured
+from live.motion.texture.tracks import columns_of, sample_clip, tracks_of
+from live.motion.texture.wish import LEGS, UPPER, Wish, column_of, parse_bands, parse_drive, parse_joints
+from tests.motion.editing.made_steps import sketched
+from tests.motion.texture.made_dance import dance, without_arms
+
+DATA = [dance(20.0, seed).clip for seed in (1, 2, 3)]
+REAL = dance(8.0, 9).clip
+SKETCH = without_arms(REAL)
+MATERIAL = material_of(DATA, [sample_clip(SKETCH)])
+
+
+def upper(clip: Clip) -> np.ndarray:
+    position, _ = forward_kinematics(np.zeros((clip.sample_count, 3)), clip.rotation.astype(np.float64))
+    return position[:, list(UPPER)]
+
+
+def test_arms_are_made_that_go_with_the_legs() -> None:
+    made = textured(SKETCH, MATERIAL, Wish(texture=()))[0]
+    real, still = upper(REAL), upper(SKETCH)
+    mean = np.broadcast_to(np.concatenate([upper(clip) for clip in DATA]).mean(axis=0), real.shape)
+    errors = [float(np.linalg.norm(one - real, axis=-1).mean()) for one in (upper(made.clip), mean, still)]
+    assert errors[0] < 0.6 * errors[1] < errors[2]
+    assert np.array_equal(made.clip.rotation[:, [0, *LEGS]], SKETCH.rotation[:, [0, *LEGS]])
+    assert np.array_equal(made.clip.root_position, SKETCH.root_position)
+
+
+def test_a_recording_finds_itself_again() -> None:
+    """Where the sketch's legs are a recording's own, its own fragments come back in their order, and its arms."""
+    own = material_of([*DATA, REAL], [sample_clip(SKETCH)])
+    made = textured(SKETCH, own, Wish(texture=(), bands=(1, 3)))[0]
+    assert made.free == made.parts.count - 1
+    assert np.unique(own.starts.searchsorted(made.data.begin[made.sources], side="right")).tolist() == [4]
+    assert np.abs(upper(made.clip) - upper(REAL)).max() < 2e-3
+
+
+def test_paths_that_share_nothing() -> None:
+    found = textured(SKETCH, MATERIAL, Wish(texture=(), paths=3, apart=True))
+    assert len(found) == 3
+    for one, other in ((0, 1), (0, 2), (1, 2)):
+        assert not np.any(found[one].sources == found[other].sources)
+    best = textured(SKETCH, MATERIAL, Wish(texture=(), paths=3))
+    assert best[0].free >= best[1].free >= best[2].free
+    assert np.array_equal(best[0].sources, found[0].sources)
+
+
+def test_texture_changes_only_the_bands_that_were_asked_for() -> None:
+    arms = parse_joints("arms", "--texture")
+    made = textured(REAL, MATERIAL, Wish(synthesize=(), texture=arms, bands=(2, 3)))[0]
+    columns = columns_of(arms)
+    before, after = (
+        split_bands(tracks_of(sample_clip(clip), MATERIAL.charts)[:, columns], 6) for clip in (REAL, made.clip)
+    )
+    change = np.abs(after - before).max(axis=(1, 2))
+    assert change[1:3].max() > 0.02  # they are other ones now
+    assert change[4:].max() < 0.25 * change[1:3].max()  # a band passed through the filters again is in its neighbours
+    assert np.abs(after.sum(axis=0) - before.sum(axis=0)).max() < 1.0
+
+
+def test_feet_that_stand_stay_and_hips_may_sway() -> None:
+    step = sketched("walk", "long forward").clip
+    made = textured(step, material_of(DATA, [sample_clip(step)]), Wish())[0].clip
+    places = [
+        forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))[0]
+        for clip in (step, made)
+    ]
+    feet = [n for n in LEGS if n in (LEGS[2], LEGS[3], LEGS[6], LEGS[7])]
+    moved = np.linalg.norm(places[1] - places[0], axis=-1)
+    for foot in range(2):
+        standing = step.contact[:, foot]
+        assert moved[standing][:, feet[2 * foot : 2 * foot + 2]].max() < 2e-3
+    assert np.abs(made.rotation - step.rotation).max() > 0.01
+    slide = [float(slides(one, step.contact, step.sample_rate).mean()) for one in places]
+    assert slide[1] < slide[0] + 0.005
+
+
+def test_legs_have_no_texture_while_their_foot_stands_and_all_soon_after() -> None:
+    contact = np.zeros((100, 2), np.bool_)
+    contact[40:60, 0] = True
+    free = freedom(contact, np.full((100, 2), 0.2), 60.0)
+    assert not free[40:60, 0].any()
+    assert free[[0, 99], 0].tolist() == [1.0, 1.0]
+    assert np.all(free[:, 1] == 1.0)
+    assert np.abs(np.diff(free[:, 0])).max() < 0.3
+    assert not freedom(contact, np.full((100, 2), 0.04), 60.0).any()  # a low foot would skate
+
+
+def test_figures_say_what_came_from_where() -> None:
+    found: list[Textured] = textured(SKETCH, MATERIAL, Wish(paths=2))
+    values = figures_of(SKETCH, MATERIAL, Wish(paths=2), found)
+    assert len(values["paths"]) == 2
+    assert len(values["paths"][0]["fragments"]) == found[0].parts.count
+    assert sum(one["fragments"] for one in values["recordings"]) == found[0].data.count
+    assert values["candidates"] == round(0.1 * found[0].data.count)
+    assert values["paths"][0]["kink_rad_s"]["after"] <= values["paths"][0]["kink_rad_s"]["before"]
+
+
+def test_a_t_pose_that_is_held_at_an_end_is_left_out() -> None:
+    clip = DATA[0]
+    posed = np.zeros_like(clip.rotation)
+    posed[..., 0] = 1.0
+    held = replace(
+        clip,
+        root_position=np.concatenate((clip.root_position[:60], clip.root_position)),
+        rotation=np.concatenate((posed[:60], clip.rotation)),
+        contact=np.concatenate((clip.contact[:60], clip.contact)),
+    )
+    assert without_calibration(clip) is clip
+    assert abs(without_calibration(held).sample_count - (clip.sample_count - 30)) <= 2  # and the way out of it
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"bands": (3, 2)}, "bands 3-2"),
+        ({"bands": (2, 99)}, "bands 2-99"),
+        ({"match_band": 0}, "band 0"),
+        ({"drive": ()}, "no joint drives"),
+        ({"synthesize": (), "texture": ()}, "nothing is textured"),
+        ({"synthesize": UPPER, "texture": UPPER}, "cannot be textured and synthesised"),
+        ({"synthesize": LEGS, "texture": ()}, "feet would not stand"),
+        ({"paths": 0}, "0 paths"),
+        ({"keep": 0.0}, "K = 0"),
+    ],
+)
+def test_wishes_that_cannot_be(change: dict[str, object], words: str) -> None:
+    with pytest.raises(PersonError, match=words):
+        Wish(**change)  # type: ignore[arg-type]
+
+
+def test_words_of_the_command_line() -> None:
+    assert set(parse_joints("hips,knees", "--drive")) == set(Wish().drive)
+    assert parse_joints("none", "x") == ()
+    assert parse_bands("2-6", "--bands") == (2, 6)
+    assert column_of("auto", "--cut", Wish().drive) is None
+    drive = parse_joints("hips", "--drive")
+    assert column_of("leftUpperLeg.x", "--cut", drive) == 3 * drive[0]
+    for wrong in ("tail", "hips,wings"):
+        with pytest.raises(PersonError, match="no joint is called"):
+            parse_joints(wrong, "--drive")
+    for wrong in ("0-2", "6-2", "x", "2-99", ""):
+        with pytest.raises(PersonError, match="--bands"):
+            parse_bands(wrong, "--bands")
+    with pytest.raises(PersonError, match="--cut"):
+        column_of("leftHand.x", "--cut", drive)
+
+
+def test_clips_that_are_too_short() -> None:
+    short = Clip("blink", SKETCH.root_position[:20], SKETCH.rotation[:20], 60.0, SKETCH.contact[:20])
+    with pytest.raises(PersonError, match=r"blink: 0\.32 s are too short"):
+        material_of([short])
+    with pytest.raises(PersonError, match=r"blink: 0\.32 s are too short"):
+        textured(short, MATERIAL, Wish())
+    with pytest.raises(PersonError, match="no motion capture"):
+        material_of([])
+
+
+def test_what_drives_may_change_over_time() -> None:
+    first, changes = parse_drive("hips @4 knees", "--drive")
+    hips, knees = parse_joints("hips", "x"), parse_joints("knees", "x")
+    assert (first, changes) == (hips, ((4.0, knees),))
+    both = tuple(sorted((*hips, *knees)))
+    wish = Wish(drive=both, first=first, changes=changes, cut=3 * hips[0], texture=())
+    by = [wish, *(replace(wish, first=one, changes=((100.0, knees),)) for one in (hips, knees))]
+    changing, of_hips, of_knees = (prepare(SKETCH, MATERIAL, one) for one in by)
+    middle = 0.5 * (changing.parts.begin + changing.parts.end) / RATE
+    assert 2 < np.count_nonzero(middle < 4.0) < len(middle) - 2
+    for n, time in enumerate(middle):
+        whose = (of_hips if time < 4.0 else of_knees).matches
+        assert set(changing.matches.candidates[n]) == set(whose.candidates[n])  # some are equally near
+        assert np.allclose(changing.matches.distances[n], whose.distances[n])
+    alone = prepare(SKETCH, MATERIAL, Wish(drive=hips, cut=3 * hips[0], texture=()))
+    assert alone.matches.candidates[0][0] == of_hips.matches.candidates[0][0]
+    made = textured(SKETCH, MATERIAL, wish)[0]
+    assert figures_of(SKETCH, MATERIAL, wish, [made])["drive_changes"] == [[4.0, ["leftLowerLeg", "rightLowerLeg"]]]
+    for wrong in ("hips @x knees", "hips @2", "hips @-1 knees", "hips @2 nose"):
+        with pytest.raises(PersonError, match="--drive"):
+            parse_drive(wrong, "--drive")
+    with pytest.raises(PersonError, match="in order"):
+        Wish(changes=((4.0, knees), (2.0, hips)))
