@@ -1,0 +1,173 @@
+"""Kernels of a partner on the stage: dancers of a crowd shown as what answers their leaders, as far as that is in."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel, part
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+
+@part
+def _between(out: Float32, a: Float32, b: Float32, share: float) -> None:
+    """`share` of the way from the rotation `a` to `b`, either sign of it, into `out`, unit; a little beyond is fine."""
+    dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
+    left, right = 1.0 - share, -share if dot < 0.0 else share
+    size = 0.0
+    for k in range(4):
+        out[k] = np.float32(left * a[k] + right * b[k])
+        size += float(out[k]) * float(out[k])
+    size = 1.0 / math.sqrt(max(size, 1e-20))
+    for k in range(4):
+        out[k] = np.float32(out[k] * size)
+
+
+@part
+def _heading(q: Float32) -> float:
+    """Where hips of the rotation `q` face [rad]."""
+    return math.atan2(2.0 * (q[1] * q[3] + q[0] * q[2]), 1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2]))
+
+
+@part
+def _near(angle: float, other: float) -> float:
+    """The angle [rad] that means the same as `angle` and is nearest to `other`."""
+    return other + (angle - other + math.pi) % (2.0 * math.pi) - math.pi
+
+
+@part
+def _turn(out: Float32, q: Float32, yaw: float) -> None:
+    """The rotation `q` turned about the vertical by `yaw` [rad], into `out`."""
+    c, s = math.cos(0.5 * yaw), math.sin(0.5 * yaw)
+    w, x, y, z = q[0], q[1], q[2], q[3]
+    out[0] = np.float32(c * w - s * y)
+    out[1] = np.float32(c * x + s * z)
+    out[2] = np.float32(c * y + s * w)
+    out[3] = np.float32(c * z - s * x)
+
+
+@kernel("f8(f4[::1], f4[::1], f8)")
+def turn_between(own: Float32, answer: Float32, before: float) -> float:
+    """From where hips of the rotation `own` face to where those of `answer` do [rad]: the one nearest to `before`, so
+    that who has to turn about does not waver."""
+    turn: float = _near(_heading(answer) - _heading(own), before)
+    return turn
+
+
+@kernel(
+    "void(f4[:,:,::1], f4[:,:,::1], i4[::1], i4[::1], f8[::1], f8[::1], f8[::1], f8[:,::1], f8[:,::1], f4[:,:,::1],"
+    " f4[:,:,:,::1], f4[:,::1], i4[::1])"
+)
+def show_answers(
+    position: Float32,
+    rotation: Float32,
+    who: Int32,
+    led: Int32,
+    frames: Float64,
+    share: Float64,
+    turn: Float64,
+    place: Float64,
+    answered: Float64,
+    root: Float32,
+    turned: Float32,
+    offsets: Float32,
+    parents: Int32,
+) -> None:
+    """Change poses of the F dancers `who`, in `position` (A, J, 3) and `rotation` (A, J, 4), world, to what answers.
+
+    `led` (F,): which of the L answers is whose; `root` (L, 3, 3) [m] and `turned` (L, 3, J, 4), world, are poses of the
+    answers now, half a frame and a frame later, `frames` (F,) how many frames have passed. `share` (F,) of it is in;
+    `turn` (F,) [rad] led from where she faced to where her answer did at the last tick, when she was at `place` (F, 2)
+    [m] and it at `answered` (F, 2): since then she goes as both go.
+    """
+    now, own = np.empty(4, np.float32), np.empty(4, np.float32)
+    for f in range(who.shape[0]):
+        if not share[f] > 0.0:
+            continue
+        a, k, w = who[f], led[f], share[f]
+        begin, t = 0, 2.0 * frames[f]
+        if t >= 1.0:
+            begin, t = 1, t - 1.0
+        goes = np.empty(3)
+        for n in range(3):
+            goes[n] = (1.0 - t) * root[k, begin, n] + t * root[k, begin + 1, n]
+        x = place[f, 0] + w * (goes[0] - answered[f, 0]) + (1.0 - w) * (position[a, 0, 0] - place[f, 0])
+        z = place[f, 1] + w * (goes[2] - answered[f, 1]) + (1.0 - w) * (position[a, 0, 2] - place[f, 1])
+        position[a, 0, 0] = np.float32(x)
+        position[a, 0, 1] = np.float32((1.0 - w) * position[a, 0, 1] + w * goes[1])
+        position[a, 0, 2] = np.float32(z)
+        _between(now, turned[k, begin, 0], turned[k, begin + 1, 0], t)
+        yaw = _near(_heading(now) - _heading(rotation[a, 0]), turn[f])
+        for j in range(parents.shape[0]):
+            _between(now, turned[k, begin, j], turned[k, begin + 1, j], t)
+            if w < 1.0:
+                _turn(own, rotation[a, j], w * yaw)
+                _turn(now, now, (w - 1.0) * yaw)
+                _between(rotation[a, j], own, now, w)
+            else:
+                rotation[a, j] = now
+            parent = parents[j]
+            if parent < 0:
+                continue
+            qw, qx, qy, qz = (
+                rotation[a, parent, 0],
+                rotation[a, parent, 1],
+                rotation[a, parent, 2],
+                rotation[a, parent, 3],
+            )
+            vx, vy, vz = offsets[j, 0], offsets[j, 1], offsets[j, 2]
+            tx = 2.0 * (qy * vz - qz * vy)
+            ty = 2.0 * (qz * vx - qx * vz)
+            tz = 2.0 * (qx * vy - qy * vx)
+            position[a, j, 0] = np.float32(position[a, parent, 0] + vx + qw * tx + qy * tz - qz * ty)
+            position[a, j, 1] = np.float32(position[a, parent, 1] + vy + qw * ty + qz * tx - qx * tz)
+            position[a, j, 2] = np.float32(position[a, parent, 2] + vz + qw * tz + qx * ty - qy * tx)
+
+
+@kernel("void(f8[:,:,::1], i4[::1], f4[:,:,::1])")
+def turn_joints(rotation: Float64, parents: Int32, out: Float32) -> None:
+    """Local rotations (T, J, 4) in the world, into `out` (T, J, 4); parents come before their joints."""
+    for t in range(rotation.shape[0]):
+        for j in range(parents.shape[0]):
+            qw, qx, qy, qz = rotation[t, j, 0], rotation[t, j, 1], rotation[t, j, 2], rotation[t, j, 3]
+            parent = parents[j]
+            if parent >= 0:
+                pw, px, py, pz = (
+                    float(out[t, parent, 0]),
+                    float(out[t, parent, 1]),
+                    float(out[t, parent, 2]),
+                    float(out[t, parent, 3]),
+                )
+                qw, qx, qy, qz = (
+                    pw * qw - px * qx - py * qy - pz * qz,
+                    pw * qx + px * qw + py * qz - pz * qy,
+                    pw * qy - px * qz + py * qw + pz * qx,
+                    pw * qz + px * qy - py * qx + pz * qw,
+                )
+            out[t, j, 0], out[t, j, 1] = np.float32(qw), np.float32(qx)
+            out[t, j, 2], out[t, j, 3] = np.float32(qy), np.float32(qz)
+
+
+@kernel("void(f4[:,:,::1], i4[::1], f4[:,:,::1])")
+def joints_in_parents(rotation: Float32, parents: Int32, out: Float32) -> None:
+    """World rotations (T, J, 4) as each joint's own in its parent's, into `out` (T, J, 4): undoes `turn_joints`."""
+    for t in range(rotation.shape[0]):
+        for j in range(parents.shape[0]):
+            parent = parents[j]
+            if parent < 0:
+                out[t, j] = rotation[t, j]
+                continue
+            pw, px, py, pz = (
+                rotation[t, parent, 0],
+                -rotation[t, parent, 1],
+                -rotation[t, parent, 2],
+                -rotation[t, parent, 3],
+            )
+            qw, qx, qy, qz = rotation[t, j, 0], rotation[t, j, 1], rotation[t, j, 2], rotation[t, j, 3]
+            out[t, j, 0] = pw * qw - px * qx - py * qy - pz * qz
+            out[t, j, 1] = pw * qx + px * qw + py * qz - pz * qy
+            out[t, j, 2] = pw * qy - px * qz + py * qw + pz * qx
+            out[t, j, 3] = pw * qz + px * qy - py * qx + pz * qw

@@ -1,0 +1,65 @@
+"""A small show in which somebody answers a leader, of made steps."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from live.clock.ticks import TICK
+from live.show.answer_bank import AnswerBank, answer_bank
+from live.show.core import Show
+from live.show.patch import Patch
+from live.show.patch_file import parse_patch
+from tests.show.made_show import GRAPH, PATCH
+
+FILE = Path("test.toml")
+DUET = """
+[motion]
+warp_beats = 0.0
+[[partner]]
+name = "duet"
+leader = "front & 1"
+follower = "back & 6"
+"""
+LEADER, FOLLOWER = 0, 5
+
+
+@cache
+def patch_of(extra: str) -> Patch:
+    """PATCH with more at its end."""
+    return parse_patch(PATCH + extra, "test.toml")
+
+
+@cache
+def bank_of(extra: str) -> AnswerBank | None:
+    """What its partners answer from."""
+    return answer_bank(patch_of(extra), FILE, GRAPH.library)
+
+
+def answering_show(extra: str = DUET, seed: int = 3) -> Show:
+    """A fresh show in which the partners of `extra` dance."""
+    return Show(patch_of(extra), GRAPH, seed=seed, answers=bank_of(extra))
+
+
+def run(show: Show, seconds: float, *, drawn: bool = False) -> np.ndarray:
+    """Positions of all joints at each tick of the next `seconds`, (ticks, A, J, 3); `drawn`: with more pictures."""
+    view, out = show.view(), []
+    first = round(show.time / TICK) + 1
+    for tick in range(first, first + round(seconds / TICK)):
+        show.tick(tick * TICK)
+        if drawn:
+            show.fill(show.view(), (tick + 0.7) * TICK)
+            show.fill(show.view(), (tick + 0.2) * TICK)
+        show.fill(view, tick * TICK)
+        out.append(view.joint_position.copy())
+    return np.array(out)
+
+
+def apart(position: np.ndarray, one: int = LEADER, other: int = FOLLOWER) -> np.ndarray:
+    """How far the hips of two dancers are apart on the floor [m], (ticks,)."""
+    return np.hypot(*np.moveaxis(position[:, one, 0, ::2] - position[:, other, 0, ::2], -1, 0))
+
+
+def fastest(position: np.ndarray, row: int) -> float:
+    """The fastest joint of a dancer from tick to tick [m/s]."""
+    return float(np.linalg.norm(np.diff(position[:, row], axis=0), axis=-1).max() / TICK)

@@ -1,0 +1,325 @@
+"""A partner on the stage: she answers, on the beat, without a pop, the same again, whatever is drawn."""
+
+import numpy as np
+import pytest
+
+from live.base.errors import PersonError
+from live.clock.ticks import TICK
+from live.control import events
+from live.motion.captured.packed_pose import pack_pose
+from live.motion.skeleton import SKELETON
+from live.show.answering import FASTEST
+from live.show.core import Show
+from live.show.edit import fitted, version_of
+from live.show.load import LoadedShow
+from live.show.outgoing import Outgoing
+from live.show.patch_file import PatchError, parse_patch
+from live.show.reloading import prepare
+from live.show.snapshot import Snapshots, restore
+from tests.show.answering_show import (
+    DUET,
+    FILE,
+    FOLLOWER,
+    LEADER,
+    answering_show,
+    apart,
+    bank_of,
+    fastest,
+    patch_of,
+    run,
+)
+from tests.show.made_show import GRAPH, PATCH
+
+STAMP = {"time": 0.0, "source": "osc"}
+ON_PLACE = DUET + 'place = "own"\n'
+
+
+def turned_on(show: Show, on: bool) -> None:
+    assert show.apply(events.SetPartner(parameter="on", value=float(on), **STAMP))
+
+
+def bones(position: np.ndarray) -> np.ndarray:
+    """Lengths of all bones, (..., J - 1)."""
+    parents = np.asarray(SKELETON.parents)[1:]
+    return np.linalg.norm(position[..., 1:, :] - position[..., parents, :], axis=-1)
+
+
+def test_she_goes_to_her_leader_and_dances_what_goes_along_with_her_on_the_beat() -> None:
+    show = answering_show()
+    answering = show.dancers.answering
+    assert answering is not None
+    begun, parts = [], []
+    (read,) = answering._read.values()
+    for _ in range(round(8.5 / TICK)):
+        parts.append(run(show, TICK))
+        if read.line is not None and read.partner.known:
+            frames = read.line - (read.partner.reader.at - read.partner.begin)
+            begun.append(frames / read.lore.per_beat)
+    lines, start = np.unique(begun)[1:], np.concatenate(parts)
+    assert len(lines) > 5
+    assert np.abs(lines / 2.0 - np.round(lines / 2.0)).max() * 2.0 * 0.5 <= 0.04 + 1e-9  # two beats, of 0.5 s
+    assert answering.level[FOLLOWER] == 1.0
+    assert apart(start)[0] > 2.5
+    before = answering.told
+    position = run(show, 6.0)
+    assert np.abs(apart(position)[192:] - 1.0).max() < 0.2  # as in the examples, however far the two go
+    assert np.ptp(position[:, FOLLOWER, 0, ::2], axis=0).max() > 0.2
+    amiss = np.abs(bones(position[:, FOLLOWER]) - np.linalg.norm(SKELETON.offsets[1:], axis=-1)).max(axis=0)
+    legs = np.array([name.endswith(("Leg", "Foot", "Toes")) for name in SKELETON.names[1:]])
+    assert amiss[~legs].max() < 1e-4
+    assert amiss[legs].max() < 0.005  # legs whose feet are held give a little, as everybody's
+    assert answering.told - before in (5, 6, 7)  # each unit is told once: 12 beats hold six of two
+    # others see her where she is
+    assert np.hypot(*(show.state.position[FOLLOWER] - position[-1, FOLLOWER, 0, ::2])) < 0.05
+
+
+def test_nothing_pops_however_it_is_switched() -> None:
+    show, quiet = answering_show(ON_PLACE), answering_show(ON_PLACE)
+    turned_on(quiet, on=False)
+    own = run(quiet, 3.0)
+    usual = max(fastest(own, row) for row in (LEADER, FOLLOWER))
+    parts = [run(show, 3.2)]
+    for on in (False, True, False, True):
+        turned_on(show, on)
+        parts.append(run(show, 1.0))
+    parts.append(run(show, 2.5))
+    assert show.apply(events.SetPartner(parameter="amount", value=0.3, **STAMP))
+    parts.append(run(show, 0.5))
+    assert show.apply(events.PairPartner(role="leader", who="front & 3", partner="duet", **STAMP))
+    parts.append(run(show, 4.5))
+    position = np.concatenate(parts)
+    assert show.dancers.answering is not None
+    assert show.dancers.answering.level[FOLLOWER] == 1.0
+    turn = np.pi / 2.0 * 1.5 * 0.8  # half a turn within a measure of 2 s, smoothly, at arm's length
+    assert fastest(position, FOLLOWER) < 2.0 * usual + FASTEST + turn
+    assert np.isfinite(position).all()
+
+
+def test_drawing_changes_nothing_and_a_snapshot_goes_on_bit_by_bit() -> None:
+    one, other = answering_show(ON_PLACE), answering_show(ON_PLACE)
+    assert np.array_equal(run(one, 3.0), run(other, 3.0, drawn=True))
+    assert one.state_hash() == other.state_hash()
+    tick = round(one.time / TICK)
+    source = Snapshots(one)
+    while (taken := source.take(tick)) is None:
+        tick += 1
+        one.tick(tick * TICK)
+    data = taken.seal()
+    again = restore(LoadedShow(FILE, patch_of(ON_PLACE), GRAPH, answers=bank_of(ON_PLACE)), data)
+    assert np.array_equal(run(again, 2.0), run(one, 2.0))
+    assert again.state_hash() == one.state_hash()
+    bank = again.dancers.answering.bank  # type: ignore[union-attr]
+    assert bank is bank_of(ON_PLACE)
+    assert next(iter(again.dancers.answering._read.values())).partner.reader.units is bank.lores[0].units  # type: ignore[union-attr]
+    assert len(data) < 150_000
+
+
+def test_a_leader_who_leaves_is_followed_no_more_and_her_partner_dances_on() -> None:
+    show = answering_show(ON_PLACE)
+    run(show, 3.5)
+    answering = show.dancers.answering
+    assert answering is not None
+    assert answering.level[FOLLOWER] == 1.0
+    assert show.apply(events.Leave(dancers="1", **STAMP))
+    run(show, 4.5)
+    assert answering.level[FOLLOWER] == 0.0
+    assert not answering.following.any()
+    mine, bare = show.dancers.pose(0.4, show.time)[0][FOLLOWER].copy(), answering
+    show.dancers.answering = None
+    assert np.array_equal(mine, show.dancers.pose(0.4, show.time)[0][FOLLOWER])
+    show.dancers.answering = bare
+
+
+def test_several_answer_one_leader_each_at_her_own_place_and_chains_hold() -> None:
+    extra = (
+        '[[partner]]\nname = "class"\nleader = "front & 1"\nfollower = "back"\n'
+        '[[partner]]\nname = "chain"\nleader = "back & 6"\nfollower = "front & 2"\nplace = "own"\n'
+    )
+    show = answering_show(extra)
+    position = run(show, 4.0)
+    answering = show.dancers.answering
+    assert answering is not None
+    assert np.all(answering.level[[1, 5, 6, 7, 8]] == 1.0)
+    assert len(answering._read) == 2  # a search for each leader
+    moved = np.diff(position[-128:, 5:9, 0, ::2], axis=0)
+    assert np.allclose(moved, moved[:, :1], atol=1e-5)  # all go as one
+    gaps = np.linalg.norm(position[-1, 5:9, None, 0, ::2] - position[-1, None, 5:9, 0, ::2], axis=-1)
+    assert gaps[~np.eye(4, dtype=bool)].min() > 0.5
+
+
+def test_what_is_danced_is_told_and_calls_what_reacts_to_it() -> None:
+    extra = (
+        ON_PLACE + '[[react]]\non = "unit:glide"\nwhen = "now"\ncall = "/dance/facing"\nvalues = ["centre", "back"]\n'
+    )
+    show = answering_show(extra)
+    outgoing, view, told = Outgoing(show, positions=0.0, feet=False), show.view(), []
+    heard: list[object] = []
+    act = show.directions.act
+    show.directions.act = lambda event: (heard.append(event), act(event))[1]  # type: ignore[method-assign,assignment]
+    for tick in range(1, 64 * 5):
+        show.tick(tick * TICK)
+        show.fill(view, tick * TICK)
+        for what, values in outgoing.frame(view):
+            told += [one for name, one in values if name == "unit"] if what == "news" else []
+    assert show.dancers.answering is not None
+    assert [label for _, label, _ in told] == [label for _, _, label in show.dancers.answering.news]
+    assert {partner for partner, _, _ in told} == {"duet"}
+    assert any(name == "glide" and label.startswith("glide/") for _, label, name in told)
+    assert any(isinstance(event, events.SetFacing) for event in heard)
+
+
+@pytest.mark.parametrize(
+    ("table", "place", "words"),
+    [
+        ('leader = "nobody"\nfollower = "back & 6"', "leader", "nobody"),
+        ('leader = "front"\nfollower = "front & 2"', "leader", "answer herself"),
+        ('leader = "front"\nfollower = "back"', "follower", "5 lead and 4 answer"),
+        ('leader = "left"\nfollower = "back"', "leader", "places"),
+        ('leader = "front & 1"\nfollower = "*"', "leader", "answer herself"),
+    ],
+)
+def test_partners_that_cannot_be_are_told_with_their_key(table: str, place: str, words: str) -> None:
+    patch = parse_patch(f'{PATCH}[[partner]]\nname = "duet"\n{table}\n', "test.toml")
+    with pytest.raises(PersonError, match=words) as told:
+        Show(patch, GRAPH, answers=bank_of(DUET))
+    assert told.value.place[:3] == ("partner", 0, place)
+    assert told.value.remedy
+
+
+def test_circles_and_dancers_who_would_answer_two_are_refused() -> None:
+    one = '[[partner]]\nname = "one"\nleader = "front & 1"\nfollower = "front & 2"\n'
+    two = '[[partner]]\nname = "two"\nleader = "front & 2"\nfollower = "front & 3"\n'
+    back = '[[partner]]\nname = "three"\nleader = "front & 3"\nfollower = "front & 1"\n'
+    again = '[[partner]]\nname = "again"\nleader = "back & 6"\nfollower = "front & 2"\n'
+    answering_show(one + two)
+    with pytest.raises(PersonError, match="circle"):
+        Show(parse_patch(PATCH + one + two + back, "t.toml"), GRAPH)
+    with pytest.raises(PersonError, match="answers in 'one' and in 'again'"):
+        Show(parse_patch(PATCH + one + again, "t.toml"), GRAPH)
+    with pytest.raises(PatchError, match="two partners are called"):
+        parse_patch(PATCH + one + one, "t.toml")
+
+
+def test_over_the_network_nonsense_is_counted_and_changes_nothing() -> None:
+    show = answering_show()
+    answering = show.dancers.answering
+    assert answering is not None
+    before = list(answering.asked), list(answering.pairs)
+    for event in (
+        events.PairPartner(role="leader", who="nobody", partner="duet", **STAMP),
+        events.PairPartner(role="leader", who="back & 6", partner="duet", **STAMP),
+        events.PairPartner(role="follower", who="front", partner="duet", **STAMP),
+        events.PairPartner(role="leader", who="path", partner="duet", **STAMP),
+        events.PairPartner(role="shadow", who="front", partner="duet", **STAMP),
+        events.SetPartner(parameter="on", value=1.0, partner="quartet", **STAMP),
+        events.SetPartner(parameter="seed", value=1.0, **STAMP),
+    ):
+        assert not show.apply(event)
+    assert show.refusals.count == 7
+    assert (answering.asked, answering.pairs) == before
+    assert show.apply(events.SetPartner(parameter="window", value=0.4, **STAMP))
+    assert answering.asked[0].window == 0.15  # as far as the patch lets units stretch
+    without = Show(parse_patch(PATCH, "t.toml"), GRAPH)
+    assert not without.apply(events.SetPartner(parameter="on", value=1.0, **STAMP))
+    with pytest.raises(PatchError, match="nobody answers a leader"):
+        parse_patch(PATCH + '[[react]]\non = "unit:x"\ncall = "/dance/clear"\n', "t.toml")
+    with pytest.raises(PersonError, match="have a 'polka'"):
+        bank_of(DUET + '[[react]]\non = "unit:polka"\ncall = "/dance/clear"\n')
+
+
+WALKERS = """
+[[partner]]
+name = "walk"
+leader = "path"
+follower = "back & 6-7"
+steps = ["glide"]
+"""
+
+
+def test_walkers_go_along_a_way_that_is_drawn_and_stop_where_it_ends() -> None:
+    show = answering_show(WALKERS)
+    answering = show.dancers.answering
+    assert answering is not None
+    run(show, 2.5)
+    rows = [FOLLOWER, FOLLOWER + 1]
+    begin = show.state.position[rows].astype(np.float64)
+    drawn = begin.mean(axis=0) + np.array([(0.25 * n, 0.5 - 0.5 * np.cos(0.5 * n)) for n in range(1, 9)])
+    for n, (x, z) in enumerate(drawn.tolist()):
+        assert show.apply(events.WalkOn(x=x, z=z, partner="walk", anew=n == 0, **STAMP))
+    position = run(show, 8.0)
+    assert np.all(answering.level[rows] == 1.0)
+    hips, ends = position[:, rows, 0, ::2], drawn[-1] + begin - begin.mean(axis=0)
+    assert np.hypot(*(hips[-1] - ends).T).max() < 0.25  # each beside the other, as when it began
+    past = (hips - ends) @ (drawn[-1] - drawn[-2]) / np.hypot(*(drawn[-1] - drawn[-2]))
+    assert past.max() < 0.2  # nobody oversteps its end
+    way = np.vstack([begin.mean(axis=0), drawn])
+    own = hips[:, 0] - (begin[0] - begin.mean(axis=0))
+    assert np.hypot(*np.moveaxis(own[:, None] - way[None], -1, 0)).min(axis=1).max() < 0.5
+    assert not show.apply(events.WalkOn(x=0.0, z=0.0, partner="nobody", **STAMP))
+    assert not answering_show().apply(events.WalkOn(x=0.0, z=0.0, **STAMP))
+
+
+def test_an_edited_patch_is_taken_but_for_what_is_answered_from() -> None:
+    show = answering_show(ON_PLACE)
+    run(show, 3.0)
+    edited = parse_patch(PATCH + ON_PLACE.replace("front & 1", "front & 2") + "amount = 0.5\n", "test.toml")
+    kept, waits = fitted(edited, show.patch)
+    assert (kept, waits) == (edited, ())
+    show.offer_patch(prepare(edited.model_dump_json(), show.another, show.patch, show.graph))
+    asked = events.PatchChanged(patch="", version=version_of(edited.model_dump_json()), **STAMP)
+    assert show.apply(asked)
+    position = run(show, 6.5)
+    answering = show.dancers.answering
+    assert answering is not None
+    assert show.patch is not patch_of(ON_PLACE)
+    assert answering.asked[0].amount == 0.5
+    assert answering.pairs[0].leader == 1
+    assert answering.level[FOLLOWER] == 1.0
+    assert np.isfinite(position).all()
+    other = parse_patch(PATCH + ON_PLACE + 'unit_beats = 4\n[[partner]]\nname = "b"\nleader="1"\nfollower="2"\n', "t")
+    assert fitted(other, patch_of(ON_PLACE))[1] == ("partner",)
+
+
+def test_a_dancer_of_live_motion_leads_and_when_she_stops_or_leaves_it_goes_on() -> None:
+    show = answering_show(DUET + 'place = "own"\n[[mocap]]\nname = "live"\ndancer = "1"\ndelay_ms = 0.0\n')
+    answering = show.dancers.answering
+    assert answering is not None
+    (example,) = (one for one in answering.bank.lores[0].units.examples if one.name == "spin")
+    held, levels, hands = [], [], []
+    view = show.view()
+    for tick in range(1, round(9.0 / TICK)):
+        time = tick * TICK
+        if tick % 2 == 0 and not 4.5 < time < 6.9:
+            root = np.array((-3.0, 0.93, 1.5), np.float32)
+            turned = np.array(example.follower.rotation[int(time * 60.0) % 120], np.float32)
+            pose = pack_pose(root, turned)
+            assert show.apply(events.MocapFrame(time=time, source="vmc", performer="live", pose=pose))
+        show.tick(time)
+        show.fill(view, time)
+        held.append(bool(answering.live[LEADER]))
+        levels.append(answering.level[FOLLOWER])
+        hands.append(view.joint_position[FOLLOWER].copy())
+    assert held[round(4.0 / TICK)]
+    assert not held[round(6.8 / TICK)]  # nothing has come for two seconds: she dances on by herself
+    assert held[-1]
+    assert levels[round(4.4 / TICK)] == levels[-1] == 1.0
+    speed = np.linalg.norm(np.diff(np.array(hands), axis=0), axis=-1).max() / TICK
+    assert speed < 12.0
+
+
+def test_a_leader_who_cannot_be_seen_is_held_then_left_and_answered_again() -> None:
+    show = answering_show(ON_PLACE)
+    run(show, 3.2)
+    answering = show.dancers.answering
+    assert answering is not None
+    assert answering.level[FOLLOWER] == 1.0
+    seen = show.dancers.seen
+    show.dancers.seen = lambda rows, *at: tuple(np.full_like(one, np.nan) for one in seen(rows, *at))  # type: ignore[method-assign,assignment]
+    position = [run(show, 0.2)]
+    assert answering.level[FOLLOWER] > 0.9  # held
+    position.append(run(show, 3.8))  # two beats, as a dancer of the show may stand, and a measure
+    assert answering.level[FOLLOWER] == 0.0
+    del show.dancers.seen
+    position.append(run(show, 4.0))
+    assert answering.level[FOLLOWER] == 1.0
+    assert np.isfinite(np.concatenate(position)).all()
