@@ -1,0 +1,279 @@
+"""Captured: one performer who is captured live: her last poses, who wears them, and how much of them is seen."""
+
+import math
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.clock.ticks import TICK
+from live.motion.captured.kernels import (
+    ASKED,
+    BEAT,
+    KEY,
+    SHARE,
+    TIME,
+    WANTED,
+    find_places,
+    wear,
+    where_captured,
+)
+from live.motion.captured.packed_pose import unpack_pose
+from live.motion.skeleton import JOINT_COUNT, MIRROR, SKELETON
+from live.show.sections.mocap import MocapSection
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int64 = npt.NDArray[np.int64]
+
+HOLD: Final = 0.25
+"""A pose of which no newer one comes is held for so long [s]; then her dancer goes on by herself."""
+MEMORY: Final = 32
+"""Poses that are remembered ..."""
+CANON_MEMORY: Final = 1024
+"""... and with a canon, those of some measures."""
+GAP: Final = 0.1
+"""After a silence of more than this [s] the pose that was held becomes the new one ..."""
+CATCH: Final = 0.2
+"""... within so many seconds ..."""
+TURN_OVER: Final = 0.6
+"""... and so long it takes her to become her mirror image [s]."""
+FOLLOWS: Final = 0.3
+"""So much of the way to where a tracker is said to be is gone in a tick."""
+LEAVES: Final = -1.0
+"""The delay of a dancer who was her and is her no more."""
+_OTHER: Final = np.array(MIRROR, np.int32)
+_OFFSETS: Final = np.array(SKELETON.offsets, np.float32)
+_PARENTS: Final = np.array(SKELETON.parents, np.int32)
+
+
+class Captured:
+    """One performer. Her own dancer is the first of `rows`; after her those who repeat her. Thread: the show's."""
+
+    def __init__(self, section: MocapSection) -> None:
+        self.section = section
+        self.shown, self.mirrored, self.scale = section.shown, section.mirrored, section.scale
+        self.obstacle, self.attract, self.attracts = section.obstacle, section.attract, section.attracts
+        self.dancer = section.dancer
+        """Words for the dancer who is her; None: anybody who is free."""
+        self.canon, self.canon_beats = section.canon, section.canon_beats
+        self.origin = (*section.at, math.radians(section.turn_deg))
+        """Where the middle of her floor lies, x, z [m], and its turn [rad]."""
+        self.rows: Int64 = np.zeros(0, np.int64)
+        """Dancers who wear her poses, (n,)."""
+        self.delay: Float64 = np.zeros(0)
+        """How many beats later than she, (n,); her own dancer has 0."""
+        self.share: Float64 = np.zeros(0)
+        """How far each has come into her poses, 0 to 1 evenly in time, (n,)."""
+        self.moved: Float64 = np.zeros((0, 2))
+        """How far from her each dances [m], (n, 2)."""
+        self.turned: Float64 = np.zeros(0)
+        """How far each was turned from her own heading at the last tick [rad], whole turns counted, (n,)."""
+        self.count = 0
+        """Poses that have come."""
+        self.draws = 0.0
+        """1 while an attractor follows her, -1 while a repulsor does."""
+        self.follower = -1
+        """The dancer who goes where her tracker is; -1: nobody."""
+        self._spot = self._target = (0.0, 0.0)
+        self._tracked = -math.inf
+        self._gap, self._catch = -math.inf, CATCH
+        self._root: Float32 = np.zeros((MEMORY + 1, 3), np.float32)
+        self._turned: Float32 = np.zeros((MEMORY + 1, JOINT_COUNT, 4), np.float32)
+        self._stamp: Float64 = np.full((MEMORY, 2), -np.inf)
+
+    @property
+    def is_danced(self) -> bool:
+        """Whether a dancer is her, wholly or partly."""
+        return bool(self.share[self.delay == 0.0].any())
+
+    def recast(self, dancer: str) -> None:
+        """She is another dancer from now on; whom she was goes back to her own dance."""
+        self.dancer, self.follower = dancer, -1
+        self.delay[self.delay == 0.0] = LEAVES
+
+    def add(self, rows: dict[int, float], shown: Float32, time: float, beat: float) -> None:
+        """These dancers wear her poses too, so many beats later; at first nothing of them is seen. Who repeats her
+        does that from where she is, `shown` (A, 2) [m]."""
+        new = np.array(list(rows), np.int64)
+        self.rows = np.concatenate([self.rows, new])
+        self.delay = np.concatenate([self.delay, np.array(list(rows.values()))])
+        self.share = np.concatenate([self.share, np.zeros(len(new))])
+        self.moved = np.concatenate([self.moved, np.zeros((len(new), 2))])
+        self.turned = np.concatenate([self.turned, np.zeros(len(new))])
+        place = np.zeros((len(self.rows), 4))
+        if self.count:
+            asked = self.asked(time, beat)
+            where_captured(place, asked, self._root, self._turned, self._stamp, self.count, self.scale, self.mirrored)
+        fresh = (np.arange(len(self.rows)) >= len(self.rows) - len(new)) & (self.delay > 0.0)
+        self.moved[fresh] = shown[self.rows[fresh]] - place[fresh, :3:2]
+
+    def keep(self, kept: npt.NDArray[np.bool_]) -> None:
+        """Only these of `rows` go on wearing her poses, (n,)."""
+        if not kept.all():
+            self.rows, self.delay = self.rows[kept], self.delay[kept]
+            self.share, self.moved, self.turned = self.share[kept], self.moved[kept], self.turned[kept]
+
+    def take(self, other: "Captured") -> None:
+        """Go on with the poses and dancers of `other`, who is the same performer."""
+        for name in (
+            "rows",
+            "delay",
+            "share",
+            "moved",
+            "turned",
+            "count",
+            "draws",
+            "_gap",
+            "_root",
+            "_turned",
+            "_stamp",
+        ):
+            setattr(self, name, getattr(other, name))
+
+    def stands(self, time: float) -> tuple[float, float]:
+        """Where she is on the stage [m], whether a dancer is her or not; there must be a pose or a tracker."""
+        x, z, yaw = self.origin
+        if self.is_tracked(time):
+            (a, b), c, s = self._spot, math.cos(yaw), math.sin(yaw)
+            a, b = (-self.scale if self.mirrored else self.scale) * a, self.scale * b
+            return x + c * a + s * b, z + c * b - s * a
+        place, when = np.zeros((1, 4)), time - self.later
+        asked = np.array([[TIME, when, self._caught(when), 1.0, x, z, yaw, 0.0]])
+        where_captured(place, asked, self._root, self._turned, self._stamp, self.count, self.scale, self.mirrored)
+        return float(place[0, 0]), float(place[0, 2])
+
+    @property
+    def later(self) -> float:
+        """How much later she is shown than she was received [s]."""
+        return self.section.delay_ms / 1000.0
+
+    @property
+    def last(self) -> float:
+        """When she was heard of last [s], by a pose or a tracker."""
+        return max(self._last_pose, self._tracked)
+
+    @property
+    def _last_pose(self) -> float:
+        return float(self._stamp[(self.count - 1) % len(self._stamp), TIME]) if self.count else -math.inf
+
+    def track(self, place: tuple[float, float], time: float) -> None:
+        """Her tracker is at `place` of her floor [m]."""
+        if time - self._tracked > HOLD:
+            self._spot = place  # she is there anew
+        self._target, self._tracked = place, max(time, self._tracked)
+
+    def settle(self) -> None:
+        """A tick: where she is follows her tracker softly."""
+        (x, z), (to_x, to_z) = self._spot, self._target
+        self._spot = x + FOLLOWS * (to_x - x), z + FOLLOWS * (to_z - z)
+
+    def is_tracked(self, time: float) -> bool:
+        """Whether her tracker, and no pose of hers, says at `time` [s] where she is."""
+        return time - self._tracked <= HOLD < time - self._last_pose
+
+    def hear(self, pose: str, time: float, beat: float) -> None:
+        """Her pose at `time` [s] and the danced `beat`, packed; of several within a tick the newest stays. ValueError
+        for none."""
+        root, turned = unpack_pose(pose)
+        newest = (self.count - 1) % len(self._stamp)
+        if self.count and time <= self._stamp[newest, TIME]:
+            return  # an old one that comes late
+        if self.count and time - self._stamp[newest, TIME] > GAP:
+            self._gap, self._catch = time, CATCH
+            self._root[-1], self._turned[-1] = self._root[newest], self._turned[newest]
+        if not self.count or time // TICK > self._stamp[newest, TIME] // TICK:
+            self.count += 1
+            newest = (self.count - 1) % len(self._stamp)
+        self._root[newest], self._turned[newest], self._stamp[newest] = root, turned, (time, beat)
+
+    def mirror(self, mirrored: bool, time: float) -> None:
+        """She is seen as in a mirror from `time` [s] on, or as she is: she goes over softly from what was seen."""
+        if mirrored != self.mirrored and self.count:
+            # what was seen is kept as the pose held before a gap, told so that the new way of seeing shows it as it was
+            shown = np.flatnonzero(self._stamp[:, TIME] <= time - self.later)
+            then = shown[np.argmax(self._stamp[shown, TIME])] if len(shown) else (self.count - 1) % len(self._stamp)
+            self._root[-1] = self._root[then] * (-1.0, 1.0, 1.0)
+            self._turned[-1] = self._turned[then][_OTHER] * (1.0, 1.0, -1.0, -1.0)
+            self._gap, self._catch = time - self.later, TURN_OVER
+        self.mirrored = mirrored
+
+    def remember(self, much: bool) -> None:
+        """Remember as many poses as a canon needs, or few."""
+        size = CANON_MEMORY if much else MEMORY
+        if size == len(self._stamp):
+            return
+        kept = min(self.count, size, len(self._stamp))
+        order = np.arange(self.count - kept, self.count)
+        before = len(self._stamp)
+        stamp = np.full((size, 2), -np.inf)
+        stamp[order % size] = self._stamp[order % before]
+        for name in ("_root", "_turned"):
+            old = getattr(self, name)
+            fresh = np.zeros((size + 1, *old.shape[1:]), np.float32)
+            fresh[order % size], fresh[-1] = old[order % before], old[-1]
+            setattr(self, name, fresh)
+        self._stamp = stamp
+
+    def is_live(self, asked: Float64, time: float, tempo: float) -> npt.NDArray[np.bool_]:
+        """For whom of `rows` there is a pose at `time` [s], when this is `asked` (n, ASKED), (n,)."""
+        if not self.count:
+            return np.zeros(len(self.rows), np.bool_)
+        size = len(self._stamp)
+        newest, oldest = (self.count - 1) % size, max(self.count - size, 0) % size
+        if len(self.rows) == 1 and self.delay[0] <= 0.0:
+            return np.array([time - self._stamp[newest, TIME] <= HOLD])
+        own, wanted = asked[:, KEY] == TIME, asked[:, WANTED]
+        live = (wanted <= self._stamp[newest, BEAT] + HOLD * tempo / 60.0) & (wanted >= self._stamp[oldest, BEAT])
+        live[own] = time - self._stamp[newest, TIME] <= HOLD
+        return np.asarray(live)
+
+    def go(self, live: npt.NDArray[np.bool_], rate: float, asked: Float64) -> None:
+        """A tick: who is `live` (n,) comes into her poses by `rate`, the others out of them; `asked` is told."""
+        self.share = np.clip(self.share + np.where(live, rate, -rate), 0.0, 1.0)
+        asked[:, SHARE] = self.share * self.share * (3.0 - 2.0 * self.share)
+
+    def find(
+        self, asked: Float64, live: npt.NDArray[np.bool_], shown: Float32, legs: Float32
+    ) -> tuple[Float64, Float64]:
+        """Where her dancers are seen now, and how far those who are wholly her went from their own dance, (n, 2) each
+        [m]: see `find_places`."""
+        there, way = np.empty((2, len(self.rows), 2))
+        find_places(
+            there, way, self.turned, self.rows, live, asked, self._root, self._turned, self._stamp, self.count,
+            self.scale, self.mirrored, shown, legs,
+        )  # fmt: skip
+        return there, way
+
+    def asked(self, time: float, beat: float) -> Float64:
+        """What is asked of the remembered poses for all of `rows`."""
+        x, z, yaw = self.origin
+        when, caught = time - self.later, self._caught(time - self.later)
+        columns = self.delay.tolist(), self.share.tolist(), self.moved.tolist(), self.turned.tolist()
+        # the rows are few: what numpy would do with columns takes longer
+        rows = [
+            (*((TIME, when, caught) if delay <= 0.0 else (BEAT, beat - delay, 1.0)),
+             share * share * (3.0 - 2.0 * share), moved[0] + x, moved[1] + z, yaw, turned)
+            for delay, share, moved, turned in zip(*columns, strict=True)
+        ]  # fmt: skip
+        return np.array(rows).reshape(-1, ASKED)
+
+    def _caught(self, when: float) -> float:
+        """How far the pose of `when` [s] has come back after the last gap."""
+        part = min(max((when - self._gap) / self._catch, 0.0), 1.0)
+        return part * part * (3.0 - 2.0 * part)
+
+    def dress(self, position: Float32, rotation: Float32, time: float, beat: float) -> None:
+        """Let her dancers wear her poses at `time` [s], the danced `beat`: world positions (A, J, 3) and rotations
+        (A, J, 4) are changed, and nothing else."""
+        if self.count and self.share.any():
+            asked = self.asked(time, beat)
+            worn = asked[:, SHARE] > 0.0
+            wear(
+                position, rotation, self.rows[worn], asked[worn], self._root, self._turned, self._stamp, self.count,
+                self.scale, self.mirrored, _OFFSETS, _PARENTS, _OTHER,
+            )  # fmt: skip
+
+    def hashed(self) -> tuple[npt.NDArray[np.generic], ...]:
+        """What belongs to the state of the show beyond what is seen."""
+        return self.rows, self.share, self.moved, self.turned, np.array([self.count, *self._spot]), self._stamp
