@@ -1,6 +1,6 @@
 """PulseFit: the curve through the times of numbered pulses, over as long a stretch as one curve explains.
 
-A bank of straight lines (a steady tempo) and parabolas (a tempo that changes evenly) over the last 4 to 384 pulses.
+A bank of straight lines (a steady tempo) and parabolas (a tempo that changes evenly) over the last 4 to 768 pulses.
 The one that predicts best is taken among those that the newest pulses do not contradict: long windows for a steady
 sender, short ones while the tempo moves (Lepski's method of choosing a bandwidth; Goldenshluger and Nemirovski, "On
 spatially adaptive estimation of nonparametric regression", 1997).
@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 Times = npt.NDArray[np.float64]
 
-LINES: Final = (4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 72, 96, 144, 192, 288, 384)
+LINES: Final = (4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 72, 96, 144, 192, 288, 384, 576, 768)
 PARABOLAS: Final = (32, 48, 64, 96, 128, 192)
 """Lengths of the windows [pulses]."""
 
@@ -24,8 +24,9 @@ RECENT: Final = np.array((4, 6, 8, 12, 16, 24, 32, 48, 64, 96))
 AHEAD: Final = 12.0
 """Curves are compared by how well they tell the time of the pulse half a beat ahead."""
 
-CONTRADICTED: Final = np.array((4.5, 4.2, 4.0, 3.8, 3.6, 3.4, 3.3, 3.3, 3.3, 3.3))
-"""Standard errors of each mean residual that contradict a curve; few pulses scatter with a long tail."""
+CONTRADICTED: Final = 4.6
+"""Standard errors of a mean residual that contradict a curve: it is asked ten times at each of a song's thousands of
+pulses, and who believes chance once has only a short stretch to tell the tempo by."""
 
 _HANKEL: Final = np.array(((0, 1, 2), (1, 2, 3), (2, 3, 4)))
 
@@ -147,7 +148,7 @@ def _doubt(
     means = (part[5] - (curves.T @ part[:3])) / count
     # A curve's own residuals are smaller than the noise, at its end and where the window is short.
     share = np.minimum(recent[None, :] * np.where(bent, 9.0, 4.0)[:, None] / lengths[:, None], 1.0)
-    allowed = CONTRADICTED[: recent.size] * noise * np.sqrt(np.maximum(1.0 - share, 0.35) / count)
+    allowed = CONTRADICTED * noise * np.sqrt(np.maximum(1.0 - share, 0.35) / count)
     inside = recent[None, :] < lengths[:, None]
     worst = np.max(np.where(inside, np.abs(means) / allowed, 0.0), axis=1, initial=0.0)
     return np.where(np.isfinite(curves[0]), worst, np.inf)

@@ -12,8 +12,8 @@ import numpy as np
 
 from live.clock.pulse_fit import NOISE_MIN, PulseFit, Times, fit, noise_of
 
-CAPACITY: Final = 1024
-KEPT: Final = 512
+CAPACITY: Final = 2048
+KEPT: Final = 1024
 
 ENOUGH: Final = 5
 """Pulses after which their own curve is used instead of the assumed period."""

@@ -15,7 +15,8 @@ from live.clock.midi_clock import STOP
 from live.clock.pulse_schedule import PulseSchedule
 from live.clock.source import Clock
 from live.clock.timeline import Timeline
-from live.control.midi_ports import OpenPort, open_port
+from live.control.midi_ports import open_output
+from live.control.midi_streams import Port
 from live.control.urgency import hurry
 
 NEAR: Final = 0.0015
@@ -38,14 +39,10 @@ SWITCH_INTERVAL: Final = 0.0005
 """Seconds after which Python lets this thread in while another one works; 5 ms, its own, would be heard."""
 
 
-def _open_output(name: str) -> OpenPort:
-    return open_port("output", name)
-
-
 class MidiClockOut:
     """Sends what a PulseSchedule says. Thread: `follow` from the show, the rest from the one that made it."""
 
-    def __init__(self, name: str, clock: Clock, *, open_by_name: Callable[[str], OpenPort] = _open_output) -> None:
+    def __init__(self, name: str, clock: Clock, *, open_by_name: Callable[[str], Port] = open_output) -> None:
         """Nothing is opened yet; a port that is not there is waited for."""
         self.name = name
         self.connected = ""
@@ -62,7 +59,7 @@ class MidiClockOut:
         self._open_by_name = open_by_name
         self._schedule = PulseSchedule()
         self._timeline: Timeline | None = None
-        self._port: OpenPort | None = None
+        self._port: Port | None = None
         self._looked = -RETRY
         self._near = NEAR
         self._stop = threading.Event()

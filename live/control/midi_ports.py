@@ -11,9 +11,10 @@ import re
 import sys
 from collections.abc import Callable
 from types import ModuleType
-from typing import Any, Final, Literal
+from typing import Any, Final
 
-Direction = Literal["input", "output"]
+from live.control.midi_streams import RTP, Direction, Port, StreamPort, is_stream
+from live.control.rtp_port import RtpPort
 
 OURS: Final = "ChoreoGraphics"
 """What our side of a connection is called in the system's patch bays."""
@@ -65,8 +66,8 @@ class OpenPort:
 
     @property
     def there(self) -> bool:
-        """Whether the other side still exists."""
-        return lasting_name(self.name) in map(lasting_name, self._client.get_ports())
+        """Whether the other side still exists: one that has come back under another number has to be opened anew."""
+        return self.name in self._client.get_ports()
 
     @property
     def system_runs(self) -> bool:
@@ -165,8 +166,12 @@ def _absent(api: int) -> str:
 
 
 def lasting_name(name: str) -> str:
-    """A port's name without ALSA's numbers of client and port, which change when it is plugged in again."""
-    return re.sub(r"\s+\d+:\d+$", "", name).casefold()
+    """A port's name without the numbers that change when it is plugged in again.
+
+    Those are ALSA's of client and port (`Pad 24:0`), those of its bridge to JACK (`a2j:Pad [24] (capture): Pad`), and
+    what JACK adds to a client's name that is taken (`pad-01:out`).
+    """
+    return re.sub(r"\s+\d+:\d+$|\s+\[\d+\](?=[\s:]|$)|-\d\d(?=:)", "", name).casefold()
 
 
 def match_port(wanted: str, names: list[str]) -> str:
@@ -188,6 +193,8 @@ def match_port(wanted: str, names: list[str]) -> str:
 
 def find_port(direction: Direction, wanted: str) -> str:
     """The whole name of a port; MidiUnavailable, or UnknownPort with a list of those that there are."""
+    if is_stream(wanted):
+        return wanted
     systems = port_names(direction)
     for names in systems.values():
         try:
@@ -199,8 +206,10 @@ def find_port(direction: Direction, wanted: str) -> str:
     raise problem
 
 
-def open_port(direction: Direction, wanted: str) -> OpenPort:
+def open_port(direction: Direction, wanted: str) -> Port:
     """Connect to a port by its name, whichever system has it; MidiUnavailable, UnknownPort or OSError."""
+    if is_stream(wanted):
+        return (RtpPort if wanted.startswith(RTP) else StreamPort)(direction, wanted)
     for api, names in port_names(direction).items():
         try:
             match_port(wanted, names)
@@ -209,3 +218,8 @@ def open_port(direction: Direction, wanted: str) -> OpenPort:
             continue
         return OpenPort(direction, api, wanted)
     raise problem
+
+
+def open_output(wanted: str) -> Port:
+    """Connect to a port to send to, by its name; as `open_port`."""
+    return open_port("output", wanted)

@@ -83,6 +83,28 @@ def test_a_port_that_goes_is_lost_and_found_by_its_name(monkeypatch: pytest.Monk
     assert listens.reopened == 2
 
 
+def test_a_port_that_was_plugged_in_again_at_once_is_opened_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its old name is there when it is next tried: a quick look in between has seen that it was gone."""
+    monkeypatch.setattr(midi_input, "RETRY", 1000.0)
+    monkeypatch.setattr(midi_input, "LOOK", 0.0)
+    ports: list[FakePort] = []
+
+    def open_by_name(name: str) -> OpenPort:
+        ports.append(FakePort(name))
+        return cast(OpenPort, ports[-1])
+
+    listens = MidiInput("box", Inbox(), ManualClock(), open_by_name=open_by_name)
+    listens.start()
+    try:
+        for count in (1, 2, 3):
+            assert wait_for(lambda count=count: len(ports) == count, 5.0)  # type: ignore[misc]
+            ports[-1].there = False
+        assert wait_for(lambda: len(ports) == 4, 5.0)
+    finally:
+        listens.stop()
+    assert [port.closed for port in ports] == [True] * 4
+
+
 def test_a_flood_is_bounded() -> None:
     listens = MidiInput("box", Inbox(), ManualClock())
     for _ in range(midi_input.WAITING_MAX + 10):
@@ -124,6 +146,10 @@ def test_ports_are_matched_by_lasting_names() -> None:
     assert match_port("launchkey midi 1", names) == "Launchkey MIDI 1 24:0"
     assert match_port("Launchkey MIDI 2 31:1", names) == "Launchkey MIDI 2 24:1"  # it was plugged in again
     assert match_port("through", names) == names[0]
+    bridged = ["a2j:Launchkey [24] (capture): Launchkey MIDI 1", "a2j:Launchkey [24] (capture): Launchkey MIDI 2"]
+    assert match_port("a2j:Launchkey [31] (capture): Launchkey MIDI 2", bridged) == bridged[1]
+    assert match_port("footswitch:out", ["footswitch-01:out", "organ:out"]) == "footswitch-01:out"
+    assert match_port("pad-01:out", ["pad:out", "pad-01:out"]) == "pad-01:out"
     with pytest.raises(UnknownPort, match="several"):
         match_port("launchkey", names)
     with pytest.raises(UnknownPort, match="Through"):

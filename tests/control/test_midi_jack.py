@@ -8,11 +8,12 @@ import pytest
 from live.base.inbox import Inbox
 from live.clock.source import SystemClock
 from live.clock.timeline import Timeline
-from live.control import midi_clock_out, midi_input
+from live.control import midi_clock_out, midi_input, midi_output
 from live.control.events import BeatHeard, ControlEvent, SourceChanged, Tap
 from live.control.midi_clock_out import MidiClockOut
 from live.control.midi_input import MidiInput
 from live.control.midi_map import MidiMap
+from live.control.midi_output import MidiOutput
 from live.control.midi_ports import UnknownPort, abandon, find_port, rtmidi
 from tests.control.jack import JackServer, jack_server  # noqa: F401 - a fixture
 from tests.control.waiting import wait_for
@@ -20,10 +21,10 @@ from tests.control.waiting import wait_for
 pytestmark = pytest.mark.usefixtures("jack_server")
 
 
-def sender(name: str) -> Any:
+def sender(name: str, port: str = "out") -> Any:
     module = rtmidi()
     client = module.MidiOut(module.API_UNIX_JACK, name=name)
-    client.open_virtual_port("out")
+    client.open_virtual_port(port)
     return client
 
 
@@ -62,6 +63,55 @@ def test_messages_arrive_and_a_port_that_goes_comes_back(monkeypatch: pytest.Mon
     assert sum(isinstance(event, Tap) for event in events) == 2
     assert any(isinstance(event, BeatHeard) and event.jump for event in events)
     assert [event.state for event in events if isinstance(event, SourceChanged)][-1] == "lost"
+
+
+def test_a_controller_that_is_plugged_in_again_under_another_number_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As ALSA's bridge to JACK names it; and so fast that no look falls in between."""
+    monkeypatch.setattr(midi_input, "RETRY", 0.2)
+    names = ["Pad [24] (capture)- Pad MIDI 1", "Pad [31] (capture)- Pad MIDI 1"]
+    inbox: Inbox[ControlEvent] = Inbox()
+    box = sender("a2j", names[0])
+    listens = MidiInput(f"a2j:{names[0]}", inbox, SystemClock(), midi_map=MidiMap())
+    listens.start()
+    try:
+        assert wait_for(lambda: listens.connected == f"a2j:{names[0]}", 10.0)
+        box.delete()
+        box = sender("a2j", names[1])
+        assert wait_for(lambda: listens.connected == f"a2j:{names[1]}", 10.0)
+        box.send_message([0xB0, 64, 127])
+        assert wait_for(lambda: listens.messages == 1, 10.0)
+    finally:
+        listens.stop()
+        box.delete()
+    assert [type(event) for event in inbox.drain()] == [Tap]
+
+
+def test_what_pads_are_told_arrives_at_a_port(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(midi_output, "RETRY", 0.2)
+    module = rtmidi()
+    found: list[list[int]] = []
+
+    def plugged_in() -> Any:
+        pads = module.MidiIn(module.API_UNIX_JACK, name="pads")
+        pads.open_virtual_port("in")
+        pads.set_callback(lambda event, _data=None: found.append(event[0]))
+        return pads
+
+    pads = plugged_in()
+    tells = MidiOutput("pads", SystemClock())
+    tells.start()
+    try:
+        for opened in (1, 2):
+            assert wait_for(lambda opened=opened: tells.opened == opened, 10.0)  # type: ignore[misc]
+            tells.send(b"\x90\x24\x7f")
+            assert wait_for(lambda: found == [[0x90, 0x24, 0x7F]], 10.0)
+            found.clear()
+            pads.delete()
+            assert wait_for(lambda: not tells.connected, 10.0)
+            pads = plugged_in()
+    finally:
+        tells.stop()
+        pads.delete()
 
 
 def test_what_is_sent_is_heard_at_the_same_beat(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,7 +4,8 @@ import pytest
 
 from live.control import events
 from live.control.midi_map import DEFAULTS, BadBinding, Binding, MidiMap
-from live.show.patch_file import PatchError, parse_patch
+from live.show.patch_file import parse_patch
+from live.show.patch_places import PatchError
 
 PATCH = 'name = "p"\n[[group]]\nname = "ember"\ndancers = 2\nsteps = ["walk"]\n'
 

@@ -1,0 +1,101 @@
+"""Lights of pads and motor faders: told what is, at a bounded rate, and not what their own hand does."""
+
+from live.control.midi_binding import Binding
+from live.control.midi_feedback import AT_ONCE, EVERY, OWN, MidiFeedback
+from live.control.midi_map import MidiMap
+from live.control.values import Values
+
+RIM, DARK, TEMPO = "/dance/light/rim", "/dance/blackout", "/dance/clock/tempo"
+
+
+class Desk:
+    """A map, its feedback, and the show's values."""
+
+    def __init__(self, *bindings: Binding) -> None:
+        self.values = Values()
+        self.map = MidiMap(bindings, self.values)
+        self.feedback = MidiFeedback(self.map, self.values)
+        self.feedback.take(bindings)
+        self.time = 10.0
+
+    def set(self, address: str, value: float | bool) -> None:
+        changes = {address: (("", (value,)),)}
+        self.values.take(changes)
+        self.feedback.changed(changes)
+
+    def after(self, seconds: float = EVERY) -> list[bytes]:
+        self.time += seconds
+        return self.feedback.turn(self.time)
+
+
+def test_faders_and_pads_are_told_what_others_change_and_nothing_twice() -> None:
+    desk = Desk(
+        Binding("cc", 7, RIM, 3, scale=(0.0, 1.27)),
+        Binding("cc", 1, TEMPO, fine=True, scale=(60.0, 180.0)),
+        Binding("note", 36, DARK, 10, lit=(3, 60)),
+        Binding("bend", 0, TEMPO, 2, scale=(60.0, 180.0)),
+        Binding("nrpn", 130, TEMPO, scale=(60.0, 180.0)),
+        Binding("program", 1, "/dance/go"),
+    )
+    assert desk.after() == []  # nothing is known
+    desk.set(RIM, 0.64)
+    assert desk.after() == [b"\xb2\x07\x40"]
+    desk.set(RIM, 0.6401)
+    assert desk.after() == []
+    desk.set(DARK, True)
+    assert desk.after() == [b"\x99\x24\x3c"]
+    desk.set(DARK, False)
+    assert desk.after() == [b"\x99\x24\x03"]
+    desk.set(TEMPO, 120.0)
+    assert desk.after() == [
+        b"\xb0\x01\x40", b"\xb0\x21\x00", b"\xe1\x00\x40",
+        b"\xb0\x63\x01", b"\xb0\x62\x02", b"\xb0\x06\x40", b"\xb0\x26\x00",
+    ]  # fmt: skip
+    desk.feedback.afresh()
+    assert len(desk.after()) == 9
+
+
+def test_a_hand_on_a_fader_is_not_answered_until_it_has_left_it() -> None:
+    desk = Desk(Binding("cc", 7, RIM, scale=(0.0, 1.27), pickup=False))
+    desk.set(RIM, 0.1)
+    assert desk.after() == [b"\xb0\x07\x0a"]
+    desk.map.events((0xB4, 7, 50), desk.time)
+    desk.set(RIM, 0.5)
+    assert desk.after() == []
+    assert desk.after(OWN) == []  # it stands where it belongs
+    desk.map.events((0xB4, 7, 80), desk.time)
+    desk.set(RIM, 0.3)  # the show went elsewhere
+    assert desk.after(OWN / 2) == []
+    assert desk.after(OWN) == [b"\xb4\x07\x1e"]  # on the channel on which it was moved
+    assert desk.after(OWN) == []
+    desk.set(RIM, 0.1)
+    assert desk.after() == [b"\xb4\x07\x0a"]
+
+
+def test_a_fader_that_did_not_take_over_is_sent_back() -> None:
+    desk = Desk(Binding("cc", 7, RIM, scale=(0.0, 1.27)))
+    desk.set(RIM, 1.0)
+    assert desk.after() == [b"\xb0\x07\x64"]
+    assert desk.map.events((0xB0, 7, 20), desk.time) == []
+    assert desk.after(OWN / 2) == []
+    assert desk.after(OWN) == [b"\xb0\x07\x64"]
+
+
+def test_a_pad_is_told_what_it_has_done_itself() -> None:
+    desk = Desk(Binding("note", 36, DARK))
+    desk.set(DARK, False)
+    desk.after()
+    assert desk.map.events((0x92, 36, 90), desk.time)
+    desk.set(DARK, True)
+    assert desk.after() == [b"\x92\x24\x7f"]  # on the channel on which it was played
+
+
+def test_so_many_are_told_in_one_turn_and_all_in_the_end() -> None:
+    desk = Desk(*(Binding("cc", number, RIM, channel) for channel in (1, 2) for number in range(64, 120)))
+    desk.set(RIM, 0.5)
+    first = desk.after()
+    assert len(first) == AT_ONCE
+    assert desk.after(EVERY / 2) == []
+    rest = [message for _ in range(4) for message in desk.after()]
+    assert len({message[:2] for message in first + rest}) == 112
+    assert desk.feedback.sent == 112

@@ -1,0 +1,79 @@
+"""What is meant when somebody wiggles something."""
+
+import random
+
+import pytest
+
+from live.control.midi_binding import BadBinding, Binding
+from live.control.midi_hands import MidiHands
+from live.control.midi_learn import MidiLearn, values_of
+
+TEMPO, LARGER, SCENE, DARK = "/dance/clock/tempo", "/dance/motion/larger", "/dance/scene", "/dance/blackout"
+
+
+def learn(address: str, given: str, *messages: tuple[int, ...]) -> Binding | None:
+    hands, learning = MidiHands(), MidiLearn(address, values_of(address, given))
+    found = [learning.hear(hands.played(message)) for message in messages]
+    assert not any(found[:-1])  # with the last message, and not before
+    return found[-1]
+
+
+def test_a_fader_is_meant_once_it_has_moved() -> None:
+    moves = [(0xB2, 21, place) for place in (60, 61, 62, 64, 67)]
+    assert learn(TEMPO, "", *moves) == Binding("cc", 21, TEMPO, 3)
+    assert learn(TEMPO, "", *moves[:-1]) is None
+
+
+def test_noise_of_others_is_not_meant() -> None:
+    rng = random.Random(1)
+    noise = [(0xB0, 10 + rng.randrange(8), 64 + rng.randrange(2)) for _ in range(200)]
+    assert learn(TEMPO, "", *noise, (0xE1, 0, 64), (0xF8,), (0xFE,), (0xE1, 0, 60), (0xE1, 0, 50)) == Binding(
+        "bend", 0, TEMPO, 2
+    )
+
+
+def test_a_pair_is_known_by_its_second_controller() -> None:
+    messages = []
+    for value in range(8000, 9000, 150):
+        messages += [(0xB0, 1, value >> 7), (0xB0, 33, value & 127)]
+    hands, learning = MidiHands(), MidiLearn(TEMPO, {})
+    found = [binding for message in messages if (binding := learning.hear(hands.played(message)))]
+    assert found[0] == Binding("cc", 1, TEMPO, 1, fine=True)
+    assert learn(TEMPO, "", *[(0xB0, 40, place) for place in (1, 2, 9)]) == Binding("cc", 40, TEMPO, 1)
+
+
+def test_pads_and_buttons_are_meant_at_once() -> None:
+    assert learn(SCENE, "chorus", (0x99, 36, 3)) == Binding("note", 36, SCENE, 10, {"name": "chorus"})
+    assert learn(DARK, "", (0xB0, 80, 127)) == Binding("cc", 80, DARK, 1)
+    assert learn("/dance/go", "", (0xC5, 4)) == Binding("program", 4, "/dance/go", 6)
+    assert learn(TEMPO, "", (0xB0, 80, 127), (0xB0, 80, 0)) == Binding("cc", 80, TEMPO, 1)  # a button at both ends
+    assert learn(TEMPO, "", (0x90, 36, 5)) == Binding("note", 36, TEMPO, 1, velocity=True)
+
+
+def test_releases_program_changes_for_numbers_and_data_entry_are_not() -> None:
+    entry = [(0xB0, 99, 0), (0xB0, 98, 3), (0xB0, 6, 0), (0xB0, 6, 50)]
+    assert learn(TEMPO, "", (0x80, 36, 5), (0xC5, 4), *entry) == Binding("nrpn", 3, TEMPO, 1)
+
+
+def test_values_are_given_by_their_place_or_name() -> None:
+    assert values_of(LARGER, "ember") == {"group": "ember"}
+    assert values_of(LARGER, "group=ember") == {"group": "ember"}
+    assert values_of("/dance/clock/nudge", "seconds=-0.02") == {"seconds": -0.02}
+    assert values_of(DARK, "on=yes") == {"on": True}
+    assert values_of(SCENE, "a=b\nmeasures=2") == {"name": "a=b", "measures": 2.0}
+
+
+@pytest.mark.parametrize(
+    ("address", "given", "told"),
+    [
+        ("/dance/clock/tenpo", "", "/dance/clock/tempo"),
+        ("nowhere", "", "there are"),
+        (TEMPO, "ember", "name=value"),
+        ("/dance/clock/nudge", "seconds=soon", "seconds .* expected"),
+        (SCENE, "", "needs a value"),
+        (SCENE, "chorus\nmeasures=-3", "measures -1 to"),
+    ],
+)
+def test_what_can_never_be_worked_so_is_said_at_once(address: str, given: str, told: str) -> None:
+    with pytest.raises(BadBinding, match=told):
+        MidiLearn(address, values_of(address, given))

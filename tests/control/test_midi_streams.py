@@ -1,0 +1,132 @@
+"""MIDI as a stream of bytes: mido's sockets, bare bytes over TCP, a named pipe."""
+
+import os
+import socket
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+import mido
+import pytest
+from mido.sockets import PortServer, connect
+
+from live.base.inbox import Inbox
+from live.clock.source import SystemClock
+from live.control.events import ControlEvent, One, Tap
+from live.control.midi_input import MidiInput
+from live.control.midi_map import MidiMap
+from live.control.midi_output import MidiOutput
+from live.control.midi_ports import open_port
+from live.control.midi_streams import MOST_SENDERS, StreamPort, address_of
+from tests.control.waiting import wait_for
+
+
+@pytest.fixture
+def heard():
+    """A port that listens, and what it has heard."""
+    found: list[bytes] = []
+
+    def receive(message: Sequence[int]) -> None:
+        found.append(bytes(message))
+
+    port = StreamPort("input", "tcp:127.0.0.1:0")
+    port.listen(receive)
+    yield port, found
+    port.close()
+
+
+@pytest.fixture
+def stack():
+    """Sockets that are closed whatever happens."""
+    with ExitStack() as found:
+        yield found
+
+
+def test_mido_sends_over_its_sockets(heard) -> None:
+    port, found = heard
+    out = connect(*port.address)
+    sent = [mido.Message("note_on", note=60, velocity=7), mido.Message("clock"), mido.Message("sysex", data=(1, 2))]
+    for message in sent:
+        out.send(message)
+    assert wait_for(lambda: len(found) == 3, 5.0)
+    assert found == [bytes(message.bytes()) for message in sent]
+    out.close()
+
+
+def test_senders_keep_their_own_running_status_and_come_and_go(heard, stack: ExitStack) -> None:
+    port, found = heard
+    first, second = (stack.enter_context(socket.create_connection(port.address)) for _ in range(2))
+    first.sendall(b"\x90\x3c")
+    second.sendall(b"\xb0\x07\x01")
+    assert wait_for(lambda: found == [b"\xb0\x07\x01"], 5.0)
+    first.sendall(b"\xf8\x40\x3e\x41")
+    assert wait_for(lambda: found[1:] == [b"\xf8", b"\x90\x3c\x40", b"\x90\x3e\x41"], 5.0)
+    first.sendall(b"\x3f")
+    first.close()
+    assert wait_for(lambda: port.rejected == 1, 5.0)  # the note that was cut off
+    second.sendall(b"\x08\x02")
+    assert wait_for(lambda: found[4:] == [b"\xb0\x08\x02"], 5.0)
+    assert port.there
+
+
+def test_too_many_senders_are_turned_away(heard, stack: ExitStack) -> None:
+    port, found = heard
+    senders = [stack.enter_context(socket.create_connection(port.address)) for _ in range(MOST_SENDERS)]
+    for sender in senders:
+        sender.sendall(b"\xf8")
+    assert wait_for(lambda: len(found) == MOST_SENDERS, 5.0)
+    with socket.create_connection(port.address) as more:
+        more.settimeout(20.0)
+        assert more.recv(1) == b""
+
+
+def test_a_named_pipe_works_the_show_and_outlives_who_writes_it(tmp_path: Path) -> None:
+    pipe = tmp_path / "midi"
+    os.mkfifo(pipe)
+    inbox: Inbox[ControlEvent] = Inbox()
+    listens = MidiInput(f"raw:{pipe}", inbox, SystemClock(), midi_map=MidiMap())
+    listens.start()
+    try:
+        assert wait_for(lambda: listens.connected != "", 5.0)
+        for _ in range(2):
+            with pipe.open("wb", buffering=0) as writes:
+                writes.write(b"\x9f\x24\xf8\x40\x25\x40")  # the second note by running status
+        assert wait_for(lambda: listens.messages == 6, 5.0)
+    finally:
+        listens.stop()
+    assert [type(event) for event in inbox.drain() if isinstance(event, Tap | One)] == [Tap, One, Tap, One]
+
+
+def test_what_is_told_arrives_and_a_listener_that_goes_is_found_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("live.control.midi_output.RETRY", 0.05)
+    server = PortServer("127.0.0.1", 0)
+    where = server._socket.getsockname()
+    tells = MidiOutput(f"tcp:127.0.0.1:{where[1]}", SystemClock())
+    tells.start()
+    try:
+        assert wait_for(lambda: tells.connected != "", 5.0)
+        client = server.accept()
+        tells.send(b"\xb0\x07\x05")
+        assert client.receive() == mido.Message("control_change", control=7, value=5)
+        client.close()
+        client._rfile.close(), client._wfile.close()
+
+        def lost() -> bool:
+            tells.send(b"\xb0\x07\x06")
+            return tells.opened > 1
+
+        assert wait_for(lost, 5.0)
+    finally:
+        tells.stop()
+        server.close()
+
+
+@pytest.mark.parametrize("name", ["tcp:9080", "tcp:127.0.0.1:", "tcp:127.0.0.1:x", "tcp::1", "tcp:127.0.0.1:70000"])
+def test_addresses_that_are_none_are_told(name: str) -> None:
+    with pytest.raises(ValueError, match="expected, as in"):
+        address_of(name)
+
+
+def test_what_is_not_there_is_an_error_of_the_system(tmp_path: Path) -> None:
+    with pytest.raises(OSError, match="nothing"):
+        open_port("input", f"raw:{tmp_path}/nothing")
