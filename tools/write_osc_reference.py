@@ -4,11 +4,21 @@ import sys
 from pathlib import Path
 
 from live.control import osc_decode as limits
+from live.control import osc_later as later
 from live.control.control import NAME_LENGTH, TEXT_LENGTH, Argument, Control
+from live.control.osc_door import PATTERNS_PER_SECOND
+from live.control.osc_out import OUT, SENT
+from live.control.osc_pattern import MOST_CHARACTERS, MOST_CHOICES
+from live.control.osc_subscribers import EVERY, OWN
+from live.control.osc_subscribers import MOST as MOST_SUBSCRIBERS
+from live.control.readings import READINGS
 from live.control.registry import REGISTRY
+
+HORIZON, MOST_WAITING, RATE = later.HORIZON, later.MOST, 1 / EVERY
 
 PATH = Path(__file__).resolve().parent.parent / "docs" / "osc.md"
 TYPES = {"float": "number (f i d h)", "bool": "switch (T F, or 0 1 as i f d h)", "name": "text (s)", "text": "text (s)"}
+KINDS = {"continuous": "value", "event": "event"}
 WHO = {"operator": "operator", "musician": "operator, musician", "audience": "everybody"}
 
 HEAD = """# OSC reference
@@ -28,23 +38,92 @@ oscsend localhost 9010 /dance/spread
 RULES = f"""
 ## Rules
 
-- Over OSC everybody who reaches the port may do everything: the default address is reachable from this machine only.
-  "Who may" holds where people have roles, as on web pages.
-- An address must be exactly one of those above; patterns (`* ? [ ] {{ }}`) are refused.
+- Everybody who reaches the port may do everything: the default address is reachable from this machine only. At the
+  port of `--osc-musicians HOST:PORT` only what musicians may is taken; both ports have lanes of their own, so that who
+  floods one does not keep the other waiting. Every sender has such a lane; who sends rubbish alone is not read for a
+  quarter of a second. With `--osc-process` a process of its own receives: floods then cost the picture little, and what
+  is sent in the moment in which an engine dies may be lost.
+- A *value* says what something is from now on: of several that arrive within a tick the last one counts. An *event*
+  happens each time. Of the same value an operator's setting counts before a musician's, and a musician's before the
+  audience's: for 0.3 s after each setting lower ones are left out, and counted as `outranked`.
+- Patterns (`* ? [ab] [!a-c] {{one,other}}`) stand for values only, never for events: a panic wants its own name. At
+  most {MOST_CHARACTERS} characters, {MOST_CHOICES} choices in the braces of a part, and {PATTERNS_PER_SECOND} new \
+patterns a second; they are matched in
+  linear time. Where some of the values take what is sent, the others are not meant.
 - A whole number serves where a number is expected, and 0 and 1 for a switch. N (nil) and I (impulse) mean "no value":
   the default is taken where there is one. A value too many, a value of another type or outside its range, NaN and
   infinities are refused; nothing is clamped.
 - Push buttons may send 1 when pressed and 0 when let go: a control without values acts on the 1 and ignores the 0.
-- A bundle's messages act in their order, each for itself, at the moment of arrival. Time tags are accepted but not
-  waited for; those in the future are counted.
+- A bundle's messages act in their order, each for itself. Time tags up to {HORIZON:g} s ahead are waited for \
+({MOST_WAITING} messages at
+  most); what lies further ahead acts at once and is counted.
 - A packet is refused as a whole if anything in it is malformed. Limits: {limits.MAX_PACKET_BYTES} bytes a packet,
   {limits.MAX_MESSAGES} messages, {limits.MAX_BUNDLE_DEPTH} bundles inside each other, {limits.MAX_ARGUMENTS} values a \
 message, {limits.MAX_STRING_BYTES} bytes an address or text,
   {limits.MAX_BLOB_BYTES} bytes a blob, {NAME_LENGTH} printable characters a name. Type tags: i f s b h d T F N I t m; \
 a message without a type
   tag string is refused.
-- What is refused is counted by reason in the status, and never answered. Only `/dance/ping` is answered, to its
-  sender alone, once per datagram and with no more bytes than were received.
+- What is refused is counted by reason in the status, and never answered. Answers go to the sender alone; outside this
+  machine and private networks with no more bytes than were received.
+
+## Present values
+
+A message without values asks what something is: `/dance/light/key` is answered with `/dance/light/key 0.8`, as one
+would set it. Where groups differ there is one message for each, with its name. Where a message without values already
+means something (`/dance/clock/hold`), and for patterns, `/dance/get ADDRESS` asks; what has no present value is
+answered with `/dance/no_value ADDRESS`.
+
+`/dance/subscribe` sends all values under an address, then each that changes: never twice the same, at most
+{RATE:.0f} datagrams a second, and not to whoever has set it, unless after {OWN:g} s it is not what was set. Say it
+again within `seconds`; there is room for {MOST_SUBSCRIBERS} subscribers in all, of this machine and private networks.
+
+```
+oscdump 9011 &
+oscsend localhost 9010 /dance/subscribe sfi /dance/status 60 9011
+```
+
+| figure | type | unit | meaning |
+|---|---|---|---|
+{{READINGS}}
+
+## What the show sends
+
+`live play --osc-out HOST:PORT` (as often as there are programs to be told), `[osc] out` of the venue or of the patch
+([patch.md](patch.md), which also says how often places are told, and whether feet are) makes the show tell what happens
+in it. A process of its own sends, beats when they are due and not with the next frame; dancers count from 1. It never
+waits: what a program does not take is lost to it alone. To an instrument in SuperCollider:
+
+```
+live play --osc-out 127.0.0.1:57120
+OSCdef(\\taps, {{ |m| Synth(\\tap, [\\amp, m[5], \\pan, m[3] / 6]) }}, '/dance/out/foot');
+```
+
+| message | types | when |
+|---|---|---|
+{{SENT}}
+
+## Layouts for tablets
+
+```
+live layout touchosc --patch samba --out samba.tosc
+live layout open-stage-control --patch samba --role musician --osc 192.168.1.20:9012 --out samba.json
+```
+
+writes a layout for TouchOSC (1.2 or later) or Open Stage Control (1.26 or later) from the same table as this page:
+faders with their ranges, switches, colours, pads that show the stage with the audience below, and buttons for the
+patch's steps, cues, scenes, looks, cameras, sections and formations. What a hand cannot say in one touch is left out,
+and named when the file is written. In TouchOSC set the show's address (Connections, OSC, UDP; the same port to send and
+to receive) and press "hear the show": faders then follow what is set elsewhere, for an hour. Open Stage Control asks
+by itself.
+
+## OSCQuery
+
+With `live play --oscquery HOST:PORT` ossia score, Chataigne, TouchOSC and others find the show by themselves (zeroconf
+`_oscjson._tcp` and `_osc._udp`, on the network of that host) and read everything above as a tree: types, units, ranges,
+present values; a WebSocket at the same port streams the values that they LISTEN to. A process of its own answers. It
+only tells: what is set is set over OSC, at the port that it names. Of an event the tree has the values that must be
+given; where groups differ it has the first one's value, LISTEN all of them. Pages of other sites are refused (Origin,
+Host); `127.0.0.1:9011` is reachable from this machine only, the programs elsewhere need an address of the network.
 """
 
 
@@ -62,15 +141,32 @@ def _row(argument: Argument) -> str:
     return "| " + " | ".join(cells) + " |"
 
 
+def _shown(value: object) -> str:
+    return (
+        {True: "1", False: "0"}[value]
+        if isinstance(value, bool)
+        else f"{value:.4g}"
+        if isinstance(value, float | int)
+        else f'"{value}"'
+    )
+
+
 def reference() -> str:
     """The whole page."""
-    parts = [HEAD, "## Controls\n", "| control | what it does | who may |", "|---|---|---|"]
-    parts += [f"| `{_usage(control)}` | {control.description} | {WHO[control.who]} |" for control in REGISTRY]
+    parts = [HEAD, "## Controls\n", "| control | | what it does | who may |", "|---|---|---|---|"]
+    parts += [
+        f"| `{_usage(control)}` | {KINDS[control.kind]} | {control.description} | {WHO[control.who]} |"
+        for control in REGISTRY
+    ]
     for control in REGISTRY:
         if control.arguments:
             parts += [f"\n### {control.address}\n", "| value | type | unit | allowed | default | meaning |"]
             parts += ["|---|---|---|---|---|---|", *map(_row, control.arguments)]
-    return "\n".join(parts) + "\n" + RULES
+        if control.start:
+            parts.append(f"\nWhere nobody says anything it is {' '.join(map(_shown, control.start))}.")
+    figures = "\n".join(f"| `{r.address}` | {r.type} | {r.unit or '–'} | {r.description} |" for r in READINGS)
+    sent = "\n".join(f"| `{OUT}{name} {values}` | {tags} | {words} |" for name, tags, values, words in SENT)
+    return "\n".join(parts) + "\n" + RULES.replace("{READINGS}", figures).replace("{SENT}", sent)
 
 
 def main() -> int:

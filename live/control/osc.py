@@ -1,52 +1,46 @@
-"""OSC over UDP: one socket thread that stamps, decodes, checks and hands events over, and refuses the rest by counting.
+"""OSC over UDP: one socket thread that stamps what comes, lets an `OscDoor` see to it, and sends the answers.
 
-Messages act when they arrive: a bundle's time tag is accepted but not waited for (waiting is how one small packet
-stops a receiver); time tags in the future are counted. Nothing is ever sent except /dance/pong, to the sender alone,
-at most once per datagram and never longer than what was received.
+Nothing stops it: what is not understood is counted (waiting for time tags is how one small packet stops other
+receivers; here they wait in a queue). Nobody far away is sent more than he sent.
 """
 
-import errno
 import ipaddress
 import os
 import selectors
 import socket
-import struct
-import sys
 import threading
-import time as _time
-from collections.abc import Iterable
+from collections import deque
+from collections.abc import Callable, Iterable
 from typing import Any, Final
 
-from pythonosc.osc_message_builder import OscMessageBuilder
-
-from live.base.inbox import Inbox
+from live.base.lane import Lane
 from live.clock.source import Clock
-from live.control.control import Reply
+from live.control.control import Role
+from live.control.datagrams import AT_A_TIME, Datagrams
 from live.control.events import ControlEvent
-from live.control.osc_decode import IMMEDIATELY, MAX_PACKET_BYTES, OscRejected, decode
+from live.control.osc_decode import MAX_PACKET_BYTES
+from live.control.osc_door import OscDoor
+from live.control.osc_sieve import OscSieve
+from live.control.osc_socket import CannotListen, PortBusy, bound_socket, dropped_by
 from live.control.registry import REGISTRY, Registry
 from live.control.rejections import Reason, Rejection, Tally
+from live.control.values import Changes
 
-RECEIVE_BUFFER_BYTES: Final = 4 * 1024 * 1024
-SOURCE: Final = "osc"
-_NTP_SECONDS_AT_1970: Final = 2_208_988_800
-_SO_MEMINFO: Final = 55  # Linux: nine counters of a socket, the last of which is datagrams dropped before we read them
-_MEMINFO = struct.Struct("=9I")
+__all__ = ["CannotListen", "OscInput", "PortBusy", "bound_socket"]
+
 _PAUSE_S: Final = 0.05
+ROUNDS: Final = 4
+"""Calls for datagrams before others have their turn."""
+MANY: Final = 16
+"""Datagrams of one call that are a flood ..."""
+_GATHER_S: Final = 0.001
+"""... and what is waited for the next ones then."""
 
 Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 
 
-class CannotListen(Exception):
-    """The OSC address cannot be used; the text says why and what to do."""
-
-
-class PortBusy(CannotListen):
-    """Another program (perhaps a second show) already receives on this port."""
-
-
 class OscInput:
-    """Receives OSC on `host`:`port` (0: any free port) and puts the events into `inbox`, stamped by `clock`.
+    """Receives OSC on `host`:`port` (0: any free port) and puts the events into `lane`, stamped by `clock`.
 
     `allow`: addresses or networks ("192.168.1.0/24") that may send; None: everybody who can reach the socket.
     Thread: its own daemon thread receives; all counters may be read from any thread.
@@ -56,17 +50,27 @@ class OscInput:
         self,
         host: str,
         port: int,
-        inbox: Inbox[ControlEvent],
+        lane: Lane[ControlEvent],
         clock: Clock,
         *,
         allow: Iterable[str] | None = None,
         registry: Registry = REGISTRY,
         inherited: int | None = None,
+        role: Role = "operator",
+        option: str = "--osc",
+        after: Callable[[], float | None] = lambda: None,
+        more: Callable[[], Lane[ControlEvent]] | None = None,
     ) -> None:
-        """`inherited`: the descriptor of a socket that was bound by another process, and outlives this one."""
+        """`inherited`: the descriptor of a socket that was bound by another process, and outlives this one; `role`:
+        what may be asked for at this port; `option`: how a person chooses another one; `after`: is
+        called when events have come, and says in how many seconds it wants to be called again; `more`: makes
+        a lane for each sender."""
         self._inherited = inherited
-        self._host, self._wanted_port = host, port
-        self._inbox, self._clock, self._registry = inbox, clock, registry
+        self._host, self._wanted_port, self._option = host, port, option
+        self._clock, self._lane, self._after = clock, lane, after
+        self._again: float | None = None
+        self.door = OscDoor(lane, registry=registry, role=role, more=more)
+        self._moved: deque[str] = deque(maxlen=4096)
         self._allow: tuple[Network, ...] | None = None
         if allow is not None:
             self._allow = tuple(ipaddress.ip_network(entry, strict=False) for entry in allow)
@@ -74,25 +78,19 @@ class OscInput:
         self._wake: tuple[socket.socket, socket.socket] | None = None
         self._thread: threading.Thread | None = None
         self._stopping = threading.Event()
-        self._buffer = bytearray(MAX_PACKET_BYTES + 1)  # one more byte, so that a longer datagram shows
+        self._sieve = OscSieve(registry, self._pass, self.door.rejected)
         self._lost = 0
+        self.unsent = 0
+        """Answers and values that the system did not take."""
         self.received = 0
         """Datagrams read from the socket."""
-        self.accepted = 0
-        """Messages that became an event or a reply."""
-        self.rejected = Tally()
-        """Refused packets and messages by reason."""
-        self.future_timetags = 0
-        """Messages that asked to act later, and acted at once."""
-        self.last_rejection: Rejection | None = None
-        """The most recent refusal, for the operator's overlay."""
 
     def start(self) -> None:
         """Bind and begin to receive; PortBusy or CannotListen, with the remedy, if that cannot be."""
         if self._thread is not None:
             raise RuntimeError("this OSC input was already started")
         self._socket = (
-            bound_socket(self._host, self._wanted_port)
+            bound_socket(self._host, self._wanted_port, self._option)
             if self._inherited is None
             else socket.socket(fileno=os.dup(self._inherited))
         )
@@ -133,112 +131,134 @@ class OscInput:
     @property
     def lost(self) -> int:
         """Datagrams that the system dropped because the receive buffer was full (0 where it does not say)."""
-        if self._socket is None or sys.platform != "linux":
-            return self._lost
-        try:
-            answer = self._socket.getsockopt(socket.SOL_SOCKET, _SO_MEMINFO, _MEMINFO.size)
-            return int(_MEMINFO.unpack(answer)[8])
-        except (OSError, struct.error):
-            return 0
+        return self._lost if self._socket is None else dropped_by(self._socket)
+
+    @property
+    def accepted(self) -> int:
+        """Messages that became an event, an answer or a request."""
+        return self.door.accepted
+
+    @property
+    def rejected(self) -> Tally:
+        """Refused packets and messages by reason."""
+        return self.door.rejected
+
+    @property
+    def future_timetags(self) -> int:
+        """Messages that asked to act later than is waited for, and acted at once."""
+        return self.door.future_timetags
+
+    @property
+    def last_rejection(self) -> Rejection | None:
+        """The most recent refusal, for the operator's overlay."""
+        return self.door.last_rejection
+
+    def refused(self) -> dict[str, int]:
+        """What was refused, by reason."""
+        return self.door.rejected.as_dict()
+
+    def refusal(self) -> str:
+        """The last refusal: of a packet that was not understood the reason, of a control all that is known."""
+        rejection = self.last_rejection
+        if rejection is None:
+            return ""
+        return str(rejection) if rejection.address else f"an OSC packet: {rejection.reason}"
+
+    def facts(self) -> dict[str, Any]:
+        """For the status."""
+        door = self.door
+        replaced = self._sieve.replaced + door.replaced
+        return {
+            "received": self.received, "lost": self.lost, "replaced": replaced, "waiting": len(door.later),
+            "waited": door.waited, "future_timetags": door.future_timetags, "unsent": self.unsent,
+            "subscribers": door.subscribers.active, "told": door.subscribers.sent,
+        }  # fmt: skip
+
+    def tell(self, changes: Changes) -> None:
+        """These have new values in the show. Thread: the show's; costs it no call of the system."""
+        self.door.values.take(changes)
+        if self.door.subscribers.active:
+            self._moved.extend(changes)
 
     def _run(self) -> None:
         assert self._socket is not None
         assert self._wake is not None
+        datagrams = Datagrams(self._socket, MAX_PACKET_BYTES)
         with selectors.DefaultSelector() as selector:
             selector.register(self._socket, selectors.EVENT_READ)
             selector.register(self._wake[0], selectors.EVENT_READ)
             while not self._stopping.is_set():
-                selector.select()
-                self._receive_all(self._socket)
+                ready = selector.select(self._wait())
+                if ready or self._sieve.waits:
+                    self._receive_all(datagrams)
+                self._turn()
 
-    def _receive_all(self, sock: socket.socket) -> None:
-        """Read datagrams until none is left."""
-        view = memoryview(self._buffer)
-        while not self._stopping.is_set():
-            try:
-                size, sender = sock.recvfrom_into(self._buffer)
-            except BlockingIOError:
+    def _wait(self) -> float | None:
+        """Seconds until something is to be done though nothing comes; None: nothing is."""
+        waits = (self.door.later.wait(self._clock.now()), self.door.subscribers.wait(), self._again,
+                 _GATHER_S if self._sieve.waits else None)  # fmt: skip
+        return min((wait for wait in waits if wait is not None), default=None)
+
+    def _turn(self) -> None:
+        """What has waited for its time acts, and subscribers are told what has changed."""
+        try:
+            now = self._clock.now()
+            self.door.release(now)
+            self._again = self._after()
+            if self.door.subscribers.active:
+                moved = {self._moved.popleft(): None for _ in range(len(self._moved))}
+                self.door.subscribers.note(moved, now)
+                self.door.subscribers.turn(now, self._send)
+        except Exception as error:
+            self.door.reject(Rejection(Reason.INTERNAL, "", f"no {type(error).__name__}: {error}", b""))
+
+    def _receive_all(self, datagrams: Datagrams) -> None:
+        """Read what is there; in a flood wait a little, for many are cheaper together."""
+        for _ in range(ROUNDS):
+            if self._stopping.is_set():
                 return
+            try:
+                found = datagrams.read()
             except OSError:  # a network that went away, an answer nobody wanted: the show goes on
                 self.rejected.count(Reason.SOCKET)
                 self._stopping.wait(_PAUSE_S)
                 return
-            try:
-                self._take(sock, view[:size], sender)
-            except Exception as error:  # whatever a datagram may bring to light, the next one is heard
-                self._reject(Rejection(Reason.INTERNAL, "", f"no {type(error).__name__}: {error}", bytes(view[:16])))
-            self.received += 1  # last, so that whoever sees it sees what became of the datagram
+            if not found:
+                self._sieve.take([], self._clock.now())
+                return
+            now = self._clock.now()
+            refused = self._sieve.take(
+                [each for each in found if self._is_allowed(each[1][0])], now, more=len(found) >= MANY
+            )
+            if refused is not None:
+                self.door.last_rejection = refused
+            self.received += len(found)  # last, so that whoever sees it sees what became of them
+            if MANY <= len(found) < AT_A_TIME:
+                self._stopping.wait(_GATHER_S)
 
-    def _take(self, sock: socket.socket, packet: memoryview, sender: Any) -> None:
-        time = self._clock.now()
-        if self._allow is not None and not self._allowed(sender[0]):
-            self._reject(Rejection(Reason.SENDER, "", "a listed address", sender[0]))
-            return
+    def _pass(self, data: bytes, sender: Any) -> bool:
+        """Let the door see to a datagram; whether nothing in it was refused."""
+        before = self.door.rejected.total
         try:
-            messages = decode(packet)
-        except OscRejected as rejected:
-            self._reject(Rejection(rejected.reason, "", "an OSC packet", bytes(packet[:16])))
-            return
-        replied = False
-        for message in messages:
-            if message.timetag != IMMEDIATELY and _lies_ahead(message.timetag):
-                self.future_timetags += 1
-            result = self._registry.call(message.address, message.arguments, time, SOURCE)
-            if isinstance(result, Rejection):
-                self._reject(result)
-                continue
-            self.accepted += 1
-            if isinstance(result, ControlEvent):
-                self._inbox.put(result)
-            elif isinstance(result, Reply) and not replied:
-                replied = True
-                _reply(sock, result, len(packet), sender)
+            for answer in self.door.hear(memoryview(data), sender, self._clock.now()):
+                self._send(answer, sender)
+        except Exception as error:  # whatever a datagram may bring to light, the next one is heard
+            self.door.reject(Rejection(Reason.INTERNAL, "", f"no {type(error).__name__}: {error}", data[:16]))
+        return self.door.rejected.total == before
 
-    def _allowed(self, host: str) -> bool:
+    def _send(self, datagram: bytes, where: Any) -> None:
+        assert self._socket is not None
+        try:
+            self._socket.sendto(datagram, where)
+        except OSError:  # whoever it was is gone, or the send buffer is full: he may ask again
+            self.unsent += 1
+
+    def _is_allowed(self, host: str) -> bool:
+        """Whether a host may send; one that may not is counted."""
+        if self._allow is None:
+            return True
         address = ipaddress.ip_address(host.partition("%")[0])
-        return any(address in network for network in self._allow or ())
-
-    def _reject(self, rejection: Rejection) -> None:
-        self.rejected.count(rejection.reason)
-        self.last_rejection = rejection
-
-
-def bound_socket(host: str, port: int) -> socket.socket:
-    """A UDP socket that does not block, with the largest buffer the system grants up to 4 MB; else CannotListen."""
-    where = f"{host}:{port}"
-    remedy = "choose another with --osc HOST:PORT"
-    if not 0 <= port <= 65_535:  # the system would take it modulo 65,536
-        raise CannotListen(f"OSC cannot listen on {where}: a port is 1 to 65535; {remedy}")
-    try:
-        family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
-    except (OSError, UnicodeError) as error:
-        raise CannotListen(f"OSC cannot listen on {where}: no such address ({error}); {remedy}") from None
-    sock = socket.socket(family, kind, protocol)
-    try:
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER_BYTES)
-        sock.setblocking(False)
-        sock.bind(address)
-    except OSError as error:
-        sock.close()
-        if error.errno == errno.EADDRINUSE:
-            raise PortBusy(
-                f"OSC cannot listen on {where}: another program already uses this port; stop it, or {remedy}"
-            ) from None
-        raise CannotListen(f"OSC cannot listen on {where}: {error}; {remedy}") from None
-    return sock
-
-
-def _lies_ahead(timetag: int) -> bool:
-    """Whether an NTP time tag is later than now, also across the end of the NTP era in 2036."""
-    now = int((_time.time() + _NTP_SECONDS_AT_1970) * 2.0**32)
-    return 0 < (timetag - now) % 2**64 < 2**63
-
-
-def _reply(sock: socket.socket, reply: Reply, received_bytes: int, sender: Any) -> None:
-    """Answer the sender, but never with more than was received: a forged sender must gain nothing."""
-    datagram = OscMessageBuilder(reply.address).build().dgram
-    if len(datagram) <= received_bytes:
-        try:
-            sock.sendto(datagram, sender)
-        except OSError:  # the sender is gone, or the send buffer is full: it may ask again
-            return
+        if any(address in network for network in self._allow):
+            return True
+        self.door.reject(Rejection(Reason.SENDER, "", "a listed address", host))
+        return False

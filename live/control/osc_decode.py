@@ -2,8 +2,8 @@
 
 Pure: bytes in, messages out, all or nothing per packet; the only exception is OscRejected. Work is linear in the
 packet's length. Beyond the standard's types i f s b the decoder takes h d T F N I t m; N (nil) and I (impulse) both
-become None, "no value here". Everything else (S, c, r, arrays) is refused, and so are NaN and infinities, addresses
-with wildcards, and messages without a type tag string. A bundle's time tag is handed over, not acted upon.
+become None, "no value here". Everything else (S, c, r, arrays) is refused, and so are NaN and infinities, and messages
+without a type tag string. A bundle's time tag is handed over, not acted upon; so are addresses with wildcards.
 """
 
 import re
@@ -25,8 +25,8 @@ Value = float | int | bool | str | bytes | tuple[int, int, int, int] | None
 """Types f d; i h t (a time tag as its 64-bit number); T F; s; b; m (port, status, data 1, data 2); N I."""
 
 _ADDRESS = re.compile(rb"/[!-~]*")
-_WILDCARD = re.compile(rb"[*?\[\]{}]")
 _FORBIDDEN = re.compile(rb"[#,]")
+_FORBIDDEN_IN_PATTERN = re.compile(rb"#")
 _ZEROS: Final = (b"", b"\0", b"\0\0", b"\0\0\0", b"\0\0\0\0")
 _BUNDLE: Final = b"#bundle\0"
 _BUNDLE_HEADER = struct.Struct(">8sQ")
@@ -97,10 +97,9 @@ def _message(data: bytes, start: int, stop: int, timetag: int) -> Message:
     """The one message that fills data[start:stop]."""
     end, position = _string_end(data, start, stop)
     address = data[start:end]
-    if _ADDRESS.fullmatch(address) is None or _FORBIDDEN.search(address):
+    forbidden = _FORBIDDEN_IN_PATTERN if b"{" in address else _FORBIDDEN
+    if _ADDRESS.fullmatch(address) is None or forbidden.search(address):
         raise OscRejected(Reason.ADDRESS)
-    if _WILDCARD.search(address):
-        raise OscRejected(Reason.WILDCARD)
     if position >= stop or data[position] != 0x2C:  # ","
         raise OscRejected(Reason.NO_TYPES)
     if data.find(b"\0", position, min(stop, position + 2 + MAX_ARGUMENTS)) < 0 and stop - position > 1 + MAX_ARGUMENTS:

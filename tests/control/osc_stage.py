@@ -33,8 +33,9 @@ class Stage:
     """An OSC input on a free port with a socket to send from."""
 
     def __init__(self, **options):
-        self.inbox, self.clock = Inbox(options.pop("capacity", 4096)), ManualClock(7.25)
-        self.osc = OscInput("127.0.0.1", 0, self.inbox, self.clock, **options)
+        self.inbox, self.clock = Inbox(), ManualClock(7.25)
+        lane = self.inbox.lane(options.pop("capacity", 4096))
+        self.osc = OscInput("127.0.0.1", 0, lane, self.clock, **options)
         self.sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.sender.settimeout(DEADLINE_S)
         self.sent = 0

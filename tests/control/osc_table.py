@@ -40,6 +40,7 @@ def every_control():
                 ("amplitude_sequence", "F", None, "amplitude_sequence", 0.0),
                 ("larger", "f", "0.25", "larger", 0.25),
                 ("mix", "f", "0.5", "mix", 0.5),
+                ("texture", "f", "0.75", "texture", 0.75),
                 ("arms", "f", "1", "arms", 1.0),
                 ("obedience", "f", "0.75", "obedience", 0.75),
                 ("foot_lock", "i", "0", "lock", 0.0),
@@ -52,18 +53,84 @@ def every_control():
             ["fs", "0.75", "left"],
             events.SetMotion(parameter="head", value=0.75, group="left", **STAMP),
         ),
+        "/dance/partner/on": (["i", "0"], events.SetPartner(parameter="on", value=0.0, **STAMP)),
+        "/dance/partner/amount": (
+            ["fs", "0.5", "duet"],
+            events.SetPartner(parameter="amount", value=0.5, partner="duet", **STAMP),
+        ),
+        "/dance/partner/stretch": (["f", "0.125"], events.SetPartner(parameter="window", value=0.125, **STAMP)),
+        "/dance/partner/path": (
+            ["ffsi", "1.5", "-0.5", "walk", "1"],
+            events.WalkOn(x=1.5, z=-0.5, partner="walk", anew=True, **STAMP),
+        ),
+        "/dance/partner/leader": (
+            ["ss", "ember & 1", "duet"],
+            events.PairPartner(role="leader", who="ember & 1", partner="duet", **STAMP),
+        ),
+        "/dance/partner/follower": (
+            ["s", "tide"],
+            events.PairPartner(role="follower", who="tide", partner="*", **STAMP),
+        ),
         "/dance/facing": (
             ["ss", "dancer 3", "left"],
             events.SetFacing(facing="dancer 3", group="left", **STAMP),
         ),
         "/dance/why": (["i", "7"], events.AskWhy(dancer=7, **STAMP)),
         "/dance/blackout": (["T"], events.Blackout(on=True, **STAMP)),
+        "/dance/mocap/dancer": (
+            ["ss", "anna", "ember & 1"],
+            events.CastMocap(performer="anna", dancer="ember & 1", **STAMP),
+        ),
+        "/dance/mocap/shown": (["sF", "anna", None], events.ShowMocap(performer="anna", shown=False, **STAMP)),
+        "/dance/mocap/mirrored": (["s", "anna"], events.MirrorMocap(performer="anna", mirrored=True, **STAMP)),
+        "/dance/mocap/place": (
+            ["sffff", "anna", "1", "-2", "90", "1.5"],
+            events.PlaceMocap(performer="anna", x=1.0, z=-2.0, turn=90.0, scale=1.5, **STAMP),
+        ),
+        "/dance/mocap/canon": (
+            ["ssf", "anna", "mist", "4"],
+            events.CanonMocap(performer="anna", group="mist", beats=4.0, **STAMP),
+        ),
+        "/dance/mocap/obstacle": (["si", "anna", "0"], events.BlockMocap(performer="anna", obstacle=False, **STAMP)),
+        "/dance/mocap/attract": (
+            ["sfs", "anna", "-1", "mist"],
+            events.DrawMocap(performer="anna", strength=-1.0, group="mist", **STAMP),
+        ),
         "/dance/takeover": ([], events.TakeOver(**STAMP)),
+        "/dance/midi/learn": (
+            ["sss", "/dance/motion/larger", "ember", "scale=1"],
+            events.LearnMidi(address="/dance/motion/larger", given="ember\nscale=1", **STAMP),
+        ),
+        "/dance/midi/forget": (["s", "/dance/clock/tempo"], events.ForgetMidi(address="/dance/clock/tempo", **STAMP)),
         "/dance/ping": ([], None),
+        "/dance/get": (["s", "/dance/clock/tempo"], None),
+        "/dance/subscribe": (["sfi", "/dance/light", "30", "0"], None),
+        "/dance/unsubscribe": (["i", "9"], None),
         **group_controls(),
         **picture_controls(),
         **scene_controls(),
         **score_controls(),
+        **audience_controls(),
+    }
+
+
+def audience_controls():
+    """What the operator lets the audience's phones do."""
+    return {
+        "/dance/audience/open": (["T"], events.OpenAudience(on=True, **STAMP)),
+        "/dance/audience/close": ([], events.OpenAudience(on=False, **STAMP)),
+        "/dance/audience/gain": (["f", "0.25"], events.SetAudienceGain(gain=0.25, **STAMP)),
+        "/dance/audience/mute": (["i", "1"], events.MuteAudience(on=True, **STAMP)),
+        "/dance/audience/region": (["sf", "balcony", "2"], events.WeighRegion(name="balcony", weight=2.0, **STAMP)),
+        "/dance/audience/turn": (["si", "stalls", "8"], events.GiveTurn(name="stalls", measures=8.0, **STAMP)),
+        "/dance/audience/ban": (["i", "17"], events.BanPhone(number=17, on=True, **STAMP)),
+        "/dance/audience/vote": (
+            ["ssss", "step", "sway", "spin", "glide"],
+            events.AskVote(what="step", first="sway", second="spin", third="glide", **STAMP),
+        ),
+        "/dance/audience/vote/drop": ([], events.DropVote(**STAMP)),
+        "/dance/audience/shake": (["F"], events.AllowShaking(on=False, **STAMP)),
+        "/dance/audience/qr": (["i", "1"], events.ShowCard(output="*", card="qr", **STAMP)),
     }
 
 
@@ -175,6 +242,7 @@ def scene_controls():
         "/dance/output/freeze": (["i", "1"], events.FreezePicture(on=True, **STAMP)),
         "/dance/output/flashes": (["T"], events.AllowFlashes(on=True, **STAMP)),
         "/dance/output/card": (["ss", "left", "focus"], events.ShowCard(output="left", card="focus", **STAMP)),
+        "/dance/picture/quality": (["i", "3"], events.HoldQuality(step=3.0, **STAMP)),
         "/dance/hold": (["T"], events.HoldShow(on=True, **STAMP)),
         "/dance/undo": ([], events.Undo(**STAMP)),
         "/dance/redo": ([], events.Redo(**STAMP)),

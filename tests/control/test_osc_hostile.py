@@ -6,7 +6,7 @@ import time
 from pythonosc.osc_bundle_builder import OscBundleBuilder
 
 from live.control import events
-from live.control.registry import REGISTRY
+from live.control.registry import REGISTRY, Registry
 from live.control.rejections import Reason
 from tests.control.osc_stage import PING, STAMP, TAP, Stage, message, wait_until
 
@@ -39,7 +39,7 @@ HOSTILE = [
     b"/dance/attract\0\0,ff\0" + struct.pack(">f", 1.0) + b"\0\0",
     b"/dance/attract\0\0,ff\0" + struct.pack(">f", 1.0),
     b"/dance/attract\0\0," + b"T" * 60_000 + b"\0\0\0",
-    message("/dance/*", 1.0).dgram,
+    message("/dance/[", 1.0).dgram,
     message("/nowhere").dgram,
     message("/dance/step", "x" * 65).dgram,
     message("/dance/clear", 7.0).dgram,
@@ -54,15 +54,14 @@ def test_hostile_datagrams_are_counted_one_by_one_and_the_show_goes_on(stage):
     assert stage.osc.rejected.as_dict() == {
         "packet empty or too large": 4,
         "length not a multiple of 4": 2,
-        "wildcard in address": 1,
-        "string too long or without end": 1,
-        "padding not zero": 1,
+        "malformed address": 2,
         "value cut off": 1,
         "not a finite number": 2,
         "unknown address": 1,
         "extra argument": 1,
         "out of range": 2,
         "unusable name": 1,
+        "unusable pattern": 1,
     }
     assert stage.osc.last_rejection.reason == Reason.OUT_OF_RANGE
     stage.send(TAP)
@@ -104,13 +103,13 @@ def test_only_listed_senders_are_heard():
 
 
 def test_an_error_of_our_own_is_counted_and_the_next_datagram_heard():
-    class Broken:
+    class Broken(Registry):
         def call(self, address, values, time, source):
             if address == "/break":
                 raise ZeroDivisionError
             return REGISTRY.call(address, values, time, source)
 
-    with Stage(registry=Broken()) as stage:
+    with Stage(registry=Broken(tuple(REGISTRY))) as stage:
         stage.send(message("/break").dgram, TAP)
         assert stage.events() == [events.Tap(**STAMP)]
         assert stage.osc.rejected.as_dict() == {"internal error": 1}

@@ -1,0 +1,14 @@
+"""The part of a live show that other programs find by themselves: OSCQuery over HTTP, and zeroconf."""
+
+from live.cli.http_part import HttpPart
+from live.clock.source import Clock
+
+
+class OscQueryPart(HttpPart):
+    """Between the show and the process that answers OSCQuery."""
+
+    def __init__(self, where: tuple[str, int], osc: tuple[str, int], name: str, clock: Clock) -> None:
+        super().__init__(
+            where, "--oscquery", "live.control.oscquery_server", lambda: {"osc": osc, "name": name}, clock,
+            needs=("aiohttp", "zeroconf"),
+        )  # fmt: skip

@@ -1,0 +1,103 @@
+"""Datagrams: reads many of them from a UDP socket with one call of the system, where it can (Linux: recvmmsg(2)).
+
+One call for each costs the interpreter more than the datagrams themselves, and in a flood the frame waits for it.
+"""
+
+import ctypes
+import socket
+import struct
+import sys
+from typing import Any, Final
+
+AT_A_TIME: Final = 256
+_DONT_WAIT: Final = 0x40
+_ADDRESS_BYTES: Final = 28
+_MOST_SENDERS: Final = 1024
+
+
+class _Vector(ctypes.Structure):
+    _fields_ = (("base", ctypes.c_void_p), ("length", ctypes.c_size_t))
+
+
+class _Message(ctypes.Structure):
+    """struct msghdr."""
+
+    _fields_ = (
+        ("name", ctypes.c_void_p), ("name_length", ctypes.c_uint32), ("vectors", ctypes.POINTER(_Vector)),
+        ("vector_count", ctypes.c_size_t), ("control", ctypes.c_void_p), ("control_length", ctypes.c_size_t),
+        ("flags", ctypes.c_int),
+    )  # fmt: skip
+
+
+class _Header(ctypes.Structure):
+    """struct mmsghdr."""
+
+    _fields_ = (("message", _Message), ("received", ctypes.c_uint32))
+
+
+class Datagrams:
+    """The datagrams of one socket that does not block. Thread: one."""
+
+    def __init__(self, sock: socket.socket, largest: int) -> None:
+        """`largest`: bytes of a datagram that are read; what is longer shows by one more byte."""
+        self._socket, self._size = sock, largest + 1
+        self._senders: dict[bytes, Any] = {}
+        self._call: Any = None
+        if sys.platform == "linux" and sock.family in (socket.AF_INET, socket.AF_INET6):
+            self._prepare()
+
+    def _prepare(self) -> None:
+        try:
+            call = ctypes.CDLL(None, use_errno=True).recvmmsg
+        except (OSError, AttributeError):
+            return
+        self._bytes = ctypes.create_string_buffer(AT_A_TIME * self._size)
+        self._names = ctypes.create_string_buffer(AT_A_TIME * _ADDRESS_BYTES)
+        self._vectors = (_Vector * AT_A_TIME)()
+        self._headers = (_Header * AT_A_TIME)()
+        for index in range(AT_A_TIME):
+            vector, message = self._vectors[index], self._headers[index].message
+            vector.base = ctypes.addressof(self._bytes) + index * self._size
+            vector.length = self._size
+            message.name = ctypes.addressof(self._names) + index * _ADDRESS_BYTES
+            message.vectors, message.vector_count = ctypes.pointer(vector), 1
+        self._call, self._view, self._used = call, memoryview(self._bytes), AT_A_TIME
+
+    def read(self) -> list[tuple[bytes, Any]]:
+        """What is there, with who sent it, at most `AT_A_TIME`; OSError as of recvfrom."""
+        if self._call is None:
+            try:
+                return [self._socket.recvfrom(self._size)]
+            except BlockingIOError:
+                return []
+        for index in range(self._used):
+            self._headers[index].message.name_length = _ADDRESS_BYTES
+        count = self._call(self._socket.fileno(), self._headers, AT_A_TIME, _DONT_WAIT, None)
+        self._used = max(count, 0)
+        if count <= 0:
+            number = ctypes.get_errno()
+            if count < 0 and number not in (11, 4):  # EAGAIN, EINTR
+                raise OSError(number, "recvmmsg")
+            return []
+        view, size, names = self._view, self._size, self._names.raw
+        found = []
+        for index in range(count):
+            start = index * size
+            name = names[index * _ADDRESS_BYTES : (index + 1) * _ADDRESS_BYTES]
+            sender = self._senders.get(name) or self._sender(name)
+            found.append((bytes(view[start : start + self._headers[index].received]), sender))
+        return found
+
+    def _sender(self, name: bytes) -> Any:
+        """The address in a struct sockaddr, as Python writes it; the same object as long as it is remembered."""
+        if len(self._senders) >= _MOST_SENDERS:
+            self._senders.clear()
+        port = struct.unpack_from(">H", name, 2)[0]
+        sender: tuple[Any, ...]
+        if self._socket.family == socket.AF_INET:
+            sender = (socket.inet_ntoa(name[4:8]), port)
+        else:
+            flow, scope = struct.unpack_from(">I", name, 4)[0], struct.unpack_from("=I", name, 24)[0]
+            sender = (socket.inet_ntop(socket.AF_INET6, name[8:24]), port, flow, scope)
+        self._senders[name] = sender
+        return sender

@@ -1,0 +1,149 @@
+"""OSC's address patterns (`* ? [ ] { }`), matched in time that grows with the addresses alone, never with the pattern.
+
+A pattern becomes, part by part, a few rows of allowed characters, and each row runs over a part as one number of bits
+(Baeza-Yates and Gonnet 1992, extended by `*`): no way back, so no pattern can be dear. OSC 1.0: `*` and `?` do not go
+beyond a part, `[a-z]`, `[!ab]`, `{one,other}`.
+"""
+
+import re
+from collections import OrderedDict
+from collections.abc import Iterable
+from typing import Final
+
+MOST_CHARACTERS: Final = 96
+MOST_CHOICES: Final = 8
+"""So many rows may the braces of one part be written out to."""
+REMEMBERED: Final = 64
+"""Patterns whose addresses are kept."""
+WILD: Final = frozenset("*?[]{}")
+
+_PIECE = re.compile(r"\*+|\?|\[!?[^\[\]{},]+\]|[^*?\[\]{}]")
+_BRACES = re.compile(r"\{([^{}\[\]]*)\}")
+_NESTED = re.compile(r"\{[^}]*\{")
+
+
+class BadPattern(ValueError):
+    """A pattern that is malformed, too long, or has too many choices."""
+
+
+def is_pattern(address: str) -> bool:
+    """Whether an address stands for several."""
+    return not WILD.isdisjoint(address)
+
+
+class _Row:
+    """One part of a pattern without braces."""
+
+    def __init__(self, text: str) -> None:
+        pieces = _PIECE.findall(text)
+        if "".join(pieces) != text:
+            raise BadPattern(text)
+        self._stays = self._first = 0  # places with a star after them; and before all
+        self._takes: dict[str, int] = {}
+        self._any = 0
+        place = 0
+        exclusions: list[tuple[int, str]] = []
+        for piece in pieces:
+            if piece[0] == "*":
+                self._stays |= 1 << place
+                continue
+            place += 1
+            bit = 1 << place
+            if piece == "?":
+                self._any |= bit
+            elif piece[0] == "[":
+                body = _spelled(piece[1:-1].removeprefix("!"))
+                if piece[1] == "!":
+                    self._any |= bit
+                    exclusions.append((bit, body))
+                else:
+                    for character in body:
+                        self._takes[character] = self._takes.get(character, 0) | bit
+            else:
+                self._takes[piece] = self._takes.get(piece, 0) | bit
+        self._not: dict[str, int] = {}
+        for bit, body in exclusions:
+            for character in body:
+                self._not[character] = self._not.get(character, 0) | bit
+        self._end = 1 << place
+
+    def matches(self, part: str) -> bool:
+        """Whether it stands for this part."""
+        at, stays, anything, takes, nots = 1, self._stays, self._any, self._takes, self._not
+        for character in part:
+            allowed = takes.get(character, 0) | (anything & ~nots.get(character, 0))
+            at = ((at << 1) & allowed) | (at & stays)
+            if not at:
+                return False
+        return bool(at & self._end)
+
+
+def _spelled(body: str) -> str:
+    """`a-d` as `abcd`; a dash at either end is itself."""
+    spelled, position = [], 0
+    while position < len(body):
+        if position + 2 < len(body) and body[position + 1] == "-":
+            low, high = ord(body[position]), ord(body[position + 2])
+            spelled += [chr(code) for code in range(low, high + 1)]
+            position += 3
+        else:
+            spelled.append(body[position])
+            position += 1
+    return "".join(spelled)
+
+
+def _rows(part: str) -> list[_Row]:
+    """A part with its braces written out."""
+    if _NESTED.search(part):
+        raise BadPattern(part)
+    texts = [part]
+    while (found := _BRACES.search(texts[0])) is not None:
+        choices = found[1].split(",")
+        if len(texts) * len(choices) > MOST_CHOICES:
+            raise BadPattern(part)
+        start, stop = found.span()
+        # the part before the first braces has been written out already: every text has these at the same distance
+        texts = [text[: len(text) - (len(texts[0]) - start)] + choice + text[len(text) - (len(texts[0]) - stop) :]
+                 for text in texts for choice in choices]  # fmt: skip
+    return [_Row(text) for text in texts]
+
+
+class Matcher:
+    """Finds which addresses a pattern stands for. Thread: one."""
+
+    def __init__(self, addresses: Iterable[str]) -> None:
+        self._tree: dict[str, dict[str, dict]] = {}  # type: ignore[type-arg]
+        self._known: OrderedDict[str, tuple[str, ...]] = OrderedDict()
+        for address in addresses:
+            branch = self._tree
+            for part in address[1:].split("/"):
+                branch = branch.setdefault(part, {})
+            branch[""] = {}
+
+    def remembers(self, pattern: str) -> bool:
+        """Whether it was asked for lately, and costs nothing."""
+        return pattern in self._known
+
+    def find(self, pattern: str) -> tuple[str, ...]:
+        """The addresses, in their order; BadPattern for what is none, or too much."""
+        found = self._known.get(pattern)
+        if found is None:
+            if len(pattern) > MOST_CHARACTERS:
+                raise BadPattern(pattern)
+            parts = [_rows(part) for part in pattern[1:].split("/")]
+            found = tuple(_found(self._tree, parts, ""))
+            self._known[pattern] = found
+            if len(self._known) > REMEMBERED:
+                self._known.popitem(last=False)
+        return found
+
+
+def _found(branch: dict[str, dict], parts: list[list[_Row]], above: str) -> list[str]:  # type: ignore[type-arg]
+    """The addresses below a branch that the rest of a pattern stands for."""
+    if not parts:
+        return [above] if "" in branch else []
+    found: list[str] = []
+    for part, below in branch.items():
+        if part and any(row.matches(part) for row in parts[0]):
+            found += _found(below, parts[1:], f"{above}/{part}")
+    return found

@@ -1,0 +1,206 @@
+"""OSC in a process of its own: whatever is sent to the port, the show's Python is busy with none of it.
+
+The process receives, checks and answers; what is to happen comes to the show in packets, once a tick.
+The socket belongs to the show: while the process is started again, what is sent waits in it.
+"""
+
+import os
+import pickle
+import select
+import socket
+import sys
+import time
+from collections.abc import Callable, Hashable
+from typing import Any, Final
+
+from live.base.inbox import Inbox
+from live.base.lane import Lane
+from live.clock.source import Clock, SystemClock
+from live.clock.ticks import TICK
+from live.control.events import ControlEvent
+from live.control.helper import Helper, Told
+from live.control.osc import OscInput
+from live.control.osc_socket import bound_socket, dropped_by
+from live.control.values import Changes
+
+IN_A_PACKET: Final = 32
+"""Events that the show gets in a tick at most: each sender's in turn, so that a flood waits and others do not ..."""
+BURST: Final = 128.0
+PER_SECOND: Final = 512.0
+"""... while these are not used up: so many at first, and so many more each second."""
+FEWEST: Final = 4
+AT_ONCE: Final = 64
+"""Values that are told in one packet."""
+SAY_EVERY: Final = 0.25
+FEW: Final = 8
+"""The show takes up the next packet when not more events than this are left of the last."""
+ON_THE_WAY: Final = 2
+"""Packets that the show has not taken up yet ..."""
+PATIENCE: Final = 0.5
+"""... unless it has said nothing for so long [s]."""
+SOON: Final = 0.002
+
+
+class OscRemote:
+    """The show's side of it: what an `OscInput` is. Thread: the one that runs the show."""
+
+    def __init__(
+        self, host: str, port: int, lane: Lane[ControlEvent], clock: Clock, *, inherited: int | None = None
+    ) -> None:
+        """As `OscInput`."""
+        self._host, self._port, self._lane, self._clock, self._inherited = host, port, lane, clock, inherited
+        self._socket: socket.socket | None = None
+        self._helper: Helper | None = None
+        self._all: dict[str, Any] = {}
+        self._untold: dict[str, Any] = {}
+        self._came = self._taken = 0
+
+    def start(self) -> None:
+        """Bind, and begin to receive; PortBusy or CannotListen if that cannot be."""
+        if self._inherited is None:
+            self._socket = bound_socket(self._host, self._port)
+        else:
+            self._socket = socket.socket(fileno=os.dup(self._inherited))
+        udp = self._socket.fileno()
+        self._helper = Helper(
+            "live.control.osc_process", self._clock, {"udp": udp, "nice": 0}, self._anew, udp, on=self._hear
+        )
+        self._helper.start()
+
+    def stop(self) -> None:
+        """End it; the port is free then."""
+        if self._helper is not None:
+            self._helper.stop()
+        if self._socket is not None:
+            self._socket.close()
+            self._socket = None
+
+    @property
+    def port(self) -> int:
+        """The port it really receives on."""
+        return self._port if self._socket is None else int(self._socket.getsockname()[1])
+
+    @property
+    def process(self) -> int | None:
+        """The number of the process; None while there is none."""
+        return None if self._helper is None else self._helper.process
+
+    @property
+    def lost(self) -> int:
+        """Datagrams that the system dropped because the receive buffer was full."""
+        return 0 if self._socket is None else dropped_by(self._socket)
+
+    def frame(self) -> None:
+        """Before each frame: take what has come, and tell what has changed."""
+        if self._helper is None:
+            return
+        if len(self._lane) <= FEW:
+            if self._taken != self._came and self._helper.send(self._came):
+                self._taken = self._came
+            self._helper.frame(1)
+        if self._untold:
+            some = {address: self._untold[address] for address in list(self._untold)[:AT_ONCE]}
+            if self._helper.send(some):
+                for address in some:
+                    del self._untold[address]
+
+    def _hear(self, events: list[tuple[Hashable, ControlEvent]]) -> None:
+        self._came += 1
+        for key, event in events:
+            self._lane.put(event, key, after=True)  # the order is that of the other process
+
+    def tell(self, changes: Changes) -> None:
+        """These have new values in the show."""
+        self._all.update(changes)
+        self._untold.update(changes)
+
+    def _anew(self) -> None:
+        self._came = self._taken = 0
+        self._untold = dict(self._all)
+
+    def refused(self) -> dict[str, int]:
+        """What was refused, by reason."""
+        found: dict[str, int] = self._said("refused", {})
+        return found
+
+    def refusal(self) -> str:
+        """The last refusal in words."""
+        return str(self._said("refusal", ""))
+
+    def _said(self, name: str, otherwise: Any) -> Any:
+        return otherwise if self._helper is None else self._helper.facts().get(name, otherwise)
+
+    def facts(self) -> dict[str, Any]:
+        """For the status; a quarter of a second old."""
+        facts = {} if self._helper is None else self._helper.facts()
+        return {name: value for name, value in facts.items() if name not in ("refused", "refusal")} | {
+            "lost": self.lost
+        }
+
+
+class Forward:
+    """What has come goes to the show: once a tick, and only as much as it takes up; what waits meanwhile waits in its
+    lane, where later values replace it. Thread: the one that receives; `taken` is counted by another."""
+
+    def __init__(self, send: Callable[[bytes], object], inbox: Inbox[ControlEvent], now: Callable[[], float]) -> None:
+        self._send, self._inbox, self._now = send, inbox, now
+        self._packet = b""
+        self._next = self._sent_at = self._filled_at = 0.0
+        self._left = BURST
+        self._sent = 0
+        self.taken = 0
+        """Packets that the show has taken up."""
+
+    def turn(self) -> float | None:
+        """Send what there is; seconds until there may be something to send again."""
+        now = self._now()
+        if not self._packet and not len(self._inbox):
+            return None
+        if now < self._next:
+            return self._next - now
+        if self._sent - self.taken >= ON_THE_WAY and now - self._sent_at < PATIENCE:
+            return SOON
+        self._next = now + TICK
+        if not self._packet:
+            self._left = min(self._left + (now - self._filled_at) * PER_SECOND, BURST)
+            self._filled_at = now
+            events = self._inbox.drain_keyed(min(max(int(self._left), FEWEST), IN_A_PACKET))
+            self._left -= len(events)
+            self._packet = pickle.dumps(events)
+        try:
+            self._send(self._packet)
+        except OSError:  # the show stands still: this waits, too
+            return TICK
+        self._packet = b""
+        self._sent, self._sent_at = self._sent + 1, now
+        return TICK if len(self._inbox) else None
+
+
+def main() -> None:
+    """Receive until the show has gone."""
+    told = Told(int(sys.argv[1]))
+    inbox: Inbox[ControlEvent] = Inbox()
+    forward = Forward(told.socket.send, inbox, time.perf_counter)
+    clock = SystemClock(told.plan["origin"])
+    osc = OscInput("", 0, inbox.lane(), clock, inherited=told.plan["udp"], after=forward.turn, more=inbox.lane)
+    osc.start()
+    say_at = 0.0
+    while not told.ended:
+        select.select([told.socket], [], [], SAY_EVERY)
+        for packet in told.packets():
+            if isinstance(packet, int):
+                forward.taken = packet
+            else:
+                osc.tell(packet)
+        if time.perf_counter() < say_at:
+            continue
+        say_at = time.perf_counter() + SAY_EVERY
+        refused = osc.refused()
+        if inbox.dropped:
+            refused["inbox full"] = inbox.dropped
+        told.say({**osc.facts(), "refused": refused, "refusal": osc.refusal()})
+    os._exit(0)  # the show has gone, and the socket is not ours to close
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,155 @@
+"""Readable: what everything in a running show that has a present value is now, by the address that sets or shows it."""
+
+from collections.abc import Callable
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.control.control import Plain
+from live.control.controls.motion import MOTION_PARAMETERS
+from live.control.events import NotesHeard
+from live.control.readings import STATUS
+from live.control.values import Rows
+from live.show.answer_pairs import Asked
+from live.show.core import Show
+from live.show.parameter_table import Parameter, addresses
+from live.show.status import Status
+
+FINEST: Final = 6
+"""Digits of a number that count: more say nothing to a person, and would make every value another one."""
+_SWITCHES: Final = frozenset(address for address, (_, known) in MOTION_PARAMETERS.items() if known.type == "bool")
+FIGURES_EVERY: Final = 16
+"""Percentiles of frames are taken anew at every so many looks."""
+
+
+class Readable:
+    """Looks at one show and changes nothing. Thread: the show's."""
+
+    def __init__(self, show: Show, status: Status) -> None:
+        self._show, self._status = show, status
+        self.more: dict[str, Callable[[], Plain | None]] = {}
+        """What other parts know, by address; None: it has no value now."""
+        table = show.desk.parameters.table
+        self._found: list[tuple[str, list[Parameter]]] = [(address, table.find(address)) for address in addresses()]
+        self._row: npt.NDArray[np.float64] = np.zeros(0)
+        self._names: tuple[str, ...] = ()
+        self._rows: dict[str, Rows] = {}
+        self._looks = 0
+        self._frame_ms = 0.0
+
+    def changes(self) -> dict[str, Rows]:
+        """What has another value than at the last look; at the first look all."""
+        found = self._parameters()
+        for address, values in self._singles().items():
+            found[address] = (("", values),)
+        found |= self._partners()
+        new = {address: rows for address, rows in found.items() if self._rows.get(address) != rows}
+        self._rows.update(new)
+        return new
+
+    def _parameters(self) -> dict[str, Rows]:
+        """The parameters of which a number has changed."""
+        parameters = self._show.desk.parameters
+        row, names = parameters.present(), parameters.table.names
+        if len(row) == len(self._row) and names == self._names:
+            moved = set(np.flatnonzero(row != self._row).tolist())
+            if not moved:
+                return {}
+        else:
+            moved = set(range(len(row)))
+        self._row, self._names = row, names
+        found: dict[str, Rows] = {}
+        for address, those in self._found:
+            if any(place in moved for one in those for place in one.numbers):
+                found[address] = self._of(those)
+        return found
+
+    def _of(self, those: list[Parameter]) -> Rows:
+        """One value where all groups have the same, else that of each."""
+        as_said: Callable[[float], Plain] = bool if those[0].address in _SWITCHES else _plain
+        values = [tuple(as_said(self._row[place]) for place in one.numbers) for one in those]
+        if all(value == values[0] for value in values):
+            return (("", values[0]),)
+        return tuple((self._names[one.group], value) for one, value in zip(those, values, strict=True))
+
+    def _partners(self) -> dict[str, Rows]:
+        """What is asked of those who answer a leader; nothing where there are none."""
+        answering = self._show.dancers.answering
+        asked = [] if answering is None else answering.asked
+        keys: dict[str, Callable[[Asked], Plain]] = {
+            "on": lambda one: one.on, "amount": lambda one: _plain(one.amount),
+            "stretch": lambda one: _plain(one.window),
+        }  # fmt: skip
+        nobody: dict[str, Plain] = {"on": False, "amount": 0.0, "stretch": 0.0}
+        return {
+            f"/dance/partner/{key}": tuple((one.name, (tell(one),)) for one in asked) or (("", (nobody[key],)),)
+            for key, tell in keys.items()
+        }
+
+    def _singles(self) -> dict[str, tuple[Plain, ...]]:
+        """What is of the whole show."""
+        show, status = self._show, self._status
+        follower, desk, prompter = show.follower, show.desk, show.prompter
+        width, depth = (2.0 * show.motion.floor.half).tolist()
+        beats = show.timeline.beats_per_measure
+        count_in = desk.cues.count_in(show.danced)
+        playhead = prompter.playhead
+        place = playhead.place(playhead.measure)
+        if self._looks % FIGURES_EVERY == 0:
+            (self._frame_ms,) = status.frame_times.percentiles(99)
+        self._looks += 1
+        standby = desk.cues.standby_name
+        singles: dict[str, Any] = {
+            "/dance/clock/tempo": _plain(follower.tempo),
+            "/dance/clock/hold": follower.held,
+            "/dance/clock/metre": float(beats),
+            "/dance/clock/source": follower.choice,
+            "/dance/blackout": show.blackout,
+            "/dance/hold": desk.held,
+            "/dance/hold/score": playhead.held,
+            "/dance/audience/open": show.audience.open,
+            "/dance/audience/gain": _plain(show.audience.gain),
+            "/dance/audience/mute": show.audience.muted,
+            "/dance/audience/shake": show.audience.shaking,
+            "/dance/output/fade": _plain(desk.master.level),
+            "/dance/output/freeze": desk.master.frozen,
+            "/dance/output/flashes": desk.master.flashes,
+            STATUS + "measure": show.span.number + 1,
+            STATUS + "beat": min(int(show.span.fraction(show.timeline.beat_at(show.time)) * beats) + 1, beats),
+            STATUS + "bpm": round(follower.tempo, 2),
+            STATUS + "source": follower.source,
+            STATUS + "clock": str(follower.state),
+            STATUS + "dancers": int(np.count_nonzero(show.motion.present)),
+            STATUS + "phones": show.audience.phones,
+            STATUS + "section": playhead.section_name(place),
+            STATUS + "cue": standby,
+            STATUS + "count_in": 0.0 if count_in is None else round(min(max(count_in[0], 0.0), 1e6), 1),
+            **_notes(prompter.mood.notes),
+            STATUS + "fading": desk.parameters.fading,
+            STATUS + "frame_ms": self._frame_ms,
+            STATUS + "late_frames": status.late_frames,
+            STATUS + "accepted": status.events_accepted,
+            STATUS + "refused": status.refused(),
+        }
+        told: dict[str, tuple[Plain, ...]] = {address: (value,) for address, value in singles.items()}
+        told["/dance/stage"] = (_plain(width), _plain(depth))
+        for address, tell in self.more.items():
+            value = tell()
+            if value is not None:
+                told[address] = (value,)
+        return told
+
+
+def _notes(played: NotesHeard | None) -> dict[str, Any]:
+    """What is played over MIDI."""
+    return {
+        STATUS + "note_energy": 0.0 if played is None else round(played.energy, 3),
+        STATUS + "note_density": 0.0 if played is None else round(played.density, 3),
+        STATUS + "notes": 0 if played is None else played.chord,
+        STATUS + "pitch": 0.5 if played is None else round(played.pitch, 3),
+    }
+
+
+def _plain(value: float) -> float:
+    return float(f"{value:.{FINEST}g}")

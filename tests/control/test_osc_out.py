@@ -1,0 +1,146 @@
+"""What is sent to others: beats when they are due, steps, feet and places as python-osc and liblo read them."""
+
+import pickle
+import shutil
+import socket
+import subprocess
+
+import numpy as np
+import pytest
+from pythonosc.osc_packet import OscPacket
+
+from live.clock.source import ManualClock, SystemClock
+from live.clock.timeline import Timeline
+from live.control.helper import Helper
+from live.control.osc_encode import MOST_BYTES, bundles, encode
+from live.control.osc_out import OUT, SENT, OscOut, Targets
+from tests.control.waiting import wait_for
+
+TAGS = {OUT + name: tags for name, tags, _, _ in SENT}
+
+
+class Heard:
+    """An OscOut whose datagrams are read as python-osc reads them."""
+
+    def __init__(self, tempo=120.0, *, size=4):
+        self.clock, self.datagrams = ManualClock(0.0), []
+        self.out = OscOut(self.datagrams.append, self.clock)
+        self.follow(Timeline(tempo, beats_per_measure=size), number=0, end=float(size))
+
+    def follow(self, timeline, *, number, end):
+        self.out.take(("measure", (number, end)))
+        row = (timeline.tempo, timeline.beat_origin, timeline.time_origin, timeline.beats_per_measure,
+               timeline.measure_origin)  # fmt: skip
+        self.out.take(("timeline", row))
+
+    def at(self, time):
+        self.clock.set(time)
+        self.out.turn()
+        return self.messages()
+
+    def messages(self):
+        found = [(m.message.address, *m.message.params) for d in self.datagrams for m in OscPacket(d).messages]
+        self.datagrams.clear()
+        return found
+
+
+def test_beats_and_measures_are_told_when_they_are_due():
+    heard = Heard(size=3)
+    assert heard.at(0.4) == [(OUT + "tempo", 120.0)]
+    assert heard.out.wait() == pytest.approx(0.1)
+    assert heard.at(0.5) == [(OUT + "beat", 2, 1, 120.0)]
+    assert heard.at(0.9) == []
+    assert heard.at(1.001) == [(OUT + "beat", 3, 1, 120.0)]
+    assert heard.at(1.5) == [(OUT + "measure", 2), (OUT + "beat", 1, 2, 120.0)]
+    heard.out.take(("measure", (1, 6.0)))
+    assert heard.at(2.0) == [(OUT + "beat", 2, 2, 120.0)]
+    assert heard.at(3.6) == [(OUT + "beat", 2, 3, 120.0)]  # it was away: the beats that are over are not told
+    assert list(heard.out.late) == pytest.approx([0.0, 0.001, 0.0, 0.0, 0.1])
+
+
+def test_another_tempo_is_told_and_moves_the_beats():
+    heard = Heard()
+    heard.at(0.0)
+    heard.follow(Timeline(60.0, 1.0, 0.5), number=0, end=4.0)
+    assert heard.at(0.5) == [(OUT + "tempo", 60.0), (OUT + "beat", 2, 1, 60.0)]
+    assert heard.at(1.4) == []
+    assert heard.at(1.5) == [(OUT + "beat", 3, 1, 60.0)]
+    for step in range(100):  # it swings in: that is not told in every tick, and a hair not at all
+        heard.follow(Timeline(60.0 + step / 100, 3.0, 1.5), number=0, end=4.0)
+        heard.clock.set(1.5 + step / 100)
+        heard.out.turn()
+    told = [message for message in heard.messages() if message[0] == OUT + "tempo"]
+    assert 8 <= len(told) <= 10
+
+
+def test_a_whole_company_fits_into_datagrams_and_has_the_types_that_are_documented():
+    heard = Heard()
+    heard.at(0.0)
+    rows = np.array([(d + 1, d / 10, -d / 10, 0.5) for d in range(100)], np.float32)
+    heard.out.take(("positions", rows.tobytes()))
+    heard.out.take(("news", [("step", (1, "glide", "ember")), ("foot", (2, "left", 0.5, 1.5, 0.25, 2))]))
+    assert all(len(datagram) <= MOST_BYTES for datagram in heard.datagrams)
+    assert len(heard.datagrams) < 12
+    for datagram in heard.datagrams:
+        for packed in OscPacket(datagram).messages:
+            raw = packed.message.dgram
+            tags = raw[raw.index(b",") + 1 :].split(b"\0")[0].decode()
+            assert tags == TAGS[packed.message.address]
+    found = heard.messages()
+    assert [message[1] for message in found if message[0] == OUT + "position"] == list(range(1, 101))
+    assert found[-2:] == [(OUT + "step", 1, "glide", "ember"), (OUT + "foot", 2, "left", 0.5, 1.5, 0.25, 2)]
+
+
+def test_bundles_hold_every_message_once_and_in_order():
+    messages = [encode("/a", (number,)) for number in range(300)]
+    read = [m.message.params[0] for d in bundles(messages) for m in OscPacket(d).messages]
+    assert read == list(range(300))
+    assert list(bundles(messages[:1])) == messages[:1]
+
+
+def test_a_target_that_is_not_there_takes_nothing_from_the_others():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as there:
+        there.bind(("127.0.0.1", 0))
+        there.settimeout(5.0)
+        targets = Targets([("127.0.0.1", 9), there.getsockname()])
+        for number in range(5):
+            targets.send(bytes([number]))
+            assert there.recv(10) == bytes([number])
+        targets.close()
+    with pytest.raises(socket.gaierror):
+        Targets([("no such host.invalid", 1)])
+
+
+@pytest.mark.liblo
+@pytest.mark.skipif(shutil.which("oscdump") is None, reason="liblo's oscdump is not installed (Debian: liblo-tools)")
+def test_the_process_sends_and_is_started_again_when_it_is_killed():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    dump = subprocess.Popen([shutil.which("oscdump"), "-L", str(port)], stdout=subprocess.PIPE, text=True)
+    clock, told = SystemClock(), []
+    row = ("timeline", (300.0, 0.0, 0.0, 4, 0.0))
+    helper = Helper("live.control.osc_out", clock, {"targets": (("127.0.0.1", port),)}, lambda: told.append(row))
+    try:
+        helper.start()
+        helper.send(row)
+        line = next(line for line in dump.stdout if "/dance/out/beat iif" in line)
+        assert line.split()[-1].startswith("300")
+        helper._process.kill()
+        helper._started_at -= 10.0  # long ago
+        assert wait_for(lambda: helper.frame() or (helper.restarts == 1 and len(told) == 2), 10.0)
+        assert wait_for(lambda: helper._starting is None or helper.frame() or helper._starting is None, 10.0)
+        helper.send(row)
+        for _ in range(3):
+            assert "/dance/out/" in next(iter(dump.stdout))
+        helper._process.send_signal(19)  # it stands still: nobody waits for it
+        while helper.send(("news", [("step", (1, "x" * 1000, "y"))])):
+            pass
+        assert helper.left_out == 1
+        assert len(pickle.dumps(helper.facts())) < 1000
+        helper._process.send_signal(18)
+    finally:
+        helper.stop()
+        dump.terminate()
+        dump.wait()
+        dump.stdout.close()

@@ -1,0 +1,96 @@
+"""Address patterns against an independent oracle (Python's `re`), and what they cost at worst."""
+
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from live.control.osc_pattern import BadPattern, Matcher, is_pattern
+from live.control.registry import REGISTRY
+
+ADDRESSES = [control.address for control in REGISTRY]
+
+
+def as_re(pattern):
+    """The same by the rules of OSC 1.0, for patterns that are well formed."""
+    out, inside = "", False
+    position = 0
+    while position < len(pattern):
+        c = pattern[position]
+        if c == "*":
+            out += "[^/]*"
+        elif c == "?":
+            out += "[^/]"
+        elif c == "[":
+            stop = pattern.index("]", position)
+            body = pattern[position + 1 : stop]
+            out += "[^/" + body[1:] + "]" if body[0] == "!" else "[" + body + "]"
+            position = stop
+        elif c == "{":
+            out, inside = out + "(?:", True
+        elif c == "}":
+            out, inside = out + ")", False
+        elif c == "," and inside:
+            out += "|"
+        else:
+            out += re.escape(c)
+        position += 1
+    return re.compile(out)
+
+
+piece = st.sampled_from(["*", "?", "a", "b", "ab", "[ab]", "[!a]", "[a-c]", "{a,bc}", "{,b}", "{ab,b,c}", "c"])
+part = (
+    st.lists(piece, min_size=1, max_size=5)
+    .map("".join)
+    .filter(lambda text: text.count("{") <= 2 and text.count(",") <= 3)
+)
+word = st.text("abc", min_size=1, max_size=5)
+
+
+@given(st.lists(part, min_size=1, max_size=3), st.lists(st.lists(word, min_size=1, max_size=3), max_size=8))
+def test_it_finds_what_another_matcher_finds(parts, words):
+    addresses = list(dict.fromkeys("/" + "/".join(each) for each in words))
+    pattern = "/" + "/".join(parts)
+    oracle = as_re(pattern)
+    assert set(Matcher(addresses).find(pattern)) == {each for each in addresses if oracle.fullmatch(each)}
+
+
+def test_it_finds_controls():
+    matcher = Matcher(ADDRESSES)
+    assert set(matcher.find("/dance/light/{key,rim}/colour")) == {"/dance/light/key/colour", "/dance/light/rim/colour"}
+    assert set(matcher.find("/dance/light/*")) == {a for a in ADDRESSES if re.fullmatch("/dance/light/[^/]+", a)}
+    assert matcher.find("/dance/spot/[1-2]") == ("/dance/spot/1", "/dance/spot/2")
+    assert matcher.find("/dance/*/{key,rim}/c*r") == matcher.find("/dance/light/{key,rim}/colour")
+    assert matcher.find("/nobody/*") == ()
+    assert not any(map(is_pattern, ADDRESSES))
+
+
+@pytest.mark.parametrize("pattern", ["/a[b", "/a]b", "/a{b", "/a}b", "/a[]b", "/{a,{b}}", "/" + "{a,b}" * 4, "/*" * 60])
+def test_what_is_malformed_or_too_much_is_refused(pattern):
+    with pytest.raises(BadPattern):
+        Matcher(ADDRESSES).find(pattern)
+
+
+def test_many_stars_take_no_more_steps_than_few():
+    """Twenty stars cost python-osc 1.45 s on as many addresses; here every character of an address is one step."""
+    import sys
+
+    def steps(pattern):
+        matcher, count = Matcher(ADDRESSES), 0
+
+        def counting(frame, event, _):
+            nonlocal count
+            count += event == "line"
+            return counting
+
+        sys.settrace(counting)
+        try:
+            matcher.find(pattern)
+        finally:
+            sys.settrace(None)
+        return count
+
+    few, many = steps("/*/*e*/*e*"), steps("/*/" + "*e" * 18 + "*/" + "*e" * 18 + "*x")
+    assert many < 3 * few + 2000
+    assert Matcher(["/" + "a" * 40]).find("/" + "*a" * 20 + "*b") == ()

@@ -1,0 +1,112 @@
+"""OSC in a process of its own: what the show gets of it, as much as it takes up, and what happens when it is killed."""
+
+import pickle
+import socket
+import threading
+
+from live.base.inbox import Inbox
+from live.clock.source import SystemClock
+from live.clock.ticks import TICK
+from live.control import events
+from live.control.osc_process import BURST, IN_A_PACKET, ON_THE_WAY, PATIENCE, PER_SECOND, Forward, OscRemote
+from tests.control.osc_stage import message
+from tests.control.waiting import wait_for
+
+
+class Sent:
+    def __init__(self):
+        self.time, self.packets, self.full, self.inbox = 0.0, [], False, Inbox()
+        self.lane = self.inbox.lane()
+        self.forward = Forward(self.send, self.inbox, lambda: self.time)
+
+    def send(self, packet):
+        if self.full:
+            raise BlockingIOError
+        self.packets.append([event for _, event in pickle.loads(packet)])
+
+    def flood(self, seconds, *, takes=True):
+        """Sixty values in each millisecond; what of them was sent."""
+        before = len(self.packets)
+        for _ in range(round(seconds * 1000)):
+            self.time += 0.001
+            for number in range(60):
+                self.lane.put(events.Tap(time=self.time, source=str(number)), number)
+            self.forward.turn()
+            if takes:
+                self.forward.taken = len(self.packets)
+        return [event for packet in self.packets[before:] for event in packet]
+
+
+def test_a_flood_gets_so_many_events_a_second_and_they_are_fresh():
+    sent = Sent()
+    told = sent.flood(4.0)
+    assert len(told) <= BURST + PER_SECOND * 4.0 + IN_A_PACKET
+    assert len(told) >= PER_SECOND * 3.0
+    assert all(len(packet) <= IN_A_PACKET for packet in sent.packets)
+    assert len(sent.packets) <= 4.0 / TICK + 1
+    assert sent.time - told[-1].time < 2 * 60 / PER_SECOND
+
+
+def test_a_show_that_takes_nothing_up_is_not_sent_more_and_later_what_is_then():
+    sent = Sent()
+    sent.flood(0.9 * PATIENCE, takes=False)
+    assert len(sent.packets) == ON_THE_WAY
+    sent.full = True
+    sent.flood(2.0)
+    sent.full = False
+    assert sent.inbox.dropped == 0
+    assert sent.flood(0.5)[-1].time > sent.time - 1.0
+
+
+def test_one_message_goes_at_once_and_nothing_is_sent_without():
+    sent = Sent()
+    assert sent.forward.turn() is None
+    sent.time = 5.0
+    sent.lane.put(events.Tap(time=5.0, source="osc"))
+    assert sent.forward.turn() is None
+    assert [[event.time for event in packet] for packet in sent.packets] == [[5.0]]
+
+
+def test_the_show_hears_and_answers_and_goes_on_when_the_process_is_killed():
+    inbox = Inbox()
+    remote = OscRemote("127.0.0.1", 0, inbox.lane(), SystemClock())
+    remote.tell({"/dance/clock/tempo": (("", (96.0,)),)})
+    remote.start()
+    pause = threading.Event()
+
+    def turn():
+        remote.frame()
+        pause.wait(0.005)
+
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.setblocking(False)
+
+        def send(address, *values):
+            sock.sendto(message(address, *values).dgram, ("127.0.0.1", remote.port))
+
+        def answered():
+            turn()
+            send("/dance/clock/tempo")
+            try:
+                return b"/dance/clock/tempo" in sock.recv(2000)
+            except BlockingIOError:
+                return False
+
+        try:
+            send("/dance/clock/tap")
+            assert wait_for(lambda: turn() or len(inbox) == 1, 20.0)
+            assert isinstance(inbox.drain()[0], events.Tap)
+            assert wait_for(answered, 10.0)
+            send("/dance/clock/tempo", "x")
+            assert wait_for(lambda: turn() or "wrong type" in remote.refused(), 10.0)
+            assert "write the number" in remote.refusal() or "text" in remote.refusal()
+            remote._helper._process.kill()
+            remote._helper._process.wait()
+            remote._helper._started_at -= 10.0
+            send("/dance/clock/one")  # nobody is there: it waits in the socket
+            assert wait_for(lambda: turn() or any(isinstance(e, events.One) for e in inbox.drain()), 20.0)
+            assert remote.facts()["restarts"] == 1
+            assert wait_for(answered, 10.0)
+        finally:
+            remote.stop()
+    assert remote.lost == 0

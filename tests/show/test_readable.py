@@ -1,0 +1,83 @@
+"""What a show says of itself: what can be read is what was set, and nothing changes by looking."""
+
+import pytest
+
+from live.control.control import Control
+from live.control.registry import REGISTRY
+from live.control.rejections import Rejection
+from live.control.values import READABLE, Values
+from live.show.readable import Readable
+from live.show.status import Status
+from tests.show.desk_show import Hands
+
+ELSEWHERE = {"/dance/click", "/dance/latency/input", "/dance/latency/output", "/dance/latency/display",
+             "/dance/latency/projector"}  # fmt: skip
+SLOW = {"/dance/stage", "/dance/clock/metre", "/dance/clock/source", "/dance/output/fade"}
+REFUSED = {"/dance/motion/texture"}  # in a show without recordings
+REFUSED |= {f"/dance/partner/{key}" for key in ("on", "amount", "stretch")}  # in one without partners
+
+
+def another(control: Control, now: tuple) -> tuple:
+    """A value that a control does not have now."""
+    values = []
+    for argument, value in zip(control.arguments, now, strict=False):
+        if argument.type == "bool":
+            values.append(not value)
+        else:
+            low, high = argument.minimum, argument.maximum
+            values.append(float(f"{low + (high - low) * (0.25 if value > low + (high - low) / 2 else 0.75):.4g}"))
+    return tuple(values)
+
+
+@pytest.fixture(scope="module")
+def show():
+    return Hands().show
+
+
+def readable_of(show):
+    return Readable(show, Status(show, rejected=dict, memory=lambda: 1.0))
+
+
+def test_everything_readable_has_a_value_and_only_that(show):
+    found = readable_of(show).changes()
+    assert set(found) == set(READABLE) - ELSEWHERE
+
+
+def test_what_is_set_is_read_back_once(show):
+    readable = readable_of(show)
+    values = Values()
+    values.take(readable.changes())
+    before = show.state_hash()
+    assert readable.changes() == {}
+    assert show.state_hash() == before
+    for control in REGISTRY:
+        if not control.value or control.address in ELSEWHERE | SLOW | REFUSED:
+            continue
+        now = next(values.messages(control.address))[: control.value]
+        wanted = another(control, now)
+        event = control.call(wanted, 0.0, "test")
+        assert not isinstance(event, Rejection), event
+        assert show.apply(event), control.address
+        for _ in range(24):
+            show.desk.tick(show.timeline)
+        changes = readable.changes()
+        assert control.address in changes, control.address
+        values.take(changes)
+        (got,) = {row[: control.value] for row in values.messages(control.address)}
+        assert got == pytest.approx(wanted, rel=1e-5), control.address
+        assert [type(value) for value in got] == [type(value) for value in wanted]
+
+
+def test_groups_that_differ_are_told_by_name(show):
+    readable = readable_of(show)
+    readable.changes()
+    first, *others = show.desk.parameters.table.names
+    assert others
+    show.apply(REGISTRY.call("/dance/motion/larger", (0.25, first), 0.0, "test"))
+    values = Values()
+    values.take(readable.changes())
+    told = list(values.messages("/dance/motion/larger"))
+    assert (0.25, first) in told
+    assert len(told) == 1 + len(others)
+    show.apply(REGISTRY.call("/dance/motion/larger", (0.25,), 0.0, "test"))
+    assert readable.changes()["/dance/motion/larger"] == (("", (0.25,)),)
