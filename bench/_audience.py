@@ -1,0 +1,157 @@
+"""Two thousand phones: what the gateway takes, how long a finger's way is to the simulation, whether ticks are late."""
+
+import contextlib
+import gc
+import json
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import dataclass, field, replace
+from typing import IO, Any, Final
+
+import numpy as np
+import psutil
+
+from live.base.inbox import Inbox
+from live.cli.audience_part import AudiencePart
+from live.cli.bench import Row
+from live.cli.wish import Wish
+from live.clock.source import SystemClock
+from live.clock.ticks import TICK
+from live.control.events import AudienceHeard, ControlEvent
+from live.render.pacing import Pacer
+from live.show.engine import Engine
+from live.show.load import load_show
+from live.show.patch_places import DEFAULT_PATCH
+from live.show.sections.audience import AudienceSection
+from live.show.status import Status
+
+PHONES: Final = 2000
+RATE: Final = 10.0
+STORM: Final = 10.0
+FPS: Final = 60.0
+
+
+@dataclass(slots=True)
+class Found:
+    """What was measured while the phones played."""
+
+    told: dict[str, Any] = field(default_factory=dict)
+    """What the phones say."""
+    ways: list[float] = field(default_factory=list)
+    """From the gateway's telling to the simulation [s]."""
+    waits: list[list[float]] = field(default_factory=list)
+    """How late turns were, p99, and how long voices waited, median and p99 [ms], each half second."""
+    behind: list[float] = field(default_factory=list)
+    skipped: int = 0
+    cpu: float = 0.0
+    storm_cpu: float = 0.0
+    memory: list[float] = field(default_factory=list)
+    seconds: float = 0.0
+
+
+class Stage:
+    """A show with an audience, driven frame by frame."""
+
+    def __init__(self) -> None:
+        loaded = load_show(DEFAULT_PATCH)
+        section = AudienceSection(phones_per_address=4000)
+        loaded = replace(loaded, patch=loaded.patch.model_copy(update={"audience": section}))
+        self.show, self.clock = loaded.start(), SystemClock()
+        inbox: Inbox[ControlEvent] = Inbox()
+        self.status = Status(self.show, rejected=lambda: self.part.refused(), memory=lambda: 0.0)
+        self.engine = Engine(self.show, clock=self.clock, inbox=inbox, status=self.status)
+        self.engine.outward.append(self._hear)
+        wish = Wish(audience=("127.0.0.1", 0), audience_secret=b"bench" * 7)
+        self.part = AudiencePart(wish, self.show, inbox.lane(), self.clock)
+        self.found = Found()
+
+    def _hear(self, event: ControlEvent) -> None:
+        if isinstance(event, AudienceHeard):
+            self.found.ways.append(self.clock.now() - event.time)
+
+    def frame(self) -> None:
+        """One frame, without drawing."""
+        self.part.before_frame()
+        self.engine.frame(lambda view: None)
+        self.part.frame()
+        gc.collect(0)
+
+    def run(self, seconds: float) -> Found:
+        """Storm and load."""
+        self.part.start()
+        pacer = Pacer(FPS, self.clock.now, time.sleep)
+        while not self.part.link:
+            pacer.wait()
+            self.frame()
+        key, gateway = self.part.link.partition("#")[2], psutil.Process(self.part.process)
+        words = [str(word) for word in (self.part.port, key, PHONES, STORM, seconds, RATE)]
+        process = subprocess.Popen([sys.executable, "-m", "bench._phones", *words], stdout=subprocess.PIPE, text=True)
+        lines: list[str] = []
+        assert process.stdout is not None
+        reader = threading.Thread(target=_read, args=(process.stdout, lines))
+        reader.start()
+        spent, began, noted = _cpu(gateway), self.clock.now(), 0.0
+        playing = False
+        while process.poll() is None:
+            pacer.wait()
+            self.frame()
+            now = self.clock.now()
+            if lines and not playing:
+                playing = True
+                self.found.storm_cpu = (_cpu(gateway) - spent) / max(now - began, 1e-3)
+                self.found.ways.clear()
+                skipped, spent, began = self.status.skipped_ticks, _cpu(gateway), now
+            if playing and now - began < seconds:
+                self.found.behind.append(max(now + TICK - self.engine.ticks.time, 0.0))
+                self.found.skipped = self.status.skipped_ticks - skipped
+                self.found.seconds, self.found.cpu = now - began, (_cpu(gateway) - spent) / max(now - began, 1e-3)
+                if now - noted > 0.5:
+                    noted = now
+                    self.found.memory.append(gateway.memory_info().rss / 1e6)
+                    told = self.part.status()
+                    self.found.waits.append([told["late_ms"][1], *told["ways_ms"]])
+        reader.join()
+        with contextlib.suppress(ValueError, IndexError):
+            self.found.told = json.loads(lines[-1])
+        self.part.stop()
+        return self.found
+
+
+def _read(stream: IO[str], lines: list[str]) -> None:
+    lines.extend(iter(stream.readline, ""))
+
+
+def _cpu(process: psutil.Process) -> float:
+    times = process.cpu_times()
+    return float(times.user + times.system)
+
+
+def audience_rows(full: bool) -> list[Row]:
+    """The rows of `live bench control`."""
+    found = Stage().run(120.0 if full else 6.0)
+    told, ways = found.told, np.array(found.ways or [0.0]) * 1e3
+    waits = found.waits[len(found.waits) // 2 :]
+    late, middle, wait = (float(value) for value in np.median(waits or [[0.0] * 3], axis=0))
+    way = float(np.percentile(ways, 99))
+    growth = None
+    if full and len(found.memory) > 20:
+        third = len(found.memory) // 3
+        hours = found.seconds * (len(found.memory) - third) / len(found.memory) / 3600.0
+        growth = (found.memory[-1] - found.memory[third]) / hours
+    return [
+        Row("2,000 phones within 10 s: joined", told.get("joined", 0), "", PHONES, "at least",
+            peers={"p99 of a join [ms]": told.get("join_p99_ms", 0.0), "gateway [cores]": found.storm_cpu}),
+        Row("2,000 phones, 10 messages/s each: the gateway's share of a core", found.cpu, "", 0.6,
+            peers={"messages/s": told.get("rate", 0.0), "the phones' share": told.get("cpu", 0.0),
+                   "cut off": told.get("lost", 0)}),
+        Row("from a phone's socket to the simulation, p99", late + wait + way, "ms", 50.0,
+            peers={"unread p99": late, "waits for the turn p99": wait, "median": middle, "to the tick p99": way,
+                   "a ping there and back, median": told.get("trip_p50_ms", 0.0),
+                   "p99": told.get("trip_p99_ms", 0.0), "load average": psutil.getloadavg()[0]}),
+        Row("2,000 phones: the gateway's memory", max(found.memory, default=0.0), "MB", 200.0),
+        Row("2,000 phones: the gateway's growth in an hour", growth, "MB", 20.0),
+        Row("2,000 phones: skipped ticks", found.skipped, "", 0.0,
+            peers={"p99 behind [ms]": float(np.percentile(found.behind or [0.0], 99)) * 1e3}),
+    ]  # fmt: skip

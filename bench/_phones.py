@@ -1,0 +1,152 @@
+"""A process of many phones: `python -m bench._phones PORT KEY COUNT STORM SECONDS RATE`; prints a line of JSON.
+
+They join evenly within STORM seconds, then each says RATE times a second where its finger is, and pings every other
+second instead. Raw sockets and ready frames, so that the load leaves room for who is loaded.
+"""
+
+import asyncio
+import base64
+import contextlib
+import json
+import os
+import random
+import struct
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import psutil
+
+MASK = b"\x11\x22\x33\x44"
+
+
+def frame(payload: bytes, opcode: int = 2) -> bytes:
+    """A client's frame of a short message."""
+    return bytes([0x80 | opcode, 0x80 | len(payload)]) + MASK + bytes(b ^ MASK[i & 3] for i, b in enumerate(payload))
+
+
+class Phone(asyncio.Protocol):
+    """One phone; it learns from its own pings how long a message takes."""
+
+    trips: list[float]
+
+    def __init__(self, port: int, hello: bytes, trips: list[float]) -> None:
+        self._port, self._hello, self._trips = port, hello, trips
+        self._data = b""
+        self._open = False
+        self._began = time.perf_counter()
+        self.joined: asyncio.Future[float] = asyncio.get_running_loop().create_future()
+        self.lost = False
+
+    def connection_made(self, transport: Any) -> None:
+        """Ask for the WebSocket."""
+        self.transport = transport
+        key = base64.b64encode(os.urandom(16)).decode()
+        where = f"127.0.0.1:{self._port}"
+        transport.write(
+            f"GET /ws HTTP/1.1\r\nHost: {where}\r\nOrigin: http://{where}\r\nUpgrade: websocket\r\n"
+            f"Connection: Upgrade\r\nSec-WebSocket-Key: {key}\r\nSec-WebSocket-Version: 13\r\n\r\n".encode()
+        )
+
+    def data_received(self, data: bytes) -> None:
+        """Take up whole frames."""
+        now = time.perf_counter()
+        self._data += data
+        if not self._open:
+            head, found, rest = self._data.partition(b"\r\n\r\n")
+            if not found:
+                return
+            self._open, self._data = b" 101 " in head[:20], rest
+            self.transport.write(frame(self._hello, 1))
+        while len(self._data) >= 2:
+            size, begin = self._data[1] & 127, 2
+            if size == 126:
+                size, begin = int.from_bytes(self._data[2:4], "big"), 4
+            if len(self._data) < begin + size:
+                return
+            payload, self._data = self._data[begin : begin + size], self._data[begin + size :]
+            if payload[:1] == b"\x02" and size == 17:
+                self._trips.append(now - struct.unpack_from("<d", payload, 1)[0])
+            elif payload[:4] == b'{"w"' and not self.joined.done():
+                self.joined.set_result(now - self._began)
+
+    def connection_lost(self, error: Exception | None) -> None:
+        """It was cut off."""
+        self.lost = True
+        if not self.joined.done():
+            self.joined.set_exception(error or ConnectionError("refused"))
+
+
+async def run(port: int, key: str, count: int, storm: float, seconds: float, rate: float) -> dict[str, Any]:
+    """The storm, then the load."""
+    loop, trips, phones = asyncio.get_running_loop(), list[float](), list[Phone]()
+    hello = json.dumps({"k": key}).encode()
+
+    async def join(index: int) -> float | None:
+        await asyncio.sleep(storm * index / count)
+        with contextlib.suppress(OSError):
+            _, phone = await loop.create_connection(lambda: Phone(port, hello, trips), "127.0.0.1", port)
+            phones.append(phone)
+            with contextlib.suppress(ConnectionError, TimeoutError):
+                return await asyncio.wait_for(phone.joined, 10.0)
+        return None
+
+    came = [way for way in await asyncio.gather(*map(join, range(count))) if way is not None]
+    print("joined", flush=True)
+    chance, sent = random.Random(5), 0
+    centre = [(chance.gauss(0.7, 0.05), chance.gauss(0.5, 0.05)) for _ in phones]
+    began, spent = time.perf_counter(), psutil.Process().cpu_times()
+    due = [(k / len(phones)) / rate for k in range(len(phones))]
+    write: list[Callable[[bytes], None]] = [phone.transport.write for phone in phones]
+    turn = 0
+    while (gone := time.perf_counter() - began) < seconds:
+        for k, at in enumerate(due):
+            if at > gone:
+                continue
+            due[k] += 1.0 / rate
+            sent += 1
+            if (round(at * rate) + k) % round(2.0 * rate) == 0:
+                write[k](frame(struct.pack("<Bd", 2, time.perf_counter())))
+            else:
+                x, z = centre[k]
+                x += 0.05 * np.sin(gone + k)
+                touch = struct.pack("<BBHH", 1, 1, int(min(max(x, 0), 1) * 65535), int(min(max(z, 0), 1) * 65535))
+                write[k](frame(touch))
+        turn += 1
+        await asyncio.sleep(0.002)
+    took, now = time.perf_counter() - began, psutil.Process().cpu_times()
+    await asyncio.sleep(0.5)
+    tell = {
+        "joined": len(came), "join_p99_ms": 1e3 * float(np.percentile(came, 99)) if came else 0.0, "sent": sent,
+        "rate": sent / took, "cpu": (now.user + now.system - spent.user - spent.system) / took,
+        "trip_p50_ms": 1e3 * float(np.percentile(trips, 50)) if trips else 0.0,
+        "trip_p99_ms": 1e3 * float(np.percentile(trips, 99)) if trips else 0.0,
+        "lost": sum(phone.lost for phone in phones),
+    }  # fmt: skip
+    for phone in phones:
+        phone.transport.close()
+    return tell
+
+
+def main() -> None:
+    """What the command line asks for."""
+    import resource
+
+    port, key, count = int(sys.argv[1]), sys.argv[2], int(sys.argv[3])
+    hard = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
+    resource.setrlimit(resource.RLIMIT_NOFILE, (min(count + 256, hard), hard))
+    storm, seconds, rate = map(float, sys.argv[4:7])
+    try:
+        import uvloop
+
+        make = uvloop.new_event_loop
+    except ImportError:
+        make = asyncio.new_event_loop  # type: ignore[assignment]
+    with asyncio.Runner(loop_factory=make) as runner:
+        print(json.dumps(runner.run(run(port, key, count, storm, seconds, rate))), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,137 @@
+"""The audience beside a show: phones that play through a real gateway's process, and its sudden death."""
+
+import asyncio
+import os
+import signal
+
+import aiohttp
+import pytest
+
+from live.base.errors import PersonError
+from live.base.inbox import Inbox
+from live.cli.audience_part import AudiencePart, beat_of, rules_of
+from live.cli.options import audience_address, audience_web_address, with_audience
+from live.cli.wish import Wish
+from live.clock.source import SystemClock
+from live.control import events
+from live.show.engine import Engine
+from live.show.status import Status
+from tests.control.audience.made_gateway import FakePhone, until
+from tests.show.made_show import made_show
+
+REGIONS = '[audience]\nregions = ["stalls", "balcony"]\nvote_measures = 1\n'
+
+
+class Stage:
+    """A show that runs at 60 frames a second beside what a test does, with its audience."""
+
+    def __init__(self):
+        self.show, self.clock, self.inbox = made_show(REGIONS), SystemClock(), Inbox()
+        self.status = Status(self.show, rejected=dict, memory=lambda: 1.0)
+        self.engine = Engine(self.show, clock=self.clock, inbox=self.inbox, status=self.status)
+        wish = Wish(audience=("127.0.0.1", 0), audience_secret=b"s" * 32)
+        self.part = AudiencePart(wish, self.show, self.inbox.lane(), self.clock)
+
+    def say(self, kind, **values):
+        self.inbox.put(kind(time=self.clock.now(), source="osc", **values))
+
+    async def frames(self):
+        while True:
+            self.part.before_frame()
+            self.engine.frame(lambda view: None)
+            self.part.frame()
+            await asyncio.sleep(1 / 60)
+
+    async def play(self, test):
+        self.part.start()
+        running = asyncio.create_task(self.frames())
+        try:
+            await until(lambda: self.part.link)
+            async with aiohttp.ClientSession() as session:
+                await test(session)
+        finally:
+            running.cancel()
+            self.part.stop()
+
+
+def test_phones_move_dancers_and_resume_when_the_gateway_was_killed_while_frames_went_on():
+    stage = Stage()
+
+    async def test(session):
+        part, show = stage.part, stage.show
+        key = part.link.partition("#")[2]
+        phone = await FakePhone(session, part.address).join(key, region=1)
+        await phone.touch(1, 1.0, 0.5)
+        await until(lambda: any(e.source == "audience 1" and e.x == 6.0 for e in show.motion.elements.in_force))
+        await until(lambda: show.audience.facts()["lights"] == [[phone.number, 6.0, 0.0]])
+        assert stage.status.snapshot(1.0)["phones"] == 1
+        await until(lambda: stage.clock.now() > 2.2)  # a process that dies at once is not started again at once
+        frames, died = stage.status.frames, stage.clock.now()
+        os.kill(part.process, signal.SIGKILL)
+        again = None
+        while again is None:
+            assert stage.clock.now() - died < 12.0  # 3 s of an idle machine
+            try:
+                again = await FakePhone(session, part.address).join(token=phone.token, region=1)
+            except (aiohttp.ClientError, OSError):
+                await asyncio.sleep(0.05)
+        assert again.number == phone.number  # so it has its colour
+        assert again.said["w"][4] == 1  # and its region
+        assert stage.status.frames > frames + 10
+        assert part.status()["restarts"] == 1
+        await again.touch(1, 0.0, 0.5)
+        await until(lambda: any(e.source == "audience 1" and e.x == -6.0 for e in show.motion.elements.in_force))
+        stranger = await FakePhone(session, part.address).join(part.link.partition("#")[2])
+        assert stranger.number > phone.number  # nobody gets a number that somebody has
+        stage.say(events.OpenAudience, on=False)
+        await until(lambda: not any(e.source == "audience 1" for e in show.motion.elements.in_force))
+        while again.said.get("s", {"open": True})["open"]:
+            await again.hear()
+
+    asyncio.run(asyncio.wait_for(stage.play(test), 120.0))
+    assert stage.show.refusals.count == 0
+
+
+def test_what_a_gateway_is_told_of_a_show():
+    show = made_show(REGIONS)
+    for tick in range(1, 200):
+        show.tick(tick / 64)
+    show.apply(events.GiveTurn(time=1.0, source="osc", name="balcony", measures=2.0))
+    show.apply(events.AskVote(time=1.0, source="osc", what="step", first="sway", second="spin"))
+    rules, line = rules_of(show), show.span.end
+    assert rules.turn == (1, line, line + 8.0)
+    assert rules.vote == (1, "step", ("sway", "spin"), line + 4.0)
+    assert rules.half == (6.0, 4.0)
+    beat = beat_of(show)
+    assert beat.at(show.time) == show.timeline.beat_at(show.time)
+    assert (line - beat.line) % 4 == 0
+
+
+def test_where_phones_play_is_shown_and_what_cannot_be_is_told():
+    assert audience_address("8021") == ("127.0.0.1", 8021)
+    assert audience_address("0.0.0.0:80") == ("0.0.0.0", 80)
+    assert audience_address("[::1]:80") == ("::1", 80)
+    for text in ("", "x", "1:2:3", "host:", "host:99999", "a b:80"):
+        with pytest.raises(PersonError):
+            audience_address(text)
+    assert audience_web_address("https://play.example") == "https://play.example"
+    for text in ("play.example", "ftp://x", "http://x/path", "http://x y"):
+        with pytest.raises(PersonError):
+            audience_web_address(text)
+    assert with_audience(["play", "--audience"]) == ["play", "--audience", "127.0.0.1:8020"]
+    assert with_audience(["--audience", "a.toml"]) == ["--audience", "127.0.0.1:8020", "a.toml"]
+    assert with_audience(["--audience", "8021", "x"]) == ["--audience", "8021", "x"]
+    made = made_show(), Inbox().lane(), SystemClock()
+    public = AudiencePart(Wish(audience=("0.0.0.0", 8020), audience_secret=b"x"), *made)
+    assert public.is_public
+    assert public.address.startswith("http://")
+    assert ":8020" in public.address
+    named = AudiencePart(Wish(audience=("0.0.0.0", 8020), audience_link="http://stage.local/"), *made)
+    assert named.address == "http://stage.local"
+    first = AudiencePart(Wish(audience=("127.0.0.1", 0), audience_secret=b"x"), *made)
+    first.start()
+    try:
+        with pytest.raises(PersonError, match="choose another port"):
+            AudiencePart(Wish(audience=("127.0.0.1", first.port), audience_secret=b"x"), *made).start()
+    finally:
+        first.stop()

@@ -1,0 +1,138 @@
+"""A gateway in the process of a test, with a show's end of its socket, and phones of aiohttp."""
+
+import asyncio
+import contextlib
+import json
+import pickle
+import socket
+import struct
+import time
+
+import aiohttp
+
+from live.control.audience.gateway import Gateway
+from live.control.audience.rules import Beat, Rules
+from live.control.audience.tokens import link_key
+from live.control.helper import LARGEST
+
+SECRET = b"s" * 32
+
+
+class ToldHere:
+    """What `Told` is, without a process."""
+
+    def __init__(self, theirs, plan):
+        self.socket, self.plan, self.ended = theirs, plan, False
+
+    def packets(self):
+        while not self.ended:
+            try:
+                data = self.socket.recv(LARGEST)
+            except BlockingIOError:
+                return
+            except OSError:
+                data = b""
+            if not data:
+                self.ended = True
+                return
+            yield pickle.loads(data)
+
+    def say(self, facts):
+        self.socket.send(pickle.dumps(facts))
+
+
+class Show:
+    """The show's end: what it tells, and what it is told."""
+
+    def __init__(self, ours, origin):
+        self._ours, self._origin = ours, origin
+        self.facts, self.heard, self.code = {}, [], ()
+
+    def now(self):
+        return time.perf_counter() - self._origin
+
+    def tell(self, *packets):
+        for packet in packets:
+            self._ours.send(pickle.dumps(packet))
+
+    def look(self):
+        """Take up what has come; returns itself."""
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                packet = pickle.loads(self._ours.recv(LARGEST))
+                if isinstance(packet, dict):
+                    self.facts = packet
+                elif packet[0] == "code":
+                    self.code = packet[1:]
+                else:
+                    self.heard.append(packet)
+        return self
+
+
+@contextlib.asynccontextmanager
+async def made_gateway(**plan):
+    """Yields (gateway, show, address); ends as when the show ends."""
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    listening = socket.create_server(("127.0.0.1", 0), backlog=64)
+    for each in (ours, theirs, listening):
+        each.setblocking(False)
+    address = f"http://127.0.0.1:{listening.getsockname()[1]}"
+    origin = time.perf_counter() - 100.0
+    usual = {"secret": SECRET, "first": 1, "link": address, "most": 64, "per_address": 64, "visible": 8}
+    told = ToldHere(theirs, {**usual, "origin": origin, **plan})
+    gateway, show = Gateway(told, told.plan), Show(ours, origin)
+    show.tell(Rules(regions=("left", "right"), weights=(1.0, 1.0)), Beat(time=100.0, beat=0.0))
+    running = asyncio.create_task(gateway.run(listening))
+    try:
+        await until(lambda: show.look().code)
+        yield gateway, show, address
+    finally:
+        ours.close()
+        await asyncio.wait_for(running, 20.0)
+        theirs.close()
+        listening.close()
+
+
+async def until(what, seconds=20.0):
+    """Wait until something is true, with a deadline."""
+    deadline = time.monotonic() + seconds
+    while not (found := what()):
+        assert time.monotonic() < deadline, "waited in vain"
+        await asyncio.sleep(0.005)
+    return found
+
+
+class FakePhone:
+    """A phone as the page is one."""
+
+    def __init__(self, session, address):
+        self._session, self._address = session, address
+        self.token, self.number, self.said, self.no = "", 0, {}, ""
+
+    async def join(self, key=None, token=None, region=0, origin=None):
+        """Say hello; returns itself once it was answered."""
+        self.ws = await self._session.ws_connect(self._address + "/ws", headers={"Origin": origin or self._address})
+        hello = {"r": region} | ({"k": key} if key else {}) | ({"t": token} if token else {})
+        await self.ws.send_str(json.dumps(hello))
+        while not self.number and not self.no:
+            await self.hear()
+        return self
+
+    async def hear(self):
+        """Take up one message."""
+        message = await self.ws.receive(timeout=20.0)
+        if message.type is aiohttp.WSMsgType.TEXT:
+            said = json.loads(message.data)
+            self.said |= said
+            if "w" in said:
+                self.token, self.number = said["w"][:2]
+            self.no = said.get("no", self.no)
+        return message
+
+    async def touch(self, mode, x, z):
+        await self.ws.send_bytes(struct.pack("<BBHH", 1, mode, round(x * 65535), round(z * 65535)))
+
+
+def key_of(show):
+    """The key of the link of the moment."""
+    return link_key(SECRET, show.now())

@@ -1,0 +1,200 @@
+"""The gateway with phones of aiohttp: join, touch, vote, resume; limits, roles, what is told and what is not."""
+
+import asyncio
+import json
+import struct
+
+import aiohttp
+import pytest
+
+from live.control.audience.refused import Why
+from live.control.audience.rules import Beat, Rules
+from live.control.audience.tokens import link_key
+from tests.control.audience.made_gateway import SECRET, FakePhone, key_of, made_gateway, until
+
+RULES = Rules(regions=("left", "right"), weights=(1.0, 1.0))
+
+
+def run(test, **plan):
+    async def all_of_it():
+        async with made_gateway(**plan) as (gateway, show, address), aiohttp.ClientSession() as session:
+            await test(gateway, show, address, session)
+
+    asyncio.run(asyncio.wait_for(all_of_it(), 60.0))
+
+
+def heard(show, what):
+    """The last event of the show of which `what` is true of its fields."""
+    names = ("at", "phones", "order", "share", "places", "lights", "votes", "shaken")
+    rows = [dict(zip(names, packet[1:], strict=True)) for packet in show.look().heard]
+    return next((row for row in reversed(rows) if what(row)), None)
+
+
+def test_the_page_comes_in_the_browsers_language_small_and_with_nothing_from_elsewhere():
+    async def test(_gateway, _show, address, session):
+        async with session.get(address, headers={"Accept-Language": "pt-PT,pt;q=0.9,en;q=0.8"}) as answer:
+            body = await answer.read()
+            assert b'<html lang="pt"' in body
+            assert len(body) < 50_000
+            for elsewhere in (b"http://", b"https://", b"src=", b"@import", b"url("):
+                assert elsewhere not in body
+            assert answer.headers["Content-Security-Policy"].startswith("default-src 'none'; script-src 'sha256-")
+            assert "Set-Cookie" not in answer.headers
+        async with session.get(address, headers={"Accept-Language": "de, en;q=0.1"}) as answer:
+            assert b'<html lang="en"' in await answer.read()
+        for path, status in (("/../../etc/passwd", 404), ("/%2e%2e/x", 404), ("/ws", 404), ("/x" * 500, 404)):
+            async with session.get(address + path) as answer:
+                assert answer.status == status
+        async with session.post(address, data=b"x" * 5000) as answer:
+            assert answer.status == 404
+
+    run(test)
+
+
+def test_a_phone_joins_by_the_link_and_its_finger_becomes_a_place_and_a_light():
+    async def test(gateway, show, address, session):
+        link, code = show.code
+        assert link == f"{address}/#{key_of(show)}"
+        assert len(code) == len(code[0]) >= 25
+        phone = await FakePhone(session, address).join(key_of(show))
+        assert phone.number == 1
+        await phone.touch(1, 0.75, 0.5)
+        row = await until(lambda: heard(show, lambda row: row["places"] not in ("", "-")))
+        assert row["places"].split() == ["300", "0", "1000", "1"]
+        assert (row["phones"], row["share"]) == (1, 1000)
+        row = await until(lambda: heard(show, lambda row: row["lights"] not in ("", "-")))
+        assert row["lights"].split() == ["1", "300", "0", "618", "1"]
+        while not phone.said.get("l"):
+            await phone.hear()
+        await phone.touch(2, 0.25, 1.0)
+        await until(lambda: heard(show, lambda row: row["places"].split() == ["-300", "400", "1000", "2"]))
+        await phone.ws.close()
+        await until(lambda: gateway.hall.phones.by_number == {})
+        await until(lambda: heard(show, lambda row: row["phones"] == 0))
+
+    run(test)
+
+
+def test_what_the_operator_says_counts_in_what_the_show_is_told_next():
+    async def test(_gateway, show, address, session):
+        one, other = [await FakePhone(session, address).join(key_of(show), region=region) for region in (0, 1)]
+        await one.touch(1, 0.0, 0.5)
+        await other.touch(1, 1.0, 0.5)
+        await until(lambda: heard(show, lambda row: row["places"].count(",") == 1))
+        show.tell(Rules(order=3, regions=RULES.regions, weights=(0.0, 1.0)))
+        row = await until(lambda: heard(show, lambda row: row["order"] == 3))
+        assert row["places"].split(",")[-1].split()[0] == "600"
+        show.tell(Rules(order=4, regions=RULES.regions, weights=(1.0, 1.0), banned=(other.number,)))
+        row = await until(lambda: heard(show, lambda row: row["order"] == 4))
+        assert [place.split()[0] for place in row["places"].split(",") if place.split()[2] != "0"] == ["-600"]
+        await other.touch(1, 1.0, 0.5)  # she is told nothing, and heard no more
+        show.tell(Rules(order=5, open=False))
+        assert (await until(lambda: heard(show, lambda row: row["order"] == 5)))["places"] == "-"
+
+    run(test)
+
+
+def test_votes_are_counted_once_for_each_phone_by_what_its_region_weighs():
+    async def test(_gateway, show, address, session):
+        phones = [await FakePhone(session, address).join(key_of(show), region=k % 2) for k in range(4)]
+        vote = (259, "step", ("sway", "spin"), 64.0)
+        show.tell(Rules(order=1, regions=RULES.regions, weights=(1.0, 0.5), vote=vote))
+        await until(lambda: heard(show, lambda row: row["votes"] == "259 0 0"))
+        for phone, choice in zip(phones, (0, 1, 1, 9), strict=True):
+            await phone.ws.send_bytes(bytes((3, 259 % 256, choice)))
+        await phones[0].ws.send_bytes(bytes((3, 7, 1)))  # a vote of long ago
+        await until(lambda: heard(show, lambda row: row["votes"] == "259 100 150"))
+        for _ in range(3):
+            await phones[0].ws.send_bytes(bytes((3, 259 % 256, 1)))  # she thinks again
+        await until(lambda: heard(show, lambda row: row["votes"] == "259 0 250"))
+        while not phones[0].said.get("s", {}).get("vote"):
+            await phones[0].hear()
+        assert phones[0].said["s"]["vote"] == [259, "step", ["sway", "spin"], 64.0]
+
+    run(test)
+
+
+def test_phones_resume_with_their_token_and_the_newest_socket_counts():
+    async def test(gateway, show, address, session):
+        first = await FakePhone(session, address).join(key_of(show), region=1)
+        again = await FakePhone(session, address).join(token=first.token, region=1)
+        assert again.number == first.number
+        await until(lambda: len(gateway.hall.phones) == 1 and gateway.hall.voices.count == 1)
+        while (await first.ws.receive(timeout=20.0)).type is aiohttp.WSMsgType.TEXT:
+            pass  # the old socket is closed
+        await again.touch(1, 0.5, 0.5)
+        await until(lambda: heard(show, lambda row: row["places"] not in ("", "-")))
+        stranger = await FakePhone(session, address).join(token="7.abcdefghijkl")
+        assert stranger.no == "token"
+        late = await FakePhone(session, address).join(link_key(SECRET, show.now() - 3600.0))
+        assert late.no == "link"
+        assert gateway.hall.refused[Why.TOKEN] == gateway.hall.refused[Why.LINK] == 1
+
+    run(test)
+
+
+def test_many_phones_of_one_address_are_no_crowd_unless_all_come_through_it():
+    there = []
+
+    async def voices(session, address, show, gateway):
+        there.extend([await FakePhone(session, address).join(key_of(show)) for _ in range(8)])
+        return gateway.hall.voices.part[gateway.hall.voices.number > 0]
+
+    async def several(gateway, show, address, session):
+        parts = await voices(session, address, show, gateway)
+        assert len(parts) == 8
+        assert parts.sum() == pytest.approx(4.0)
+        for phone in list(gateway.hall.phones.by_number.values())[:5]:
+            phone.transport.abort()
+        await until(lambda: len(gateway.hall.phones) == 3)
+        rows = [phone.row for phone in gateway.hall.phones.by_number.values()]
+        assert gateway.hall.voices.part[rows].tolist() == [1.0] * 3
+
+    async def proxy(gateway, show, address, session):
+        assert (await voices(session, address, show, gateway)).sum() == 8.0
+
+    run(several, per_address=20)
+    run(proxy)
+
+
+def test_pings_tell_the_shows_time_and_slips_of_the_beat_are_told_at_once():
+    async def test(_gateway, show, address, session):
+        phone = await FakePhone(session, address).join(key_of(show))
+        before = show.now()
+        await phone.ws.send_bytes(struct.pack("<Bd", 2, 123.25))
+        while (message := await phone.hear()).type is not aiohttp.WSMsgType.BINARY:
+            pass
+        verb, mine, there = struct.unpack("<Bdd", message.data)
+        assert (verb, mine) == (2, 123.25)
+        assert before <= there <= show.now()
+        show.tell(Beat(time=100.0, beat=0.0, tempo=90.0, beats_per_measure=3, line=1.0))
+        while phone.said.get("c", [0, 0, 0])[2] != 90.0:
+            await phone.hear()
+        assert phone.said["c"] == [100.0, 0.0, 90.0, 3, 1.0]
+
+    run(test)
+
+
+def test_limits_of_a_phone_an_address_and_all_and_pages_of_other_sites():
+    async def test(gateway, show, address, session):
+        refused = gateway.hall.refused
+        phones = [await FakePhone(session, address).join(key_of(show)) for _ in range(3)]
+        assert (await FakePhone(session, address).join(key_of(show))).no == "address"
+        await phones[0].ws.close()
+        await until(lambda: len(gateway.hall.phones) == 2)
+        for number in range(250):
+            await phones[1].touch(1, 0.5, number / 250)
+        await until(lambda: refused[Why.FAST] > 150)
+        assert gateway.hall.messages - refused[Why.FAST] < 60
+        assert not phones[1].ws.closed
+        for origin in ("http://evil.example", "null"):
+            with pytest.raises(aiohttp.WSServerHandshakeError, match="403"):
+                await FakePhone(session, address).join(key_of(show), origin=origin)
+        for host in ("evil.example", "127.0.0.1.evil.example", "x" * 300, "localhost.evil"):
+            async with session.get(address, headers={"Host": host}) as answer:
+                assert answer.status == 403
+        assert (refused[Why.ORIGIN], refused[Why.HOST]) == (2, 4)
+        await until(lambda: show.look().facts.get("refused", {}).get(Why.HOST) == 4)
+        assert "127.0.0.1" not in json.dumps(show.facts)  # nothing about anybody
+
+    run(test, per_address=3)

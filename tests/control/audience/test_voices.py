@@ -1,0 +1,126 @@
+"""What all voices want together: many are a force, one is none; laws that hold for any audience."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from live.control.audience.lights import STAYS, Lights
+from live.control.audience.voices import BANDWIDTH, FADES, FRESH, Voices
+from live.control.audience.wire import ATTRACT, REPEL
+
+HALF = (6.0, 4.0)
+
+
+def spoken(points, *, mode=ATTRACT, joined=None, now=10.0):
+    """Voices of phones at points (x, z) [m], of so many that have joined."""
+    voices = Voices(4096)
+    voices.rule((), (), HALF)
+    for number, (x, z) in enumerate(points, start=1):
+        row = voices.add(number, 0, heard=True)
+        voices.touch(row, mode, x / (2 * HALF[0]) + 0.5, z / (2 * HALF[1]) + 0.5, now)
+    for number in range(len(points), joined or 0):
+        voices.add(number + 1, 0, heard=True)
+    return voices
+
+
+def crowd(count, x, z, spread=0.4, seed=5):
+    return np.random.default_rng(seed).normal((x, z), spread, (count, 2)).tolist()
+
+
+def test_a_thousand_phones_are_one_place_in_the_middle_of_most_of_them():
+    points = crowd(1000, 2.0, -1.0)
+    force = spoken(points).force(10.0)
+    assert force.share == 1.0
+    assert len(force.places) == 1
+    place = force.places[0]
+    middle = np.median(points, axis=0)  # another robust estimate of the same
+    assert np.hypot(place.x - middle[0], place.z - middle[1]) < 0.1
+
+
+def test_one_griefer_among_a_thousand_is_no_place_wherever_she_is():
+    points = crowd(1000, 2.0, -1.0)
+    calm = spoken(points).force(10.0).places[0]
+    for x, z in ((-5.9, 3.9), (2.0, 1.5), (5.9, -3.9)):
+        disturbed = spoken([*points, (x, z)]).force(10.0)
+        assert len(disturbed.places) == 1
+        assert np.hypot(disturbed.places[0].x - calm.x, disturbed.places[0].z - calm.z) < 0.01
+
+
+def test_one_who_plays_alone_among_a_thousand_has_next_to_no_force_and_all_of_it_when_nobody_else_is_there():
+    assert spoken([(3.0, 0.0)], joined=1000).force(10.0).share < 0.001
+    assert spoken([(3.0, 0.0)]).force(10.0).share == 1.0
+    assert spoken(crowd(50, 1.0, 1.0), joined=1000).force(10.0).share == 1.0
+
+
+def test_two_crowds_are_two_places_by_their_size_and_those_who_repel_are_places_of_their_own():
+    voices = spoken(crowd(200, -4.0, 0.0) + crowd(100, 4.0, 0.0), joined=300)
+    for row in range(200, 300):
+        voices.mode[row] = REPEL
+    places = voices.force(10.0).places
+    assert [place.mode for place in places] == [ATTRACT, REPEL]
+    assert places[0].weight == 1.0
+    assert places[1].weight == pytest.approx(0.5, abs=0.03)
+    assert [round(place.x) for place in places] == [-4, 4]
+
+
+def test_voices_fade_once_the_finger_is_lifted_and_are_gone_at_last():
+    voices = spoken([(1.0, 0.0)])
+    assert voices.weights(10.0 + FRESH)[0] == 1.0
+    voices.touch(0, 0, 0.0, 0.0, 11.0)
+    assert voices.weights(11.0 + FADES)[0] == pytest.approx(0.5)
+    assert voices.weights(11.0 + 10 * FADES)[0] == 0.0
+    assert voices.force(30.0).places == ()
+
+
+def test_regions_weigh_what_the_operator_says_and_who_is_banned_nothing():
+    voices = spoken(crowd(10, 3.0, 0.0) + crowd(5, -3.0, 0.0))
+    voices.region[10:] = 1
+    voices.rule((0.5, 2.0), (), HALF)
+    places = voices.force(10.0).places
+    assert [round(place.x) for place in places] == [-3, 3]
+    assert places[1].weight == pytest.approx(0.5, abs=0.05)
+    voices.rule((0.5, 2.0), tuple(range(11, 16)), HALF)
+    assert [round(place.x) for place in voices.force(10.0).places] == [3]
+    voices.rule((), (), HALF)  # a patch without regions: all weigh the same
+    assert voices.force(10.0).places[0].x > 0
+
+
+@given(st.lists(st.tuples(st.floats(-6, 6), st.floats(-4, 4)), min_size=1, max_size=60), st.integers(0, 100))
+def test_laws(points, more):
+    """Places lie among the voices of their kind; weights are parts of the largest; order does not matter."""
+    force = spoken(points, joined=len(points) + more).force(10.0)
+    assert 0.0 < force.share <= 1.0
+    assert force.places[0].weight == 1.0
+    for place in force.places:
+        assert 0.3 <= place.weight <= 1.0
+        assert min(np.hypot(place.x - x, place.z - z) for x, z in points) < BANDWIDTH
+    turned = spoken(points[::-1], joined=len(points) + more).force(10.0)
+    np.testing.assert_allclose(
+        sorted((p.x, p.z) for p in turned.places), sorted((p.x, p.z) for p in force.places), atol=1e-6
+    )
+
+
+def test_rows_are_given_back():
+    voices = Voices(3)
+    rows = [voices.add(number, 0, heard=True) for number in (1, 2, 3)]
+    assert voices.add(4, 0, heard=True) == -1
+    voices.remove(rows[1])
+    assert voices.count == 2
+    assert voices.add(5, 0, heard=True) == rows[1]
+
+
+def test_everybody_sees_her_light_at_some_time_and_for_a_while():
+    lights, seen = Lights(4), {}
+    speaking = list(range(20))
+    for step in range(int(8 * STAYS / 0.05)):
+        lights.choose(speaking, 0.05 * step)
+        assert len(lights.seen) == 4
+        for row in lights.seen:
+            seen[row] = seen.get(row, 0) + 1
+    assert set(seen) == set(speaking)
+    assert min(seen.values()) * 0.05 > STAYS / 2
+    lights.choose([7], 1e3)
+    assert lights.seen == [7]
+    lights.choose([], 1e3)
+    assert lights.seen == []

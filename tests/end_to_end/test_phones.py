@@ -1,0 +1,221 @@
+"""Phones in headless Chromium: join by the link, drag, see it in the show and in the picture, die and resume."""
+
+import os
+import signal
+import threading
+import time
+from statistics import median
+
+import numpy as np
+import pytest
+
+from live.base.inbox import Inbox
+from live.base.stage_view import Camera, Look, Scene
+from live.cli.audience_part import AudiencePart
+from live.cli.wish import Wish
+from live.clock.source import SystemClock
+from live.control import events
+from live.show.engine import Engine
+from live.show.status import Status
+from tests.control.waiting import wait_for
+from tests.end_to_end.browser import Phone, browser, needs_browser
+from tests.show.made_show import made_show
+
+pytestmark = [pytest.mark.browser, pytest.mark.long, needs_browser]
+BEAT_WITHIN = 0.015
+"""What a phone believes of the show's time [s], on the median."""
+
+
+class Stage:
+    """A show that runs in a thread, with its audience; `lock` to look at it."""
+
+    def __init__(self):
+        self.show = made_show('[audience]\nregions = ["stalls", "balcony"]\nvote_measures = 1\n')
+        self.clock, self.inbox, self.lock = SystemClock(), Inbox(), threading.Lock()
+        status = Status(self.show, rejected=dict, memory=lambda: 1.0)
+        self.engine = Engine(self.show, clock=self.clock, inbox=self.inbox, status=status)
+        wish = Wish(audience=("127.0.0.1", 0), audience_secret=b"s" * 32)
+        self.part = AudiencePart(wish, self.show, self.inbox.lane(), self.clock)
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._run)
+
+    def __enter__(self):
+        self.part.start()
+        self._thread.start()
+        assert wait_for(lambda: bool(self.part.link), 5.0)
+        return self
+
+    def __exit__(self, *_):
+        self._over.set()
+        self._thread.join()
+        self.part.stop()
+
+    def _run(self):
+        while not self._over.wait(1 / 60):
+            with self.lock:
+                self.part.before_frame()
+                self.engine.frame(lambda view: None)
+                self.part.frame()
+
+    def say(self, kind, **values):
+        self.inbox.put(kind(time=self.clock.now(), source="osc", **values))
+
+    def elements(self):
+        with self.lock:
+            return {e.source: e for e in self.show.motion.elements.in_force}
+
+    def lights(self):
+        with self.lock:
+            return {row[0]: tuple(row[1:]) for row in self.show.audience.facts()["lights"]}
+
+    def await_place(self, source, x, z, within=0.3):
+        """Wait for an element near (x, z) [m]."""
+        assert wait_for(
+            lambda: (e := self.elements().get(source)) is not None and np.hypot(e.x - x, e.z - z) < within, 5.0
+        ), self.elements().get(source)
+
+
+@pytest.fixture(scope="module")
+def hall():
+    with Stage() as stage, browser() as (opened, device):
+        yield stage, lambda link=None, language="en-GB": Phone(opened, device, link or stage.part.link, language)
+
+
+def on_stage(across, down):
+    """Where a place of the page's surface lies on the stage [m]: the page's perspective, worked out another way."""
+    inset, far = 0.06, 0.7
+    wide = far + (1 - far) * (down - inset) / (1 - 2 * inset)
+    x = (across - 0.5) / (wide * (1 - 2 * inset)) * 12.0
+    depth = (1 / far - 1 / wide) / (1 / far - 1)  # of a floor in perspective: its inverse width is even in depth
+    return x, depth * 8.0 - 4.0
+
+
+def test_a_phone_joins_by_the_link_and_its_drag_is_an_attractor_in_show_and_picture(hall):
+    stage, phone_of = hall
+    phone = phone_of().ready()
+    number = phone.page.evaluate("live.me().number")
+    assert "#" not in phone.page.url  # whoever sees it over her shoulder cannot use it
+    assert phone.page.get_attribute("html", "lang") == "en"
+    phone.drag((0.5, 0.5), (0.75, 0.6))
+    stage.await_place("audience 1", *on_stage(0.75, 0.6))
+    assert wait_for(
+        lambda: np.hypot(*np.subtract(stage.lights().get(number, (99, 99)), on_stage(0.75, 0.6))) < 0.3, 5.0
+    )
+    phone.until("live.lit()")
+    assert "light is on the stage" in phone.page.inner_text("#said")
+    lit, dark = pictures(stage)
+    hue = phone.page.evaluate("live.me().hue") / 1000
+    change = (lit - dark)[(lit - dark).max(axis=2) > 10]
+    assert len(change) > 50  # it is seen ...
+    pure = np.clip(np.abs((hue + np.array((0, 2, 1)) / 3) % 1 * 6 - 3) - 1, 0, 1)
+    assert np.argmax(change.sum(axis=0)) == np.argmax(pure)  # ... in the phone's colour
+    phone.lift()
+    assert wait_for(lambda: number not in stage.lights(), 10.0)
+    assert phone.errors == []
+    phone.context.close()
+
+
+def pictures(stage):
+    """The projector's picture now, with the phones' lights and without, each (180, 320, 3)."""
+    from live.render.headless import create_headless_context
+    from live.render.renderer import Renderer
+
+    view = stage.show.view()
+    with stage.lock:
+        stage.show.fill(view, stage.show.time)
+    view.joint_position[:] = 100.0  # nobody stands in the light
+    ctx, size, seen = create_headless_context(), (320, 180), []
+    renderer = Renderer(ctx, Scene((12.0, 8.0), Camera(), Look(), len(view.group), 22), size=size)
+    texture = ctx.texture(size, 4)
+    target = ctx.framebuffer([texture])
+    for count in (view.light_count, 0):
+        view.light_count = count
+        renderer.draw(view, target)
+        seen.append(np.frombuffer(texture.read(), np.uint8).reshape(size[1], size[0], 4)[..., :3].astype(float))
+    for each in (renderer, target, texture, ctx):
+        each.release()
+    return seen
+
+
+def test_hold_repels_and_beats_are_known_to_the_phone(hall):
+    stage, phone_of = hall
+    phone = phone_of(language="pt-PT").ready()
+    assert phone.page.get_attribute("html", "lang") == "pt"
+    assert phone.page.inner_text("#come") == "Venham cá"
+    phone.page.click("#tongue")
+    assert phone.page.inner_text("#come") == "Come here"
+    phone.hold((0.3, 0.5))
+    assert wait_for(
+        lambda: any(e.kind == 1 and e.source.startswith("audience") for e in stage.elements().values()), 5.0
+    )
+    phone.lift()
+    errors = []
+    for _ in range(9):
+        shown, wall = phone.page.evaluate("[live.showTime(), performance.timeOrigin + performance.now()]")
+        true = stage.clock.now() - (time.time() - wall / 1000)
+        errors.append(shown - true)
+    assert abs(median(errors)) < BEAT_WITHIN
+    beat = phone.page.evaluate("[live.beat(), live.showTime()]")
+    assert abs(beat[0] - stage.show.timeline.beat_at(beat[1])) < 0.02
+    assert phone.errors == []
+    phone.context.close()
+
+
+def test_five_phones_vote_and_take_turns_and_the_winner_is_called(hall):
+    stage, phone_of = hall
+    phones = [phone_of() for _ in range(5)]
+    for phone in phones:
+        phone.ready()
+    assert wait_for(lambda: stage.show.audience.phones == 5, 5.0)
+    for phone in phones[3:]:
+        phone.page.click("#where button:nth-of-type(2)")
+    for index, phone in enumerate(phones):
+        phone.hold((0.3 + 0.08 * index, 0.5))
+    assert wait_for(lambda: len(stage.lights()) == 5, 5.0)
+    assert len({phone.page.evaluate("live.me().hue") for phone in phones}) == 5
+    stage.say(events.AskVote, what="step", first="sway", second="spin")
+    for phone, choice in zip(phones, (1, 2, 2, 2, 1), strict=True):
+        phone.page.click(f"#choices button:nth-of-type({choice})")
+    assert "more beat" in phones[0].page.inner_text("#ask")
+    assert wait_for(lambda: stage.show.audience.result[1] == "spin", 10.0)
+    phones[0].until("document.getElementById('said').textContent.includes('spin')")
+    stage.say(events.GiveTurn, name="balcony", measures=2.0)
+    phones[4].until("document.getElementById('turn').textContent.startsWith('Your turn')")
+    phones[0].until("document.getElementById('turn').textContent.includes('balcony')")
+    for phone in phones:
+        phone.lift()
+        assert phone.errors == []
+        phone.context.close()
+
+
+def test_a_killed_gateway_is_back_and_phones_resume_while_frames_go_on(hall):
+    stage, phone_of = hall
+    phone = phone_of().ready()
+    me = phone.page.evaluate("live.me()")
+    frames, ticks = stage.engine._status.frames, stage.engine.ticks.index
+    phone.page.evaluate("window.before = live.me()")
+    os.kill(stage.part.process, signal.SIGKILL)
+    died = time.monotonic()
+    phone.until("live.me() !== null && live.me() !== window.before")
+    assert time.monotonic() - died < 3.0 * 4.0  # on an idle machine within 3 s: see waiting.py
+    again = phone.page.evaluate("live.me()")
+    assert (again["number"], again["hue"]) == (me["number"], me["hue"])
+    assert stage.engine._status.frames > frames
+    assert stage.engine.ticks.index > ticks
+    phone.page.evaluate("window.before = live.me(); socket.close()")  # it fell asleep, and its socket with it
+    phone.page.evaluate("document.dispatchEvent(new Event('visibilitychange'))")
+    phone.until("live.me() !== null && live.me() !== window.before")
+    assert phone.page.evaluate("live.me().number") == me["number"]
+    phone.drag((0.5, 0.5), (0.2, 0.5))
+    stage.await_place("audience 1", *on_stage(0.2, 0.5))
+    stage.say(events.OpenAudience, on=False)
+    phone.until("document.getElementById('said').textContent.startsWith('Not now')")
+    assert wait_for(lambda: not any(source.startswith("audience") for source in stage.elements()), 5.0)
+    phone.context.close()
+
+
+def test_without_a_link_a_phone_is_asked_to_scan_the_code(hall):
+    stage, phone_of = hall
+    phone = phone_of(stage.part.address)
+    phone.until("document.getElementById('said').textContent.includes('scan the code')")
+    phone.context.close()
