@@ -1,0 +1,80 @@
+"""`live layout`: the controls as faders, pads and buttons of a tablet."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from live.control.control import Role
+
+KINDS = ("touchosc", "open-stage-control")
+
+
+def layout(
+    kind: Annotated[str, typer.Argument(help="touchosc or open-stage-control.", metavar="touchosc|open-stage-control")],
+    out: Annotated[Path, typer.Option(help="The file to write: .tosc or .json.", metavar="FILE", dir_okay=False)],
+    patch: Annotated[
+        str | None, typer.Option(help="Buttons for the steps, cues, scenes and formations of this patch.")
+    ] = None,
+    steps: Annotated[Path | None, typer.Option(help="Its recordings.", file_okay=False)] = None,
+    role: Annotated[
+        str, typer.Option(help="For whom: what nobody of this role may is left out.", metavar="operator|musician")
+    ] = "operator",
+    osc: Annotated[
+        str, typer.Option(help="Where the show listens; for Open Stage Control.", metavar="HOST:PORT")
+    ] = "127.0.0.1:9010",
+) -> None:
+    """Write a layout for TouchOSC or Open Stage Control, from the same table as everything else.
+
+    TouchOSC asks for the address of the show itself (Connections > OSC > UDP); its button "hear the show" makes faders
+    follow what is set elsewhere.
+    """
+    from rich.console import Console
+
+    from live.base.errors import PersonError
+    from live.cli.options import parse_endpoint
+    from live.control.layouts.stage_control import session_of
+    from live.control.layouts.surface import PAD_REACH, make_surface
+    from live.control.layouts.touchosc import write_touchosc
+    from live.control.registry import REGISTRY
+
+    if kind not in KINDS:
+        raise PersonError(f"there is no layout for {kind!r}", f"for {' and '.join(KINDS)} there is one")
+    who: Role = "musician" if role == "musician" else "operator"
+    if role != who:
+        raise PersonError(f"--role {role}: nobody is called that", "operator or musician")
+    host, port = parse_endpoint(osc, "--osc")
+    names: Mapping[str, Sequence[str]] = {}
+    reach = PAD_REACH
+    if patch is not None:
+        names, reach = _of_patch(patch, steps)
+    surface = make_surface(REGISTRY, role=who, names=names, reach=reach)
+    try:
+        if kind == "touchosc":
+            write_touchosc(surface, out)
+        else:
+            out.write_text(session_of(surface, f"{host}:{port}"), encoding="utf-8")
+    except OSError as error:
+        raise PersonError(f"cannot write --out {out}: {error.strerror}") from None
+    count = sum(len(page.widgets) for page in surface.pages)
+    console = Console(highlight=False)
+    console.print(f"{out}: {count} widgets on {len(surface.pages)} pages", soft_wrap=True, markup=False)
+    console.print(f"without a widget: {', '.join(surface.left_out)}", style="dim", soft_wrap=True, markup=False)
+
+
+def _of_patch(patch: str, steps: Path | None) -> tuple[Mapping[str, Sequence[str]], tuple[float, float]]:
+    from rich.console import Console
+
+    from live.cli.warm import warm_kernels
+    from live.show.patch_places import find_patch
+
+    find_patch(patch)  # a name that nobody knows is told before seconds of loading
+    warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
+    from live.cli.wish import Wish
+    from live.show.said_names import names_of
+
+    loaded = Wish(patch=patch, steps=steps).load()
+    stage = loaded.patch.stage
+    return names_of(loaded.patch, loaded.graph.library.steps), (0.5 * stage.width, 0.5 * stage.depth)

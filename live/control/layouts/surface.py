@@ -1,0 +1,120 @@
+"""Surface: which control becomes which widget on which page, whatever program shows it.
+
+What a hand cannot set in one touch is left out: names that nobody knows beforehand, drawn lines, three numbers that are
+no colour.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, Literal
+
+from live.control.control import RANKS, Control, Role
+
+WidgetKind = Literal["fader", "toggle", "button", "pad", "colour"]
+MOST_ON_A_PAGE: Final = 24
+"""Widgets that a hand still finds."""
+MOST_BUTTONS: Final = 48
+"""Names of one kind that get a button of their own."""
+ASKED: Final = frozenset(f"/dance/{what}" for what in ("ping", "get", "subscribe", "unsubscribe"))
+"""What is asked of the port and sets nothing."""
+PAD_REACH: Final = (6.0, 4.5)
+"""Half the width and depth of the stage that a pad shows, where no patch says how large it is [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Widget:
+    """One fader, button or pad. `minimum`, `maximum`: one number each, of a pad two; `values`: what a button sends."""
+
+    kind: WidgetKind
+    address: str
+    label: str
+    minimum: tuple[float, ...] = ()
+    maximum: tuple[float, ...] = ()
+    start: tuple[float, ...] = ()
+    values: tuple[str, ...] = ()
+    once: bool = False
+    """Whether it happens once, when the finger leaves a pad; else it follows the finger."""
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """Widgets that belong together."""
+
+    title: str
+    widgets: tuple[Widget, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """All pages, and the addresses that got no widget."""
+
+    pages: tuple[Page, ...]
+    left_out: tuple[str, ...]
+
+
+def make_surface(
+    controls: Iterable[Control],
+    *,
+    role: Role,
+    names: Mapping[str, Sequence[str]],
+    reach: tuple[float, float] = PAD_REACH,
+) -> Surface:
+    """What `role` may use. `names`: by address what its first argument may be (steps, cues …); `reach` [m]: half the
+    stage's width and depth."""
+    pages: dict[str, list[Widget]] = {}
+    left_out = []
+    for control in controls:
+        if RANKS[control.who] > RANKS[role] or control.address in ASKED:
+            continue
+        widgets = list(_widgets(control, names.get(control.address, ())[:MOST_BUTTONS], reach))
+        if not widgets:
+            left_out.append(control.address)
+        for widget in widgets:
+            title = _title(control, widget)
+            pages.setdefault(title, []).append(replace(widget, label=widget.label.removeprefix(f"{title} ")))
+    return Surface(tuple(_paged(pages)), tuple(left_out))
+
+
+def _title(control: Control, widget: Widget) -> str:
+    parts = control.address.split("/")[2:]
+    if widget.kind == "pad":
+        return "stage"
+    return parts[0] if len(parts) > 1 or widget.values else "show"
+
+
+def _paged(pages: Mapping[str, Sequence[Widget]]) -> Iterator[Page]:
+    for title in sorted(pages, key=lambda title: (title not in ("show", "stage"), title == "show", title)):
+        widgets = pages[title]
+        count = -(-len(widgets) // MOST_ON_A_PAGE)
+        size = -(-len(widgets) // count)
+        for number in range(count):
+            part = tuple(widgets[number * size : (number + 1) * size])
+            yield Page(title if count == 1 else f"{title} {number + 1}", part)
+
+
+def _widgets(control: Control, names: Sequence[str], reach: tuple[float, float]) -> Iterator[Widget]:
+    arguments, address = control.arguments, control.address
+    label = " ".join(address.split("/")[2:])
+    required = [argument for argument in arguments if argument.default is None]
+    first = arguments[0] if arguments else None
+    if [argument.name for argument in required] == ["x", "z"] == [argument.name for argument in arguments[:2]]:
+        low, high = (-reach[0], -reach[1]), reach
+        yield Widget("pad", address, label, low, high, (0.0, 0.0), once=control.kind == "event")
+    elif control.value == 3 and _is_colour(control):
+        top = max(argument.maximum for argument in arguments[:3])
+        start = tuple(float(value) for value in control.start[:3])
+        yield Widget("colour", address, label, (0.0,), (top,), start)
+    elif control.value == 1 and first is not None and first.type == "float":
+        start = tuple(float(value) for value in control.start[:1])
+        yield Widget("fader", address, label, (first.minimum,), (first.maximum,), start)
+    elif control.value == 1 and first is not None and first.type == "bool":
+        yield Widget("toggle", address, label, (0.0,), (1.0,), tuple(float(value) for value in control.start[:1]))
+    elif control.kind == "event" and not required and not control.value:
+        yield Widget("button", address, label)
+    if first is not None and first.type in ("name", "text") and len(required) <= 1:
+        for name in names:
+            yield Widget("button", address, name, values=(name,))
+
+
+def _is_colour(control: Control) -> bool:
+    return all(argument.minimum == 0.0 for argument in control.arguments[:3])

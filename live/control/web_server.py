@@ -1,0 +1,197 @@
+"""The process of the operator's page: HTTP for the page, a WebSocket for values both ways.
+
+The page is made of the registry (`Surface`). What is moved there goes to the show's own OSC port, as from any other
+program, so that it is checked, ranked, counted and written to the journal there. Nobody but the page of this server is
+let in, and from other machines only with the key of its link.
+"""
+
+import asyncio
+import contextlib
+import json
+import secrets
+import socket
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Final
+
+from aiohttp import WSMsgType, web
+
+from live.control.helper import Told
+from live.control.http_guard import welcome
+from live.control.layouts.surface import make_surface
+from live.control.osc_encode import encode
+from live.control.readings import READINGS
+from live.control.registry import REGISTRY
+from live.control.rejections import Rejection
+from live.control.values import READABLE, Values
+
+PAGE: Final = Path(__file__).with_name("web_page.html")
+MOST_CLIENTS: Final = 16
+MOST_BYTES: Final = 1024
+"""Of a message from the page."""
+EVERY: Final = 1 / 20
+PER_SECOND: Final = 200.0
+"""Messages that one page may send; more are refused."""
+BEHIND: Final = 1 << 18
+"""Bytes that a page may not have taken yet; one that is further behind is left."""
+SAY_EVERY: Final = 1.0
+HEADERS: Final = {
+    "Cache-Control": "no-store",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Content-Security-Policy": "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+    "connect-src 'self'; img-src data:; frame-ancestors 'none'",
+}
+
+
+class Client:
+    """One open page."""
+
+    def __init__(self, ws: web.WebSocketResponse, request: web.Request) -> None:
+        self.ws, self.request = ws, request
+        self.due: dict[str, None] = dict.fromkeys(READABLE)
+        self.left, self.filled_at = PER_SECOND, 0.0
+
+    def may(self, now: float) -> bool:
+        """Whether it may send one message more."""
+        self.left = min(self.left + (now - self.filled_at) * PER_SECOND, PER_SECOND)
+        self.filled_at = now
+        if self.left < 1.0:
+            return False
+        self.left -= 1.0
+        return True
+
+
+class WebServer:
+    """Everything of one show's page. Thread: the loop's."""
+
+    def __init__(self, told: Told) -> None:
+        plan = told.plan
+        self._told, self._key, self._show = told, plan["key"], tuple(plan["osc"])
+        self._socket = socket.socket(fileno=plan["http"])
+        self._out = socket.socket(socket.AF_INET6 if ":" in self._show[0] else socket.AF_INET, socket.SOCK_DGRAM)
+        self._out.setblocking(False)
+        surface = make_surface(REGISTRY, role="operator", names=plan["names"], reach=tuple(plan["half"]))
+        readings = {reading.address: reading.name for reading in READINGS}
+        words = {control.address: control.description for control in REGISTRY}
+        pages = [asdict(page) for page in surface.pages]
+        for widget in (widget for page in pages for widget in page["widgets"]):
+            widget["words"] = words[widget["address"]]
+        self._surface = {"name": plan["name"], "pages": pages, "readings": readings}
+        self.values = Values()
+        self._clients: set[Client] = set()
+        self._sent = self._refused = 0
+        self._over = asyncio.Event()
+
+    async def run(self) -> None:
+        """Serve until the show has gone."""
+        app = web.Application(client_max_size=MOST_BYTES)
+        app.router.add_get("/", self._page)
+        app.router.add_get("/surface.json", self._describe)
+        app.router.add_get("/ws", self._open)
+        runner = web.AppRunner(app, access_log=None, handle_signals=False)
+        await runner.setup()
+        await web.SockSite(runner, self._socket, backlog=32).start()
+        asyncio.get_running_loop().add_reader(self._told.socket, self._hear)
+        tasks = [asyncio.create_task(self._stream()), asyncio.create_task(self._say())]
+        await self._over.wait()
+        for task in tasks:
+            task.cancel()
+        for client in list(self._clients):
+            await client.ws.close()
+        await runner.cleanup()
+
+    def _hear(self) -> None:
+        """New values from the show."""
+        for changes in self._told.packets():
+            self.values.take(changes)
+            for client in self._clients:
+                client.due |= dict.fromkeys(changes)
+        if self._told.ended:
+            self._over.set()
+
+    def _check(self, request: web.Request) -> None:
+        if not welcome(request):
+            self._refused += 1
+            raise web.HTTPForbidden
+
+    async def _page(self, request: web.Request) -> web.StreamResponse:
+        self._check(request)
+        return web.Response(text=PAGE.read_text(encoding="utf-8"), content_type="text/html", headers=HEADERS)
+
+    async def _describe(self, request: web.Request) -> web.StreamResponse:
+        self._check(request)
+        return web.json_response(self._surface, headers=HEADERS)
+
+    async def _open(self, request: web.Request) -> web.StreamResponse:
+        self._check(request)
+        known = secrets.compare_digest(request.query.get("key", "").encode(), self._key.encode())
+        if not known or len(self._clients) >= MOST_CLIENTS:
+            self._refused += 1
+            raise web.HTTPForbidden if not known else web.HTTPServiceUnavailable
+        ws = web.WebSocketResponse(max_msg_size=MOST_BYTES, heartbeat=10.0, compress=False)
+        await ws.prepare(request)
+        client = Client(ws, request)
+        self._clients.add(client)
+        try:
+            async for message in ws:
+                why = self._take(client, message.data) if message.type is WSMsgType.TEXT else "text expected"
+                if why:
+                    self._refused += 1
+                    await ws.send_str(json.dumps({"refused": why}))
+        finally:
+            self._clients.discard(client)
+        return ws
+
+    def _take(self, client: Client, text: str) -> str:
+        """A message {"address": …, "values": […]} goes to the show; why not, in words, or nothing."""
+        if not client.may(asyncio.get_running_loop().time()):
+            return "too much at once"
+        try:
+            told = json.loads(text)
+            address, values = told["address"], told["values"]
+        except (ValueError, TypeError, KeyError, RecursionError):
+            return "an address and values expected"
+        if not isinstance(address, str) or not isinstance(values, list) or len(values) > 8:
+            return "an address and values expected"
+        made = REGISTRY.call(address, values, 0.0, "web")
+        if isinstance(made, Rejection):
+            return str(made)
+        try:
+            self._out.sendto(encode(address, tuple(values)), self._show)
+        except (OSError, ValueError, OverflowError) as error:
+            return f"the show does not listen: {error}"
+        self._sent += 1
+        return ""
+
+    async def _stream(self) -> None:
+        while True:
+            await asyncio.sleep(EVERY)
+            for client in list(self._clients):
+                if client.due:
+                    with contextlib.suppress(ConnectionError, RuntimeError):
+                        await self._tell(client)
+
+    async def _tell(self, client: Client) -> None:
+        """Send what has changed: of a value that groups have each their own the first."""
+        due, client.due = client.due, {}
+        told = {address: list(rows[0][1]) for address in due if (rows := self.values.rows(address))}
+        transport = client.request.transport
+        if transport is None or transport.get_write_buffer_size() > BEHIND:
+            await client.ws.close()
+        elif told:
+            await client.ws.send_str(json.dumps({"values": told}))
+
+    async def _say(self) -> None:
+        while True:
+            self._told.say({"pages": len(self._clients), "sent": self._sent, "refused": self._refused})
+            await asyncio.sleep(SAY_EVERY)
+
+
+async def _run(told: Told) -> None:
+    await WebServer(told).run()
+
+
+if __name__ == "__main__":
+    asyncio.run(_run(Told(int(sys.argv[1]))))

@@ -1,0 +1,126 @@
+"""Layouts: whatever a widget sends, at both ends of its way and in between, is taken by the control it belongs to."""
+
+import json
+
+import numpy as np
+import py2tosc
+import pytest
+
+from live.control.control import RANKS
+from live.control.events import ControlEvent
+from live.control.layouts.stage_control import session_of
+from live.control.layouts.surface import MOST_ON_A_PAGE, make_surface
+from live.control.layouts.touchosc import write_touchosc
+from live.control.registry import REGISTRY
+from live.control.rejections import Rejection
+from live.control.values import READABLE
+
+NAMES = {"/dance/step": ["kick", "turn, then hold"], "/dance/formation": ["circle"], "/dance/scene": ["night {1}"]}
+
+
+def surface(role="operator"):
+    return make_surface(REGISTRY, role=role, names=NAMES, reach=(5.0, 3.0))
+
+
+def called(address, values):
+    return REGISTRY.call(address, values, 1.0, "osc")
+
+
+def tosc_messages(document):
+    """Every message of a TouchOSC layout: its address, and what it sends with the control at either end."""
+    for node in document.root.walk():
+        for message in node.messages:
+            ends = []
+            for end in (0, 1):
+                values = []
+                for part in message.arguments:
+                    low, high = part.scale_min, part.scale_max
+                    text = part.value
+                    if py2tosc.PartialType(part.type) is py2tosc.PartialType.VALUE:
+                        text = np.float32(low + end * (high - low))
+                    kind = {"INTEGER": int, "FLOAT": float, "STRING": str}[py2tosc.Conversion(part.conversion).value]
+                    values.append(kind(text))
+                ends.append(values)
+            yield "".join(part.value for part in message.path), message, ends
+
+
+def test_every_control_of_the_role_has_a_widget_or_is_named_as_left_out():
+    for role in ("operator", "musician"):
+        made = surface(role)
+        mine = {control.address for control in REGISTRY if RANKS[control.who] <= RANKS[role]}
+        shown = {widget.address for page in made.pages for widget in page.widgets}
+        assert not shown & set(made.left_out)
+        asked = {f"/dance/{name}" for name in ("ping", "get", "subscribe", "unsubscribe")}
+        assert shown | set(made.left_out) | asked == mine | asked
+        assert all(0 < len(page.widgets) <= MOST_ON_A_PAGE for page in made.pages)
+    assert {"/dance/go", "/dance/attract", "/dance/light/level", "/dance/step", "/dance/blackout"} <= shown | {
+        widget.address for page in surface().pages for widget in page.widgets
+    }
+
+
+def test_touchosc_sends_what_the_show_takes_and_hears_what_it_tells(tmp_path):
+    file = tmp_path / "a.tosc"
+    write_touchosc(surface(), file)
+    document = py2tosc.load(file)
+    assert py2tosc.validate(document) == []
+    addresses = set()
+    for address, message, ends in tosc_messages(document):
+        addresses.add(address)
+        if message.send:
+            for values in ends:
+                assert not isinstance(called(address, values), Rejection), (address, values)
+        if message.receive and not message.send:
+            assert address in READABLE
+    steps = [ends[0] for address, _, ends in tosc_messages(document) if address == "/dance/step"]
+    assert steps == [["kick"], ["turn, then hold"]]
+    assert addresses - {"/dance/subscribe"} == {widget.address for page in surface().pages for widget in page.widgets}
+
+
+def test_open_stage_control_sends_what_the_show_takes():
+    session = json.loads(session_of(surface(), "10.0.0.7:9010"))
+    assert session["type"] == "session"
+    assert "/dance/subscribe" in session["content"]["onCreate"]
+    widgets = [widget for tab in session["content"]["tabs"] for widget in tab["widgets"]]
+    assert len({widget["id"] for widget in widgets}) == len(widgets) > 100
+    for widget in widgets:
+        assert widget["target"] == "10.0.0.7:9010"
+        for end in ("min", "max"):
+            match widget["type"], widget.get("mode"):
+                case "fader", _:
+                    values = [widget["range"][end]]
+                case "rgb", _:
+                    values = [widget["range"][end]] * 3
+                case "xy", _:
+                    values = [widget["rangeX"][end], widget["rangeY"][end]]
+                case "button", "toggle":
+                    values = [widget["off" if end == "min" else "on"]]
+                case "button", "tap":
+                    values = [widget["on"]]
+                case "button", "momentary":
+                    values = []
+            sent = [float(np.float32(value)) if isinstance(value, float) else value for value in values]
+            assert not isinstance(called(widget["address"], sent), Rejection), widget
+
+
+@pytest.mark.parametrize(("pad", "world"), [((0.0, 0.0), (-5.0, 3.0)), ((1.0, 1.0), (5.0, -3.0))])
+def test_the_lower_edge_of_a_pad_is_where_the_audience_sits(tmp_path, pad, world):
+    write_touchosc(surface(), tmp_path / "a.tosc")
+    for address, message, _ in tosc_messages(py2tosc.load(tmp_path / "a.tosc")):
+        if address == "/dance/attract":
+            places = [
+                float(part.scale_min) + along * (float(part.scale_max) - float(part.scale_min))
+                for part, along in zip(message.arguments, pad, strict=True)
+            ]
+            event = called(address, places)
+            assert isinstance(event, ControlEvent)
+            assert (event.x, event.z) == pytest.approx(world)
+            return
+    pytest.fail("there is no pad to attract")
+
+
+def test_the_end_of_a_range_is_taken_in_single_precision():
+    for control in REGISTRY:
+        for index, argument in enumerate(control.arguments):
+            if argument.type == "float":
+                for edge in (argument.minimum, argument.maximum):
+                    assert argument.checked(float(np.float32(edge))) == pytest.approx(edge), (control.address, index)

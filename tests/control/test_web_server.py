@@ -1,0 +1,208 @@
+"""The operator's page: who gets in, what goes to the show, what comes back; and a browser that uses it."""
+
+import asyncio
+import contextlib
+import json
+import socket
+
+import aiohttp
+import numpy as np
+import pytest
+from pythonosc.osc_message import OscMessage
+
+from live.cli.http_part import HttpPart
+from live.cli.web_key import new_key
+from live.clock.source import SystemClock
+from live.control.web_server import HEADERS, PAGE
+from tests.control.waiting import wait_for
+from tests.end_to_end.browser import browser, needs_browser
+
+LEVEL = "/dance/light/level"
+
+
+class Page:
+    """A server with a socket that stands for the show's OSC port."""
+
+    def __init__(self, key=""):
+        self.show = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.show.bind(("127.0.0.1", 0))
+        self.show.settimeout(20.0)
+        plan = {
+            "key": key, "osc": self.show.getsockname(), "name": "a show", "half": (5.0, 3.0),
+            "names": {"/dance/step": ["kick", "<b>turn</b>"]},
+        }  # fmt: skip
+        self.part = HttpPart(("127.0.0.1", 0), "--web", "live.control.web_server", lambda: plan, SystemClock())
+
+    def __enter__(self):
+        self.part.start()
+        self.at = f"http://127.0.0.1:{self.part.port}"
+        return self
+
+    def __exit__(self, *_):
+        self.part.stop()
+        self.show.close()
+
+    def heard(self):
+        message = OscMessage(self.show.recv(2000))
+        return (message.address, *message.params)
+
+    def tell(self, **values):
+        """Values of the show, by the end of their address."""
+        self.part.tell({f"/dance/{name.replace('_', '/')}": (("", (value,)),) for name, value in values.items()})
+        self.part.frame()
+
+
+def run(page, what):
+    async def all_of_it():
+        async with aiohttp.ClientSession() as client:
+            await what(client, page)
+
+    with page:
+        asyncio.run(asyncio.wait_for(all_of_it(), 60.0))
+
+
+async def status(client, page, path, **headers):
+    async with client.get(page.at + path, headers=headers) as answer:
+        return answer.status, await answer.text()
+
+
+def test_the_page_has_no_outside_parts_and_pages_of_other_sites_are_kept_out():
+    async def what(client, page):
+        code, text = await status(client, page, "/")
+        assert (code, text) == (200, PAGE.read_text(encoding="utf-8"))
+        assert len(text) < 50_000
+        assert "http://" not in text
+        assert "https://" not in text
+        assert "default-src 'none'" in HEADERS["Content-Security-Policy"]
+        _, told = await status(client, page, "/surface.json")
+        steps = next(p for p in json.loads(told)["pages"] if p["title"] == "step")
+        assert [widget["values"] for widget in steps["widgets"]] == [["kick"], ["<b>turn</b>"]]
+        for headers in ({"Origin": "http://evil.example"}, {"Host": "evil.example"}):
+            for path in ("/", "/surface.json", "/ws"):
+                assert (await status(client, page, path, **headers))[0] == 403
+        assert (await status(client, page, "/../web_server.py"))[0] == 404
+        with pytest.raises(aiohttp.WSServerHandshakeError):
+            await client.ws_connect(page.at + "/ws", headers={"Origin": "http://evil.example"})
+
+    run(Page(), what)
+
+
+def test_from_elsewhere_only_with_the_key_of_the_link():
+    assert new_key("127.0.0.1") == "" == new_key("::1")
+    assert len(new_key("0.0.0.0")) >= 16
+    assert new_key("0.0.0.0") != new_key("0.0.0.0")
+
+    async def what(client, page):
+        for wrong in ("", "?key=", "?key=wrong", "?key=" + "x" * 4000, "?key=%ff%00"):
+            with pytest.raises(aiohttp.WSServerHandshakeError) as error:
+                await client.ws_connect(page.at + "/ws" + wrong)
+            assert error.value.status == 403
+        async with client.ws_connect(page.at + "/ws?key=right") as ws:
+            await ws.send_str(json.dumps({"address": "/dance/go", "values": []}))
+            assert page.heard() == ("/dance/go",)
+
+    run(Page("right"), what)
+
+
+def test_values_go_both_ways_and_the_one_that_was_set_last_is_shown():
+    async def what(client, page):
+        page.tell(light_level=1.25, status_bpm=128.0)
+        async with client.ws_connect(page.at + "/ws") as ws:
+            told = {}
+            while len(told) < 2:
+                told |= json.loads((await ws.receive(timeout=20.0)).data)["values"]
+            assert told == {LEVEL: [1.25], "/dance/status/bpm": [128.0]}
+            await ws.send_str(json.dumps({"address": LEVEL, "values": [0.5]}))
+            assert page.heard() == (LEVEL, 0.5)
+            page.tell(light_level=0.5)
+            assert json.loads((await ws.receive(timeout=20.0)).data) == {"values": {LEVEL: [0.5]}}
+
+    run(Page(), what)
+
+
+HOSTILE = (
+    "", "{", "[]", "null", "5", '"x"', "[" * 1000, '{"address": 5, "values": []}', '{"address": "/dance/go"}',
+    '{"address": "/dance/go", "values": 3}', '{"address": "/dance/go", "values": [1, 2, 3, 4, 5, 6, 7, 8, 9]}',
+    '{"address": "/dance/light/level", "values": [NaN]}', '{"address": "/dance/light/level", "values": [1e999]}',
+    '{"address": "/dance/light/level", "values": ["1"]}', '{"address": "/dance/light/level", "values": [null]}',
+    '{"address": "/dance/light/level", "values": [[1]]}', '{"address": "/dance/light/level", "values": [{"a": 1}]}',
+    '{"address": "/dance/light/level", "values": [' + "9" * 400 + "]}",
+    '{"address": "/dance/*", "values": [1]}', '{"address": "/nobody", "values": []}', "\ud7ff", "\x00",
+)  # fmt: skip
+"""What is no message of the page."""
+
+
+def test_whatever_comes_is_refused_in_words_and_the_page_goes_on():
+    chance = np.random.default_rng(5)
+    good = json.dumps({"address": LEVEL, "values": [0.75]})
+    mutated = []
+    for _ in range(100):
+        letters = list(good)
+        for _ in range(int(chance.integers(1, 4))):
+            letters[int(chance.integers(len(letters)))] = chr(int(chance.integers(32, 127)))
+        mutated.append("".join(letters))
+
+    async def what(client, page):
+        async with client.ws_connect(page.at + "/ws") as ws:
+            for text in HOSTILE:
+                await ws.send_str(text)
+                assert json.loads((await ws.receive(timeout=20.0)).data)["refused"]
+            await ws.send_bytes(b"\x00\xff")
+            assert json.loads((await ws.receive(timeout=20.0)).data)["refused"]
+            for text in mutated:
+                await ws.send_str(text)
+            await ws.send_str(good)
+            for _ in range(len(mutated) + 1):  # those that are still right go to the show, and this one does
+                if page.heard() == (LEVEL, 0.75):
+                    break
+        async with client.ws_connect(page.at + "/ws") as ws:
+            await ws.send_str("x" * 5000)
+            assert (await ws.receive(timeout=20.0)).type is aiohttp.WSMsgType.CLOSE
+        async with client.ws_connect(page.at + "/ws") as ws:
+            for _ in range(400):
+                await ws.send_str(good)
+            while "too much" not in (await ws.receive(timeout=20.0)).data:
+                pass
+        assert wait_for(lambda: page.part.frame() or page.part.status().get("refused", 0) > len(HOSTILE) + 100, 10.0)
+
+    run(Page(), what)
+
+
+@pytest.mark.browser
+@needs_browser
+def test_a_browser_shows_the_show_and_sets_it():
+    with Page() as page, browser() as (opened, _):
+        view = opened.new_page(viewport={"width": 900, "height": 700})
+        problems = []
+        view.on("pageerror", lambda error: problems.append(str(error)))
+        page.tell(status_measure=7, status_beat=3, status_bpm=96.0, light_level=1.0)
+        view.goto(page.at)
+        view.get_by_text("7.3").wait_for()
+        view.get_by_role("button", name="GO", exact=True).click()
+        assert page.heard() == ("/dance/go",)
+        view.get_by_role("button", name="Blackout").click()
+        assert page.heard()[:2] == ("/dance/blackout", 1)
+        page.tell(blackout=True)
+        view.locator("#now button[aria-pressed=true]", has_text="Blackout").wait_for()
+        view.get_by_role("tab", name="light", exact=True).click()
+        slider = view.get_by_role("slider", name="level", exact=True)
+        slider.focus()
+        view.keyboard.press("ArrowRight")
+        address, value = page.heard()
+        assert address == LEVEL
+        assert 1.0 < value < 1.1
+        view.get_by_role("tab", name="stage", exact=True).click()
+        box = view.locator("[data-address='/dance/attract'] div").bounding_box()
+        view.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+        view.mouse.down()
+        view.mouse.move(box["x"] + 0.75 * box["width"], box["y"] + 0.9 * box["height"], steps=4)
+        view.mouse.up()
+        address, x, z = page.heard()
+        assert address == "/dance/attract"
+        assert (x, z) == pytest.approx((2.5, 2.4), abs=0.15), "once, where the finger left; the audience is below"
+        page.show.setblocking(False)
+        with contextlib.suppress(BlockingIOError):
+            pytest.fail(f"more was sent: {page.heard()}")
+        view.get_by_role("tab", name="step", exact=True).click()
+        assert view.get_by_text("<b>turn</b>").is_visible(), "names are shown as they are written"
+        assert problems == []
