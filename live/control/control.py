@@ -3,6 +3,7 @@
 Values are checked here, before any numeric code sees them.
 """
 
+import struct
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
@@ -13,6 +14,10 @@ from live.control.rejections import Reason, Rejection
 NAME_LENGTH: Final = 64
 TEXT_LENGTH: Final = 250
 Role = Literal["operator", "musician", "audience"]
+RANKS: Final[dict[Role, int]] = {"audience": 0, "musician": 1, "operator": 2}
+"""Who comes before whom."""
+Kind = Literal["continuous", "event"]
+"""continuous: says what something is from now on, so that of several at once the last one counts; event: each acts."""
 Plain = float | bool | str
 
 
@@ -21,6 +26,18 @@ class Reply:
     """What a control answers to its sender only, instead of changing the show."""
 
     address: str
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What a control asks of the port over which it came, for its sender: nothing of the show changes."""
+
+    what: Literal["get", "subscribe", "unsubscribe"]
+    address: str = ""
+    """Of which control, or which controls."""
+    seconds: float = 0.0
+    port: int = 0
+    """Where the sender hears; 0: where it sends from."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +76,8 @@ class Argument:
         """The value in its own type, or why not: never NaN, never out of range. `True` is no number here."""
         kind = type(value)
         if self.type in ("name", "text"):
+            if value == "" == self.default:
+                return ""
             if kind is not str:
                 return Reason.WRONG_TYPE
             text = str(value)
@@ -71,7 +90,22 @@ class Argument:
             return Reason.NOT_FINITE
         if self.type == "bool":
             return bool(value) if value in (0, 1) else Reason.OUT_OF_RANGE
-        return float(value) if self.minimum <= value <= self.maximum else Reason.OUT_OF_RANGE
+        if self.minimum <= value <= self.maximum:
+            return float(value)
+        edge = self.minimum if value < self.minimum else self.maximum
+        return edge if value == _as_sent(edge) else Reason.OUT_OF_RANGE
+
+
+_SINGLE: Final = struct.Struct("<f")
+
+
+def _as_sent(value: float) -> float:
+    """What comes of a number that is sent in single precision, as OSC sends it."""
+    return float(_SINGLE.unpack(_SINGLE.pack(value))[0])
+
+
+Result = ControlEvent | Reply | Request | Released | Rejection
+"""What comes of a call."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,17 +113,29 @@ class Control:
     """One control. `make` gets time [s], source and every argument by its name. `who`: the least role that may."""
 
     address: str
-    make: Callable[..., ControlEvent | Reply]
+    make: Callable[..., ControlEvent | Reply | Request]
     arguments: tuple[Argument, ...]
     description: str
     who: Role
+    kind: Kind = "event"
+    value: int = 0
+    """How many of the first arguments are its present value; 0: it has none that could be asked for."""
+    start: tuple[Plain, ...] = ()
+    """What the value is where nobody says anything; empty: the patch or the machine decides it."""
 
     def __post_init__(self) -> None:
+        if self.value and self.kind == "event":
+            raise ValueError(f"{self.address}: an event has no present value")
         optional = [argument.default is not None for argument in self.arguments]
         if optional != sorted(optional):
             raise ValueError(f"{self.address}: an argument that must be given stands after an optional one")
 
-    def call(self, values: Sequence[object], time: float, source: str) -> ControlEvent | Reply | Released | Rejection:
+    @property
+    def asked_by_nothing(self) -> bool:
+        """Whether a message without values asks for the value: not where it already means something."""
+        return self.value > 0 and self.arguments[0].default is None
+
+    def call(self, values: Sequence[object], time: float, source: str) -> Result:
         """Check `values` and make the event; None is no value: an optional argument takes its default.
 
         Push buttons of control surfaces send 1 when pressed and 0 when let go: a control without arguments acts on

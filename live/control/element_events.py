@@ -50,6 +50,8 @@ class Voice(ControlEvent):
 
     x: float
     z: float
+    strength: float = 1.0
+    """Above 1: as many voices."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

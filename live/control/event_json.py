@@ -5,7 +5,18 @@ from dataclasses import asdict, fields
 from functools import cache
 from typing import Any
 
-from live.control.events import EVENT_TYPES, BeatHeard, ControlEvent, MusicHeard, Performer, PlaceObstacle
+from live.control.events import (
+    EVENT_TYPES,
+    AudienceHeard,
+    BeatHeard,
+    ControlEvent,
+    MocapFrame,
+    MusicHeard,
+    NotesHeard,
+    Performer,
+    PlaceObstacle,
+    TrackerMoved,
+)
 
 
 def event_to_json(event: ControlEvent) -> dict[str, Any]:
@@ -13,7 +24,9 @@ def event_to_json(event: ControlEvent) -> dict[str, Any]:
     return {"type": type(event).__name__, **asdict(event)}
 
 
-IN_ROWS: tuple[type[ControlEvent], ...] = (BeatHeard, MusicHeard, Performer, PlaceObstacle)
+IN_ROWS: tuple[type[ControlEvent], ...] = (
+    BeatHeard, MusicHeard, NotesHeard, MocapFrame, TrackerMoved, Performer, PlaceObstacle, AudienceHeard,
+)  # fmt: skip
 """Events that come by the thousand: the journal has them as rows, [type, value, ...] in the order of their fields."""
 
 

@@ -5,6 +5,18 @@ The journal of a show is its patch, its seed and these, each with the tick at wh
 
 from dataclasses import dataclass
 
+from live.control.audience_events import (
+    AllowShaking,
+    AskVote,
+    AudienceHeard,
+    BanPhone,
+    DropVote,
+    GiveTurn,
+    MuteAudience,
+    OpenAudience,
+    SetAudienceGain,
+    WeighRegion,
+)
 from live.control.audio_events import ChooseAudio, MusicHeard, RestartAudio, SetClick, SetLatency
 from live.control.clock_events import (
     BeatHeard,
@@ -40,7 +52,20 @@ from live.control.group_events import (
     Travel,
 )
 from live.control.machine_events import TakeOver
-from live.control.output_events import AllowFlashes, FadePicture, FreezePicture, ShowCard
+from live.control.midi_events import ForgetMidi, LearnMidi, NotesHeard
+from live.control.mocap_events import (
+    BlockMocap,
+    CanonMocap,
+    CastMocap,
+    DrawMocap,
+    MirrorMocap,
+    MocapFrame,
+    PlaceMocap,
+    ShowMocap,
+    TrackerMoved,
+)
+from live.control.output_events import AllowFlashes, FadePicture, FreezePicture, HoldQuality, ShowCard
+from live.control.partner_events import PairPartner, SetPartner, WalkOn
 from live.control.patch_events import PatchChanged, StepsChanged
 from live.control.scene_events import (
     Accompany,
@@ -61,38 +86,58 @@ __all__ = [
     "Accompany",
     "Advance",
     "AllowFlashes",
+    "AllowShaking",
+    "AskVote",
     "AskWhy",
     "Attract",
+    "AudienceHeard",
+    "BanPhone",
     "BeatHeard",
     "Blackout",
+    "BlockMocap",
     "CallStep",
+    "CanonMocap",
+    "CastMocap",
     "ChooseAudio",
     "ChooseSource",
     "Clear",
     "ControlEvent",
     "CountIn",
     "DefineFormation",
+    "DrawMocap",
+    "DropVote",
     "Enter",
     "Evolve",
     "FadePicture",
     "FollowSpot",
+    "ForgetMidi",
     "FreezePicture",
     "GiveCue",
+    "GiveTurn",
     "Go",
+    "HoldQuality",
     "HoldScore",
     "HoldShow",
     "HoldTempo",
     "Improvise",
     "JumpTo",
+    "LearnMidi",
     "Leave",
+    "MirrorMocap",
+    "MocapFrame",
     "MusicHeard",
+    "MuteAudience",
+    "NotesHeard",
     "Nudge",
     "One",
+    "OpenAudience",
+    "PairPartner",
     "Panic",
     "PatchChanged",
     "Pause",
     "Performer",
     "PlaceElement",
+    "PlaceMocap",
     "PlaceObstacle",
     "PlaceWall",
     "Practice",
@@ -106,11 +151,13 @@ __all__ = [
     "Repel",
     "RestartAudio",
     "ScaleTempo",
+    "SetAudienceGain",
     "SetClick",
     "SetFacing",
     "SetLatency",
     "SetMetre",
     "SetMotion",
+    "SetPartner",
     "SetPass",
     "SetPicture",
     "SetRipple",
@@ -120,6 +167,7 @@ __all__ = [
     "ShiftBeats",
     "ShowBackground",
     "ShowCard",
+    "ShowMocap",
     "Signal",
     "SourceChanged",
     "Spread",
@@ -132,9 +180,12 @@ __all__ = [
     "TakeOver",
     "Tap",
     "TicksSkipped",
+    "TrackerMoved",
     "Travel",
     "Undo",
     "Voice",
+    "WalkOn",
+    "WeighRegion",
 ]
 
 
@@ -164,7 +215,11 @@ EVENT_TYPES: dict[str, type[ControlEvent]] = {
         SetClick, JumpTo, Advance, HoldScore, Practice, Improvise, Signal, PatchChanged, StepsChanged,
         SetPicture, SetPass, RecallView, RecallLook, RecallScene, StoreScene, Accompany, FollowSpot, ShowBackground,
         Go, GiveCue, StandBy, StepBack, Panic, HoldShow, Undo, Redo,
-        TakeOver, FadePicture, FreezePicture, AllowFlashes, ShowCard,
+        SetPartner, PairPartner, WalkOn,
+        MocapFrame, TrackerMoved, CastMocap, ShowMocap, MirrorMocap, PlaceMocap, CanonMocap, BlockMocap, DrawMocap,
+        AudienceHeard, OpenAudience, SetAudienceGain, MuteAudience, WeighRegion, GiveTurn, BanPhone, AskVote, DropVote,
+        AllowShaking,
+        TakeOver, LearnMidi, ForgetMidi, NotesHeard, FadePicture, FreezePicture, AllowFlashes, ShowCard, HoldQuality,
     )
 }  # fmt: skip
 """Every kind of event by its name in the journal."""

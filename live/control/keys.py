@@ -42,6 +42,7 @@ class Key:
         "/dance/hold",
         "/dance/output/fade",
         "/dance/output/freeze",
+        "/dance/audience/qr",
         "/dance/undo",
         "/dance/redo",
         "window/fullscreen",
@@ -86,6 +87,7 @@ KEYS: Final[dict[str, Key]] = {
     "Backspace": Key("take back a cue that is counting in, or let the one before stand by", "/dance/back"),
     "I": Key("hold score, fades and cues, and let them go on", "/dance/hold"),
     "Delete": Key("panic: all that was added ends, the patch's own light, the score held", "/dance/panic"),
+    "Q": Key("show the code that the audience joins by, and hide it", "/dance/audience/qr"),
     "E": Key("undo the last edit", "/dance/undo"),
     "Y": Key("make it again", "/dance/redo"),
     "F6": Key("fade the picture out within eight beats, and in again", "/dance/output/fade"),
@@ -111,11 +113,12 @@ def event_for_key(
     show_held_now: bool = False,
     frozen_now: bool = False,
     dark_now: bool = False,
+    code_now: bool = False,
 ) -> ControlEvent | None:
     """The event of a key pressed at `time` [s of the show]; None for keys that make none (unknown, or the window's).
 
     `blackout_now`, `held_now` (the tempo), `show_held_now`, `frozen_now` (the picture), `dark_now` (it is faded out, or
-    fades out): how those switches stand; their keys turn them over.
+    fades out), `code_now` (the code is shown): how those switches stand; their keys turn them over.
     """
     key = KEYS.get(name.upper() if len(name) == 1 else name)
     if key is None or not key.is_control:
@@ -125,6 +128,7 @@ def event_for_key(
         "/dance/clock/hold": (not held_now,),
         "/dance/hold": (not show_held_now,),
         "/dance/output/freeze": (not frozen_now,),
+        "/dance/audience/qr": (not code_now,),
         "/dance/output/fade": (float(dark_now), FADE_BEATS),
     }
     values = switches.get(key.what, key.values)

@@ -34,3 +34,11 @@ class ShowCard(ControlEvent):
     output: str
     """Its name; `*`: all."""
     card: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HoldQuality(ControlEvent):
+    """The picture is drawn in this step of quality from now on, or (below 0) in the one that the machine can afford."""
+
+    step: float
+    """0 is the best; beyond the last one: the last one."""

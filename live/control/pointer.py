@@ -14,6 +14,8 @@ from live.control.registry import REGISTRY
 
 SOURCE: Final = "pointer"
 Points = Sequence[tuple[float, float]]
+WALKED: Final = "0"
+"""The tool that draws a way while it is walked."""
 SHORTEST: Final = 0.3
 """A stroke has to be this long [m] to be one."""
 MOST_POINTS: Final = 14
@@ -41,6 +43,7 @@ TOOLS: Final[dict[str, Tool]] = {
     "V": Tool("vortex (Shift: outwards)", "/dance/flow/vortex", "place", "/dance/flow/radial"),
     "P": Tool("path they follow", "/dance/path", "drawn"),
     "T": Tool("way the formation travels", "/dance/travel", "drawn"),
+    "0": Tool("way that walkers walk while it is drawn (Shift: a new one)", "/dance/partner/path", "place"),
 }
 """Tools by the key that chooses them; the first is the one at the start."""
 
@@ -56,7 +59,7 @@ def event_for_stroke(tool: str, points: Points, shift: bool, time: float) -> Con
         return None
     first, last = points[0], points[-1]
     if what.shape == "place":
-        return _event(address, first, time)
+        return _event(address, last if tool == WALKED else first, time)
     if what.shape == "region":
         return _event(address, (*first, max(math.dist(first, last), SHORTEST)), time)
     if _length(points) < SHORTEST:
@@ -70,6 +73,8 @@ def event_for_place(tool: str, x: float, z: float, shift: bool, time: float) -> 
     """The event of the pointer at (x, z) [m] while it is pressed, for tools that act at once; None for others, and
     where the floor is too far away or not hit (NaN)."""
     what = TOOLS[tool]
+    if tool == WALKED:
+        return _event(what.address, (float(x), float(z), "*", shift), time)
     if tool != "A":
         return None
     return _event(what.shifted if shift else what.address, (float(x), float(z)), time)

@@ -6,26 +6,32 @@ The reference in docs/osc.md is written from this table.
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
-from live.control.control import Control, Released, Reply
+from live.control.control import Control, Result
+from live.control.controls.asking import ASKING_CONTROLS
+from live.control.controls.audience import AUDIENCE_CONTROLS
 from live.control.controls.audio import AUDIO_CONTROLS
 from live.control.controls.clock import CLOCK_CONTROLS
 from live.control.controls.cues import CUE_CONTROLS
 from live.control.controls.elements import ELEMENT_CONTROLS
 from live.control.controls.group_motion import GROUP_CONTROLS
 from live.control.controls.machines import MACHINE_CONTROLS
+from live.control.controls.midi import MIDI_CONTROLS
+from live.control.controls.mocap import MOCAP_CONTROLS
 from live.control.controls.motion import MOTION_CONTROLS
 from live.control.controls.output import OUTPUT_CONTROLS
+from live.control.controls.partners import PARTNER_CONTROLS
 from live.control.controls.scenes import SCENE_CONTROLS
 from live.control.controls.score import SCORE_CONTROLS
 from live.control.controls.steps import STEP_CONTROLS
-from live.control.events import ControlEvent
 from live.control.rejections import Reason, Rejection
 
 _PASS: Final = "/dance/pass/"
+_MOCAP: Final = "/dance/mocap/"
+"""Below it the performer's name may stand in the address: `/dance/mocap/anna/mirrored`."""
 
 
 class Registry:
-    """Controls by their exact address; there are no patterns."""
+    """Controls by their exact address; patterns are for the port to find out (`osc_pattern`)."""
 
     def __init__(self, controls: Sequence[Control]) -> None:
         self._controls: Mapping[str, Control] = {control.address: control for control in controls}
@@ -38,17 +44,28 @@ class Registry:
     def __getitem__(self, address: str) -> Control:
         return self._controls[address]
 
-    def call(
-        self, address: str, values: Sequence[object], time: float, source: str
-    ) -> ControlEvent | Reply | Released | Rejection:
+    def find(self, address: str) -> Control | None:
+        """The control at an address; None if there is none."""
+        return self._controls.get(address)
+
+    def meant(self, address: str) -> Control | None:
+        """The control that answers to an address: of a patch's own passes only the show knows the names."""
+        control = self._controls.get(address)
+        if control is None and address.startswith(_PASS):
+            return self._controls.get(f"{_PASS}set" if address.count("/") == 4 else _PASS.rstrip("/"))
+        if control is None and address.startswith(_MOCAP) and address.count("/") == 4:
+            return self._controls.get(_MOCAP + address.rpartition("/")[2])
+        return control
+
+    def call(self, address: str, values: Sequence[object], time: float, source: str) -> Result:
         """What the control at `address` makes of `values`, received at `time` [s of the show] from `source`.
 
         Thread: any. Never raises for anything a sender can choose.
         """
-        control = self._controls.get(address)
-        if control is None and address.startswith(_PASS):  # of a patch's own passes only the show knows the names
-            control = self._controls.get(f"{_PASS}set" if address.count("/") == 4 else _PASS.rstrip("/"))
-            values = [*address.removeprefix(_PASS).split("/"), *values]
+        control = self.meant(address)
+        if control is not None and control.address != address:
+            within = address.removeprefix(_PASS).split("/")
+            values = [*(address.split("/")[3:4] if address.startswith(_MOCAP) else within), *values]
         if control is None:
             return Rejection(Reason.UNKNOWN_ADDRESS, address)
         return control.call(values, time, source)
@@ -60,13 +77,18 @@ REGISTRY: Final = Registry(
         *GROUP_CONTROLS,
         *STEP_CONTROLS,
         *MOTION_CONTROLS,
+        *PARTNER_CONTROLS,
         *SCENE_CONTROLS,
         *CUE_CONTROLS,
         *OUTPUT_CONTROLS,
+        *AUDIENCE_CONTROLS,
         *CLOCK_CONTROLS,
         *AUDIO_CONTROLS,
         *SCORE_CONTROLS,
+        *MOCAP_CONTROLS,
         *MACHINE_CONTROLS,
+        *MIDI_CONTROLS,
+        *ASKING_CONTROLS,
     )
 )
 """Every control there is."""

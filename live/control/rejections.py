@@ -16,7 +16,7 @@ class Reason(StrEnum):
     PACKET_SIZE = "packet empty or too large"
     ALIGNMENT = "length not a multiple of 4"
     ADDRESS = "malformed address"
-    WILDCARD = "wildcard in address"
+    WILDCARD = "unusable pattern"
     UNTERMINATED = "string too long or without end"
     PADDING = "padding not zero"
     TEXT = "text not UTF-8"
@@ -36,6 +36,10 @@ class Reason(StrEnum):
     WRONG_TYPE = "wrong type"
     OUT_OF_RANGE = "out of range"
     NAME = "unusable name"
+    NO_VALUE = "no present value"
+    ROLE = "not for this port's role"
+    FLOOD = "flood of one sender, not read"
+    SUBSCRIBERS = "too many subscribers"
     SENDER = "sender not allowed"
     SOCKET = "socket error"
     INTERNAL = "internal error"
@@ -89,15 +93,13 @@ class Tally:
 
     def __init__(self) -> None:
         self._counts: dict[Reason, int] = dict.fromkeys(Reason, 0)
+        self.total = 0
+        """All refusals."""
 
     def count(self, reason: Reason) -> None:
         """One more refusal for `reason`."""
         self._counts[reason] += 1
-
-    @property
-    def total(self) -> int:
-        """All refusals."""
-        return sum(self._counts.values())
+        self.total += 1
 
     def as_dict(self) -> dict[str, int]:
         """The reasons that came up, with their counts, in the order of `Reason`."""

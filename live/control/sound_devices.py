@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from types import ModuleType
 from typing import Any, Final
 
+from live.base.errors import PersonError
+
 ANSWERS_WITHIN: Final = 5.0
 """Seconds after which the sound system, asked by somebody else, counts as hung."""
 
@@ -24,6 +26,11 @@ class SoundUnavailable(RuntimeError):
 
 class UnknownDevice(ValueError):
     """No device of that name; the message lists those that there are."""
+
+
+def device_refuses(error: Exception, option: str, name: str | None) -> PersonError:
+    """What a person is told of a device that does not start; `option` is the one that chose it."""
+    return PersonError(f"the sound device {name!r} refuses: {error}", f"see `live devices`, or give another {option}")
 
 
 @dataclass(frozen=True, slots=True)

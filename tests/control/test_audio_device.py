@@ -78,6 +78,7 @@ def test_silence_in_the_room_is_told(listener: Listener) -> None:
     assert listener.follower.state == "internal"
 
 
+@pytest.mark.long
 @pytest.mark.pulse
 def test_a_server_that_is_killed_is_lost_and_found_again_with_another_card(
     pulse_sink: PulseSink, listener: Listener, tmp_path: Path

@@ -89,6 +89,7 @@ def through_pulse(inserted: float) -> RoundTrip:
     return measure(train, recording)
 
 
+@pytest.mark.long
 @pytest.mark.pulse
 def test_over_pulseaudio_it_is_the_same_each_time_and_an_inserted_delay_is_found(pulse_sink: PulseSink) -> None:
     first, second = through_pulse(0.0), through_pulse(0.060)

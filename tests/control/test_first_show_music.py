@@ -46,6 +46,7 @@ def test_it_is_as_loud_as_music_and_does_not_clip(music: Music) -> None:
     assert -16.0 < 20.0 * np.log10(np.sqrt(np.mean(music.samples**2))) < -8.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("told", [True, False])
 def test_it_is_followed_through_the_break_and_over_the_seam(music: Music, told: bool) -> None:
     follower = TimelineFollower(known_tempo=112.0, one_at=0.0) if told else TimelineFollower(one_at=0.0)

@@ -130,6 +130,7 @@ def music_of(bpm: float, seconds: float, first: float = 0.0) -> Music:
     return Music(clicks(bpm, RATE, seconds, first)[0][:, None], RATE)
 
 
+@pytest.mark.long
 def test_offline_events_do_not_depend_on_how_they_are_asked_for() -> None:
     music = music_of(126.0, 9.0)
 

@@ -37,6 +37,7 @@ def music_of(bpm: float, seconds: float) -> Music:
     return Music(clicks(bpm, RATE, seconds, 0.0)[0][:, None], RATE)
 
 
+@pytest.mark.long
 def test_unheard_music_is_followed_by_the_clock() -> None:
     inbox: Inbox[ControlEvent] = Inbox()
     music = music_of(120.0, 6.0)

@@ -13,6 +13,7 @@ from live.control.music_file import OfflineMusic, read_music
 BEATS = Path(__file__).resolve().parents[3] / "shared" / "beats" / "open"
 
 
+@pytest.mark.long
 @pytest.mark.shared
 @pytest.mark.parametrize("name", ["o03_band_104", "o12_drums_punk_144", "o16_pop_keys_116", "o28_vinyl_146"])
 def test_beats_of_steady_music_are_met_after_ten_seconds(name: str) -> None:

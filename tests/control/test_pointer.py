@@ -22,6 +22,12 @@ def test_the_first_tool_attracts_while_it_is_drawn_and_with_shift_repels():
     assert next(iter(TOOLS)) == "A"
 
 
+def test_a_way_is_walked_while_it_is_drawn():
+    place = {"x": 1.5, "z": -2.0, "partner": "*", **STAMP}
+    assert event_for_place("0", 1.5, -2.0, True, 4.0) == events.WalkOn(anew=True, **place)
+    assert event_for_place("0", 1.5, -2.0, False, 4.0) == events.WalkOn(**place)
+
+
 def test_numpys_floats_serve_as_well():
     event = event_for_place("A", np.float32(1.5), np.float64(-2.0), False, 4.0)
     assert event == events.Attract(x=1.5, z=-2.0, **STAMP)

@@ -43,12 +43,12 @@ AUDIO_CONTROLS: Final = (
     Control(
         "/dance/click", events.SetClick,
         (Argument("on", "bool", "1: every beat, 0: only while somebody counts in", default=True),),
-        "The players' click (`live play --click`).", "musician",
+        "The players' click (`live play --click`).", "musician", "continuous", 1, (True,),
     ),
     *(
         Control(
             f"/dance/latency/{what}", _latency(what),
-            (Argument("milliseconds", "float", "how long", "ms", low, 500.0),), words, "operator",
+            (Argument("milliseconds", "float", "how long", "ms", low, 500.0),), words, "operator", "continuous", 1,
         )
         for what, low, words in _LATENCIES
     ),

@@ -34,7 +34,7 @@ CLOCK_CONTROLS: Final = (
         "/dance/clock/tempo", events.SetTempo,
         (Argument("tempo", "float", "the new tempo", "bpm", TEMPO_MIN_BPM, TEMPO_MAX_BPM),),
         "Sets the tempo; the beat goes on without a jump. Music that is heard takes over again after 8 s.",
-        "musician",
+        "musician", "continuous", 1,
     ),
     Control("/dance/clock/half", _half, (), "Half as many beats, from the next strong beat on.", "musician"),
     Control("/dance/clock/double", _double, (), "Twice as many beats, from the next beat on.", "musician"),
@@ -51,12 +51,13 @@ CLOCK_CONTROLS: Final = (
     Control(
         "/dance/clock/hold", events.HoldTempo,
         (Argument("on", "bool", "1: the tempo is frozen, 0: it follows again", default=True),),
-        "Freezes the tempo: nothing that is heard corrects tempo or beat.", "musician",
+        "Freezes the tempo: nothing that is heard corrects tempo or beat.", "musician", "continuous", 1, (False,),
     ),
     Control(
         "/dance/clock/metre", _metre,
         (Argument("beats", "float", "beats of a measure, rounded", "beats", METRE_MIN, METRE_MAX),),
-        "Measures have so many beats from the next measure line on; a step fills the measure.", "musician",
+        "Measures have so many beats from the next measure line on; a step fills the measure.",
+        "musician", "continuous", 1,
     ),
     Control(
         "/dance/clock/count_in", events.CountIn,
@@ -66,12 +67,13 @@ CLOCK_CONTROLS: Final = (
     Control(
         "/dance/clock/source", events.ChooseSource,
         (Argument("name", "name", '"auto", or one of link, midi, mtc, audio, tap, internal', default="auto"),),
-        "Which source is followed; it takes over at a measure line, once it is there.", "operator",
+        "Which source is followed; it takes over at a measure line, once it is there.",
+        "operator", "continuous", 1, ("auto",),
     ),
     Control(
         "/dance/blackout", events.Blackout,
         (Argument("on", "bool", "1: the light goes out, 0: it comes back"),),
-        "Turns the light of the show out or on.", "operator",
+        "Turns the light of the show out or on.", "operator", "continuous", 1, (False,),
     ),
     Control("/dance/ping", _pong, (), "Answers /dance/pong, to the sender only; changes nothing.", "audience"),
 )  # fmt: skip

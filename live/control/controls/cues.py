@@ -26,7 +26,7 @@ CUE_CONTROLS: Final = (
     ),
     Control(
         "/dance/hold", events.HoldShow, (Argument("on", "bool", "1: all stands still, 0: all goes on"),),
-        "Holds score, fades and cues; the dance goes on with what it has.", "operator",
+        "Holds score, fades and cues; the dance goes on with what it has.", "operator", "continuous", 1, (False,),
     ),
     Control(
         "/dance/undo", events.Undo, (),

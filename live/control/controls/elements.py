@@ -60,7 +60,7 @@ ELEMENT_CONTROLS: Final = (
     Control(
         "/dance/voice", events.Voice, (X, Z),
         "One voice of an audience: dancers go where many voices are, and never for a single one. Each sender has one; "
-        "it fades after two measures unless it is sent again.", "audience",
+        "it fades after two measures unless it is sent again.", "audience", "continuous",
     ),
     Control(
         "/dance/repel", events.Repel, (X, Z, *_USUAL), "Dancers leave the surroundings of a point.", "musician",

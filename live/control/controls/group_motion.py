@@ -86,11 +86,12 @@ GROUP_CONTROLS: Final = (
             Argument("depth", "float", "from back to front", "m", 2, 400),
         ),
         "Makes the stage larger or smaller about its centre: its border moves there in two measures or more, dancers "
-        "outside walk in. At most 4 m more than the patch's each way, and at most twice as much.", "operator",
+        "outside walk in. At most 4 m more than the patch's each way, and at most twice as much.",
+        "operator", "continuous", 2,
     ),
     Control(
         "/dance/performer", events.Performer, (_NAME, X, Z),
         "Where a real dancer is, as often as she is tracked: virtual ones give way; forgotten after two seconds.",
-        "musician",
+        "musician", "continuous",
     ),
 )  # fmt: skip

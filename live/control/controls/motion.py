@@ -44,6 +44,10 @@ _MOTION: Final = (
     ),
     ("/dance/motion/mix", "mix", _SHARE, "How far another take of the same step is mixed into the body at most."),
     ("/dance/motion/arms", "arms", _SHARE, "Share of the dancers whose upper body dances another take of the step."),
+    (
+        "/dance/motion/texture", "texture", Argument("value", "float", "steps to recorded dancers", "", 0, 1),
+        "How far upper bodies are those of the recordings in [texture], chosen beat by beat by what legs do.",
+    ),
     ("/dance/motion/head", "head", _SHARE, "How far heads turn to the public, as far as necks allow."),
     (
         "/dance/motion/obedience", "obedience", Argument("value", "float", "faithful steps to obedient path", "", 0, 1),
@@ -67,6 +71,8 @@ _MOTION: Final = (
     ),
 )  # fmt: skip
 """Address, parameter of SetMotion, its argument, description."""
+_START: Final[dict[str, tuple[float | bool]]] = {"lock": (True,), "on_support": (True,), "obedience": (0.5,)}
+"""Where they are if a patch says nothing, if that is not 0."""
 MOTION_PARAMETERS: Final = {address: (parameter, argument) for address, parameter, argument, _ in _MOTION}
 """Parameter of SetMotion and its argument by address."""
 
@@ -93,9 +99,12 @@ _OTHERS: Final = (
 
 MOTION_CONTROLS: Final = (
     tuple(
-        Control(address, _motion(parameter), (argument, GROUP), description, "operator")
+        Control(
+            address, _motion(parameter), (argument, GROUP), description, "operator", "continuous", 1,
+            _START.get(parameter, (False if argument.type == "bool" else 0.0,)),
+        )
         for address, parameter, argument, description in _MOTION
     )
     + _OTHERS
-)
+)  # fmt: skip
 """The addresses under /dance/motion, and who looks where, and why."""

@@ -33,7 +33,10 @@ def _control(known: PictureParameter) -> Control:
         Argument(name, "float", words, known.unit, known.low, known.high) for name, words in _NAMES[known.kind]
     )
     group = (GROUP,) if known.address in OF_GROUPS else ()
-    return Control(known.address, _set(known.address), (*values, *group, _MEASURES), known.words, "operator")
+    arguments = (*values, *group, _MEASURES)
+    return Control(
+        known.address, _set(known.address), arguments, known.words, "operator", "continuous", known.size, known.start
+    )
 
 
 SCENE_CONTROLS: Final = (

@@ -41,7 +41,7 @@ SCORE_CONTROLS: Final = (
     Control(
         "/dance/hold/score", events.HoldScore,
         (Argument("on", "bool", "1: the score stays in its measure, 0: it goes on"),),
-        "Holds the score, or lets it go on; the dance goes on with what it has.", "operator",
+        "Holds the score, or lets it go on; the dance goes on with what it has.", "operator", "continuous", 1, (False,),
     ),
     Control(
         "/dance/practice", _practise,
