@@ -1,56 +1,202 @@
-"""Drawing: whole frames at 1280x720 on this machine's OpenGL, finished before the clock is read; what the graphics
-side needs by its own clock, and what the processor needs to ask for it."""
+"""Drawing: frames at 1280x720 in the step of quality that a live show settles in, styles, and what asking costs.
+
+Whole frames, finished before the clock is read, with what the graphics side needs by its own clock. Bars hold in the
+step that the ladder of a live show chooses: `Affordance` and `Pacer` as in a window, at a live show's rate, dancers
+dancing until no step has been taken for `SETTLED` seconds. A busy machine chooses a lower step and may miss them all
+the same: `processor` is what all threads of this process computed for a frame, which other programs disturb less.
+"""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import moderngl
 import numpy as np
 
 from bench._show import crowd
+from live.base.picture import BY_ADDRESS, STYLE_OF_GROUP, Float64, of_group, picture_of
 from live.base.stage_view import Scene, StageView
+from live.base.styles import AMOUNTS
 from live.cli.bench import Row
+from live.cli.recording import SOFTWARE_FPS
 from live.clock.ticks import TICK
+from live.render.affordance import Affordance
 from live.render.headless import OffscreenTarget, create_headless_context
+from live.render.outputs.flash_meter import FlashGuard
+from live.render.outputs.output import Output, SoftEdge
+from live.render.outputs.output_pass import OutputPass
+from live.render.outputs.pictures import Pictures
+from live.render.pacing import Pacer
 from live.render.quality import is_software
+from live.render.release import release_all
 from live.render.renderer import Renderer
+from live.show.core import Show
 from live.show.load import load_show
-from live.show.patch_file import DEFAULT_PATCH
+from live.show.patch_places import DEFAULT_PATCH
 from live.show.scene_of import scene_of
 
 SIZE = (1280, 720)
 LARGE = (1920, 1080)
 SMALL = (16, 16)
-"""A picture of next to no pixels: what is left is the asking."""
+"""A picture of next to no pixels."""
+SETTLED, LONGEST = 6.0, 40.0
+"""Seconds without a change of step, and in all, until a step counts as chosen."""
+CARD_FPS = 60.0
+MOST_TICKS = 30
+"""Ticks that are made up for within a frame."""
+RASTERIZER_DISCARD = 0x8C89
 
 
 def run(full: bool, shared: Path | None) -> list[Row]:
     """Median time and rate for dancers dancing; the bars are those of this machine's kind of renderer."""
     ctx = create_headless_context()
-    software = is_software(ctx)
     loaded = load_show(DEFAULT_PATCH)
     rows: list[Row] = []
-    bars = {50: 30.0, 100: 20.0} if software else {}
-    for dancers in (24, 50, 100, 200) if full else (24, 50, 100):
+    for dancers in (24, 50, 100, 200) if full else (50, 100):
         show = crowd(dancers, loaded)
-        view, scene = show.view(), scene_of(show.patch)
-        times, gpu = [], []
-        with drawn(ctx, scene, SIZE) as (renderer, target):
-            for frame in range(90 if full else 45):
-                for tick in (2 * frame + 1, 2 * frame + 2):
-                    show.tick(tick * TICK)
-                show.fill(view, show.time)
-                wall, card = _timed(ctx, renderer, view, target)
-                times.append(wall)
-                gpu.append(card)
-        median = float(np.median(times[5:]))
-        rate = Row(f"{dancers} dancers: rate", 1.0 / median, "frames/s", bars.get(dancers), sense="at least")
-        rows += [rate, Row(f"{dancers} dancers: frame, median", median * 1e3, "ms")]
-        rows.append(Row(f"{dancers} dancers: by the renderer's own clock", float(np.median(gpu[5:])) * 1e3, "ms"))
-    rows += _many(ctx, scene, view, 30 if full else 12, software=software)
+        rows += _settled(ctx, show, scene_of(show.patch), dancers, full)
+    show = crowd(24, loaded)
+    rows += _styles(ctx, show, scene_of(show.patch), full)
+    view, scene = show.view(), scene_of(show.patch)
+    show.fill(view, show.time)
+    rows += _many(ctx, scene, view, 30 if full else 12, software=is_software(ctx))
     ctx.release()
+    return rows
+
+
+def _settled(ctx: moderngl.Context, show: Show, scene: Scene, dancers: int, full: bool) -> list[Row]:
+    """In the best step, and in the one that the ladder chooses."""
+    software, view = is_software(ctx), show.view()
+    bars = {50: 30.0, 100: 20.0} if software else {}
+    _dance(show, view)
+    with drawn(ctx, scene, SIZE, steps=True) as (renderer, target):
+
+        def draw() -> None:
+            renderer.draw(view, target)
+
+        rows = [_row(f"{dancers} dancers, best step", _frames(ctx, show, view, draw, full))]
+        changes = _settle(show, view, renderer, draw, ctx, SOFTWARE_FPS if software else CARD_FPS)
+        step, quality = renderer.step, renderer.quality
+        name = f"{dancers} dancers, step {step} of {len(renderer.steps) - 1}: {renderer.steps[step].name}"
+        measured = _frames(ctx, show, view, draw, full)
+        rows.append(_row(name, measured, bars.get(dancers)))
+        passes = ", ".join(one for one in scene.passes if one not in quality.left_out)
+        told = {
+            "samples": quality.samples, "scale": quality.scale, "floor map": quality.floor_map,
+            "far body from m": quality.far_from, "changes": changes,
+        }  # fmt: skip
+        rows.append(Row(f"{dancers} dancers, passes left on there: {passes}", len(passes.split(", ")), "", peers=told))
+        if full and dancers == 50:
+            for number, one in enumerate(renderer.steps):
+                renderer.take_step(number)
+                rows.append(
+                    _row(f"{dancers} dancers held at {number}: {one.name}", _frames(ctx, show, view, draw, full))
+                )
+    return rows
+
+
+Measured = tuple[float, float, float]
+"""Seconds of a frame: by our clock, by the renderer's own, and of this process on all cores."""
+
+
+def _frames(
+    ctx: moderngl.Context,
+    show: Show,
+    view: StageView,
+    draw: Callable[[], object],
+    full: bool,
+    row: Float64 | None = None,
+) -> Float64:
+    """`Measured` of so many frames, shape (N, 3)."""
+    times = []
+    for _ in range(60 if full else 24):
+        _dance(show, view, row=row)
+        times.append(_timed(ctx, draw))
+    return np.array(times)[4:]
+
+
+def _dance(show: Show, view: StageView, ticks: int = 2, row: Float64 | None = None) -> None:
+    for _ in range(ticks):
+        show.tick(show.time + TICK)
+    show.fill(view, show.time)
+    view.picture = view.picture if row is None else row
+
+
+def _row(name: str, measured: Float64, bar: float | None = None) -> Row:
+    wall, card, processor = np.median(measured, axis=0).tolist()
+    best, _, least = measured.min(axis=0).tolist()
+    peers = {"frame ms": wall * 1e3, "renderer's own clock ms": card * 1e3, "processor ms": processor * 1e3}
+    peers |= {"best frame ms": best * 1e3, "least processor ms": least * 1e3}
+    return Row(f"{name}: rate", 1.0 / wall, "frames/s", bar, sense="at least", peers=peers)
+
+
+def _settle(
+    show: Show, view: StageView, renderer: Renderer, draw: Callable[[], None], ctx: moderngl.Context, fps: float
+) -> int:
+    """Dance in real time as a live show does until the ladder has found its step; returns how often it changed."""
+    now = time.perf_counter
+    pacer, watch = Pacer(fps, now, time.sleep), Affordance(renderer, now, 1.0 / fps)
+    begun = previous = changed = now()
+    step, ahead = renderer.step, show.time - begun
+    while now() - changed < SETTLED and now() - begun < LONGEST:
+        started = pacer.wait()
+        watch.begin(pacer.late, started - previous)
+        if renderer.step != step:
+            step, changed = renderer.step, started
+        previous = started
+        due = round((started + ahead - show.time) / TICK)
+        if due > MOST_TICKS:  # a show skips what it cannot make up for
+            ahead -= (due - MOST_TICKS) * TICK
+        watch.times.mark("events")
+        _dance(show, view, min(max(due, 0), MOST_TICKS))
+        watch.times.mark("simulation")
+        draw()
+        ctx.finish()  # as a window's swap does
+        watch.times.mark("draw")
+        watch.end()
+    return watch.ladder.changes
+
+
+def _styles(ctx: moderngl.Context, show: Show, scene: Scene, full: bool) -> list[Row]:
+    """24 dancers in each style and with each picture pass, in the best step; then what outputs add."""
+    view, usual, groups = show.view(), picture_of(scene), range(len(show.patch.group))
+    rows = []
+    with drawn(ctx, scene, SIZE) as (renderer, target):
+
+        def draw() -> None:
+            renderer.draw(view, target)
+
+        for name in AMOUNTS:
+            row = usual.copy()
+            for group in groups:
+                row[of_group(STYLE_OF_GROUP + "solid", group).where] = float(name in ("solid", "trails"))
+                row[of_group(STYLE_OF_GROUP + name, group).where] = 1.0
+            for _ in range(16 if name in ("ribbons", "trails") else 1):  # what leaves a trace has to be danced first
+                _dance(show, view, 16, row)
+                draw()
+            rows.append(_row(f"24 dancers, {name}", _frames(ctx, show, view, draw, full, row)))
+        for name in ("trails", "ink", "grade/contrast"):
+            row = usual.copy()
+            row[BY_ADDRESS[f"/dance/pass/{name}"].where] = 1.1 if name == "grade/contrast" else 1.0
+            rows.append(_row(f"24 dancers, pass {name}", _frames(ctx, show, view, draw, full, row)))
+    return rows + _outputs(ctx, show, view, full)
+
+
+def _outputs(ctx: moderngl.Context, show: Show, view: StageView, full: bool) -> list[Row]:
+    """What comes after a picture that is there: the limit on flashes, and a bent output with soft edges."""
+    pictures, target = Pictures(ctx, SIZE), OffscreenTarget(ctx, SIZE)
+    guard = FlashGuard(ctx)
+    corners = ((0.02, 0.03), (0.98, 0.0), (1.0, 1.0), (0.0, 0.97))
+    bent = OutputPass(ctx, Output("bench", corners=corners, edge=SoftEdge(left=0.1, right=0.1)))
+    rows = [
+        _row("flash limit alone", _frames(ctx, show, view, lambda: guard.left(pictures.texture, show.time), full)),
+        _row(
+            "bent output alone", _frames(ctx, show, view, lambda: bent.draw(pictures.texture, target.framebuffer), full)
+        ),
+    ]
+    release_all(bent, guard, target, pictures)
     return rows
 
 
@@ -62,20 +208,52 @@ def _many(ctx: moderngl.Context, scene: Scene, dancing: StageView, frames: int, 
         view = repeated(dancing, dancers)
         if not software:
             with drawn(ctx, wide, LARGE) as (renderer, target):
-                gpu = [_timed(ctx, renderer, view, target)[1] for _ in range(frames)]
+                draw = partial(renderer.draw, view, target)
+                gpu = [_timed(ctx, draw)[1] for _ in range(frames)]
             rows.append(
                 Row(f"{dancers} dancers at 1920x1080: graphics card", float(np.median(gpu[3:])) * 1e3, "ms", bar)
             )
         with drawn(ctx, wide, SMALL) as (renderer, target):
-            upload = [_asked(ctx, renderer, view, target)[0] for _ in range(frames)]
-            view.present[:] = False
-            calls = [_asked(ctx, renderer, view, target)[1] for _ in range(frames)]
-        ask = 1e3 * (float(np.median(upload[3:])) + float(np.median(calls[3:])))
+            asked = np.array([_asked(ctx, renderer, view, target) for _ in range(2 * frames)])[3:]
+            with empty_calls(ctx):
+                bare = np.array([_asked(ctx, renderer, view, target) for _ in range(2 * frames)])[3:]
+            with empty_calls(ctx, drawing=False):
+                ours = np.array([_asked(ctx, renderer, view, target) for _ in range(2 * frames)])[3:]
+        upload, drawing = (np.median(asked, axis=0) * 1e3).tolist()
+        calls, without = (float(np.median(some[:, 1])) * 1e3 for some in (bare, ours))
+        best, best_calls = float(asked[:, 0].min()) * 1e3, float(bare[:, 1].min()) * 1e3
+        peers = {
+            "calls": calls,
+            "of them without the driver's draw calls": without,
+            "best": best + best_calls,
+            "with what the driver draws within them": upload + drawing,
+        }
+        bar_here = 0.5 if dancers == 1000 else None
         rows += [
-            Row(f"{dancers} dancers: upload", 1e3 * float(np.median(upload[3:])), "ms"),
-            Row(f"{dancers} dancers: upload and calls", ask, "ms", 0.5 if dancers == 1000 else None),
+            Row(f"{dancers} dancers: upload", upload, "ms", peers={"best": best}),
+            Row(f"{dancers} dancers: upload and calls", upload + calls, "ms", bar_here, peers=peers),
         ]
     return rows
+
+
+@contextmanager
+def empty_calls(ctx: moderngl.Context, *, drawing: bool = True) -> Iterator[None]:
+    """Every call of a frame is made as ever, but each draws three vertices of one instance, and the driver throws the
+    triangle away before it becomes pixels (GL_RASTERIZER_DISCARD): a driver that draws on the processor has nothing to
+    do within the calls that a graphics card would do after them. Without `drawing` the draw calls are left out, too."""
+    render = moderngl.VertexArray.render
+
+    def three(self: moderngl.VertexArray, mode: int | None = None, *args: object, **options: object) -> None:
+        if drawing:
+            render(self, mode, 3, instances=1)
+
+    moderngl.VertexArray.render = three  # type: ignore[method-assign]
+    ctx.enable_direct(RASTERIZER_DISCARD)
+    try:
+        yield
+    finally:
+        ctx.disable_direct(RASTERIZER_DISCARD)
+        moderngl.VertexArray.render = render  # type: ignore[method-assign]
 
 
 def repeated(view: StageView, dancers: int) -> StageView:
@@ -94,10 +272,10 @@ def repeated(view: StageView, dancers: int) -> StageView:
 
 @contextmanager
 def drawn(
-    ctx: moderngl.Context, scene: Scene, size: tuple[int, int]
+    ctx: moderngl.Context, scene: Scene, size: tuple[int, int], *, steps: bool = False
 ) -> Iterator[tuple[Renderer, moderngl.Framebuffer]]:
     """A renderer and what it draws into."""
-    renderer, target = Renderer(ctx, scene, size=size), OffscreenTarget(ctx, size)
+    renderer, target = Renderer(ctx, scene, size=size, steps=steps), OffscreenTarget(ctx, size)
     try:
         yield renderer, target.framebuffer
     finally:
@@ -105,27 +283,24 @@ def drawn(
         target.release()
 
 
-def _timed(
-    ctx: moderngl.Context, renderer: Renderer, view: StageView, target: moderngl.Framebuffer
-) -> tuple[float, float]:
-    """Seconds of a whole frame by our clock, and by the renderer's."""
+def _timed(ctx: moderngl.Context, draw: Callable[[], object]) -> Measured:
+    """Seconds of a whole frame: by our clock, by the renderer's own, and of this process on all cores."""
     query = ctx.query(time=True)
-    begin = time.perf_counter()
+    begin, worked = time.perf_counter(), time.process_time()
     with query:
-        renderer.draw(view, target)
+        draw()
     ctx.finish()
-    wall = time.perf_counter() - begin
-    return wall, query.elapsed * 1e-9
+    return time.perf_counter() - begin, query.elapsed * 1e-9, time.process_time() - worked
 
 
 def _asked(
     ctx: moderngl.Context, renderer: Renderer, view: StageView, target: moderngl.Framebuffer
 ) -> tuple[float, float]:
-    """Seconds until everything is handed over, and from then on until everything is asked for."""
+    """Seconds of this thread until everything is handed over, and from then on until everything is asked for."""
     marks: list[float] = []
-    renderer.mark = lambda part: marks.append(time.perf_counter())
-    begin = time.perf_counter()
+    renderer.mark = lambda part: marks.append(time.thread_time())
+    begin = time.thread_time()
     renderer.draw(view, target)
-    end = time.perf_counter()
+    end = time.thread_time()
     ctx.finish()
     return marks[0] - begin, end - marks[0]

@@ -1,29 +1,54 @@
-"""Draw the gallery of docs/styles.md: `python tools/draw_styles.py [FOLDER]`. It dances the first show to do so."""
+"""Draw the gallery of docs/styles.md: `python tools/draw_styles.py [FOLDER]`. It dances a few measures to do so."""
 
+import copy
 import sys
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from bench._show import crowd
-from live.base.bodies import BODIES
 from live.base.picture import BY_ADDRESS, STYLE_OF_GROUP, Float64, of_group, picture_of
-from live.base.stage_view import Camera, Scene
+from live.base.stage_view import Camera, Scene, StageView
 from live.clock.ticks import TICK
 from live.render.headless import OffscreenTarget, create_headless_context
 from live.render.quality import SOFTWARE
 from live.render.renderer import Renderer
-from live.show.load import load_show
-from live.show.patch_file import DEFAULT_PATCH
+from live.show.load import show_of
+from live.show.patch_file import parse_patch
+from live.show.patch_places import PATCHES
 from live.show.scene_of import scene_of
 
-SIZE = (640, 360)
-DANCERS = 9
-SECONDS = 13.0
+PATCH = """
+name = "styles"
+seed = 5
+reserve = 0
+[stage]
+width = 9
+depth = 5
+[[group]]
+name = "ember"
+dancers = 3
+colour = [0.92, 0.36, 0.14]
+steps = ["side step", "reach", "arm wave", "mambo"]
+formation = "line"
+centre = [0.0, 0.5]
+size = [3.8, 1.0]
+[[group]]
+name = "tide"
+dancers = 2
+colour = [0.12, 0.52, 0.72]
+steps = ["side step", "reach", "arm wave", "mambo"]
+formation = "line"
+centre = [0.0, -0.9]
+size = [2.0, 1.0]
+"""
+BODIES = ("dancer", "strong", "slim", "round", "dancer")
+TILE = (640, 360)
+SIZE = (1280, 720)
+"""Drawn so large and brought down, for smooth edges."""
+SECONDS = 11.2
 WATCHED = 2.5
 """Seconds that are drawn, so that what leaves a trace has left it."""
 TILES: tuple[dict[str, float], ...] = (
@@ -50,30 +75,38 @@ def row_of(scene: Scene, said: dict[str, float]) -> Float64:
     return row
 
 
-def main(folder: Path) -> None:
-    """Dance once, and draw each moment in all styles."""
-    loaded = load_show(DEFAULT_PATCH)
-    show = crowd(DANCERS, loaded)
-    ctx = create_headless_context()
-    chance = np.random.default_rng(4)
-    camera = Camera((0.6, 1.9, 8.2), (0.0, 0.95, 0.0), 34.0)
-    bodies = tuple(BODIES[index] for index in chance.integers(len(BODIES), size=DANCERS).tolist())
-    scene = replace(scene_of(show.patch), camera=camera, bodies=bodies)
-    renderers = [Renderer(ctx, scene, size=SIZE, quality=SOFTWARE) for _ in TILES]
-    target, view = OffscreenTarget(ctx, SIZE), show.view()
-    sheet = Image.new("RGB", (2 * SIZE[0], len(TILES) // 2 * SIZE[1]))
-    last = round(SECONDS / TICK)
+def moments() -> tuple[Scene, list[StageView]]:
+    """What is danced in the last `WATCHED` seconds, and a scene whose camera has all of it in the middle."""
+    show = show_of(parse_patch(PATCH, "styles"), PATCHES / "styles.toml").start()
+    kept, last = [], round(SECONDS / TICK)
     for tick in range(1, last + 1):
         show.tick(tick * TICK)
-        if tick < last - WATCHED / TICK or (tick != last and tick % 4):
-            continue
-        show.fill(view, show.time)
-        for tile, (renderer, said) in enumerate(zip(renderers, TILES, strict=True)):
-            if tick == last or "ribbons" in said or "trails" in said:
-                view.picture = row_of(scene, said)
-                renderer.draw(view, target.framebuffer)
-            if tick == last:
-                sheet.paste(Image.fromarray(target.read()), (tile % 2 * SIZE[0], tile // 2 * SIZE[1]))
+        if tick >= last - WATCHED / TICK and (tick == last or tick % 4 == 0):
+            view = show.view()
+            show.fill(view, show.time)
+            kept.append(copy.deepcopy(view))
+    here = kept[-1].joint_position[kept[-1].present, 0]
+    middle = 0.5 * (here.min(axis=0) + here.max(axis=0))
+    x, z = float(middle[0]), float(middle[2])
+    camera = Camera((x + 0.3, 1.75, z + 7.6), (x, 0.95, z), 24.0)
+    return replace(scene_of(show.patch), camera=camera, bodies=BODIES), kept
+
+
+def main(folder: Path) -> None:
+    """Dance once, and draw the same moment in all styles."""
+    scene, kept = moments()
+    ctx = create_headless_context()
+    renderer, target = Renderer(ctx, scene, size=SIZE, quality=SOFTWARE), OffscreenTarget(ctx, SIZE)
+    sheet = Image.new("RGB", (2 * TILE[0], len(TILES) // 2 * TILE[1]))
+    dark = copy.deepcopy(kept[0])
+    dark.brightness = 0.0
+    for tile, said in enumerate(TILES):
+        renderer.draw(dark, target.framebuffer)  # of the tile before nothing is left
+        for view in kept if "ribbons" in said or "trails" in said else kept[-1:]:
+            view.picture = row_of(scene, said)
+            renderer.draw(view, target.framebuffer)
+        picture = Image.fromarray(target.read()).resize(TILE, Image.Resampling.BOX)
+        sheet.paste(picture, (tile % 2 * TILE[0], tile // 2 * TILE[1]))
     folder.mkdir(parents=True, exist_ok=True)
     sheet.save(folder / "styles.jpg", quality=86)
 

@@ -17,6 +17,8 @@ MOST_PIXELS: Final = 100_000_000
 LARGEST: Final = 2048
 """Longer side [pixels] to which images and videos are brought down."""
 
+_ANEW: Final = "copy it again, or make a new one: ffmpeg -i OLD -pix_fmt yuv420p NEW.mp4"
+
 
 def is_video(path: Path) -> bool:
     """Whether a file is one, by its name."""
@@ -53,7 +55,9 @@ def read_image(path: Path) -> Picture:
     except PersonError:
         raise
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
-        raise PersonError(f"the image {path.name!r} cannot be read: {error}") from None
+        raise PersonError(
+            f"the image {path.name!r} cannot be read: {_words(error)}", "save it anew as PNG or JPEG"
+        ) from None
 
 
 def open_video(path: Path) -> Any:
@@ -63,10 +67,10 @@ def open_video(path: Path) -> Any:
     try:
         container = av.open(str(path))
     except (OSError, ValueError, av.FFmpegError) as error:
-        raise PersonError(f"the video {path.name!r} cannot be opened: {error}") from None
+        raise PersonError(f"the video {path.name!r} cannot be opened: {_words(error)}", _ANEW) from None
     try:
         if not container.streams.video:
-            raise PersonError(f"{path.name!r} has no picture")
+            raise PersonError(f"{path.name!r} has no picture", _ANEW)
         container.streams.video[0].thread_type = "AUTO"
         next(container.decode(video=0))
         container.seek(0)
@@ -75,5 +79,12 @@ def open_video(path: Path) -> Any:
         raise
     except (OSError, ValueError, StopIteration, av.FFmpegError) as error:
         container.close()
-        raise PersonError(f"no picture of the video {path.name!r} can be decoded: {error}") from None
+        words = f"no picture of the video {path.name!r} can be decoded: {_words(error)}"
+        raise PersonError(words, _ANEW) from None
     return container
+
+
+def _words(error: Exception) -> str:
+    """What is wrong, without the file's whole path."""
+    known = getattr(error, "strerror", None)
+    return str(known or error).partition(": '")[0].partition(" '/")[0] or type(error).__name__

@@ -66,6 +66,10 @@ class Chain:
         """The passes that change something now, in order, without those that quality leaves out."""
         return [one for name, one in self._passes if name not in left_out and one.active(moment)]
 
+    def has(self, name: str, moment: Moment) -> bool:
+        """Whether a pass would change something now, left out or not."""
+        return any(one.active(moment) for known, one in self._passes if known == name)
+
     def draw(
         self,
         active: list[PicturePass],

@@ -19,6 +19,7 @@ class CharacterBuffers:
 
     def __init__(self, ctx: moderngl.Context, character: Character) -> None:
         self._ctx, self._two_sided = ctx, character.two_sided
+        self._extras = character.extras.tobytes()
         self.reach = character.reach
         """How far it reaches beyond its joints [m]."""
         layers = character.layers
@@ -43,6 +44,10 @@ class CharacterBuffers:
         """Draw it for so many dancers, where back faces are culled; what is seen from both sides is not."""
         set_uniform(program, "images", IMAGE_UNIT)
         self._images.use(IMAGE_UNIT)
+        if "worn_extras" in program:
+            extras = program["worn_extras"]
+            assert isinstance(extras, moderngl.Uniform)
+            extras.write(self._extras)
         if self._two_sided:
             self._ctx.disable(moderngl.CULL_FACE)
         array.render(moderngl.TRIANGLES, instances=count)

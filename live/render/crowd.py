@@ -10,7 +10,6 @@ from live.base.stage_view import Camera, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.render.body import BodyMesh
 from live.render.body_of import bodies_of, characters_of, mesh_of
-from live.render.camera import view_matrix
 from live.render.character_buffers import CharacterBuffers
 from live.render.group_styles import GroupStyles
 from live.render.instances import Instances, Sight
@@ -83,7 +82,7 @@ def pose_texture(ctx: moderngl.Context, capacity: int) -> moderngl.Texture:
 class Crowd:
     """Owns pose texture, instance lists, bodies and the groups' styles; `update` once a frame."""
 
-    def __init__(self, ctx: moderngl.Context, scene: Scene, quality: Quality) -> None:
+    def __init__(self, ctx: moderngl.Context, scene: Scene, quality: Quality, size: tuple[int, int]) -> None:
         if scene.joint_count != JOINT_COUNT:
             raise ValueError(f"scene: joint_count {scene.joint_count}: the body has {JOINT_COUNT} joints")
         self._ctx, self.quality = ctx, quality
@@ -98,21 +97,21 @@ class Crowd:
         """How far characters reach beyond their joints at most [m]."""
         self._meshes: dict[tuple[Any, ...], tuple[moderngl.Buffer, moderngl.Buffer]] = {}
         self._vertex_arrays: dict[tuple[Any, ...], moderngl.VertexArray] = {}
+        self._dressed: set[int] = set()
         self._capacity = 0
         self._bodies = scene.bodies
         self.fit(scene)
+        self.look_from(scene.camera, size)
 
     def fit(self, scene: Scene) -> None:
-        """Take colours and camera of a scene, and room for its dancers."""
+        """Take the colours of a scene, and room for its dancers."""
         self._colours = np.array(scene.look.group_colours or ((0.8, 0.8, 0.8),), np.float32)
-        self.look_from(scene.camera)
         if scene.dancer_count > self._capacity or self._capacity == 0:
             self._allocate(max(scene.dancer_count, 1))
 
-    def look_from(self, camera: Camera) -> None:
-        """Take a camera: the dancers nearest to it are drawn more finely."""
-        forward = np.ascontiguousarray(-view_matrix(camera)[2, :3], np.float32)
-        self._sight = Sight(forward, float(forward @ np.array(camera.eye, np.float32)))
+    def look_from(self, camera: Camera, size: tuple[int, int]) -> None:
+        """Take a camera and the picture's size: only who may be seen is drawn, the nearest ones more finely."""
+        self._sight = Sight.of(camera, size)
 
     def recolour(self, colours: npt.NDArray[np.floating]) -> None:
         """Take the groups' colours (G, 3), from the next frame on."""
@@ -128,6 +127,7 @@ class Crowd:
 
     def _allocate(self, capacity: int) -> None:
         self._release_data()
+        self._dressed.clear()
         self._capacity = capacity
         self.poses = pose_texture(self._ctx, capacity)
         width, self.rows = self.poses.size
@@ -142,20 +142,26 @@ class Crowd:
         self._instances = Instances(self._ctx, capacity, body, len(self.body_names))
 
     @property
+    def box(self) -> Float32:
+        """Around the joints of all dancers who are seen, shape (2, 3): lowest and highest x, y, z [m], the lowest above
+        the highest where nobody is."""
+        return self._instances.box
+
+    @property
     def capacity(self) -> int:
         """How many dancers there is room for; it grows when more of them come."""
         return self._capacity
 
-    def update(self, view: StageView) -> None:
-        """Upload poses, colours and the lists of instances."""
+    def update(self, view: StageView, light: Float32) -> None:
+        """Upload poses, colours and the lists of instances; `light` (3,): the way towards the key light."""
         if self.styles.any:
             self.styles.bind()
         count = len(view.joint_position)
         if count > self._capacity:
             self._allocate(count)
-        if self._instances.fill(view, self._sight, self.quality, self.styles) == 0:
+        if not self._instances.fill(view, self._sight, light, self.quality, self.styles, self.reach):
             return
-        pose_texels(view.joint_position, view.joint_rotation, self.rest, self.texels)
+        pose_texels(view.joint_position, view.joint_rotation, self.rest, self._instances.drawn, self.texels)
         self.poses.write(self.texels)
         if not np.array_equal(view.group, self._group[:count]):
             self._dress(view, count)
@@ -191,7 +197,7 @@ class Crowd:
         poses: moderngl.Texture | None = None,
         worn: moderngl.Program | None = None,
     ) -> None:
-        """Draw the bodies of the dancers of a list (`live.render.instances.LISTS`) with a program that includes
+        """Draw the bodies of the dancers of a list (`live.render.group_styles.LISTS`) with a program that includes
         `skin.glsl`, in the poses of now or in those of a texture like `poses`; characters with `worn`, which shows
         their own images, if there is one."""
         for body, name in enumerate(self.body_names):
@@ -235,10 +241,12 @@ class Crowd:
 
     def dress_program(self, program: moderngl.Program) -> None:
         """Give a program poses, wardrobe and styles."""
-        set_uniform(program, "poses", POSE_UNIT)
-        set_uniform(program, "pose_layout", (self.rows, 2 * JOINT_COUNT))
-        set_uniform(program, "wardrobe", WARDROBE_UNIT)
-        set_uniform(program, "wardrobe_rows", self.rows)
+        if program.glo not in self._dressed:
+            self._dressed.add(program.glo)
+            set_uniform(program, "poses", POSE_UNIT)
+            set_uniform(program, "pose_layout", (self.rows, 2 * JOINT_COUNT))
+            set_uniform(program, "wardrobe", WARDROBE_UNIT)
+            set_uniform(program, "wardrobe_rows", self.rows)
         self.poses.use(POSE_UNIT)
         self._wardrobe.use(WARDROBE_UNIT)
 

@@ -98,6 +98,8 @@ class FrameBlock:
         """Whether the film curve takes the vignette along; otherwise a pass draws it."""
         self.camera = scene.camera
         """The camera of the frame that was written last."""
+        self.light = data["key_direction"][:3]
+        """The way towards the key light, a unit vector, shape (3,)."""
         self.resize(size)
         self._light(self._row)
 
@@ -216,6 +218,11 @@ class FrameBlock:
     def pools(self) -> bool:
         """Whether spots or beams light the floor."""
         return self.spots or bool(self._row[_BEAMS] > 0.0)
+
+    @property
+    def resized(self) -> bool:
+        """Whether the stage is of another size than the scene's, so that its border may be seen."""
+        return bool(self._data["edge"][2] > 0.0)
 
     @property
     def shadows(self) -> bool:

@@ -10,11 +10,19 @@ from live.base.picture import COLOURS, GROUPS, OF_GROUPS, STYLE_OF_GROUP, STYLE_
 from live.render.shader import STYLES_BINDING
 
 Bool = npt.NDArray[np.bool_]
+Int32 = npt.NDArray[np.int32]
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 
 TEXELS: Final = 8
 """Vectors of each group in the block."""
+LISTS: Final = (
+    "all", "mirrored", "near", "far", "bodies near", "bodies far", "ink near", "ink far", "particles", "ribbons",
+    "trails", "xray",
+)  # fmt: skip
+"""Ways of drawing: `all` cast shadows, `mirrored` are seen in the floor, `near` and `far` are lit bodies and nothing
+else; the others are drawn in a style."""
+_PLAIN: Final = ("all", "mirrored", "near", "far")
 _PLACES: Final = {name.removeprefix(STYLE_OF_GROUP): known.first - STYLES for name, known in OF_GROUPS.items()}
 _LAYOUT: Final = (
     ("solid", "silhouette", "ink", "xray"),
@@ -56,6 +64,8 @@ class GroupStyles:
         self.masks: dict[str, Bool] = {}
         """By way of drawing, the groups that need it: bodies, casting (a shadow), ink, particles, ribbons, trails,
         xray."""
+        self.ways: Int32 = np.full(GROUPS, sum(1 << LISTS.index(name) for name in _PLAIN), np.int32)
+        """For each group the bits of the `LISTS` that its dancers are on, shape (16,)."""
         self.spacing = np.ones(GROUPS)
         """Beats between ghosts."""
         self.share = 1.0
@@ -81,9 +91,20 @@ class GroupStyles:
         self.masks["bodies"] = (fill > 0.0) & ~self.plain
         self.masks["casting"] = fill + xray + of("particles") > 0.0
         self.any = not self.plain.all() or any(self.masks[name].any() for name in ("particles", "ribbons", "trails"))
+        self.ways[:] = self._lists()
         self.share = float((of("particles/share") * self.masks["particles"]).max())
         self.spacing = np.maximum(of("trails/spacing"), 0.25)
         self.variety, self.sheen = of("variety").astype(np.float32), of("sheen").astype(np.float32)
+
+    def _lists(self) -> Int32:
+        masks, bits = self.masks, np.zeros(GROUPS, np.int32)
+        of = {"all": masks["casting"], "mirrored": masks["casting"]}
+        of |= {name: masks[name] for name in ("particles", "ribbons", "trails", "xray")}
+        for where in ("near", "far"):
+            of |= {where: self.plain, f"bodies {where}": masks["bodies"], f"ink {where}": masks["ink"]}
+        for name, mask in of.items():
+            bits |= mask.astype(np.int32) << LISTS.index(name)
+        return bits
 
     def bind(self) -> None:
         """Make the block the one that programs read."""

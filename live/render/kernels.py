@@ -1,32 +1,52 @@
-"""Kernels of the renderer: joints into the texels of the pose texture, and the tips of limbs."""
+"""Kernels of the renderer: poses as texels, the tips of limbs, and which dancers are seen, near or far."""
 
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import kernel
+from live.base.jit import kernel, part
+
+SEEN = 1
+"""Bits of a dancer's sight: she may be in the picture, …"""
+MIRRORED = 2
+"""… her image in the floor may be, …"""
+SHADOWING = 4
+"""… her shadow may be, …"""
+NEAR = 8
+"""… she gets the near body, or the far one, …"""
+FAR = 16
+PRESENT = 32
+"""… and she is on the stage at all."""
 
 Bool = npt.NDArray[np.bool_]
 Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
+Uint8 = npt.NDArray[np.uint8]
 
 
-@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,::1], f4[:,:,::1])")
-def pose_texels(position: Float32, rotation: Float32, rest: Float32, out: Float32) -> None:
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,::1], b1[::1], f4[:,:,::1])", fastmath={"contract"})
+def pose_texels(position: Float32, rotation: Float32, rest: Float32, drawn: Bool, out: Float32) -> None:
     """Dual quaternions that carry the rest pose to each dancer's pose (Kavan et al. 2007).
 
     position (A, J, 3), rotation (A, J, 4) wxyz, rest (J, 3); out (H, B*2J, 4): dancer a stands in row a mod H from
-    texel (a // H)*2J on; a joint takes two texels, the rotation (x, y, z, w) and the dual part (x, y, z, w).
+    texel (a // H)*2J on; a joint takes two texels, the rotation (x, y, z, w) and the dual part (x, y, z, w). Who is not
+    `drawn` (A,) keeps her texels. In single precision: a plain 2.0 would make all of it double.
     """
     height = out.shape[0]
     joints = rest.shape[0]
+    two = np.float32(2.0)
+    half = np.float32(0.5)
     for a in range(position.shape[0]):
-        row = a % height
+        if not drawn[a]:
+            continue
         first = (a // height) * 2 * joints
+        to = out[a % height, first : first + 2 * joints].reshape(joints, 8)
+        turn = rotation[a]
+        place = position[a]
         for j in range(joints):
-            w = rotation[a, j, 0]
-            x = rotation[a, j, 1]
-            y = rotation[a, j, 2]
-            z = rotation[a, j, 3]
+            w = turn[j, 0]
+            x = turn[j, 1]
+            y = turn[j, 2]
+            z = turn[j, 3]
             rx = rest[j, 0]
             ry = rest[j, 1]
             rz = rest[j, 2]
@@ -34,18 +54,17 @@ def pose_texels(position: Float32, rotation: Float32, rest: Float32, out: Float3
             cx = y * rz - z * ry
             cy = z * rx - x * rz
             cz = x * ry - y * rx
-            tx = position[a, j, 0] - (rx + 2.0 * (w * cx + y * cz - z * cy))
-            ty = position[a, j, 1] - (ry + 2.0 * (w * cy + z * cx - x * cz))
-            tz = position[a, j, 2] - (rz + 2.0 * (w * cz + x * cy - y * cx))
-            texel = first + 2 * j
-            out[row, texel, 0] = x
-            out[row, texel, 1] = y
-            out[row, texel, 2] = z
-            out[row, texel, 3] = w
-            out[row, texel + 1, 0] = 0.5 * (tx * w + ty * z - tz * y)
-            out[row, texel + 1, 1] = 0.5 * (ty * w + tz * x - tx * z)
-            out[row, texel + 1, 2] = 0.5 * (tz * w + tx * y - ty * x)
-            out[row, texel + 1, 3] = -0.5 * (tx * x + ty * y + tz * z)
+            tx = place[j, 0] - (rx + two * (w * cx + y * cz - z * cy))
+            ty = place[j, 1] - (ry + two * (w * cy + z * cx - x * cz))
+            tz = place[j, 2] - (rz + two * (w * cz + x * cy - y * cx))
+            to[j, 0] = x
+            to[j, 1] = y
+            to[j, 2] = z
+            to[j, 3] = w
+            to[j, 4] = half * (tx * w + ty * z - tz * y)
+            to[j, 5] = half * (ty * w + tz * x - tx * z)
+            to[j, 6] = half * (tz * w + tx * y - ty * x)
+            to[j, 7] = -half * (tx * x + ty * y + tz * z)
 
 
 @kernel("void(f4[:,:,::1], f4[:,:,::1], b1[::1], i4[::1], f4[:,::1], f4[:,:,::1])")
@@ -71,3 +90,123 @@ def limb_tips(position: Float32, rotation: Float32, present: Bool, joint: Int32,
             out[a, k, 1] = position[a, j, 1] + oy + 2.0 * (w * cy + z * cx - x * cz)
             out[a, k, 2] = position[a, j, 2] + oz + 2.0 * (w * cz + x * cy - y * cx)
             out[a, k, 3] = 1.0 if present[a] else 0.0
+
+
+@kernel("void(f4[:,:,::1], b1[::1], f4[:,::1], f4[::1], f4, u1[::1])")
+def sights(position: Float32, present: Bool, planes: Float32, light: Float32, radius: float, out: Uint8) -> None:
+    """Which dancers may be seen, their images in the floor, their shadows: by a ball around each one's hips.
+
+    position (A, J, 3), present (A,); planes (P, 4): what is seen lies where n . p + d >= 0 for all of them, n unit
+    vectors; light (3,): from the stage to the key light; `radius` of the ball [m]. out (A,): bits of
+    SEEN, MIRRORED, SHADOWING, PRESENT. Never says no to what is seen (Assarsson and Möller 2000: planes alone err only
+    on the safe side).
+    """
+    wide = radius / light[1]
+    for a in range(position.shape[0]):
+        if not present[a]:
+            out[a] = 0
+            continue
+        x = position[a, 0, 0]
+        y = position[a, 0, 1]
+        z = position[a, 0, 2]
+        # along the light the ball reaches the floor between here and there, drawn out by how low the light is
+        drop = max(y, np.float32(0.0)) / light[1]
+        sx = x - light[0] * drop
+        sz = z - light[2] * drop
+        seen = True
+        mirrored = True
+        shadowing = True
+        for p in range(planes.shape[0]):
+            level = planes[p, 0] * x + planes[p, 2] * z + planes[p, 3]
+            seen = seen and level + planes[p, 1] * y >= -radius
+            mirrored = mirrored and level - planes[p, 1] * y >= -radius
+            shadowing = shadowing and planes[p, 0] * sx + planes[p, 2] * sz + planes[p, 3] >= -wide
+        out[a] = PRESENT | (SEEN if seen else 0) | (MIRRORED if mirrored else 0) | (SHADOWING if shadowing else 0)
+
+
+@part
+def _smallest(values: Float32, count: int, at: int) -> np.float32:
+    """The value that would stand at `at` if the first `count` were in order; they change places (Hoare 1961, FIND)."""
+    low = 0
+    high = count - 1
+    while low < high:
+        pivot = values[(low + high) // 2]
+        i = low
+        j = high
+        while i <= j:
+            while values[i] < pivot:
+                i += 1
+            while values[j] > pivot:
+                j -= 1
+            if i <= j:
+                kept = values[i]
+                values[i] = values[j]
+                values[j] = kept
+                i += 1
+                j -= 1
+        if at <= j:
+            high = j
+        elif at >= i:
+            low = i
+        else:
+            break
+    found: np.float32 = values[at]
+    return found
+
+
+@kernel("void(f4[:,:,::1], f4[::1], f4, i8, u1[::1], f4[::1])")
+def split(position: Float32, forward: Float32, near_to: float, near_count: int, sight: Uint8, scratch: Float32) -> None:
+    """Of those who are seen or mirrored: who gets the near body, and who the far one (bits NEAR and FAR of `sight`).
+
+    Near are the `near_count` nearest along `forward` (3,), and all whose way along it is less than `near_to` [m].
+    position (A, J, 3), sight (A,), scratch (A or more,).
+    """
+    count = 0
+    for a in range(position.shape[0]):
+        if sight[a] & SEEN:
+            way = position[a, 0, 0] * forward[0] + position[a, 0, 1] * forward[1] + position[a, 0, 2] * forward[2]
+            scratch[count] = way
+            count += 1
+    limit = np.float32(near_to)
+    if near_count >= count:
+        limit = np.float32(np.inf)
+    elif near_count > 0:
+        limit = max(limit, np.nextafter(_smallest(scratch, count, near_count - 1), np.float32(np.inf)))
+    for a in range(position.shape[0]):
+        way = position[a, 0, 0] * forward[0] + position[a, 0, 1] * forward[1] + position[a, 0, 2] * forward[2]
+        sight[a] |= NEAR if way < limit else FAR
+
+
+@kernel("void(u1[::1], i4[::1], i4[::1], i4[::1], u1[::1], f4[:,:,::1], i4[:,::1], b1[::1])")
+def listed(
+    sight: Uint8, group: Int32, body: Int32, ways: Int32, needs: Uint8, out: Float32, counts: Int32, drawn: Bool
+) -> None:
+    """The numbers of the dancers on each list, by body.
+
+    sight (A,): bits of each dancer; group and body (A or more,); ways (G,): bit l is set where a group's dancers are
+    drawn as list l says; needs (L,): the bits of sight that list l asks for. out (L, K, A or more), counts (L, K);
+    drawn (A or more,): who is on any list.
+    """
+    counts[:] = 0
+    for a in range(sight.shape[0]):
+        lists = ways[group[a] % ways.shape[0]]
+        drawn[a] = False
+        for k in range(needs.shape[0]):
+            if (lists >> k) & 1 and sight[a] & needs[k] == needs[k]:
+                out[k, body[a], counts[k, body[a]]] = a
+                counts[k, body[a]] += 1
+                drawn[a] = True
+
+
+@kernel("void(f4[:,:,::1], u1[::1], f4[:,::1])")
+def bounds(position: Float32, sight: Uint8, out: Float32) -> None:
+    """The box around all joints of the dancers who are SEEN: out (2, 3), lowest and highest x, y, z; lowest above
+    highest where there is nobody. position (A, J, 3), sight (A,)."""
+    out[0, :] = np.inf
+    out[1, :] = -np.inf
+    for a in range(position.shape[0]):
+        if sight[a] & SEEN:
+            for j in range(position.shape[1]):
+                for k in range(3):
+                    out[0, k] = min(out[0, k], position[a, j, k])
+                    out[1, k] = max(out[1, k], position[a, j, k])

@@ -4,6 +4,7 @@ Down at once, for a late frame is seen; up slowly, for a step that is taken back
 drawn changes, never what is danced.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -34,55 +35,80 @@ class Step:
     name: str
     """What is left out from here on, in words."""
     quality: Quality
+    kind: str = ""
+    """What it takes from: a pass, or `styles`; empty: from every picture. Where there is none of it now, it is passed
+    over."""
+
+
+SMALLER: Final = (("3/4 of the size", 0.75), ("3/5 of the size", 0.6), ("half the size", 0.5))
+"""The last steps, and the share of the picture's width and height that they draw."""
 
 
 def ladder_of(best: Quality) -> tuple[Step, ...]:
     """The steps from `best` down, each without something more; the resolution comes last."""
-    changes: list[tuple[str, dict[str, object]]] = []
+    changes: list[tuple[str, str, dict[str, object]]] = []
     left_out = best.left_out
     if best.samples > 2:
-        changes.append(("half the samples", {"samples": 2}))
+        changes.append(("half the samples", "", {"samples": 2}))
     for name in ("trails", "bloom", "mirror"):
         if name not in left_out:
             left_out = (*left_out, name)
-            changes.append((f"no {name}", {"left_out": left_out}))
-    changes.append(("a coarse floor", {"floor_map": max(best.floor_map // 2, 128)}))
-    changes.append(("lighter bodies", _lighter(best)))
-    changes.append(("3/4 of the size", {"scale": 0.75 * best.scale}))
-    changes.append(("half the size", {"scale": 0.5 * best.scale}))
+            changes.append((f"no {name}", name, {"left_out": left_out}))
+    fewer = {"points": best.points // 2, "ribbon_pieces": best.ribbon_pieces // 2, "ghost_level": DISTANT}
+    changes.insert(-1, ("half the particles and ribbons", "styles", dict(fewer)))
+    changes.append(("a coarse floor", "", {"floor_map": max(best.floor_map // 2, 128)}))
+    changes.append(("lighter bodies", "", _lighter(best)))
+    for name, scale in SMALLER:
+        change: dict[str, object] = {"scale": scale * best.scale}
+        if (
+            best.near_level == LIGHT
+        ):  # pixels are wider then: an outline moves by as many of them as it did farther away
+            change["far_from"] = min(8.0, best.far_from * scale)
+        changes.append((name, "", change))
     steps, quality = [Step("all", best)], best
-    for name, change in changes:
+    for name, kind, change in changes:
         quality = replace(quality, **change)  # type: ignore[arg-type]
-        steps.append(Step(name, quality))
+        steps.append(Step(name, quality, kind))
     return tuple(steps)
 
 
 def _lighter(best: Quality) -> dict[str, object]:
     if best.near_level == LIGHT:
-        return {"near_count": best.near_count // 4, "far_level": DISTANT}
+        return {"near_count": best.near_count // 4, "far_level": DISTANT, "far_from": min(8.0, best.far_from)}
     return {"near_count": 8, "far_level": LIGHT, "far_from": 5.0}  # nobody's body changes within 5 m
 
 
 class Ladder:
     """Decides which step is drawn; told after every frame how it went. Thread: the show's."""
 
-    def __init__(self, steps: int) -> None:
-        """`steps`: how many there are; 0 is the best."""
-        self._steps = steps
+    def __init__(self, steps: int, helps: Callable[[int], bool] = lambda step: True) -> None:
+        """`steps`: how many there are; 0 is the best. `helps(step)`: whether what that step takes is drawn now."""
+        self._steps, self._helps = steps, helps
         self.step = 0
         """The step now."""
         self.changes = 0
         """How often it has changed."""
+        self.held: int | None = None
+        """The step that is held by hand."""
         self._share = self._calm = 0.0
         self._since = SETTLE - BEGIN
         self._patience = PATIENCE
         self._raised = False
+
+    def hold(self, step: int | None) -> None:
+        """Draw this step from now on, whatever happens (the lowest, if there are not so many); None: decide again."""
+        self.held = None if step is None else min(max(step, 0), self._steps - 1)
+        if self.held is not None and self.held != self.step:
+            self._go(self.held, raised=False)
+        self._since = self._calm = self._share = 0.0
 
     def frame(self, late: bool, seconds: float, load: float) -> int:
         """After a frame that came `seconds` after the last one, `late` or not: the step for the next.
 
         `load`: the share of its time that was needed for everything but waiting.
         """
+        if self.held is not None:
+            return self.step
         self._since += seconds
         kept = 0.5 ** (max(seconds, 0.0) / HALFLIFE)
         self._share = kept * self._share + (1.0 - kept) * (late and (self.changes > 0 or self._since > SETTLE))
@@ -91,12 +117,23 @@ class Ladder:
             if self._since > SETTLE and self.step < self._steps - 1:
                 if self._raised and self._since < 4.0 * PATIENCE:  # it was too early to go up
                     self._patience = min(2.0 * self._patience, LONGEST)
-                self._go(self.step + 1, raised=False)
+                self._go(self._below(), raised=False)
             return self.step
         self._calm = self._calm + seconds if self._share < CALM and load < ROOM else 0.0
         if self._calm >= self._patience and self.step > 0:
-            self._go(self.step - 1, raised=True)
+            self._go(self._above(), raised=True)
         return self.step
+
+    def _below(self) -> int:
+        """The next step down that takes something from this picture, or the last one."""
+        return next((step for step in range(self.step + 1, self._steps) if self._helps(step)), self._steps - 1)
+
+    def _above(self) -> int:
+        """The step above the one that is felt now."""
+        felt = self.step
+        while felt > 1 and not self._helps(felt):
+            felt -= 1
+        return felt - 1
 
     def _go(self, step: int, *, raised: bool) -> None:
         self.step, self._raised = step, raised

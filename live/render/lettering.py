@@ -7,6 +7,8 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
+from live.render.typeface import has, readable
+
 Float32 = npt.NDArray[np.float32]
 
 _CODES: Final = tuple(range(32, 127)) + tuple(range(160, 256))
@@ -30,12 +32,13 @@ class Lettering:
     def lay_out(self, lines: tuple[str, ...], corner: tuple[float, float], limit: int) -> Float32:
         """Rectangles (x, y, u, v) of at most `limit` letters, one row each, from a corner [pixels, y down].
 
-        (u, v) is the upper left texel of the letter's cell; unknown letters become question marks.
+        (u, v) is the upper left texel of the letter's cell; letters with accents stand without them, unknown
+        ones become question marks.
         """
         rows: list[tuple[float, float, float, float]] = []
         for number, line in enumerate(lines):
             x, y = corner[0], corner[1] + number * self.cell[1]
-            for letter in line:
+            for letter in readable(line):
                 known = letter if letter in self.index else _UNKNOWN
                 cell = self.index[known]
                 if known != " " and len(rows) < limit:
@@ -46,13 +49,13 @@ class Lettering:
 
     def width(self, line: str) -> float:
         """Length of a line of text [pixels]."""
-        return sum(self.advance[letter if letter in self.index else _UNKNOWN] for letter in line)
+        return sum(self.advance[letter if letter in self.index else _UNKNOWN] for letter in readable(line))
 
 
 def letter(height: int) -> Lettering:
     """Bake the atlas for letters `height` pixels high."""
     font = ImageFont.load_default(size=height)
-    letters = [chr(code) for code in _CODES]
+    letters = [chr(code) for code in _CODES if has(chr(code))]
     boxes = [font.getbbox(one) for one in letters]
     width = int(np.ceil(max(box[2] for box in boxes))) + 2
     tall = int(np.ceil(max(box[3] for box in boxes))) + 2

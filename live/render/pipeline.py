@@ -42,6 +42,8 @@ SCENE_PASSES: Final[tuple[Callable[[Making], ScenePass], ...]] = (
 """What else is in the scene, in the order in which it is drawn."""
 _OF_STAGE: Final = (BackgroundPass, PlanPass)
 """Those of them that are behind or under the dancers: not in pictures with alpha."""
+CRISP: Final = 0.6
+"""How much detail is lifted in a scene that is drawn smaller than the picture and stretched."""
 _BODY_AROUND_JOINTS: Final = 0.25
 """The generated body reaches at most this far beyond its joints [m]."""
 
@@ -71,7 +73,8 @@ class Pipeline:
         self._scene_passes = [make(making) for make in SCENE_PASSES if not (making.bare and make in _OF_STAGE)]
         if scene.items:
             self.floor.casters = [one.cast for one in self._scene_passes]
-        self._standing = vertices_of(scene.items)[:, :3]
+        items = vertices_of(scene.items)[:, :3]
+        self._standing = np.array([items.min(axis=0), items.max(axis=0)], np.float64) if len(items) else None
         self.look_from(scene.camera)
 
     def take(self, quality: Quality) -> None:
@@ -83,11 +86,27 @@ class Pipeline:
                 self._targets[quality.samples] = LitTarget(self._ctx, quality.samples, self._size)
             self._target = self._targets[quality.samples]
             self._dancer.quality = quality
+        else:
+            for smooth in self._smooth.values():
+                smooth.crisp = CRISP if quality.scale < 1.0 else 0.0
+
+    @property
+    def problems(self) -> list[str]:
+        """What could not go on, in words: of it the last good state is drawn."""
+        return [words for one in self._scene_passes if isinstance(one, BackgroundPass) for words in one.problems]
 
     def look_from(self, camera: Camera) -> None:
         """What depends on the camera beside the block of uniforms."""
         self._floor_rows = _rows_of_floor(camera, self._scene.stage_size, self._size)
         self._world_to_clip = world_to_clip(camera, self._size)
+
+    def helps(self, kind: str, moment: Moment) -> bool:
+        """Whether leaving out a pass, or half of the particles and ribbons (`styles`), saves anything now."""
+        if kind == "mirror":
+            return kind in self._scene.passes and moment.frame.mirrors
+        if kind == "styles":
+            return any(moment.crowd.count(name) for name in ("particles", "ribbons", "trails", "xray"))
+        return not kind or self.chain.has(kind, moment)
 
     def relit(self) -> None:
         """Light or camera are others than in the frame before."""
@@ -100,7 +119,7 @@ class Pipeline:
         active = self.chain.active(moment, self._quality.left_out)
         self._backdrop.draw(moving=frame.relit)
         self.floor.draw(crowd, moment.view, shadows=self._has("shadow") and frame.shadows)
-        self._mirror.draw(crowd, seen=self._has("mirror") and frame.mirrors)
+        self._mirror.draw(crowd, seen=self._has("mirror") and frame.mirrors, rows=self._floor_rows)
         for one in here:
             one.prepare(moment)
         if self._lit:
@@ -156,20 +175,21 @@ class Pipeline:
         return self._surface.surfaces
 
     def _draw_stage(self, into: moderngl.Framebuffer, moment: Moment, *, hdr: bool) -> None:
+        frame = moment.frame
         self._stages[hdr].draw(
-            into, self._floor_rows, self._backdrop.texture, moment.floor, self._mirror.texture, pools=moment.frame.pools
-        )
+            into, self._floor_rows, self._backdrop.texture, moment.floor, self._mirror.texture,
+            pools=frame.pools, resized=frame.resized,
+        )  # fmt: skip
 
     def _where_dancers_are(self, moment: Moment) -> tuple[int, int, int, int]:
         """The pixels that dancers and items may cover: others need neither be lit nor smoothed."""
-        joints = moment.view.joint_position.reshape(-1, 3)
-        if len(self._standing):
-            joints = np.concatenate([joints, self._standing])
-        if len(joints) == 0:
+        low, high = moment.crowd.box.astype(np.float64)
+        if self._standing is not None:
+            low, high = np.minimum(low, self._standing[0]), np.maximum(high, self._standing[1])
+        if low[0] > high[0]:
             return 0, 0, 0, 0
         reach = max(_BODY_AROUND_JOINTS, moment.crowd.reach)
-        low, high = joints.min(axis=0) - reach, joints.max(axis=0) + reach
-        return covered(self._world_to_clip, self._size, low.astype(np.float64), high.astype(np.float64))
+        return covered(self._world_to_clip, self._size, low - reach, high + reach)
 
     def resize(self, size: tuple[int, int], camera: Camera) -> None:
         """New size of the picture [pixels], seen from this camera."""

@@ -37,12 +37,12 @@ class Quality:
     points: int = 3000
     """Points of light on a dancer who is drawn as particles, at most."""
     ribbon_pieces: int = 96
-    """Pieces of each ribbon."""
+    """Pieces of each ribbon that are drawn; fewer make it shorter."""
     ghost_level: int = LIGHT
     """Body of the ghosts of trails."""
 
 
-SOFTWARE: Final = Quality(0, LIGHT, 80, DISTANT, 256, 3, ("bloom",))
+SOFTWARE: Final = Quality(0, LIGHT, 12, DISTANT, 256, 3, ("bloom",))
 """Without a graphics card: 50 dancers at 1280x720 in real time on two cores."""
 CARD: Final = Quality(4, FINE, 120, LIGHT, 768, 2)
 """For a graphics card, or for films that may take their time."""

@@ -62,9 +62,11 @@ class Renderer:
         """Told what has just been done, for whoever measures: "upload", "draw"."""
         self._drawn_size = self._size
         self._frame = FrameBlock(ctx, scene, size)
-        self._crowd = Crowd(ctx, scene, self.quality)
+        self._crowd = Crowd(ctx, scene, self.quality, self._size)
         self._crowd.restyle(self._frame.row)
-        self._pipeline = Pipeline(Making(ctx, scene, self.quality, self._size, patient, bare))
+        self._making = Making(ctx, scene, self.quality, self._size, patient, bare)
+        self._own: tuple[OwnPass, ...] = ()  # other texts than the scene's, if there are any by now
+        self._pipeline = Pipeline(self._making)
         self._frame.vignette_at_end = self._pipeline.chain.vignette_at_end
         self._guide = GuidePass(ctx)
         self._overlay = OverlayPass(ctx)
@@ -79,7 +81,7 @@ class Renderer:
     def _look_from(self, camera: Camera) -> None:
         """What depends on the camera beside the block of uniforms."""
         self._pipeline.look_from(camera)
-        self._crowd.look_from(camera)
+        self._crowd.look_from(camera, self._size)
 
     def _draw_once(self) -> None:
         """Drivers compile a program when it first draws: better now than in the show."""
@@ -123,7 +125,7 @@ class Renderer:
             target.use()
             target.clear(0.0, 0.0, 0.0, self._empty)
         else:
-            self._crowd.update(view)
+            self._crowd.update(view, frame.light)
             self.mark("upload")
             if self._small is None:
                 self._pipeline.draw(moment, target)
@@ -147,11 +149,34 @@ class Renderer:
         self._size, self._moment.cut = size, True
         self._frame.resize(size)
         self._fit()
-        self._crowd.look_from(self._frame.camera)
+        self._crowd.look_from(self._frame.camera, size)
+
+    @property
+    def problems(self) -> list[str]:
+        """What could not go on while the show runs, in words; the last good state of it is drawn."""
+        return self._pipeline.problems
 
     def take_own(self, passes: tuple[OwnPass, ...]) -> None:
         """Other texts for the patch's own passes; PersonError if one does not compile: its last one goes on."""
         self._pipeline.chain.take_own(passes)
+        self._own = passes
+
+    def take_shaders(self) -> None:
+        """Make everything that draws anew, of the shaders as they are now; PersonError if one is no program: all goes
+        on as it was (what was made of the others until then is freed with the context).
+
+        For who works on a look: this takes seconds, in which nothing is drawn, and pictures begin without a past.
+        """
+        ctx = self._ctx
+        made = Pipeline(replace(self._making, size=self._drawn_size))
+        others = GuidePass(ctx), OverlayPass(ctx), GraphPass(ctx), Full(ctx, "stretch_fragment.glsl")
+        made.chain.take_own(self._own)
+        release_all(self._pipeline, self._guide, self._overlay, self.graph, self._stretch)
+        self._pipeline, (self._guide, self._overlay, self.graph, self._stretch) = made, others
+        made.take(self.quality)
+        made.look_from(self._frame.camera)
+        made.relit()
+        self._moment.floor, self._moment.cut = made.floor.texture, True
 
     def take_step(self, step: int) -> None:
         """Draw with another step of the ladder from now on; one of another size is made as by `resize`."""
@@ -162,6 +187,10 @@ class Renderer:
         self._pipeline.take(self.quality)
         self._moment.floor = self._pipeline.floor.texture
         self._fit()
+
+    def helps(self, step: int) -> bool:
+        """Whether that step of the ladder takes anything from the picture that is drawn now."""
+        return self._pipeline.helps(self.steps[step].kind, self._moment)
 
     def _fit(self) -> None:
         """Make what the scene is drawn into as large as size and quality say."""

@@ -1,10 +1,18 @@
-"""Shader sources: read from `shaders/`, with `#include "name.glsl"` and named constants put in."""
+"""Shader sources: read from `shaders/`, with `#include "name.glsl"` and named constants put in.
 
+Who works on a look may have some of them read from a folder of its own (`read_from`); what a driver says of a mistake
+is told with file and line.
+"""
+
+import re
 from functools import cache
 from importlib import resources
+from pathlib import Path
 from typing import Final
 
 import moderngl
+
+from live.base.errors import PersonError
 
 VERSION: Final = "#version 410 core"
 """The newest GLSL of macOS, and enough."""
@@ -14,10 +22,38 @@ FRAME_BINDING: Final = 0
 """Where the block of uniforms that all programs share is bound."""
 STYLES_BINDING: Final = 1
 """Where the block of the groups' styles is bound."""
+LONGEST: Final = 1_000_000
+"""Bytes of a shader's file at most."""
+_LINE: Final = re.compile(r"\b0(?::(\d+)|\((\d+)\))")
+"""A line in the words of a driver: 0:12(3) (Mesa), 0(12) (NVIDIA), ERROR: 0:12 (Apple, AMD)."""
+
+_instead: list[Path] = []  # the folder of a developer's own, if there is one
+
+
+def names() -> list[str]:
+    """The names of all shaders."""
+    return sorted(each.name for each in (resources.files("live.render") / "shaders").iterdir() if each.is_file())
+
+
+def read_from(folder: Path | None) -> None:
+    """Take the files that are in `folder` instead of the program's own from now on, as they are then; None: none.
+
+    Programs that are there already stay as they are.
+    """
+    _instead[:] = [] if folder is None else [folder]
+    _read.cache_clear()
 
 
 @cache
 def _read(name: str) -> str:
+    for folder in _instead:
+        try:
+            if (folder / name).stat().st_size <= LONGEST:
+                return (folder / name).read_text(encoding="utf-8", errors="replace")
+        except FileNotFoundError:
+            continue
+        except OSError as error:
+            raise PersonError(f"{folder / name}: {error.strerror}") from None
     return (resources.files("live.render") / "shaders" / name).read_text(encoding="utf-8")
 
 
@@ -26,34 +62,68 @@ def source(name: str, constants: tuple[tuple[str, int | float], ...] = ()) -> st
 
     Raises FileNotFoundError for an unknown name.
     """
+    return _put_together(name, constants)[0]
+
+
+def _put_together(name: str, constants: tuple[tuple[str, int | float], ...]) -> tuple[str, list[str]]:
+    """The text, and where each of its lines comes from, in words. (#line would do, but drivers drop its file.)"""
     lines = [VERSION] + [f"#define {key} {value}" for key, value in constants]
+    places = [f"shaders/{name}"] * len(lines)
     seen: set[str] = set()
 
     def add(file: str) -> None:
         if file in seen:
             return
         seen.add(file)
-        for line in _read(file).splitlines():
+        for number, line in enumerate(_read(file).splitlines(), start=1):
             if line.startswith("#include"):
-                add(line.split('"')[1])
+                add(_included(line, file, number))
             else:
                 lines.append(line)
+                places.append(f"shaders/{file}, line {number}")
 
     add(name)
-    return "\n".join(lines) + "\n"
+    return "\n".join(lines) + "\n", places
+
+
+def _included(line: str, file: str, place: int) -> str:
+    parts = line.split('"')
+    if len(parts) < 3 or parts[1] not in names():
+        raise PersonError(f"shaders/{file}, line {place}: there is no such file to include: {line.strip()}")
+    return parts[1]
 
 
 def program(
     ctx: moderngl.Context, vertex: str, fragment: str, constants: tuple[tuple[str, int | float], ...] = ()
 ) -> moderngl.Program:
-    """Compile and link two shader files; binds the shared blocks `Frame` and `Styles` where the program uses them."""
-    linked = ctx.program(vertex_shader=source(vertex, constants), fragment_shader=source(fragment, constants))
+    """Compile and link two shader files; binds the shared blocks `Frame` and `Styles` where the program uses them.
+
+    PersonError, with file and line where the driver tells them, for what is no program.
+    """
+    (above, above_places), (below, below_places) = (_put_together(name, constants) for name in (vertex, fragment))
+    try:
+        linked = ctx.program(vertex_shader=above, fragment_shader=below)
+    except moderngl.Error as error:
+        log = str(error)
+        raise PersonError(_problem(log, above_places if "vertex_shader" in log else below_places)) from None
     for name, binding in (("Frame", FRAME_BINDING), ("Styles", STYLES_BINDING)):
         if name in linked:
             block = linked[name]
             assert isinstance(block, moderngl.UniformBlock)
             block.binding = binding
     return linked
+
+
+def _problem(log: str, places: list[str]) -> str:
+    """The first mistake of which a driver tells; `places`: where each line of the text comes from."""
+    for line in log.splitlines():
+        match = _LINE.search(line)
+        if match is not None and "warning" not in line.casefold():
+            number = int(match.group(1) or match.group(2))
+            if 1 <= number <= len(places):
+                return f"{places[number - 1]}: {line[match.end() :].lstrip('(): 0123456789').strip()}"
+    words = " ".join(line.strip() for line in log.splitlines() if line.strip(" =-"))
+    return f"{places[0]}: {words[:300]}"
 
 
 def set_uniform(linked: moderngl.Program, name: str, value: object) -> None:

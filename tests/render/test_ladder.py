@@ -87,10 +87,37 @@ def test_each_step_draws_less_than_the_one_above_and_the_resolution_comes_last(b
     assert steps[0].quality == best
     names = [step.name for step in steps]
     assert len(set(names)) == len(names)
-    assert names[-2:] == ["3/4 of the size", "half the size"]
+    assert names[-3:] == ["3/4 of the size", "3/5 of the size", "half the size"]
     for above, below in pairwise(steps):
         a, b = above.quality, below.quality
         assert a != b
         assert set(a.left_out) <= set(b.left_out)
         assert (b.samples, b.floor_map, b.scale, b.near_count) <= (a.samples, a.floor_map, a.scale, a.near_count)
         assert (a.samples > 0) == (b.samples > 0)
+
+
+def test_steps_that_take_nothing_from_this_picture_are_passed_over_both_ways():
+    machine = Machine([0.03, 0.03, 0.03, 0.01, 0.01])
+    machine.ladder = Ladder(5, lambda step: step not in (1, 2))
+    machine.run(BEGIN + 0.5)
+    assert machine.steps[-1] == 3
+    assert machine.ladder.changes == 1
+    machine.costs = [0.001] * 5
+    machine.run(PATIENCE + 1.0)
+    assert machine.ladder.step == 2  # without what step 3 takes; what 1 and 2 take is not there
+    machine.run(PATIENCE + 1.0)
+    assert machine.ladder.step == 0
+
+
+def test_a_step_that_is_held_stays_until_it_is_let_go():
+    machine = Machine([0.03] * 4 + [0.001])
+    machine.ladder.hold(1)
+    assert (machine.run(20.0).ladder.step, machine.ladder.held) == (1, 1)
+    machine.ladder.hold(9)
+    assert machine.run(20.0).ladder.step == 4
+    machine.ladder.hold(0)
+    machine.run(5.0)
+    machine.ladder.hold(None)
+    assert machine.ladder.step == 0
+    machine.run(8.0)
+    assert machine.ladder.step == 4

@@ -1,8 +1,10 @@
 """Letters of the overlay."""
 
 import numpy as np
+from PIL import ImageFont
 
 from live.render.lettering import letter
+from live.render.typeface import readable
 
 
 def test_every_letter_but_the_space_leaves_ink_within_its_own_cell() -> None:
@@ -37,3 +39,20 @@ def test_unknown_letters_become_question_marks_and_length_is_limited() -> None:
     np.testing.assert_array_equal(strange, known)
     assert len(lettering.lay_out(("x" * 500,), (0.0, 0.0), 64)) == 64
     assert lettering.lay_out((), (0.0, 0.0), 10).shape == (0, 4)
+
+
+def test_words_with_accents_stay_readable() -> None:
+    lettering = letter(14)
+    laid = lettering.lay_out(("Dan\u00e7a S\u00e3o, \u00c9lan",), (3.0, 4.0), 100)
+    np.testing.assert_array_equal(laid, lettering.lay_out(("Danca Sao, Elan",), (3.0, 4.0), 100))
+    assert readable("Stra\u00dfe \u00d8rsted") == "Strasse Orsted"
+    assert readable("plain, 1-2") == "plain, 1-2"
+    assert readable("\u6f22") == "?"
+
+
+def test_no_letter_that_is_drawn_is_the_box_of_those_that_are_missing() -> None:
+    font = ImageFont.load_default(size=20)
+    missing = bytes(font.getmask("\uffff"))
+    for one in letter(20).index:
+        if one.strip():
+            assert bytes(font.getmask(one)) != missing, one

@@ -31,10 +31,13 @@ def outline(gl_context):
     def seen(quality, away, turns=LUNGE):
         camera = Camera(eye=(0.0, 1.0, away), target=(0.0, 0.95, 0.0), field_of_view_deg=40.0)
         view = stage_view([(turns, (0.0, 0.0), 25.0, 0)])
-        frame, crowd = FrameBlock(gl_context, scene(1, camera), SIZE), Crowd(gl_context, scene(1, camera), quality)
+        frame, crowd = (
+            FrameBlock(gl_context, scene(1, camera), SIZE),
+            Crowd(gl_context, scene(1, camera), quality, SIZE),
+        )
         surface = SurfacePass(gl_context, quality, SIZE)
         frame.write(view)
-        crowd.update(view)
+        crowd.update(view, frame.light)
         surface.draw(crowd)
         mask = np.frombuffer(surface.depth.read(), np.float32).reshape(SIZE[::-1]) < 1.0
         for thing in (surface, crowd, frame):

@@ -63,7 +63,7 @@ def test_a_jump_forgets(gl_context):
 
 
 def test_each_group_leaves_ghosts_at_its_own_beats(gl_context):
-    crowd = Crowd(gl_context, scene(2), SOFTWARE)
+    crowd = Crowd(gl_context, scene(2), SOFTWARE, (64, 64))
     row = picture_of(scene(2))
     for group, spacing in ((0, 1.0), (1, 0.5)):
         row[of_group(STYLE_OF_GROUP + "trails", group).where] = 1.0
@@ -72,7 +72,7 @@ def test_each_group_leaves_ghosts_at_its_own_beats(gl_context):
     history = PoseHistory(gl_context, 2)
     for frame in range(100):  # until beat 3.3
         view = at(frame / 30.0)
-        crowd.update(view)
+        crowd.update(view, np.array([0, 1, 0], np.float32))
         history.update(view, crowd)
     ages = np.array([history.ages(slot) for slot in range(8)])
     assert sorted(ages[ages[:, 0] >= 0.0, 0]) == pytest.approx([0.3, 1.3, 2.3], abs=1e-5)

@@ -196,6 +196,7 @@ def test_a_trial_takes_good_ones_and_tells_of_others(gl_context):
         try_passes((own("waves", WAVES), own("bad", "\n\nvec4 pass(vec2 at) { return undefd; }")))
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_a_shader_that_never_ends_is_ended(gl_context):
     # llvmpipe ends every loop after 65,535 rounds: rounds so long that nobody sees the last one

@@ -1,8 +1,22 @@
 """Shader sources: includes, constants, and the version that macOS still speaks."""
 
-import pytest
+import io
+from collections.abc import Iterator
+from importlib import resources
+from pathlib import Path
 
-from live.render.shader import source
+import moderngl
+import numpy as np
+import numpy.typing as npt
+import pytest
+from rich.console import Console
+
+from live.base.errors import PersonError
+from live.cli.shader_watch import ShaderWatch, begin_with
+from live.render.quality import SOFTWARE
+from live.render.renderer import Renderer
+from live.render.shader import _problem, names, read_from, source
+from tests.render.test_renderer import read, scene, standing
 
 
 def test_includes_come_once_and_constants_follow_the_version() -> None:
@@ -17,3 +31,84 @@ def test_includes_come_once_and_constants_follow_the_version() -> None:
 def test_an_unknown_shader_is_an_error() -> None:
     with pytest.raises(FileNotFoundError):
         source("no_such_shader.glsl")
+
+
+@pytest.fixture
+def own_folder(tmp_path: Path) -> Iterator[Path]:
+    """A folder whose shaders are taken instead of the program's."""
+    read_from(tmp_path)
+    yield tmp_path
+    read_from(None)
+
+
+@pytest.mark.parametrize(
+    ("log", "told"),
+    [
+        ("fragment_shader\n===\n0:3(12): warning: x\n0:2(12): error: `x' undeclared", "b.glsl, line 1: error: "),
+        ("0(1) : warning\n0(3) : error C1503: undefined variable", "c.glsl, line 7: error C1503"),
+        ("ERROR: 0:2: Use of undeclared identifier 'x'", "b.glsl, line 1: Use of"),
+        ("Linker: no main", "a.glsl: Linker: no main"),
+    ],
+)
+def test_every_driver_s_words_give_file_and_line(log: str, told: str) -> None:
+    assert _problem(log, ["a.glsl", "b.glsl, line 1", "c.glsl, line 7"]).startswith(told)
+
+
+def test_an_include_that_is_not_there_is_told_with_its_place(own_folder: Path) -> None:
+    (own_folder / "grade_fragment.glsl").write_text('\n#include "frame.glsl"\n#include "nothing.glsl"\n')
+    with pytest.raises(PersonError, match=r"shaders/grade_fragment.glsl, line 3: there is no such file"):
+        source("grade_fragment.glsl")
+
+
+@pytest.mark.gl
+def test_edited_shaders_are_drawn_with_and_a_wrong_one_leaves_the_last_good_one(
+    gl_context: moderngl.Context, own_folder: Path
+) -> None:
+    renderer = Renderer(gl_context, scene(1), size=(64, 36), quality=SOFTWARE)
+    target, view, watched = gl_context.simple_framebuffer((64, 36)), standing(), []
+
+    def drawn() -> npt.NDArray[np.uint8]:
+        for _ in range(2):
+            renderer.draw(view, target)
+        return read(target)
+
+    watch = ShaderWatch(own_folder, renderer.take_shaders)
+
+    def edit(name: str, text: str) -> None:
+        (own_folder / name).write_text(text)
+        for _ in range(3):
+            watched.append(None)
+            watch.look(float(len(watched)))
+
+    usual = drawn()
+    finish = (resources.files("live.render") / "shaders" / "finish.glsl").read_text()
+    edit("finish.glsl", finish.replace("return film(", "return 0.3 * film("))
+    dark = drawn()
+    assert watch.taken == 1
+    assert 0.1 < dark.mean() / usual.mean() < 0.9
+    edit("finish.glsl", finish.replace("vec3 film(vec3 light) {", "vec3 film(vec3 light) { lihgt *= 2.0;"))
+    line = finish[: finish.index("vec3 film")].count("\n") + 1
+    assert watch.problem.startswith(f"shaders/finish.glsl, line {line}: ")
+    assert "lihgt" in watch.problem
+    assert watch.problem.endswith("the last good one goes on")
+    np.testing.assert_array_equal(drawn(), dark)
+    edit("finish.glsl", finish)
+    assert (watch.taken, watch.problem) == (2, "")
+    np.testing.assert_array_equal(drawn(), usual)
+    renderer.release()
+    target.release()
+
+
+def test_a_folder_that_is_not_there_is_made_with_all_shaders(tmp_path: Path) -> None:
+    console, folder = Console(file=io.StringIO()), tmp_path / "looks" / "mine"
+    try:
+        begin_with(folder, console)
+        assert sorted(each.name for each in folder.iterdir()) == names()
+        (folder / "shwon.glsl").write_text("")
+        begin_with(folder, console)
+        assert "shwon.glsl is none of the program's shaders" in console.file.getvalue()
+    finally:
+        read_from(None)
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(PersonError, match="none of the program's shaders is there"):
+        begin_with(tmp_path / "empty", console)

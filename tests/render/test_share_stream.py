@@ -73,6 +73,7 @@ def sent_until(stream: SharedStream, receiver: Receiver, count: int) -> int:
     return frame
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("sound", [False, True])
 def test_what_was_drawn_is_what_arrives(sound: bool) -> None:
     url = f"udp://127.0.0.1:{free_port()}"

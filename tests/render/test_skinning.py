@@ -41,7 +41,13 @@ def skinned(mesh, turns):
     """Dual-quaternion skinning (Kavan et al. 2007) in double precision."""
     position, rotation = pose(turns)
     texels = np.zeros((1, 2 * JOINT_COUNT, 4), np.float32)
-    pose_texels(position[None], rotation[None], np.ascontiguousarray(SKELETON.rest_positions(), np.float32), texels)
+    pose_texels(
+        position[None],
+        rotation[None],
+        np.ascontiguousarray(SKELETON.rest_positions(), np.float32),
+        np.ones(1, np.bool_),
+        texels,
+    )
     joints = texels[0].reshape(JOINT_COUNT, 2, 4).astype(np.float64)
     real, dual = joints[mesh.joint, 0], joints[mesh.joint, 1]
     weight = np.where((real * real[:, :1]).sum(axis=-1) < 0.0, -1.0, 1.0) * np.rint(mesh.weight * 255.0)
@@ -83,12 +89,12 @@ def test_the_shader_does_the_same(gl_context, level, joint):
     mesh = build_body(level)
     text = source("skin.glsl") + "out vec3 seen;\nvoid main() { seen = skinned(in_position, in_normal).place; }\n"
     linked = gl_context.program(vertex_shader=text, varyings=["seen"])
-    crowd = Crowd(gl_context, scene(1), SOFTWARE)
+    crowd = Crowd(gl_context, scene(1), SOFTWARE, (64, 64))
     form, names = layout(linked)
     vertices, who = gl_context.buffer(vertex_bytes(mesh)), gl_context.buffer(np.zeros(1, np.float32).tobytes())
     array = gl_context.vertex_array(linked, [(vertices, form, *names), (who, "1f/i", "in_dancer")])
     out = gl_context.buffer(reserve=12 * len(mesh.position))
-    crowd.update(stage_view([(BENT[joint], (0.0, 0.0), 0.0, 0)]))
+    crowd.update(stage_view([(BENT[joint], (0.0, 0.0), 0.0, 0)]), np.array([0, 1, 0], np.float32))
     crowd.dress_program(linked)
     set_uniform(linked, "poses", POSE_UNIT)
     bound = gl_context.simple_framebuffer((4, 4))  # without a screen there is none to begin with

@@ -21,6 +21,7 @@ def seen(picture):
     return round((float(picture.mean()) - grey_of(0)) / 10.0)
 
 
+@pytest.mark.long
 def test_a_patient_video_gives_every_picture_at_its_time_and_none_twice(film):
     video = Video(film, patient=True)
     assert video.seconds == pytest.approx(FRAMES / RATE, abs=0.02)

@@ -17,12 +17,12 @@ from live.motion.skeleton import SKELETON
 from live.render.body import COARSE, FINE, LIGHT, BodyMesh, strongest
 from live.render.body_shape import Shape
 from live.render.body_type import parts_of
+from live.render.characters.extras import EXTRAS, Layers, extras_of, layers_of
 from live.render.characters.fit import Fitted, fit
 from live.render.characters.joints import find_joints
 from live.render.characters.levels import reduce_to
 from live.render.characters.model import Material, Model
 from live.render.characters.read import read_model
-from live.render.characters.textures import read_layers
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -62,6 +62,8 @@ class Character:
     """Whether some of it is seen from behind, too."""
     reach: float
     """How far it reaches beyond its joints [m]."""
+    extras: Float32
+    """What some materials have beside their colours, see `extras_of`."""
 
 
 def load_character(said: CharacterFile) -> Character:
@@ -87,17 +89,17 @@ def _loaded(said: CharacterFile, stamp: tuple[int, int]) -> Character:
     kept = tuple(part for part in model.parts if part.material not in hidden)
     if not kept:
         raise MotionFileError(model.file, None, "all its materials are hidden", "leave one to be seen")
-    model = Model(**{name: getattr(model, name) for name in Model.__dataclass_fields__} | {"parts": kept})
-    used = sorted({m.image for m, _ in filter(None, materials) if m.image is not None and model.images[m.image]})
-    layers = read_layers([model.images[image] or b"" for image in used], model.file)
-    layer_of = {image: number + 1 for number, image in enumerate(used)}
+    layers, layer_of, notes = layers_of(model, [material for material, _ in filter(None, materials)])
+    changed = {"parts": kept, "notes": (*model.notes, *notes)}
+    model = Model(**{name: getattr(model, name) for name in Model.__dataclass_fields__} | changed)
     fitted = fit(model, joints)
+    extras = extras_of([None if known is None else known[0] for known in materials], layer_of)
     surface = _surface(model, materials, layer_of)
     triangle = np.concatenate([part.triangle + first for part, first in zip(model.parts, _firsts(model), strict=True)])
     openness = _openness(fitted)
     levels = {level: _level(fitted, surface, openness, triangle, wanted) for level, wanted in TRIANGLES.items()}
     two_sided = any(materials[part.material][0].two_sided for part in model.parts)  # type: ignore[index]
-    return Character(model, joints, fitted, levels, layers, two_sided, _reach(fitted))
+    return Character(model, joints, fitted, levels, layers, two_sided, _reach(fitted), extras)
 
 
 def _firsts(model: Model) -> list[int]:
@@ -114,7 +116,7 @@ def _materials(model: Model, said: Mapping[str, Worn]) -> list[tuple[Material, W
     return [None if worn.hidden else (material, worn) for material, worn in changed]
 
 
-def _surface(model: Model, materials: list[tuple[Material, Worn] | None], layer_of: dict[int, int]) -> Float64:
+def _surface(model: Model, materials: list[tuple[Material, Worn] | None], layer_of: Layers) -> Float64:
     """uv, tint, finish and number of the material of all vertices, shape (V, 11)."""
     rows = []
     for part in model.parts:
@@ -123,8 +125,9 @@ def _surface(model: Model, materials: list[tuple[Material, Worn] | None], layer_
         material, worn = known
         colour = np.array(material.colour[:3]) * (1.0 if worn.colour is None else np.array(worn.colour))
         sheen = (0.06 if material.drawn else 0.35 * (1.0 - material.rough)) if worn.sheen is None else worn.sheen
-        layer = 0 if material.image is None else layer_of.get(material.image, 0)
-        row = [*np.sqrt(colour), sheen, layer, material.cutoff, material.colour[3], 0.0, part.material]
+        layer = 0 if material.image is None else layer_of.get((material.image, False), 0)
+        extra = part.material + 1 if material.has_more and part.material < EXTRAS - 1 else 0
+        row = [*np.sqrt(colour), sheen, layer, material.cutoff, material.colour[3], extra / 255.0, part.material]
         rows.append(np.column_stack([part.uv, np.tile(row, (len(part.uv), 1))]))
     return np.concatenate(rows)
 

@@ -29,6 +29,24 @@ class Material:
     """0 is a mirror, 1 is chalk."""
     drawn: bool
     """Whether the file says that it is lit like a drawing: unlit, MToon."""
+    normal: int | None = None
+    """The image of its normals (OpenGL's way: green is up), None: none."""
+    bumps: float = 1.0
+    """How strong they are."""
+    glow: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Linear RGB of the light that it gives itself."""
+    glow_image: int | None = None
+    """The image that this is multiplied by, None: none."""
+
+    @property
+    def images(self) -> set[int]:
+        """All images that it needs."""
+        return {image for image in (self.image, self.normal, self.glow_image) if image is not None}
+
+    @property
+    def has_more(self) -> bool:
+        """Whether it has more than colours: normals, or light of its own."""
+        return self.normal is not None or max(self.glow) > 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -86,7 +86,7 @@ class _Reader:
         parts = list(self._parts())
         if not parts:
             raise self._root.error("meshes", "hold no triangles that move with a skin", "export mesh and armature")
-        used = {self._materials[part.material].image for part in parts}
+        used = set().union(*(self._materials[part.material].images for part in parts))
         images = self._root.length("images")
         if images > IMAGE_LIMIT:
             raise self._root.error("images", f"are {images}", f"at most {IMAGE_LIMIT} expected")

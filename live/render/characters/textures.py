@@ -16,8 +16,10 @@ SIDE_LIMIT: Final = 8192
 PIXEL_LIMIT: Final = 150_000_000
 """Pixels of all images of a character at most."""
 _SIDE: Final = 1024
-_ROOM: Final = 16 << 20
+_ROOM: Final = 24 << 20
 """Texels of all layers together."""
+WHOLE: Final = _ROOM // (_SIDE * _SIDE) - 1
+"""So many images keep their size."""
 _SMALLER: Final = "export the character with images of 1024 or 2048 pixels"
 
 _LINEAR: Final = np.arange(256) / 255.0
@@ -26,8 +28,9 @@ _ROOTS: Final = np.rint(np.sqrt(_LINEAR_OF) * 255.0).astype(np.uint8)
 """Square roots of linear light, as all colours of dancers are kept, of sRGB bytes (IEC 61966-2-1)."""
 
 
-def read_layers(images: list[bytes], file: str) -> UInt8:
-    """Layers (L, S, S, 4) of an image each, after a white one: square roots of linear RGB, and opacity.
+def read_layers(images: list[bytes], file: str, numbers: frozenset[int] = frozenset()) -> UInt8:
+    """Layers (L, S, S, 4) of an image each, after a white one: square roots of linear RGB, and opacity. Those whose
+    place in `images` is in `numbers` hold no colours, and stay as they are.
 
     MotionFileError for what is no PNG, JPEG or WebP, is broken, or would take too much room.
     """
@@ -41,7 +44,9 @@ def read_layers(images: list[bytes], file: str) -> UInt8:
     layers = np.full((len(opened) + 1, side, side, 4), 255, np.uint8)
     for number, image in enumerate(opened):
         layers[number + 1] = _pixels(image, side, number, file)
-    layers[..., :3] = _ROOTS[layers[..., :3]]
+    for number in range(len(layers)):
+        if number - 1 not in numbers:
+            layers[number, ..., :3] = _ROOTS[layers[number, ..., :3]]
     return layers
 
 

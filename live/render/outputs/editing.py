@@ -11,12 +11,9 @@ import numpy as np
 from live.base.errors import PersonError
 from live.render.outputs.corner_pin import check_corners, homography, mapped
 from live.render.outputs.mesh import bent, check_mesh, regular
+from live.render.outputs.moved_points import MovedPoints
 from live.render.outputs.output import MESH_MOST, UNBENT, Output, Point
 
-REACH: Final = 0.06
-"""A point is taken hold of from so far away, as a share of the window's width."""
-KEPT: Final = 200
-"""Steps that can be undone."""
 FIRST_MESH: Final = 3
 """Points each way of a mesh that begins."""
 
@@ -25,22 +22,15 @@ FARTHEST_POINT: Final = (-1.0, 2.0)
 """Between these shares of the frame lie a mesh's points."""
 
 
-class Editing:
+class Editing(MovedPoints[Output]):
     """One output being bent. A move that would fold or cross it is left out, and `problem` says why."""
 
     def __init__(self, output: Output) -> None:
+        super().__init__()
         self.output = output
         """As it is bent now."""
         self.on_mesh = False
         """Whether the mesh's points are moved, and not the corners."""
-        self.chosen = 0
-        """The point that keys move."""
-        self.is_changed = False
-        """Whether anything was moved that nobody has kept yet."""
-        self.problem = ""
-        """Why the last move was left out; empty if it was not."""
-        self._before: list[Output] = []
-        self._held = False
 
     @property
     def points(self) -> list[Point]:
@@ -49,41 +39,6 @@ class Editing:
             return list(self.output.corners)
         flat = [point for row in self.output.mesh for point in row]
         return [(float(x), float(y)) for x, y in mapped(homography(self.output.corners), flat)]
-
-    # -- choosing ----------------------------------------------------------------------------------------------
-
-    def next(self, step: int = 1) -> None:
-        """Choose the next point, or the one before."""
-        self.chosen = (self.chosen + step) % len(self.points)
-
-    def take_hold(self, place: Point, aspect: float) -> bool:
-        """Choose the point at a place of the window, of that width by its height; False if there is none."""
-        far = np.array(self.points) - place
-        distance = np.hypot(far[:, 0], far[:, 1] / aspect)
-        nearest = int(distance.argmin())
-        if distance[nearest] > REACH:
-            return False
-        self.chosen, self._held = nearest, True
-        self._keep()
-        return True
-
-    def let_go(self) -> None:
-        """The point that was held stays where it is."""
-        self._held = False
-
-    # -- moving ------------------------------------------------------------------------------------------------
-
-    def pull(self, place: Point) -> None:
-        """The point that is held goes there; nothing if none is."""
-        if self._held:
-            self._move(place)
-
-    def nudge(self, x: float, y: float) -> None:
-        """The chosen point goes so far [shares of the window]."""
-        self._keep()
-        at = self.points[self.chosen]
-        if not self._move((at[0] + x, at[1] + y)):
-            self._before.pop()
 
     def _move(self, place: Point) -> bool:
         output = self.output
@@ -138,15 +93,10 @@ class Editing:
         else:
             self.output = replace(self.output, corners=UNBENT)
 
-    def undo(self) -> None:
-        """As it was before the last move."""
-        if self._before:
-            self.output, self.is_changed = self._before.pop(), True
-            self.on_mesh = self.on_mesh and bool(self.output.mesh)
-            self.chosen = min(self.chosen, len(self.points) - 1)
-            self.problem = ""
+    def _now(self) -> Output:
+        return self.output
 
-    def _keep(self) -> None:
-        self.is_changed = True
-        self._before.append(self.output)
-        del self._before[:-KEPT]
+    def _restore(self, state: Output) -> None:
+        self.output = state
+        self.on_mesh = self.on_mesh and bool(state.mesh)
+        self.chosen = min(self.chosen, len(self.points) - 1)

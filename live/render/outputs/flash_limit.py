@@ -44,6 +44,7 @@ class FlashLimit:
         self._rose, self._fell = np.full(cells, -np.inf), np.full(cells, -np.inf)
         self._rises: list[float] = []
         self._up: bool | None = None  # whether the last change was a rise
+        self._turned = -np.inf  # when that was
         self._few = max(int(np.ceil(AREA * cells)) - 1, 0)
         self.held = 0
         """Pictures whose light was held back."""
@@ -103,9 +104,11 @@ class FlashLimit:
         self._turn(time)
 
     def _turn(self, time: float) -> None:
-        """A change of the whole picture, if enough cells have changed together the other way than the last time."""
+        """A change of the whole picture, if enough cells have changed together the other way than the last time, and
+        since then: a fall just before a rise is not one after it."""
         for rises, since in ((True, self._rose), (False, self._fell)):
-            if self._up is not rises and np.count_nonzero(since > time - TOGETHER) > self._few:
-                self._up = rises
+            lately = (since > time - TOGETHER) & (since >= self._turned)
+            if self._up is not rises and np.count_nonzero(lately) > self._few:
+                self._up, self._turned = rises, time
                 if rises:
                     self._rises.append(time)

@@ -1,6 +1,7 @@
 """Mesh: a grid of points that bends the frame smoothly, and the triangles that are drawn of it."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -62,6 +63,44 @@ def bent(mesh: Mesh, across: Float64, down: Float64) -> Float64:
     return result
 
 
+def unbent(mesh: Mesh, place: Point) -> Point:
+    """Which point of the regular frame is drawn at a place of the bent one: in the very triangles that are drawn.
+
+    Beside the mesh, where nothing is drawn, the nearest triangle goes on.
+    """
+    if not mesh:
+        return place
+    corners, shares = _triangles(tuple(tuple(row) for row in mesh))
+    inside = (shares @ (*place, 1.0)).reshape(3, -1)  # how much each triangle's corners count
+    nearest = int(np.minimum(np.minimum(inside[0], inside[1]), inside[2]).argmax())
+    u, v = inside[:, nearest] @ corners[nearest]
+    return float(u), float(v)
+
+
+@lru_cache(maxsize=8)
+def _triangles(mesh: tuple[tuple[Point, ...], ...]) -> tuple[Float64, Float64]:
+    """Corners of the drawn triangles in the regular frame (T, 3, 2), and what takes (x, y, 1) to how much the
+    first, second and third corners of all count, (3 T, 3)."""
+    grids = []
+    across, down = _shares(mesh)
+    for grid in (bent(mesh, across, down), np.stack(np.meshgrid(across, down), axis=-1)):
+        a, b, c, d = grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]
+        grids.append(np.stack([a, b, c, a, c, d], axis=2).reshape(-1, 3, 2))
+    there, corners = grids
+    square = np.concatenate([there, np.ones((*there.shape[:2], 1))], axis=2).swapaxes(1, 2)
+    flat = np.abs(np.linalg.det(square)) < 1e-12  # folded to a line: nobody can point at it
+    square[flat] = np.eye(3)
+    shares = np.linalg.inv(square)
+    shares[flat] = -1e9
+    return corners, np.ascontiguousarray(shares.swapaxes(0, 1).reshape(-1, 3))
+
+
+def _shares(mesh: Mesh) -> tuple[Float64, Float64]:
+    """The shares of the frame, across and down, between which pieces are drawn."""
+    columns, rows = len(mesh[0]), len(mesh)
+    return np.linspace(0.0, 1.0, (columns - 1) * PIECES + 1), np.linspace(0.0, 1.0, (rows - 1) * PIECES + 1)
+
+
 def _spline(points: Float64, shares: Float64) -> Float64:
     """A spline along the first axis of (k, ..., 2) at shares (s,) of the way from its first to its last point."""
     count = len(points)
@@ -78,8 +117,7 @@ def vertices(output: Output) -> Float32:
     """What is drawn of an output: triangles' corners (x w, y w, w, u, v) with (x, y) in the window and (u, v) in the
     frame, shape (V, 5). The card divides by w, which makes the corner pin exact in every pixel."""
     if output.mesh:
-        columns, rows = len(output.mesh[0]), len(output.mesh)
-        across, down = np.linspace(0.0, 1.0, (columns - 1) * PIECES + 1), np.linspace(0.0, 1.0, (rows - 1) * PIECES + 1)
+        across, down = _shares(output.mesh)
         places = bent(output.mesh, across, down)
     else:
         across = down = np.array([0.0, 1.0])

@@ -15,6 +15,8 @@ from live.render.release import release_all
 from live.render.shader import program, set_uniform
 
 LARGEST_MASK: Final = 8192
+SIGNAL: Final = 2.2
+"""Light is signal to this power."""
 
 _TURNS: Final = {
     0: ((1, 0, 0), (0, 1, 0)),
@@ -32,15 +34,20 @@ class OutputPass:
         """`number`: of the output, from 0, for its tint; `detail`: a line under its name. PersonError for its mask."""
         self._ctx = ctx
         shaders = "output_vertex.glsl", "output_fragment.glsl"
-        tinted = int(output.is_tinted)
-        self._programs = [program(ctx, *shaders, (("CARD", card), ("TINTED", tinted))) for card in (0, 1)]
+        kinds = (
+            ("TINTED", int(output.is_tinted)), ("GAMMA", int(output.gamma != 1.0)),
+            ("BLACK", int(output.edge.black > 0.0)), ("MASKED", int(output.mask is not None)),
+        )  # fmt: skip
+        self._programs = [program(ctx, *shaders, (("CARD", card), *kinds)) for card in (0, 1)]
         self._buffer = ctx.buffer(reserve=MOST_VERTICES * 20, dynamic=True)
         place = [(self._buffer, "3f 2f", "in_place", "in_frame")]
         self._arrays = [ctx.vertex_array(linked, place) for linked in self._programs]
         picture = words_of(output.name, detail)
         self._words = _grey(ctx, picture)
         self._mask = _grey(ctx, np.full((1, 1), 255, np.uint8) if output.mask is None else read_mask(output))
-        for unit, name in enumerate(("picture", "mask", "words"), start=1):
+        self._sheet = _grey(ctx, np.full((1, 1), 255, np.uint8))
+        self._tell("sheet_size", (1, 1))
+        for unit, name in enumerate(("picture", "mask", "words", "sheet"), start=1):
             self._tell(name, unit)
         self._tell("words_size", (picture.shape[1], picture.shape[0]))
         self._tell("card_tint", TINTS[number % len(TINTS)])
@@ -51,7 +58,7 @@ class OutputPass:
             set_uniform(linked, name, value)
 
     def set(self, output: Output) -> None:
-        """Bend as this output says; its mask, and whether it tints at all, stay."""
+        """Bend as this output says; its mask, and how it tints, stay."""
         self._output = output
         data = vertices(output)
         self._buffer.write(data)
@@ -63,6 +70,12 @@ class OutputPass:
         self._tell("edge", (edge.left, edge.right, edge.top, edge.bottom))
         self._tell("blend", (edge.gamma, edge.black, (1 + across) * (1 + down)))
         self._tell("bent", output.is_bent)
+
+    def take_sheet(self, sheet: npt.NDArray[np.uint8]) -> None:
+        """What an audience joins by is this from now on: brightness, row 0 on top, shape (H, W)."""
+        self._sheet.release()
+        self._sheet = _grey(self._ctx, np.ascontiguousarray(sheet))
+        self._tell("sheet_size", (sheet.shape[1], sheet.shape[0]))
 
     def draw(
         self, picture: moderngl.Texture, target: moderngl.Framebuffer, *, card: Card = "off", left: float = 1.0
@@ -76,7 +89,7 @@ class OutputPass:
         set_uniform(linked, "window_size", (width, height))
         set_uniform(linked, "frame_size", (width, height) if upright else (height, width))
         set_uniform(linked, "picture_size", picture.size)
-        set_uniform(linked, "light", (self._output.brightness, self._output.gamma, left))
+        set_uniform(linked, "light", (self._output.brightness, self._output.gamma, left ** (1.0 / SIGNAL)))
         set_uniform(linked, "card", CARDS.index(card))
         target.use()
         target.clear(0.0, 0.0, 0.0, 1.0)
@@ -84,11 +97,12 @@ class OutputPass:
         picture.use(1)
         self._mask.use(2)
         self._words.use(3)
+        self._sheet.use(4)
         array.render(moderngl.TRIANGLES, vertices=self._count)
 
     def release(self) -> None:
         """Free everything."""
-        release_all(*self._arrays, self._buffer, self._words, self._mask, *self._programs)
+        release_all(*self._arrays, self._buffer, self._words, self._mask, self._sheet, *self._programs)
 
 
 def turned(output: Output) -> npt.NDArray[np.float32]:

@@ -9,6 +9,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
+import moderngl
+import numpy as np
+import numpy.typing as npt
+
 from live.base.stage_view import Scene, StageView
 from live.render.monitor_places import find_place
 from live.render.monitors import Monitor
@@ -16,6 +20,7 @@ from live.render.outputs.flash_meter import FlashGuard
 from live.render.outputs.output import Output
 from live.render.outputs.pictures import Pictures, picture_size
 from live.render.outputs.screen import Screen
+from live.render.outputs.shown import Shown
 from live.render.renderer import Renderer
 from live.render.window import Window
 from live.render.window_input import PointerMoved, PointerPressed, PointerReleased, WindowInput
@@ -75,7 +80,8 @@ class Projection:
         self.renderer = Renderer(self.window.ctx, scene, size=self.pictures.size, steps=True)
         self.flashes = FlashGuard(self.window.ctx)
         """How much of its light each picture may have."""
-        self._lifted = False
+        self._lifted, self._left = False, 1.0
+        self._shown: Shown | None = None
         self._closing.callback(self._release)
         self._draw_once()
 
@@ -155,13 +161,29 @@ class Projection:
         self.renderer.annotate(view, self._noted.next)
         self._noted.take()
 
+    def take_sheet(self, sheet: npt.NDArray[np.uint8]) -> None:
+        """The card that an audience joins by is this from now on: brightness, row 0 on top, shape (H, W)."""
+        for screen in self.all[::-1]:
+            screen.take_sheet(sheet)
+        self.window.make_current()
+
+    def take_shaders(self) -> None:
+        """Draw with the shaders as they are now, see `Renderer.take_shaders`; PersonError if one is no program."""
+        self.window.make_current()
+        self.renderer.take_shaders()
+        try:
+            for screen in self.all[::-1]:
+                screen.take_shaders()
+        finally:
+            self.window.make_current()
+
     def show(self, time: float) -> None:
         """Throw the last picture on every projector at `time` [s], with no more light than the flash limit leaves."""
-        left = 1.0
+        self._left = left = 1.0
         if self._lifted:
             self.flashes.rest()
         else:
-            left = self.flashes.left(self.pictures.texture, time)
+            self._left = left = self.flashes.left(self.pictures.texture, time)
         others = self.all[1:]
         if others:
             self.window.ctx.finish()  # other contexts see only what is done
@@ -174,6 +196,14 @@ class Projection:
             self.window.make_current()
         self.screens[0].draw(self.pictures, left)
         self.window.swap()
+
+    def prepare_shown(self) -> None:
+        """Make what `shown` needs; before the show, if anybody will ask."""
+        self._shown = Shown(self.window.ctx, self.pictures.size)
+
+    def shown(self) -> moderngl.Framebuffer:
+        """The whole picture that was thrown last, with the light that it had there, see `Shown`."""
+        return self.pictures.last if self._shown is None else self._shown.of(self.pictures, self._left)
 
     def reveal(self, *, fullscreen: bool) -> None:
         """Show windows that were opened hidden."""
@@ -202,6 +232,8 @@ class Projection:
             screen.release()
         self.window.make_current()
         self.flashes.release()
+        if self._shown is not None:
+            self._shown.release()
         self.renderer.release()
         self.pictures.release()
         if self._noted is not None:

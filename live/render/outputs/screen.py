@@ -1,17 +1,19 @@
 """Screen: one output in its window, with its pass and the test card that it shows."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from live.render.outputs.corner_pin import homography, mapped
 from live.render.outputs.editing import Editing
+from live.render.outputs.floor_editing import FloorEditing
 from live.render.outputs.handle_pass import HandlePass
 from live.render.outputs.output import UNBENT, Output, Point
-from live.render.outputs.output_pass import OutputPass, turned
+from live.render.outputs.output_pass import OutputPass
 from live.render.outputs.pictures import Pictures
+from live.render.outputs.places import picture_place
 from live.render.outputs.test_cards import Card
 from live.render.window import Window
 
@@ -26,16 +28,20 @@ class Screen:
         self.card: Card = "off"
         """The test card that it shows."""
         self._fits = fits
+        self._sheet: npt.NDArray[np.uint8] | None = None
         self._fitted: tuple[Any, ...] = ()
         window.make_current()
-        width, height = window.size
-        self._pass = OutputPass(window.ctx, output, number, f"{width} x {height}   {window.monitor.name}")
+        self._number, self._detail = number, f"{window.size[0]} x {window.size[1]}   {window.monitor.name}"
+        self._pass = self._made_pass()
         self._known: dict[int, moderngl.Texture] = {}
-        self.editing: Editing | None = None
+        self.editing: Editing | FloorEditing | None = None
         """Its points being moved, if they are."""
         self.lines: tuple[str, ...] = ()
         """Words over the window while it is edited."""
         self._handles: HandlePass | None = None
+
+    def _made_pass(self) -> OutputPass:
+        return OutputPass(self.window.ctx, self.output, self._number, self._detail)
 
     def set(self, output: Output) -> None:
         """Show it like this from now on."""
@@ -45,10 +51,34 @@ class Screen:
 
     def edit(self, on: bool) -> None:
         """Begin to bend it by hand, or be done with it."""
-        self.editing = Editing(self.output) if on else None
-        if on and self._handles is None:
+        self._begin(Editing(self.output) if on else None)
+
+    def edit_floor(self, corners: Sequence[Point]) -> None:
+        """Begin to point at the corners of the real floor; now they are there, as shares of the whole picture."""
+        self._begin(FloorEditing(self.output, corners))
+
+    def _begin(self, editing: Editing | FloorEditing | None) -> None:
+        self.editing = editing
+        if editing is not None and self._handles is None:
             self.window.make_current()
             self._handles = HandlePass(self.window.ctx, self.window.size[1])
+
+    def take_sheet(self, sheet: npt.NDArray[np.uint8]) -> None:
+        """What an audience joins by is this from now on."""
+        self._sheet = sheet
+        self.window.make_current()
+        self._pass.take_sheet(sheet)
+
+    def take_shaders(self) -> None:
+        """Draw with the shaders as they are now; PersonError if one is no program: all goes on as it was."""
+        self.window.make_current()
+        made = self._made_pass()
+        self._pass.release()
+        self._pass = made
+        self._pass.set(self.output)
+        if self._sheet is not None:
+            self._pass.take_sheet(self._sheet)
+        self._fitted = ()
 
     def forget(self) -> None:
         """The pictures are about to be made anew."""
@@ -90,14 +120,10 @@ class Screen:
         return self._known[texture.glo]
 
     def on_picture(self, place: tuple[float, float], picture: tuple[int, int]) -> tuple[float, float]:
-        """Where a pixel of the window lies in the picture of that size [pixels]; what a mesh bends is left out."""
-        output, window = self.output, self.window.size
-        share = (place[0] / window[0], place[1] / window[1])
-        back: npt.NDArray[np.float64] = np.linalg.inv(homography(output.corners)).astype(np.float64)
-        u, v = mapped(back, share).tolist()
-        at = turned(output) @ (u, v, 1.0)
-        x, y, width, height = output.crop
-        return float((x + at[0] * width) * picture[0]), float((y + at[1] * height) * picture[1])
+        """Where a pixel of the window lies in the picture of that size [pixels]."""
+        window = self.window.size
+        x, y = picture_place(self.output, (place[0] / window[0], place[1] / window[1]))
+        return x * picture[0], y * picture[1]
 
     def release(self) -> None:
         """Free everything; the window stays."""

@@ -1,5 +1,6 @@
 """Images and videos behind the dancers: on the wall behind the stage, or over the whole picture."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -39,7 +40,7 @@ class BackgroundPass(ScenePass):
         self._scene = making.scene
         self._program = program(making.ctx, "background_vertex.glsl", "background_fragment.glsl")
         self._quad = making.ctx.vertex_array(self._program, [])
-        self._sources = [self._open(said, making.patient) for said in making.scene.backgrounds]
+        self._sources = [self._open(said, making.patient) if said.file else None for said in making.scene.backgrounds]
 
     def _open(self, said: Background, patient: bool) -> _Source:
         path = Path(said.file)
@@ -58,7 +59,20 @@ class BackgroundPass(ScenePass):
 
     def active(self, moment: Moment) -> bool:
         """While any is seen."""
-        return any(moment.amount(place) > 0.0 for place, _ in zip(_ROWS, self._sources, strict=False))
+        return any(self._seen(moment))
+
+    def _seen(self, moment: Moment) -> Iterator[tuple[_Source, float]]:
+        """Those that are seen, and how much of each."""
+        for place, source in zip(_ROWS, self._sources, strict=False):
+            amount = moment.amount(place)
+            if source is not None and amount > 0.0:
+                yield source, amount
+
+    @property
+    def problems(self) -> list[str]:
+        """What is wrong with videos, whose last pictures stay."""
+        videos = [(Path(one.said.file).name, one.video) for one in self._sources if one is not None and one.video]
+        return [f"background {name}: {video.problem}" for name, video in videos if video.problem]
 
     def over_active(self, moment: Moment) -> bool:
         """As `active`: it is asked only then."""
@@ -66,8 +80,8 @@ class BackgroundPass(ScenePass):
 
     def prepare(self, moment: Moment) -> None:
         """Take the pictures of videos that are due."""
-        for place, source in zip(_ROWS, self._sources, strict=False):
-            if source.video is None or moment.amount(place) <= 0.0:
+        for source, _ in self._seen(moment):
+            if source.video is None:
                 continue
             picture = source.video.at(video_place(moment.view, source.said.beats, source.video.seconds))
             if picture is not None:
@@ -81,10 +95,8 @@ class BackgroundPass(ScenePass):
         ctx.depth_func = "<="
         ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
         set_uniform(self._program, "shown_texture", 1)
-        for place, source in zip(_ROWS, self._sources, strict=False):
-            amount = moment.amount(place)
-            if amount > 0.0:
-                self._draw(source, amount)
+        for source, amount in self._seen(moment):
+            self._draw(source, amount)
         ctx.depth_func = "<"
         ctx.disable(moderngl.BLEND)
 
@@ -116,6 +128,8 @@ class BackgroundPass(ScenePass):
     def release(self) -> None:
         """Free everything, and end the threads of videos."""
         for source in self._sources:
+            if source is None:
+                continue
             if source.video is not None:
                 source.video.close()
             source.texture.release()

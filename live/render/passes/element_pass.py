@@ -18,7 +18,9 @@ from live.base.stage_view import (
     ELEMENT_CAPACITY,
     ELEMENT_CORNERS,
     FLOW,
+    LIGHT_CAPACITY,
     PATH,
+    PHONE,
     RADIAL,
     REPULSOR,
     SPREADER,
@@ -38,6 +40,7 @@ _KINDS: Final = (
     ("FLOW", FLOW),
     ("PATH", PATH),
     ("VOICE", VOICE),
+    ("PHONE", PHONE),
     ("UNIFORM", UNIFORM),
     ("RADIAL", RADIAL),
     ("VORTEX", VORTEX),
@@ -66,7 +69,7 @@ class ElementPass:
                 block = linked["Corners"]
                 assert isinstance(block, moderngl.UniformBlock)
                 block.binding = _CORNER_BINDING
-        self._staging = np.zeros((ELEMENT_CAPACITY, _COLUMNS), np.float32)
+        self._staging = np.zeros((ELEMENT_CAPACITY + LIGHT_CAPACITY, _COLUMNS), np.float32)
         self._pieces = np.zeros((ELEMENT_CORNERS, _PIECE_COLUMNS), np.float32)
         self._corners = np.zeros((ELEMENT_CORNERS, 4), np.float32)
         self._element_buffer = ctx.buffer(reserve=self._staging.nbytes, dynamic=True)
@@ -87,12 +90,14 @@ class ElementPass:
     def draw(self, view: StageView) -> None:
         """Draw the elements of this moment; nothing, at no cost, if there are none."""
         count = min(max(view.element_count, 0), ELEMENT_CAPACITY)
-        if not count:
+        lights = min(max(view.light_count, 0), LIGHT_CAPACITY)
+        if not count and not lights:
             return
         beat = view.beat % _RETURN_BEATS
         for linked in (self._pools, self._regions, self._lines):
             set_uniform(linked, "beat", beat)
         self._stage(view, count)
+        self._stage_lights(view, count, lights)
         pieces = self._stage_pieces(view, count)
         ctx = self._ctx
         ctx.enable(moderngl.BLEND)
@@ -103,7 +108,7 @@ class ElementPass:
             ctx.blend_equation = moderngl.FUNC_ADD, moderngl.FUNC_ADD
         # light over light, never brighter than white however many lie on each other
         ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_COLOR
-        self._pool_array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=count)
+        self._pool_array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=count + lights)
         if self._has_regions(view, count):
             self._corner_buffer.bind_to_uniform_block(_CORNER_BINDING)
             self._region_array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=count)
@@ -120,7 +125,24 @@ class ElementPass:
         staging[:, 7] = np.where(view.element_strength[:count] < 0.0, -1.0, 1.0) * (1 + view.element_flow[:count])
         self._element_buffer.write(staging)
 
+    def _stage_lights(self, view: StageView, first: int, count: int) -> None:
+        """The lights of an audience's phones, after the elements."""
+        if not count:
+            return
+        staging = self._staging[first : first + count]
+        staging[:] = 0.0
+        staging[:, :2] = view.light[:count, :2]
+        staging[:, 2] = PHONE
+        staging[:, 3], staging[:, 5], staging[:, 7] = (
+            view.light[:count, 3],
+            view.light[:count, 2],
+            view.light[:count, 4],
+        )
+        self._element_buffer.write(staging, offset=first * staging.strides[0])
+
     def _has_regions(self, view: StageView, count: int) -> bool:
+        if not count:
+            return False
         corners = view.element_corners[:count]
         used = min(int((view.element_first[:count] + corners).max()), ELEMENT_CORNERS)
         if used > 1 and (corners > 1).any():

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Final
 
 import moderngl
+import numpy as np
 
 from live.base.stage_view import StageView
 from live.render.body import COARSE
@@ -34,7 +35,7 @@ class FloorPass:
             program(ctx, "shadow_vertex.glsl", "shadow_fragment.glsl", (("SOFT", 0), ("STYLED", styled)))
             for styled in (0, 1)
         ]
-        taps = round(_TAPS * max(quality.floor_map / 256, 1.0))
+        self._taps = taps = round(_TAPS * max(quality.floor_map / 256, 1.0))
         self._blurs = [
             program(ctx, "full_vertex.glsl", "blur_fragment.glsl", (("TAPS", taps), ("LAST", last))) for last in (0, 1)
         ]
@@ -57,7 +58,7 @@ class FloorPass:
         for blur, stride in zip(self._blurs, ((1.0 / width, 0.0), (0.0, 1.0 / depth)), strict=True):
             set_uniform(blur, "layers", 1)
             set_uniform(blur, "stride", stride)
-            set_uniform(blur, "spread", tuple(spread * long_side / 256 for spread in _SPREAD))
+            set_uniform(blur, "weights", _weights(self._taps, long_side / 256))
         self._elements.fit(max(self._floor_size) / long_side)
         self._set.fit(max(self._floor_size) / long_side)
 
@@ -110,3 +111,11 @@ class FloorPass:
             release_all(*self._framebuffers[long_side], *textures)
         release_all(*self._triangles)
         release_all(self._elements, self._set, *self._casts, *self._blurs)
+
+
+def _weights(taps: int, scale: float) -> list[tuple[float, ...]]:
+    """How much each texel so many steps away counts in the three layers, shape (taps + 1, 3); both sides sum to 1."""
+    steps = np.arange(taps + 1)[:, None]
+    weights = np.exp(-0.5 * (steps / (scale * np.array(_SPREAD))) ** 2)
+    weights /= 2.0 * weights.sum(axis=0) - weights[0]
+    return [tuple(row) for row in weights.tolist()]

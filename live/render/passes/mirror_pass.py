@@ -1,11 +1,16 @@
 """The dancers' mirror images in the dull floor, small and soft."""
 
+from typing import Final
+
 import moderngl
 
 from live.render.body import COARSE
 from live.render.crowd import Crowd
 from live.render.release import release_all
 from live.render.shader import WORN, program, set_uniform
+
+_BEYOND: Final = 4
+"""Rows above the floor's that it reads, too."""
 
 
 class MirrorPass:
@@ -37,20 +42,27 @@ class MirrorPass:
         self._result = self._ctx.framebuffer([self.texture])
         self._dark = False
 
-    def draw(self, crowd: Crowd, *, seen: bool = True) -> None:
-        """Fill `texture` for this moment: with the dancers' images, or `seen` is false and it is dark."""
+    def draw(self, crowd: Crowd, *, seen: bool = True, rows: int | None = None) -> None:
+        """Fill `texture` for this moment: with the dancers' images, or `seen` is false and it is dark.
+
+        The floor is seen in so many `rows` of the picture from below; None: in all.
+        """
         if not seen:
             if not self._dark:
+                self._result.scissor = (0, 0, *self.texture.size)
                 self._result.clear()
             self._dark = True
             return
         self._dark = False
+        width, height = self.texture.size
+        height = height if rows is None else min(-(-rows // self._divisor) + _BEYOND, height)
+        self._target.scissor = self._result.scissor = (0, 0, width, height)
         self._target.use()
         self._target.clear()
         self._ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         self._ctx.front_face = "cw"  # mirrored
         styled = crowd.styles.any
-        crowd.draw(self._programs[styled], COARSE, worn=self._worn[styled] if self._worn else None)
+        crowd.draw(self._programs[styled], COARSE, "mirrored", worn=self._worn[styled] if self._worn else None)
         self._ctx.front_face = "ccw"
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         self._result.use()

@@ -32,7 +32,8 @@ class ParticlePass:
     def draw(self, crowd: Crowd, view: StageView) -> None:
         """Draw all dancers who have particles."""
         set_uniform(self._program, "beat", view.beat % PERIOD)
-        shown = min(int(crowd.styles.share * self._count) + 1, self._count)  # points come in the order of their chance
+        most = min(crowd.quality.points, self._count)  # points come in the order of their chance
+        shown = min(int(crowd.styles.share * self._count) + 1, most)
         self._ctx.enable(moderngl.PROGRAM_POINT_SIZE)
         crowd.draw_other(self._program, "particles", self._vertices, moderngl.POINTS, shown)
         self._ctx.disable(moderngl.PROGRAM_POINT_SIZE)

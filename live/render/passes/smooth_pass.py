@@ -17,6 +17,8 @@ class SmoothPass:
         self._ctx, self._kind = ctx, HDR if hdr else "f1"
         self._program = program(ctx, "full_vertex.glsl", "smooth_fragment.glsl", (("HDR", int(hdr)),))
         self._triangle = ctx.vertex_array(self._program, [])
+        self.crisp = 0.0
+        """How much finer detail is lifted, for a picture that will be stretched."""
         self._make(depth, size)
 
     def _make(self, depth: moderngl.Texture, size: tuple[int, int]) -> None:
@@ -46,6 +48,7 @@ class SmoothPass:
         self._ctx.depth_func = ">"
         self._drawn.use(1)
         set_uniform(self._program, "drawn", 1)
+        set_uniform(self._program, "crisp", self.crisp)
         self._triangle.render(moderngl.TRIANGLES, vertices=3)
         self._ctx.depth_func = "<"
         self._result.scissor = (0, 0, *self._softened.size)  # copies obey it too

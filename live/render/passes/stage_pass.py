@@ -1,9 +1,14 @@
 """The stage behind the dancers: the kept backdrop with shadows, elements and mirror images."""
 
+from typing import Final
+
 import moderngl
 
 from live.render.release import release_all
 from live.render.shader import program, set_uniform
+
+_WALL: Final = 3
+"""The program for what is above the floor."""
 
 
 class StagePass:
@@ -14,10 +19,11 @@ class StagePass:
         self._ctx = ctx
         self._programs = [
             program(
-                ctx, "full_vertex.glsl", "stage_fragment.glsl", (("HDR", int(hdr)), ("FLOOR", floor), ("POOLS", pools))
+                ctx, "full_vertex.glsl", "stage_fragment.glsl",
+                (("HDR", int(hdr)), ("FLOOR", floor), ("POOLS", pools), ("EDGE", edge)),
             )
-            for floor, pools in ((1, 0), (0, 0), (1, 1))
-        ]
+            for floor, edge, pools in ((1, 0, 0), (1, 1, 0), (1, 1, 1), (0, 0, 0))
+        ]  # fmt: skip
         self._triangles = [ctx.vertex_array(linked, []) for linked in self._programs]
 
     def draw(
@@ -29,10 +35,11 @@ class StagePass:
         mirror: moderngl.Texture,
         *,
         pools: bool = False,
+        resized: bool = True,
     ) -> None:
         """Draw at the far plane, after the dancers; below `floor_rows` (from the bottom) the floor may be seen.
 
-        `pools`: with the pools of spots and beams on it.
+        `pools`: with the pools of spots and beams on it; `resized`: the stage may be of another size than the scene's.
         """
         self._ctx.enable(moderngl.DEPTH_TEST)
         self._ctx.depth_func = "<="
@@ -40,7 +47,8 @@ class StagePass:
         for unit, texture in enumerate((backdrop, floor_map, mirror), start=1):
             texture.use(unit)
         regions = ((0, 0, width, floor_rows), (0, floor_rows, width, height - floor_rows))
-        for which, region in zip((2 if pools else 0, 1), regions, strict=True):
+        floor = 2 if pools else int(resized)
+        for which, region in ((floor, regions[0]), (_WALL, regions[1])):
             linked, triangle = self._programs[which], self._triangles[which]
             if region[3] <= 0:
                 continue

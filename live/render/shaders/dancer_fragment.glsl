@@ -11,7 +11,8 @@ in vec4 body;     // place in the rest pose, dancer
 out vec4 shown;
 
 void main() {
+    vec3 n = bumped(outward(normalize(facing.xyz)), place), glow = emitted();
     vec4 colour = surface(body.xyz, int(body.w + 0.5));
-    vec3 light = lit(place, outward(normalize(facing.xyz)), colour.rgb * colour.rgb, colour.a, facing.w);
+    vec3 light = lit(place, n, colour.rgb * colour.rgb, colour.a, facing.w) + glow;
     shown = vec4(compressed(light * key_light.w), 1.0);
 }

@@ -33,6 +33,13 @@ vec3 spreader(float away, float pulse) {
 
 vec3 voice(float away) { return ember * (hairline(away, 0.06) * 0.75 + bell(away, 0.24) * 0.16); }
 
+// A phone's light: a pool in its colour; one that sends away is a ring.
+vec3 phone(float away, float pulse) {
+    float rim = hairline(away - 0.34 - 0.10 * pulse, 0.045);
+    if (flow > 0.5) return ember * (rim * 1.3 + hairline(away - 0.56 - 0.14 * pulse, 0.03) * 0.7);
+    return ember * (bell(away, 0.24) * 1.1 + rim * 0.9);
+}
+
 vec3 current(float away) {
     bool vortex = int(abs(flow) + 0.5) - 1 == VORTEX;
     float way = sign(flow), angle = atan(offset.y, offset.x) / 6.2831853;
@@ -60,6 +67,7 @@ void main() {
     else if (kind == REPULSOR) colour = repulsor(away, pulse);
     else if (kind == SPREADER) colour = spreader(away, pulse);
     else if (kind == VOICE) colour = voice(away);
+    else if (kind == PHONE) colour = phone(away, pulse);
     else colour = current(away);
     light = vec4(colour * level * ELEMENT_LIGHT, 0.0);
 }

@@ -19,11 +19,19 @@ vec3 ember_at(vec2 home) {
     return mix(vec3(1.0, 0.34, 0.12), vec3(1.0, 0.66, 0.30), own) * glimmer;
 }
 
+// A phone's own colour, as bright as others whatever its hue.
+vec3 hue_at(float hue) {
+    vec3 pure = clamp(abs(fract(hue + vec3(0.0, 2.0, 1.0) / 3.0) * 6.0 - 3.0) - 1.0, 0.0, 1.0);
+    vec3 colour = mix(vec3(1.0), pure, 0.85);
+    return colour / max(dot(colour, vec3(0.3, 0.5, 0.2)), 0.3) * 0.6;
+}
+
 float reach_of() {
     bool point = in_form.z < 1.5 && in_form.x <= 0.0;
     if (kind == ATTRACTOR || kind == REPULSOR) return point ? 1.9 : 0.0;
     if (kind == SPREADER) return 3.2;
     if (kind == VOICE) return 0.5;
+    if (kind == PHONE) return 0.9;
     int turning = int(abs(in_form.w) + 0.5) - 1;
     if (kind == FLOW && (turning == RADIAL || turning == VORTEX)) return in_form.x > 0.0 ? in_form.x + 0.5 : 3.4;
     return 0.0;
@@ -34,7 +42,7 @@ void main() {
     level = in_element.w;
     radius = in_form.x;
     flow = in_form.w;
-    ember = ember_at(in_element.xy);
+    ember = kind == PHONE ? hue_at(in_form.y) : ember_at(in_element.xy);
     vec2 corner = vec2((gl_VertexID & 1) == 0 ? -1.0 : 1.0, gl_VertexID < 2 ? -1.0 : 1.0);
     offset = corner * reach_of();
     gl_Position = vec4((in_element.xy + offset) / stage.zw, 0.0, 1.0);

@@ -13,6 +13,9 @@ layout(location = 2) out vec4 who;     // number of the dancer from 1 on in two 
 
 void main() {
     vec4 colour = surface(body.xyz, int(body.w + 0.5));
+#ifdef WORN
+    colour.rgb = sqrt(min(colour.rgb * colour.rgb + emitted(), 1.0));   // light cloth, for there is no place for light
+#endif
     cover = vec4(colour.rgb, facing.w);
 #if WHO
     int number = int(body.w + 0.5) + 1;

@@ -8,6 +8,7 @@ uniform sampler2D limbs;      // rows: samples, columns: four limbs of each danc
 uniform vec4 ring;            // newest sample, samples, beats since it, samples a beat
 uniform int known;            // samples that are known
 uniform ivec2 limbs_layout;   // dancers in a row, blocks
+uniform float drawn_back;     // how far back it is drawn, 0 to 1: there it ends as it does at its full length
 
 in vec4 in_strip;             // how far back, 0 to 1; side, -1 or 1; limb; unused
 
@@ -42,7 +43,7 @@ void main() {
     float away = length(to_eye);
     vec3 side = cross(along, to_eye);
     side = length(side) > 1e-5 ? normalize(side) : vec3(0.0, 1.0, 0.0);
-    float left = 1.0 - in_strip.x;
+    float left = max(1.0 - in_strip.x / drawn_back, 0.0);
     float hand = limb < 2 ? 1.0 : 0.7;
     float half_ = 0.042 * hand * (0.25 + 0.75 * left) * smoothstep(0.0, 0.05, in_strip.x) * (0.7 + 0.3 * key_direction.w);
     float thinnest = 0.7 * away / (length(vec3(world_to_clip[0][1], world_to_clip[1][1], world_to_clip[2][1])) * picture.y * 0.5);

@@ -14,6 +14,7 @@ in vec4 in_tint;
 in vec4 in_finish;
 out vec4 worn_at;            // place on the image, layer, opacity where it ends
 out vec4 worn_tint;
+flat out int worn_extra;     // which row of worn_extras
 #endif
 
 vec3 turned(vec4 q, vec3 v) {
@@ -27,6 +28,7 @@ Skinned skinned(vec3 position, vec3 normal) {
 #ifdef WORN
     worn_at = vec4(in_uv, in_finish.x * 255.0, in_finish.y / max(in_finish.z, 0.004));
     worn_tint = in_tint;
+    worn_extra = int(in_finish.w * 255.0 + 0.5);
 #endif
     int dancer = int(in_dancer);
     ivec2 base = ivec2(dancer / pose_layout.x * pose_layout.y, dancer % pose_layout.x);

@@ -11,6 +11,7 @@ uniform sampler2D mirror;
 
 out vec4 shown;
 
+#if EDGE
 float wash(vec2 place, vec2 size) {
     vec2 at_stage = place / (size + vec2(0.3, 0.5));
     return 1.0 / (1.0 + 1.6 * square(dot(at_stage, at_stage)));
@@ -23,6 +24,7 @@ vec3 resized(vec3 colour, vec2 place) {
     float lit = wash(place, edge.xy) / wash(place, stage.xy) * (1.0 - 0.65 * edge.z * smoothstep(-0.05, 0.35, off));
     return colour * lit + rim_light.rgb * (0.10 * edge.z * exp(-square(off / 0.04)));
 }
+#endif
 
 #if POOLS
 #include "beams.glsl"
@@ -54,7 +56,9 @@ void main() {
     vec3 colour = kept.rgb;
 #if FLOOR
     vec2 place = eye.xz - ray.xz * (eye.y / min(ray.y, -1e-3));
-    if (edge.z > 0.0) colour = mix(colour, resized(colour, place), kept.a);
+#if EDGE
+    colour = mix(colour, resized(colour, place), kept.a);
+#endif
     vec4 here = texture(floor_map, place / (2.0 * stage.zw) + 0.5);
     colour *= 1.0 - kept.a * here.a;
     colour += (here.rgb + square3(texture(mirror, at).rgb)) * kept.a;

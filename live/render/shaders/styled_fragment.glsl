@@ -36,10 +36,10 @@ void main() {
     shape = vec4(outward(normalize(facing.xyz)) * 0.5 + 0.5, seen.a);
     name = vec4(float(number & 255), float((number >> 8) & 255), float(group), 255.0) / 255.0;
 #else
-    vec3 n = outward(normalize(facing.xyz));
+    vec3 n = bumped(outward(normalize(facing.xyz)), place), own_light = emitted();
     vec4 cloth = surface(body.xyz, dancer);
     vec3 glow = glow_of(dancer), albedo = cloth.rgb * cloth.rgb;
-    vec3 colour = lit(place, n, albedo, cloth.a, facing.w);
+    vec3 colour = lit(place, n, albedo, cloth.a, facing.w) + own_light;
     float beat = answer(group);
     bool clad = dot(abs(albedo - square3(material(0, dancer).rgb)), vec3(1.0)) < 0.01
              || dot(abs(albedo - square3(material(1, dancer).rgb)), vec3(1.0)) < 0.01;

@@ -16,6 +16,30 @@ vec4 surface(vec3 rest, int dancer) {
 #else
 in vec4 worn_at;
 in vec4 worn_tint;
+flat in int worn_extra;
+uniform vec4 worn_extras[64];    // two of each material: layer of the normals, strength, layer of the glow, whether; its light
+
+// Normals of an image bend the surface's own; where it lies in space and on the image says how (Schueler 2013).
+vec3 bumped(vec3 n, vec3 place) {
+    vec3 right = dFdx(place), up = dFdy(place);
+    vec2 du = dFdx(worn_at.xy), dv = dFdy(worn_at.xy);
+    vec4 extra = worn_extras[2 * worn_extra];
+    if (extra.x == 0.0) return n;
+    vec3 image = textureGrad(images, vec3(worn_at.xy, extra.x), du, dv).rgb * 2.0 - 1.0;
+    vec3 a = cross(up, n), b = cross(n, right);
+    vec3 along = a * du.x + b * dv.x, down = a * du.y + b * dv.y;
+    float size = inversesqrt(max(max(dot(along, along), dot(down, down)), 1e-20));
+    return normalize((along * image.x - down * image.y) * (size * extra.y) + n * max(image.z, 0.05));
+}
+
+// The light that it gives itself.
+vec3 emitted() {
+    vec2 du = dFdx(worn_at.xy), dv = dFdy(worn_at.xy);
+    vec4 extra = worn_extras[2 * worn_extra];
+    if (extra.w == 0.0) return vec3(0.0);
+    vec3 image = textureGrad(images, vec3(worn_at.xy, extra.z), du, dv).rgb;
+    return worn_extras[2 * worn_extra + 1].rgb * image * image;
+}
 
 vec4 surface(vec3 rest, int dancer) {
     vec4 image = texture(images, worn_at.xyz);
@@ -30,6 +54,8 @@ vec3 outward(vec3 normal) { return gl_FrontFacing ? normal : -normal; }
 float seams(vec3 rest) { return 1.0; }
 #else
 vec3 outward(vec3 normal) { return normal; }
+vec3 bumped(vec3 n, vec3 place) { return n; }
+vec3 emitted() { return vec3(0.0); }
 
 // Square root of the colour, and sheen. Where pixels are dear the borders are sharp.
 vec4 surface(vec3 rest, int dancer) {

@@ -4,6 +4,7 @@
 #define NAME 3
 #define SAFE 4
 #define FOCUS 5
+#define JOIN 6
 
 uniform vec2 window_size;    // pixels of the window
 uniform vec2 frame_size;     // pixels of the frame, upright: the window's, turned with the picture
@@ -11,6 +12,8 @@ uniform vec2 picture_size;   // pixels of the whole picture
 uniform vec3 card_tint;      // this output's own colour
 uniform sampler2D words;     // its name, and what it is
 uniform vec2 words_size;     // pixels of that
+uniform sampler2D sheet;     // what an audience joins by
+uniform vec2 sheet_size;     // pixels of that
 
 const vec3 GREY = vec3(0.5);
 
@@ -129,6 +132,14 @@ vec3 focus_card(vec2 pixel) {
     float border = outline(pixel, frame_size, vec2(0.5), 1.0);
     float name = written(pixel, vec2(middle.x, 0.83 * frame_size.y), 0.09 * frame_size.y);
     return mix(vec3(0.12), vec3(1.0), max(border, name));
+}
+
+// The code to join by, upright in the middle, over the dance in little light: nobody misses what happens.
+vec3 join_card(vec2 pixel, vec3 dance) {
+    float scale = 0.9 * min(frame_size.y / sheet_size.y, frame_size.x / sheet_size.x);
+    vec2 at = (pixel - 0.5 * frame_size) / (sheet_size * scale) + 0.5;
+    bool outside = any(lessThan(at, vec2(0.0))) || any(greaterThan(at, vec2(1.0)));
+    return outside ? 0.35 * dance : vec3(texture(sheet, at).r * 0.92);
 }
 
 vec3 card_colour(int card, vec2 at, vec2 part) {

@@ -2,14 +2,20 @@
 
 import io
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from live.base.character import CharacterFile
-from live.base.picture import of_group, picture_of
+from live.base.picture import BY_ADDRESS, of_group, picture_of
 from live.base.stage_view import Camera
+from live.render.camera import pixel_of
+from live.render.characters.character import load_character
+from live.render.characters.extras import LEFT_OUT, layers_of
+from live.render.characters.model import Material
+from live.render.characters.read import parse_model
 from live.render.quality import CARD, SOFTWARE
 from live.render.renderer import Renderer
 from tests.render.characters.figures import Figure, document, glb, glb_of, mixamo, painted
@@ -141,3 +147,110 @@ def test_one_character_beside_generated_bodies(drawn):
     middle = slice(SIZE[0] // 2 - 30, SIZE[0] // 2 + 30)
     assert red[:, middle].sum() > 200
     assert red.sum() == red[:, middle].sum()
+
+
+def one_colour(*rgb):
+    """A PNG of one colour."""
+    out = io.BytesIO()
+    Image.fromarray(np.full((8, 8, 3), rgb, np.uint8)).save(out, "PNG")
+    return out.getvalue()
+
+
+def with_material(image=None, **material):
+    """A grey figure whose material says more; `image` is its only one."""
+    root, chunk = document(Figure(colour=(0.4, 0.4, 0.4, 1.0), image=image))
+    root["materials"][0] |= material
+    root["materials"][0]["pbrMetallicRoughness"].pop("baseColorTexture", None)
+    return glb(root, chunk)
+
+
+def test_normals_of_an_image_turn_to_the_light_and_what_glows_is_seen_in_the_dark(gl_context, tmp_path):
+    """Side by side: plain, normals turned up, normals turned to +x, and one that gives green light."""
+    bumps = {"normalTexture": {"index": 0}}
+    glow = {
+        "emissiveFactor": [0.0, 0.5, 0.0],
+        "emissiveTexture": {"index": 0},
+        "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 2.0}},
+    }
+    files = (
+        with_material(),
+        with_material(one_colour(128, 220, 216), **bumps),
+        with_material(one_colour(220, 128, 216), **bumps),
+        with_material(one_colour(0, 255, 255), **glow),
+    )
+    for number, data in enumerate(files):
+        (tmp_path / f"{number}.glb").write_bytes(data)
+    names = ("plain", "up", "right", "glow")
+    known = tuple(CharacterFile(name, str(tmp_path / f"{n}.glb")) for n, name in enumerate(names))
+    of = replace(scene(4, CAMERA), characters=known, bodies=names)
+    places = (-1.8, -0.6, 0.6, 1.8)
+    view = stage_view([(ARMS_DOWN, (x, 0.0), 0.0, 0) for x in places])
+    renderer, target = Renderer(gl_context, of, size=SIZE, quality=CARD), gl_context.simple_framebuffer(SIZE)
+    assert gl_context.error
+
+    def chests(**light):
+        """How bright the chest of each is, (4, 3)."""
+        view.picture = picture_of(of)
+        said = {"key": 0.0, "rim": 0.0, "ambient": 0.0, "stage": 0.0} | light
+        for name, value in said.items():
+            view.picture[BY_ADDRESS[f"/dance/light/{name.replace('__', '/')}"].where] = value
+        renderer.draw(view, target)
+        assert gl_context.error == "GL_NO_ERROR"
+        picture = read(target).astype(float)
+        at = pixel_of(CAMERA, SIZE, view.joint_position[:, 3] + (0.0, 0.0, 0.1)).astype(int)
+        return np.array([picture[y - 3 : y + 4, x - 2 : x + 3].mean(axis=(0, 1)) for x, y in at])
+
+    dark = chests()
+    assert dark[:3].max() < 8.0  # haze alone
+    assert dark[3, 1] > 100.0 > 3.0 * dark[3, [0, 2]].max()
+    above = chests(key=1.0, key__direction=(0.0, -1.0, -0.35)).mean(axis=1)
+    assert above[1] > 1.15 * above[0]
+    from_right = chests(side=1.5, side__left=(0, 0, 0), side__right=(1, 1, 1)).mean(axis=1)
+    from_left = chests(side=1.5, side__right=(0, 0, 0), side__left=(1, 1, 1)).mean(axis=1)
+    assert from_right[2] > 1.15 * from_right[0]
+    assert from_left[2] < 0.85 * from_left[0]
+    for thing in (renderer, target):
+        thing.release()
+
+
+def test_what_lies_elsewhere_on_the_image_or_is_unlit_is_left_out():
+    def read(**material):
+        root, chunk = document(Figure(image=painted()))
+        root["materials"][0] |= material
+        return parse_model(glb(root, chunk), "a.glb").materials[0]
+
+    plain = {
+        "normalTexture": {"index": 0, "scale": 0.5},
+        "emissiveFactor": [1, 0.5, 0],
+        "emissiveTexture": {"index": 0},
+    }
+    whole = read(**plain)
+    assert (whole.normal, whole.bumps, whole.glow, whole.glow_image) == (0, 0.5, (1.0, 0.5, 0.0), 0)
+    assert not read(**plain, extensions={"KHR_materials_unlit": {}}).has_more
+    other = {"normalTexture": {"index": 0, "texCoord": 1}, "emissiveTexture": {"index": 0, "texCoord": 1}}
+    assert not read(**plain | other).has_more
+    assert read(emissiveFactor=[5.0, -1.0, 0.25]).glow == (1.0, 0.0, 0.25)
+
+
+def test_broken_normals_and_too_many_of_them_cost_no_colours(tmp_path):
+    root, chunk = document(Figure(image=painted()))
+    chunk = chunk + b"no image"
+    root["buffers"][0]["byteLength"] = len(chunk)
+    root["bufferViews"].append({"buffer": 0, "byteOffset": len(chunk) - 8, "byteLength": 8})
+    root["images"].append({"bufferView": len(root["bufferViews"]) - 1, "mimeType": "image/png"})
+    root["textures"].append({"source": 1})
+    glow = {"emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 1}}
+    root["materials"][0] |= {"normalTexture": {"index": 1}, **glow}
+    (tmp_path / "a.glb").write_bytes(glb(root, chunk))
+    found = load_character(CharacterFile("a", str(tmp_path / "a.glb")))
+    assert found.model.notes == (LEFT_OUT,)
+    assert len(found.layers) == 2
+    assert not found.extras[:, 3].any()  # without its image it would glow all over
+    many = [Material(str(n), (1, 1, 1, 1), n, 0.0, False, 0.5, False, normal=40 + n) for n in range(15)]
+    images = tuple(one_colour(n, n, n) for n in range(60))
+    layers, known, notes = layers_of(SimpleNamespace(images=images, file="a.glb"), many)
+    assert (len(layers), len(known), notes) == (16, 15, (LEFT_OUT,))
+    layers, known, notes = layers_of(SimpleNamespace(images=images, file="a.glb"), many[:10])
+    assert (len(layers), len(known), notes) == (21, 20, ())
+    assert layers[known[43, True], 0, 0, 0] == 43  # normals are no colours
+    assert layers[known[3, False], 0, 0, 0] == round(255 * (3 / 255 / 12.92) ** 0.5)

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from live.render.outputs.editing import KEPT, Editing
+from live.render.outputs.editing import Editing
 from live.render.outputs.mesh import bent, check_mesh, regular
+from live.render.outputs.moved_points import KEPT
 from live.render.outputs.output import MESH_MOST, UNBENT, Output
 
 PINNED = Output(corners=((0.1, 0.1), (0.9, 0.0), (1.0, 1.0), (0.0, 0.9)))

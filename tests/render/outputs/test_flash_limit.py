@@ -59,6 +59,20 @@ def test_three_flashes_a_second_are_left_alone():
         assert limit.held == 0
 
 
+@pytest.mark.parametrize("dark", [1, 3, 6])
+@pytest.mark.parametrize("bright", [1, 3, 6])
+def test_short_flashes_are_counted_once_each(dark, bright):
+    """Pictures of light and dark so short that a rise and a fall lie within one moment: three of them pass, not one."""
+    curve = np.ones(120)
+    for begin in (10, 26, 42, 58):
+        curve[begin : begin + dark] = 0.0
+        curve[begin + dark + bright :] = 0.0 if bright < 6 and begin == 58 else 1.0
+    shown, left, _ = judged(curve[:, None] * np.ones(COUNT))
+    assert np.all(left[: 58 + dark] == 1.0)
+    assert left[58 + dark] < 0.1  # the fourth within a second
+    assert flashes(np.arange(len(curve)) / 60.0, shown[:, 0]) <= 3
+
+
 def test_small_changes_and_bright_ones_are_no_flashes():
     assert np.all(judged(strobe(10.0, low=0.5, high=0.59))[1] == 1.0)
     assert np.all(judged(strobe(10.0, low=0.82, high=1.0))[1] == 1.0)

@@ -2,7 +2,11 @@
 
 import numpy as np
 import pytest
+from PIL import Image
 
+from live.render.headless import OffscreenTarget
+from live.render.outputs.editing import Editing
+from live.render.outputs.handle_pass import HandlePass
 from live.render.outputs.mesh import regular
 from live.render.outputs.output import Output, SoftEdge
 from tests.render.outputs.conftest import SIZE
@@ -52,6 +56,40 @@ def test_bent(golden, throw, name):
     seen = throw(stage(), BENT[name])
     straight = stage().astype(int)
     golden(seen, f"output_{name}", law=lambda picture: np.abs(picture - straight).mean() > 8 and bright(picture) > 0.3)
+
+
+def test_a_mask_and_a_darker_projector(golden, throw, tmp_path):
+    mask = np.zeros((90, 160), np.uint8)
+    mask[20:70, 30:140] = 255
+    mask[20:70, 100:140] = np.linspace(255, 0, 40).astype(np.uint8)
+    Image.fromarray(mask).save(tmp_path / "mask.png")
+    seen = throw(stage(), Output(mask=tmp_path / "mask.png", brightness=0.7, gamma=1.4))
+
+    def law(picture):
+        inside = picture[60:100, 70:190].max()
+        dark = not picture[:30].any() and not picture[:, :50].any()
+        return dark and 60 < inside < 0.8 * stage()[60:100, 70:190].max()
+
+    golden(seen, "output_mask", law=law)
+
+
+def test_points_that_can_be_moved_and_their_help(golden, gl_context):
+    target = OffscreenTarget(gl_context, SIZE)
+    handles, editing = HandlePass(gl_context, SIZE[1]), Editing(BENT["corner_pin"])
+    editing.switch()
+    editing.next(4)
+    target.framebuffer.use()
+    target.framebuffer.clear(0.1, 0.1, 0.1, 1.0)
+    handles.draw(editing.points, editing.chosen, ("left: point 5 of 9", "Enter keep"), target.framebuffer)
+    middle = [round(share * side) for share, side in zip(editing.points[4], SIZE, strict=True)]
+
+    def law(picture):
+        x, y = middle
+        return picture[y - 6 : y + 7, x - 6 : x + 7].max() > 150 and bright(picture) > 0.005
+
+    golden(target.read().copy(), "output_handles", law=law)
+    for thing in (handles, target):
+        thing.release()
 
 
 def test_a_grid_through_a_mesh(golden, throw):

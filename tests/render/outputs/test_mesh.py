@@ -1,11 +1,15 @@
 """The mesh: through its points, smooth, nothing bent by the regular one, no folds."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.render.outputs.mesh import MOST_VERTICES, PIECES, bent, check_mesh, regular, vertices
+from live.render.outputs.mesh import MOST_VERTICES, PIECES, bent, check_mesh, regular, unbent, vertices
 from live.render.outputs.output import MESH_MOST, UNBENT, Output
+from live.render.outputs.places import picture_place, window_place
+from live.render.outputs.screen import Screen
 
 
 def moved(columns=5, rows=4, by=0.03, seed=2):
@@ -24,6 +28,47 @@ def test_it_goes_through_its_points():
     mesh = moved()
     places = bent(mesh, np.linspace(0, 1, 5), np.linspace(0, 1, 4))
     np.testing.assert_allclose(places, mesh, atol=1e-12)
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize(
+    "output",
+    [
+        Output(mesh=moved(4, 3, 0.05)),
+        Output(mesh=moved(2, 2, 0.1), corners=((0.1, 0.12), (0.93, 0.04), (0.86, 0.95), (0.05, 0.85))),
+        Output(mesh=moved(3, 3, 0.06), rotation=90, mirror=True, crop=(0.2, 0.1, 0.7, 0.8)),
+    ],
+)
+def test_the_pointer_means_what_is_drawn_under_it(throw, output):
+    """The picture's colours tell their own place; whatever is seen at a pixel must be what `on_picture` says."""
+    y, x = np.mgrid[0:180, 0:320]
+    picture = np.stack([x * (255.0 / 319), y * (255.0 / 179), np.full(x.shape, 255.0)], axis=2).round().astype(np.uint8)
+    seen = throw(picture, output).astype(int)
+    screen = SimpleNamespace(output=output, window=SimpleNamespace(size=(320, 180)))
+    drawn = np.argwhere((seen[..., 2] > 250) & (seen[..., 0] > 2) & (seen[..., 1] > 2))
+    off = []
+    for row, column in drawn[:: len(drawn) // 60]:
+        at = Screen.on_picture(screen, (column + 0.5, row + 0.5), (320, 180))
+        off.append(np.abs(np.subtract(at, 0.5) / (319, 179) - seen[row, column, :2] / 255.0).max())
+        window = ((column + 0.5) / 320, (row + 0.5) / 180)
+        assert window_place(output, picture_place(output, window)) == pytest.approx(window, abs=0.004)
+    assert len(off) >= 60
+    assert max(off) < 0.006  # two pixels; without the mesh it is ten times as much
+
+
+def test_a_place_beside_the_picture_has_one_in_the_window():
+    output = Output(mesh=moved(3, 3), corners=((0.1, 0.12), (0.93, 0.04), (0.86, 0.95), (0.05, 0.85)))
+    y = window_place(output, (0.5, 1.1))[1]
+    assert y > window_place(output, (0.5, 1.0))[1] > window_place(output, (0.5, 0.9))[1]
+    assert window_place(Output(), (-0.2, 1.3)) == pytest.approx((-0.2, 1.3))
+
+
+def test_beside_the_mesh_its_border_goes_on():
+    mesh = moved(3, 3)
+    (inside, beside), step = (unbent(mesh, (0.5, y)) for y in (0.1, -0.2)), 0.3
+    assert inside[1] - beside[1] == pytest.approx(step, rel=0.2)
+    assert unbent((), (0.3, -2.0)) == (0.3, -2.0)
+    assert unbent(regular(4, 5), (0.31, 0.77)) == pytest.approx((0.31, 0.77))
 
 
 def test_it_is_smooth_across_its_lines():

@@ -6,6 +6,7 @@ from PIL import Image
 
 from live.base.errors import PersonError
 from live.render.outputs.corner_pin import homography, mapped
+from live.render.outputs.join_card import BAND, MODULE, QUIET, join_card
 from live.render.outputs.mesh import regular
 from live.render.outputs.output import UNBENT, Output, SoftEdge
 from tests.render.outputs.conftest import SIZE
@@ -165,3 +166,22 @@ def test_a_mask_that_cannot_be_read_is_named(throw, tmp_path, content):
 
 def test_unbent_corners_need_no_smoothing():
     assert Output(corners=UNBENT).is_plain
+
+
+def test_the_code_on_the_projector_is_the_code_and_the_dance_goes_on_around_it(throw):
+    """What a phone's camera sees: each module's middle, dark or light as it was made."""
+    segno = pytest.importorskip("segno")
+    matrix = [
+        [bool(dark) for dark in row] for row in segno.make("http://192.168.1.50:8020/#NOUm8cCZf5qC", error="m").matrix
+    ]
+    sheet = join_card(["".join("01"[dark] for dark in row) for row in matrix], "http://192.168.1.50:8020")
+    seen = throw(white(), Output(), card="qr", sheet=sheet, size=(960, 540))[..., 0] / 255.0
+    scale = 0.9 * min(540 / sheet.shape[0], 960 / sheet.shape[1])
+    left = 480 - 0.5 * scale * sheet.shape[1]
+    top = 270 - 0.5 * scale * sheet.shape[0]
+    for row, line in enumerate(matrix):
+        for column, dark in enumerate(line):
+            x = left + scale * MODULE * (QUIET + column + 0.5)
+            y = top + scale * (BAND + MODULE * (2 + row + 0.5))
+            assert (seen[int(y), int(x)] < 0.45) == dark, (row, column)
+    assert 0.2 < seen[270, 3] < 0.5  # the picture, in little light

@@ -95,6 +95,7 @@ def test_two_projectors_show_the_two_halves_of_one_picture(opened: Open, stage_x
     assert np.abs(first.astype(int) - across[np.ix_(rows, columns)]).mean() < 2.0
 
 
+@pytest.mark.long
 @pytest.mark.x11
 def test_a_projector_is_unplugged_and_plugged_in_again_while_the_other_goes_on(
     opened: Open, stage_x: TwoMonitorX
@@ -215,7 +216,8 @@ def test_a_strobe_is_damped_on_the_projector_until_the_operator_lifts_the_limit(
     opened: Open, stage_x: TwoMonitorX
 ) -> None:
     projection = opened(Output(monitor="2"), size=(160, 90))
-    view, held = moment(), projection.flashes
+    view, held, taken = moment(), projection.flashes, []
+    projection.prepare_shown()
 
     def strobe(pictures: int) -> None:
         for number in range(pictures):
@@ -225,14 +227,18 @@ def test_a_strobe_is_damped_on_the_projector_until_the_operator_lifts_the_limit(
             projection.pictures.last.clear(*[view.brightness] * 3, 1.0)
             projection.show(strobe.time)
             strobe.time += 1 / 60
+            taken.append(int(np.frombuffer(projection.shown().read(components=3), np.uint8)[0]))
 
     strobe.time = 0.0
     strobe(60)
     assert held.held > 10
+    assert np.count_nonzero(np.diff([0, *taken]) > 100) == 3  # who films or shares it gets no more flashes either
     before = held.held
+    taken.clear()
     view.flashes = True
     strobe(60)
     assert held.held == before
+    assert np.count_nonzero(np.diff(taken) > 100) >= 6
 
 
 @pytest.mark.x11

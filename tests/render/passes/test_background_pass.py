@@ -1,6 +1,7 @@
 """Images and videos behind the dancers: in their colours, upright, hidden by dancers, and gone with their amount."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,7 +9,8 @@ import pytest
 from live.base.picture import BY_ADDRESS, picture_of
 from live.base.stage_view import Background
 from live.render.camera import pixel_of
-from live.render.passes.background_pass import video_place
+from live.render.moment import Making
+from live.render.passes.background_pass import BackgroundPass, video_place
 from live.render.quality import CARD, SOFTWARE
 from live.render.renderer import Renderer
 from tests.render.media import FRAMES, grey_of, write_image, write_video
@@ -70,12 +72,30 @@ def test_over_the_whole_picture_colours_are_the_file_s_and_black_stays_black(sho
     assert dark[-3:, -3:].max() == 0
 
 
+@pytest.mark.long
 def test_a_video_runs_with_the_beat_and_comes_again(show, tmp_path):
     draw = show(Background(str(write_video(tmp_path / "v.mp4")), fit="picture", beats=10.0, brightness=1.0))
     said = {"background/1": 1.0, "light/stage": 0.0, "pass/vignette": 0.0}
     levels = [draw(said, beat)[2, 2, 0] for beat in (0.3, 2.8, 5.3, 9.8, 12.8)]
     assert levels[0] < levels[1] < levels[2] < levels[3]
     assert levels[4] == levels[1]
+
+
+def test_one_that_was_lost_is_not_seen_and_a_broken_video_is_told_of(gl_context, tmp_path):
+    file = write_video(tmp_path / "v.mp4")
+    of = replace(scene(1), backgrounds=(Background(""), Background(str(file), fit="picture", brightness=1.0)))
+    making = Making(gl_context, of, SOFTWARE, SIZE)
+    one = BackgroundPass(making)
+    row = picture_of(of)
+    moment = SimpleNamespace(amount=lambda place: float(row[place]))
+    row[BY_ADDRESS["/dance/background/1"].first] = 1.0
+    assert not one.active(moment)
+    row[BY_ADDRESS["/dance/background/2"].first] = 1.0
+    assert one.active(moment)
+    assert one.problems == []
+    next(source for source in one._sources if source is not None).video.problem = "cut off"
+    assert one.problems == ["background v.mp4: cut off"]
+    one.release()
 
 
 def test_where_a_video_is():

@@ -1,5 +1,6 @@
 """Elements on the floor: where their light lies, by distances of shapely's, and which way it moves."""
 
+import colorsys
 from collections.abc import Iterator
 
 import moderngl
@@ -186,6 +187,25 @@ def test_voices_are_embers_that_never_burn_out(floor: Draw, elements: ElementPas
     many = floor(elements, crowd)
     assert many.brightness.max() > 1.5 * one.brightness.max()
     assert many.light.max() <= 1.0
+
+
+def test_lights_of_phones_have_their_colours_and_those_that_repel_are_rings(floor: Draw, elements: ElementPass) -> None:
+    hues = np.arange(6) / 6.0
+    view = view_of(ATTRACTOR, (-5.0, -3.0))
+    view.light_count = 6
+    view.light[:6, 0], view.light[:6, 2], view.light[:6, 3] = np.linspace(-4.0, 4.0, 6), hues, 1.0
+    seen = floor(elements, view)
+    for hue, x in zip(hues, np.linspace(-4.0, 4.0, 6), strict=True):
+        colour = np.array(colorsys.hsv_to_rgb(hue, 0.85, 1.0))
+        there = seen.at(x, 0.0)[:3]
+        np.testing.assert_allclose(there / there.max(), colour / colour.max(), atol=0.05)
+    assert seen.at(-5.0, -3.0).max() > 0.1  # beside the elements, not instead of them
+    view.light_count, view.light[0] = 1, (0.0, 0.0, 0.3, 1.0, 1.0)
+    ring = floor(elements, view)
+    away = np.hypot(ring.x, ring.z)
+    assert ring.brightness[(away > 0.3) & (away < 0.5)].max() > 5.0 * ring.at(0.0, 0.0).sum()
+    view.light_count = 0
+    assert floor(elements, view).at(4.0, 0.0).max() == 0.0
 
 
 @pytest.mark.parametrize("kind", [FOLLOW, PURSUE, EVADE, FLOCK, WANDER])

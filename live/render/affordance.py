@@ -1,0 +1,53 @@
+"""What quality a picture that is drawn live can afford: its frames timed, judged by the ladder, or held by hand.
+
+One path for every live picture, in a window, without one, and in the bench.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+from live.render.frame_times import FrameTimes
+from live.render.ladder import Ladder
+from live.render.renderer import Renderer
+
+
+class Affordance:
+    """Belongs to one renderer that was made with all its `steps`; called around every frame. Thread: the show's."""
+
+    def __init__(self, renderer: Renderer, now: Callable[[], float], period: float = 0.0) -> None:
+        """`now()`: seconds that never go back; `period`: what a frame should take [s]."""
+        self._renderer, self.period = renderer, period
+        self.times = FrameTimes(now)
+        self.ladder = Ladder(len(renderer.steps), renderer.helps)
+        self._late = 0
+        renderer.mark = self.times.mark
+
+    def begin(self, late: int, seconds: float) -> None:
+        """A frame begins, `seconds` after the last one; `late` frames so far (`Pacer.late`)."""
+        was_late, self._late = late > self._late, late
+        self.times.judge(self.period, late=was_late)
+        step = self.ladder.frame(was_late, seconds, self.times.load(self.period))
+        self.times.begin()
+        if step != self._renderer.step:
+            self._renderer.take_step(step)
+
+    def end(self) -> None:
+        """A frame is over."""
+        self.times.mark("swap")
+        self.times.end()
+
+    def facts(self) -> dict[str, Any]:
+        """For the status: the step of the ladder that is drawn, what it leaves out, and what is held by hand."""
+        steps, step = self._renderer.steps, self._renderer.step
+        left_out = [one.name for one in steps[1 : step + 1]]
+        changes, held = self.ladder.changes, self.ladder.held
+        return {"step": step, "of": len(steps), "left_out": left_out, "changes": changes, "held": held}
+
+    def words(self) -> str:
+        """For the overlay: the step and what it leaves out, empty for the best one that nobody holds."""
+        told = self.facts()
+        if not told["step"] and told["held"] is None:
+            return ""
+        held = " (held)" if told["held"] is not None else ""
+        without = f": {', '.join(told['left_out'])}" if told["left_out"] else ""
+        return f"quality {told['step']} of {told['of'] - 1}{held}{without}"

@@ -1,0 +1,34 @@
+"""Places of the picture in an output's window, and back: crop, rotation, mirror, mesh and corner pin. All are shares,
+0 to 1, to the right and down."""
+
+import numpy as np
+import numpy.typing as npt
+
+from live.render.outputs.corner_pin import homography, mapped
+from live.render.outputs.mesh import bent, unbent
+from live.render.outputs.output import Output, Point
+from live.render.outputs.output_pass import turned
+
+Float64 = npt.NDArray[np.float64]
+
+
+def picture_place(output: Output, place: Point) -> Point:
+    """What part of the picture lies at a place of the window."""
+    back = np.linalg.inv(homography(output.corners)).astype(np.float64)
+    x, y = mapped(back, place).tolist()
+    part = turned(output) @ (*unbent(output.mesh, (x, y)), 1.0)
+    left, top, width, height = output.crop
+    return float(left + part[0] * width), float(top + part[1] * height)
+
+
+def window_place(output: Output, place: Point) -> Point:
+    """Where a place of the picture lies in the window; beside the mesh as far beside its border."""
+    left, top, width, height = output.crop
+    matrix = turned(output).astype(np.float64)
+    part = np.array([(place[0] - left) / width, (place[1] - top) / height])
+    frame: Float64 = np.linalg.solve(matrix[:, :2], part - matrix[:, 2]).astype(np.float64)
+    if output.mesh:
+        within = np.clip(frame, 0.0, 1.0)
+        frame = bent(output.mesh, within[:1], within[1:])[0, 0] + frame - within
+    x, y = mapped(homography(output.corners), frame).tolist()
+    return x, y
