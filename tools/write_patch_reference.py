@@ -33,8 +33,8 @@ beats of a measure the steps of the next one are chosen already; then they come 
 (faders, facing, formations) stays, unless the edit changes that very value. A section that runs is found again by its
 name. What is wrong is told on the terminal, in the overlay and in the status (`patch`: `version`, `problem`, `waits`),
 and the last good patch goes on. These count from the next start on, and are told by name: `seed`, `steps`, `reserve`,
-`[music]`, `[sound]`, `[clock]`, `[link]`, ports and time code of `[midi]`, `[stage]`, `steering.separation` and
-`steering.combine`, how many gates and groups there are, and of a group `dancers`, `soloists`, `radius`, `partners`,
+`[music]`, `[sound]`, `[clock]`, `[link]`, `[osc]`, ports and time code of `[midi]`, `[stage]`, `steering.separation`
+and `steering.combine`, how many gates and groups there are, and of a group `dancers`, `soloists`, `radius`, `partners`,
 `arm_length`, `hands`, `formation`, `centre` and `size`. Steps may be edited too: whoever dances one finishes it, and
 begins it as it is now; a step whose file is gone is not begun any more. The journal holds the whole patch, and steps
 that have changed as they were and are: a replay needs neither of the files.

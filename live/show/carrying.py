@@ -13,7 +13,8 @@ import numpy.typing as npt
 
 from live.agents.asking.kernels import same_indices
 from live.agents.parting.paths.paths import PathParting
-from live.agents.wings.entrances import ON
+from live.agents.wings.entrances import ON, WAITING
+from live.motion.captured.kernels import take_dance_along
 from live.motion.shifting.aiming.kernels import carry_agents, end_rows, settle_ways
 from live.motion.shifting.rise import MOST_HELD
 from live.show.carried import Carried
@@ -131,7 +132,7 @@ class Carrying:
     def tick(self, fraction: float, rate: float) -> None:
         """One tick at `fraction` of the measure, of which `rate` [1/s] passes; before the dancers' own tick."""
         dancers, carried = self._dancers, self._carried
-        self.parting.there(self._motion.entrances.state, ON)
+        self.parting.there(self._free(), ON)
         self._odd = not self._odd and len(carried.node) > CROWD
         if not same_indices(carried.node, dancers.present.node):
             who = np.flatnonzero(carried.node != dancers.present.node)
@@ -153,6 +154,23 @@ class Carrying:
             self.reference, self.pace, carried.rows, dancers.present.correction, min(fraction, 1.0), rate,
             dancers.variation.late, dancers.shown,
         )  # fmt: skip
+
+    def take_along(self, rows: npt.NDArray[np.int64], way: Float64) -> None:
+        """The dancers `rows` (n,), whose own dance nobody sees, go on with it elsewhere by `way` (n, 2) [m]."""
+        carried, coming, dancers = self._carried, self._coming, self._dancers
+        past, present, then = dancers.measures()
+        take_dance_along(
+            rows, way, past.placement, present.placement, then.placement, carried.begin, carried.end, coming.end,
+            carried.paths.path, coming.paths.path, dancers.shown, dancers.lock.state,
+        )  # fmt: skip
+
+    def _free(self) -> npt.NDArray[np.int8]:
+        """Where everybody is on the way in and out, as `Entrances.state`; who is taken along by what she answers is in
+        nobody's way: she goes where her leader is, and agents see her."""
+        state, answering = self._motion.entrances.state, self._dancers.answering
+        if answering is None or not answering.following.any():
+            return state
+        return np.where(answering.following, WAITING, state).astype(np.int8)
 
     # -- what it costs -------------------------------------------------------------------------------------------
 

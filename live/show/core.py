@@ -4,7 +4,7 @@ The same patch, library, seed and (tick, event) list give bit-identical states, 
 """
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -20,6 +20,11 @@ from live.control.events import ControlEvent
 from live.graph.choosing.choosing import Choosing
 from live.graph.motion_graph import MotionGraph
 from live.motion.step_clip import StepClip
+from live.motion.texture.bank import TextureBank
+from live.show.answer_bank import AnswerBank
+from live.show.answer_pairs import check_partners
+from live.show.answering import Answering
+from live.show.audience import AUDIENCE_EVENTS, Audience
 from live.show.casting import Casting
 from live.show.clock_events import CLOCK_EVENTS, first_seeds, follower_of, tell
 from live.show.dancers import Dancers
@@ -31,6 +36,7 @@ from live.show.group_controls import GROUP_EVENTS, GroupControls
 from live.show.group_motion import GroupMotion
 from live.show.interrupts import Interrupts
 from live.show.measure import MeasureSpan
+from live.show.mocap import MOCAP_EVENTS, Mocap
 from live.show.new_steps import NewSteps
 from live.show.patch import Patch
 from live.show.playhead import Playhead
@@ -41,6 +47,7 @@ from live.show.refusals import Refusals
 from live.show.reloading import Prepared, Reloading
 from live.show.scheduler import Scheduler
 from live.show.seen import Seen
+from live.show.texturing import Texturing
 from live.show.variation import Variation
 
 FADE_HALFLIFE = 0.06
@@ -69,9 +76,12 @@ class Show:
         tempo: float | None = None,
         reserve: Mapping[str, StepClip] | None = None,
         choosing: Choosing | None = None,
+        bank: TextureBank | None = None,
+        answers: AnswerBank | None = None,
     ) -> None:
         """`seed` and `tempo` [bpm] override the patch's; `reserve` holds clips that events may add, by name;
-        `choosing` is what is prepared of the graph, if it is known.
+        `choosing` is what is prepared of the graph, if it is known; `bank` what upper bodies may be textured with;
+        `answers` what partners answer from.
 
         Raises UnknownStep for a step the library lacks.
         """
@@ -89,6 +99,14 @@ class Show:
         self.motion = GroupMotion(patch, self.casting, seed=self.seed, score=self.prompter.score)
         self.variation = Variation.of(patch, self.group, seed=self.seed, window=graph.window)
         self.dancers = Dancers(graph, self.variation, len(self.group))
+        if bank is not None:
+            beats = patch.clock.beats_per_measure
+            self.dancers.texturing = Texturing(bank, self.variation, len(self.group), seed=self.seed, beats=beats)
+        check_partners(patch, self.casting)
+        self.answers = answers or AnswerBank(())
+        """What partners answer from."""
+        if answers is not None:
+            self.dancers.answering = Answering(patch, self.casting, self.variation, answers)
         programmes = programmes_of(patch, graph, self.seed, self.prompter.score, self.prompter.mood)
         self.scheduler = Scheduler(patch, self.dancers, self.motion, programmes, self.group, choosing)
         self.interrupts = Interrupts(patch, self.dancers, self.motion, self.scheduler)
@@ -97,7 +115,9 @@ class Show:
         node = first_nodes(graph, self.scheduler, self.group, self.motion.partners.mirrored, self.span.number)
         self.dancers.start(node, self.state.position.astype(np.float64), self.motion.starting_heading)
         self.scheduler.aims.headings.begin(self.motion.starting_heading)
+        self.mocap = Mocap(patch, self.motion, self.dancers, self.scheduler)
         self.desk = Desk(patch, self.prompter, self.motion, self.scheduler, self.variation)
+        self.audience = Audience(patch.audience, seed=self.seed)
         self.blackout = False
         self.brightness = 1.0
         self.time = 0.0
@@ -105,7 +125,7 @@ class Show:
         self.directions = Directions(
             patch, self.casting, self.dancers, self.variation, self.scheduler, self.interrupts, self.refusals
         )
-        self._seen = Seen(self.dancers, self.motion, self.group, self.desk)
+        self._seen = Seen(self.dancers, self.motion, self.group, self.desk, self.audience)
         self._new_steps = NewSteps(reserve, self.refusals)
         self.reloading = Reloading(self.refusals)
         self._begin_measure(self.span.end - self.timeline.beats_per_measure)
@@ -132,6 +152,8 @@ class Show:
         before = self.refusals.count + self.follower.rejected
         if isinstance(event, events.MusicHeard):
             self._hear(event)
+        elif isinstance(event, events.NotesHeard):
+            self._hear_notes(event)
         else:
             self.desk.edits.before(event)
             self._act_on(event)
@@ -147,20 +169,18 @@ class Show:
         self.prompter.take_reactions(self.danced, self.time)
         self.motion.elements.gain = self.reactions.strength
 
+    def _hear_notes(self, event: events.NotesHeard) -> None:
+        """What is played changes what the patch says it changes."""
+        self.prompter.hear_notes(event)
+        for change in self.reactions.hear_notes(event):
+            self._act_on(change)
+        self.motion.elements.gain = self.reactions.strength
+
     def _act_on(self, event: ControlEvent) -> None:
-        if isinstance(event, FLOOR_AND_DESK):
-            self._control(event)
-            return
-        if isinstance(event, CLOCK_EVENTS):
-            self._tell_clock(event)
-            return
-        if isinstance(event, DIRECTIONS):
-            self.desk.notice(event)
-            self.directions.act(event)
-            return
-        if isinstance(event, SCORE_EVENTS):
-            self._tell_prompter(event)
-            return
+        for kinds, act in self._TOLD:
+            if isinstance(event, kinds):
+                act(self, event)
+                return
         match event:
             case events.Clear():
                 self._controls.clear(self.time, self.timeline)
@@ -187,8 +207,30 @@ class Show:
                 self._controls.act(event, time=self.time, timeline=self.timeline, span=self.span)
         except PersonError as error:
             self.refusals.add(f"{event.source}: {error}")
+        if isinstance(event, events.FreezePicture):
+            self._seen.keep(self.time, self.timeline, self.span, tempo=self.follower.tempo)
         for change in changes:
             self._act_on(change)
+
+    def _direct(self, event: ControlEvent) -> None:
+        """What directs steps and motion of groups."""
+        self.desk.notice(event)
+        self.directions.act(event)
+
+    def _tell_audience(self, event: ControlEvent) -> None:
+        """What the audience's phones want, or what the operator lets them."""
+        known: dict[str, tuple[str, ...]] = {}
+        if isinstance(event, events.AskVote):
+            known = {"step": tuple(self.graph.library.steps), "scene": tuple(self.desk.scenes.names),
+                     "look": tuple(look.name for look in self.patch.looks),
+                     "cue": tuple(cue.name for cue in self.patch.cue)}  # fmt: skip
+        try:
+            self.audience.act(
+                event, self.motion.elements, beat=self.timeline.beat_at(self.time), measure=self.span.number,
+                beats_per_measure=self.timeline.beats_per_measure, position=self.state.position, known=known,
+            )  # fmt: skip
+        except PersonError as error:
+            self.refusals.add(f"{event.source}: {error}")
 
     def _tell_prompter(self, event: ControlEvent) -> None:
         """A signal is given, or the score goes elsewhere: what of the coming measure can still be planned anew is."""
@@ -203,10 +245,24 @@ class Show:
             if not self.scheduler.plan_anew(self.span, self.timeline, self.time):
                 self.prompter.came_late()
 
+    def _tell_mocap(self, event: ControlEvent) -> None:
+        """A captured performer moves, or something is said of her."""
+        beat = self.span.danced(self.timeline.beat_at(event.time), self.patch.clock.beats_per_measure)
+        try:
+            self.mocap.act(event, beat=beat)
+        except PersonError as error:
+            self.refusals.add(f"{event.source}: {error}")
+
     def _tell_clock(self, event: ControlEvent) -> None:
         words = tell(self.follower, event)
         if words:
             self.refusals.add(f"{event.source}: {words}")
+
+    _TOLD: ClassVar = (
+        (FLOOR_AND_DESK, _control), (CLOCK_EVENTS, _tell_clock), (MOCAP_EVENTS, _tell_mocap), (DIRECTIONS, _direct),
+        (SCORE_EVENTS, _tell_prompter), (AUDIENCE_EVENTS, _tell_audience),
+    )  # fmt: skip
+    """Who is told which events."""
 
     def seed_tracker(self, told: Callable[[Seed], None]) -> None:
         """Tell `told`, now and in future, what a tracker of sound should know. Thread: the show's calls it."""
@@ -221,7 +277,9 @@ class Show:
     def another(self, patch: Patch, graph: MotionGraph) -> "Show":
         """A fresh show of another patch, with this one's seed; not to be run. Takes a while; thread: any."""
         choosing = self.scheduler.choosing  # of a show that does not run nobody reads or changes it
-        return Show(patch, graph, seed=self.seed, choosing=choosing if choosing.graph is graph else None)
+        known, bank = choosing if choosing.graph is graph else None, self.dancers.texturing.bank
+        answers = None if self.dancers.answering is None else self.answers
+        return Show(patch, graph, seed=self.seed, choosing=known, bank=bank, answers=answers)
 
     def offer_patch(self, prepared: Prepared) -> None:
         """Hold a patch ready for the event PatchChanged that names its version. Thread: any."""
@@ -273,6 +331,7 @@ class Show:
             self._cross_measure_line(time)
             crossed = True
         self.desk.tick(self.timeline)
+        self.audience.tick()
         self._fire(self.danced)
         if self.reloading.due(self.span.number) and self.scheduler.plan_anew(self.span, self.timeline, time):
             self._take_patch()
@@ -281,13 +340,29 @@ class Show:
         carrying, fraction = self.scheduler.carrying, self.span.fraction(beat)
         speed, dancer = self.scheduler.speed, carrying.reference
         self.motion.tick(time, self.timeline, self.span, speed=speed, dancer=dancer, pace=carrying.pace)
+        self.motion.go_along(self.dancers.answering, self.dancers.shown)
         carrying.tick(fraction, self.timeline.tempo / (60.0 * self.timeline.beats_per_measure))
         self.dancers.tick(fraction, time, TICK)
+        self.mocap.tick(time, self.danced, self.timeline, self.span.end)
+        self._answer(fraction, time)
         partners = self.motion.partners
         if len(partners.leader) or self.dancers.hands.held:
             self.dancers.hands.tick(partners.other, partners.hand, TICK, self.timeline.tempo)
         self.brightness = damper(self.brightness, 0.0 if self.blackout else 1.0, FADE_HALFLIFE, TICK)
         return crossed
+
+    def _answer(self, fraction: float, time: float) -> None:
+        """Who answers others is taken along; what she dances is told whoever reacts to it."""
+        answering, state = self.dancers.answering, self.state
+        if answering is None:
+            return
+        moved = self.dancers.answer(self.motion.staying, (state.position, state.velocity), fraction, time, TICK)
+        rows = np.flatnonzero(moved.any(axis=1))
+        if len(rows):
+            self.scheduler.carrying.take_along(rows, moved[rows])
+        for label in answering.take_fresh():
+            self.reactions.unit(label)
+            self.prompter.take_reactions(self.danced, time)
 
     def _fire(self, danced: float) -> None:
         """What waits for a beat up to `danced` happens, and what that calls at once."""
@@ -310,9 +385,13 @@ class Show:
         self._begin_measure(line)
         for change in (*self.reactions.cross_measure_line(time), *self.desk.begin_measure(self.danced)):
             self._act_on(change)
+        for change in self.audience.begin_measure(self.span.number, time):
+            self._act_on(change)
 
     def _begin_measure(self, beat: float) -> None:
         self.prompter.begin_measure(self.span.number, self.time)
+        if self.dancers.answering is not None:
+            self.dancers.answering.begin_measure()
         self._controls.cross_measure_line(self.span.number)
         self.variation.begin_measure(self.span.number)
         timing = self.motion.partners.timing()

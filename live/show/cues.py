@@ -229,6 +229,11 @@ class Cues:
         """What belongs to the state of the show, as numbers."""
         return [self.standby, self.last, *(number for given in self._given for number in (given.index, given.due))]
 
+    @property
+    def standby_name(self) -> str:
+        """What the cue is called that stands by; empty if none does."""
+        return self._cues[self.standby].name if self.standby < len(self._cues) else ""
+
     def facts(self, danced: float) -> dict[str, Any]:
         """For the status: names, and beats to go of those that are counting in (null: no section begins)."""
 

@@ -15,7 +15,11 @@ from live.motion.posing.asking.kernels import ask_dancers, clear_feet, clip_hips
 from live.motion.posing.foot_lock import LEG_JOINTS, FootLock
 from live.motion.posing.pipeline import PosePipeline, PoseSkeleton
 from live.motion.skeleton import JOINT_COUNT, SOLE_BELOW_ANKLE
+from live.motion.texture.bank import TextureBank
+from live.show.answering import Answering, Tracks
+from live.show.captured import Captured
 from live.show.danced import UNDECIDED, Danced, turn_vectors
+from live.show.texturing import Texturing
 from live.show.variation import Variation
 
 __all__ = ["UNDECIDED", "Dancers", "turn_vectors"]
@@ -51,6 +55,14 @@ class Dancers:
             pipeline.settling, pipeline.age = self.inertia.settling, self.inertia.age
         self.landing = Landing(dancer_count)
         self._legs.watched = LEG_JOINTS
+        self.texturing = Texturing(TextureBank.empty(), variation, dancer_count, seed=0, beats=1)
+        """What upper bodies are textured with (P024)."""
+        self.captured: dict[str, Captured] = {}
+        """Performers who are captured live, by their names: some dancers wear their poses."""
+        self.beats = 1
+        """Beats of a danced measure."""
+        self.answering: Answering | None = None
+        """Who answers whom live, None for nobody (H024)."""
         self._settled = np.full(dancer_count, LONGEST, np.float32)
         self._bare_legs = np.zeros_like(self._legs.position), np.zeros_like(self._legs.rotation)
         self._everybody = np.arange(dancer_count)
@@ -114,6 +126,16 @@ class Dancers:
         clip_hips(out, rows, pipeline.sample, pipeline.placement, pipeline.share, self.graph.library.clip_root)
         return out
 
+    def wearers(self) -> Rows:
+        """Dancers who mostly wear captured poses, (n,)."""
+        worn = [each.rows[each.share > 0.5] for each in self.captured.values()]
+        return np.concatenate(worn) if worn else np.zeros(0, np.int64)
+
+    @property
+    def leg_rotation(self) -> Float32:
+        """How hips and legs of the dancers' own dance were turned at the last tick, in the world, (A, 9, 4)."""
+        return self._legs.rotation
+
     def contact(self, fraction: float) -> Bool:
         """Whether the left and right foot are annotated as on the floor in the clips that are danced, shape (A, 2).
 
@@ -134,7 +156,10 @@ class Dancers:
         self.inertia.place(time)
         contact = self.contact(fraction)
         hold_where_wanted(contact, self.variation.lock)
-        position, _ = self._legs.run(self.graph.library.leg_store)
+        if self.answering is not None:
+            contact &= ~self.answering.carried[:, None]
+        position, rotation = self._legs.run(self.graph.library.leg_store)
+        self.texturing.tick(self._phase, position, rotation, dt)
         if self.inertia.any_settles:
             contact &= self._landed(position) | ~self.inertia.settling_now[:, None]
         self.shown[:] = position[:, 0, ::2]
@@ -158,7 +183,44 @@ class Dancers:
             if self.inertia.any_settles:
                 self.landing.clear(pipeline.feet, self.inertia.age)
         position, rotation = pipeline.run(self.graph.library.store, out)
+        self.texturing.dress(self._phase, position, rotation)
+        for captured in self.captured.values():
+            captured.dress(position, rotation, time, (self.variation.measure + fraction) * self.beats)
+        if self.answering is not None:
+            self.answering.show(self._phase, position, rotation)
+            self.answering.stand(position, rotation, max(time - self._locked_at, 0.0))
         self.hands.pose(position, rotation, max(time - self._locked_at, 0.0))
+        return position, rotation
+
+    def answer(self, there: Bool, tracks: Tracks, fraction: float, time: float, dt: float) -> Float64:
+        """A tick of those who answer others, after `tick`; see `Answering.tick`. By how much each dancer is to be taken
+        elsewhere [m], (A, 2)."""
+        assert self.answering is not None  # whoever calls has looked
+        phase = self.phases(fraction)
+        faces = np.ascontiguousarray(self._legs.rotation[:, 0])
+        self.answering.live[:] = False
+        for captured in self.captured.values():
+            self.answering.live[captured.rows[captured.share > 0.0]] = True
+        self.answering.tick(phase, self.shown, faces, there, tracks, lambda rows: self.seen(rows, fraction, time), dt)
+        return self.answering.moved
+
+    def seen(self, rows: Int32, fraction: float, time: float) -> tuple[Float32, Float32]:
+        """World positions (n, J, 3) and rotations (n, J, 4) of the dancers `rows` (n,) as the audience sees them, but
+        for heads that are turned and feet that are held."""
+        position, rotation = self.unmended(rows, fraction, time)
+        phase = self.phases(fraction)
+        self.texturing.dress(phase, position, rotation, rows)
+        for captured in self.captured.values():
+            if np.isin(rows, captured.rows).any():
+                whole = (
+                    np.empty((len(phase), *position.shape[1:]), np.float32),
+                    np.empty((len(phase), *rotation.shape[1:]), np.float32),
+                )
+                whole[0][rows], whole[1][rows] = position, rotation
+                captured.dress(*whole, time, (self.variation.measure + fraction) * self.beats)
+                position[:], rotation[:] = whole[0][rows], whole[1][rows]
+        if self.answering is not None:
+            self.answering.show(phase, position, rotation, rows)
         return position, rotation
 
     def _landed(self, position: Float32) -> Bool:

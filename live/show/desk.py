@@ -89,7 +89,7 @@ class Desk:
                 self.edits.undo()
             case events.Redo():
                 self.edits.redo()
-            case events.FadePicture() | events.FreezePicture() | events.AllowFlashes():
+            case events.FadePicture() | events.FreezePicture() | events.AllowFlashes() | events.ShowCard():
                 self.master.act(event)
             case _:
                 self.scenes.act(event, beats_per_measure=float(timeline.beats_per_measure))
@@ -103,7 +103,8 @@ class Desk:
         self.held = True
         self._prompter.calm(True)
         time, source = event.time, event.source
-        return [events.Clear(time=time, source=source), events.HoldScore(time=time, source=source, on=True)]
+        return [events.Clear(time=time, source=source), events.HoldScore(time=time, source=source, on=True),
+                events.MuteAudience(time=time, source=source, on=True)]  # fmt: skip
 
     def _hold(self, event: ControlEvent) -> list[ControlEvent]:
         self.held = self.parameters.held = True

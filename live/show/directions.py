@@ -10,6 +10,7 @@ from live.control import events
 from live.control.events import ControlEvent
 from live.graph.live_sequence import HORIZON, LiveSequence
 from live.graph.wanted import parse_sequence
+from live.show.answering import Answering
 from live.show.casting import Casting
 from live.show.dancers import Dancers
 from live.show.echo import Echo
@@ -78,8 +79,39 @@ class Directions:
         members = self._members(event.group)
         if event.parameter not in Variety.names():
             raise PersonError(f"nothing is called {event.parameter!r}", f"one of {', '.join(sorted(Variety.names()))}")
+        if event.parameter == "texture" and event.value > 0.0 and not self._dancers.texturing.bank.count:
+            raise PersonError("there are no recordings to take texture from", "name them under [texture] in the patch")
         for index in members:
             self._variation.set(event.parameter, event.value, index)
+
+    def _set_partner(self, event: events.SetPartner) -> None:
+        answering = self._answering()
+        if event.parameter not in ("on", "amount", "window"):
+            raise PersonError(f"nothing of a partner is called {event.parameter!r}", "one of on, amount, window")
+        value = event.value >= 0.5 if event.parameter == "on" else event.value
+        answering.change(event.partner, event.parameter, value)
+
+    def _pair_partner(self, event: events.PairPartner) -> None:
+        answering = self._answering()
+        if event.role not in ("leader", "follower"):
+            raise PersonError(f"a partner has no {event.role!r}", "leader or follower")
+        for index in answering.find(event.partner):
+            path = event.role == "leader" and event.who.strip().casefold() == "path"
+            if event.role == "leader" and path != answering.asked[index].by_path:
+                raise PersonError(
+                    f"partner {answering.asked[index].name!r} is led by "
+                    f"{'nobody, along ways' if not path else 'dancers'}: its examples are for that alone",
+                    "another [[partner]] in the patch",
+                )
+        answering.change(event.partner, event.role, event.who)
+
+    def _walk_on(self, event: events.WalkOn) -> None:
+        self._answering().walk_on(event.partner, (event.x, event.z), anew=event.anew)
+
+    def _answering(self) -> Answering:
+        if self._dancers.answering is None:
+            raise PersonError("the show has no partners", "write [[partner]] in the patch")
+        return self._dancers.answering
 
     def _set_facing(self, event: events.SetFacing) -> None:
         headings = self._scheduler.aims.headings
@@ -109,6 +141,9 @@ _ACTS: Final[dict[type, Callable[..., None]]] = {
     events.StepNow: Directions._step_now,
     events.SetSequence: Directions._set_sequence,
     events.SetMotion: Directions._set_motion,
+    events.SetPartner: Directions._set_partner,
+    events.WalkOn: Directions._walk_on,
+    events.PairPartner: Directions._pair_partner,
     events.SetFacing: Directions._set_facing,
     events.Improvise: Directions._improvise,
     events.AskWhy: Directions._ask_why,

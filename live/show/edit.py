@@ -7,9 +7,9 @@ from live.show.patch import Patch
 from live.show.sections.section import Section
 
 AT_THE_START: Final = (
-    "seed", "steps", "reserve", "music", "sound", "clock", "link", "midi.input", "midi.clock_out", "midi.time_code_bpm",
-    "midi.time_code_offset_s", "stage", "background", "item", "picture.passes", "character", "steering.separation",
-    "steering.combine",
+    "seed", "steps", "reserve", "music", "sound", "clock", "link", "midi.input", "midi.output", "midi.clock_out",
+    "midi.time_code_bpm", "midi.time_code_offset_s", "osc", "stage", "background", "item",
+    "picture.passes", "character", "texture", "steering.separation", "steering.combine",
 )  # fmt: skip
 """Keys that count when a show starts, and not again."""
 GROUP_AT_THE_START: Final = (
@@ -41,6 +41,9 @@ def fitted(new: Patch, running: Patch) -> tuple[Patch, tuple[str, ...]]:
     if len(new.gate) != len(running.gate):
         waits.append("gate")
         changes["gate"] = running.gate
+    if _examples(new) != _examples(running):
+        waits.append("partner")
+        changes["partner"] = running.partner
     if len(new.group) != len(running.group):
         waits.append("group")
         changes["group"] = running.group
@@ -53,6 +56,12 @@ def fitted(new: Patch, running: Patch) -> tuple[Patch, tuple[str, ...]]:
             groups.append(group.model_copy(update=kept) if kept else group)
         changes["group"] = tuple(groups)
     return new.model_copy(update=changes), tuple(waits)
+
+
+def _examples(patch: Patch) -> list[tuple[object, ...]]:
+    """What each partner answers from: read when a show starts."""
+    keys = "name", "examples", "steps", "stretch", "unit_beats", "by_path"
+    return [tuple(getattr(one, key) for key in keys) for one in patch.partner]
 
 
 def _keys(name: str, old: Any, new: Any) -> list[str]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from live.agents.crowd.surroundings import Surroundings
 from live.show.cues import Cues
-from live.show.edits import Kept, Part
+from live.show.edits import Kept, Now, Part
 from live.show.group_motion import GroupMotion
 from live.show.headings import Headings
 from live.show.parameters import Parameters
@@ -23,9 +23,9 @@ class EditedParameters:
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
 
-    def take(self) -> Kept:
+    def take(self) -> Now:
         """See `Part`."""
-        return dict(enumerate(self._parameters.goals().tolist()))
+        return self._parameters.goals()
 
     def give(self, values: Mapping[Any, Any]) -> None:
         """See `Part`."""

@@ -10,6 +10,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final, Protocol
 
+import numpy as np
+import numpy.typing as npt
+
 from live.base.errors import PersonError
 from live.control import events
 from live.control.events import ControlEvent
@@ -44,12 +47,14 @@ NEVER: Final = ("music",)
 """Sources whose events are no edits: what the music changes it changes again."""
 
 Kept = dict[Any, Any]
+Now = Kept | npt.NDArray[np.float64]
+"""All values of a part by key; those of an array by their places."""
 
 
 class Part(Protocol):
     """A part of the show that can be edited, as values by key."""
 
-    def take(self) -> Kept:
+    def take(self) -> Now:
         """All its values now; they are never changed afterwards."""
         ...
 
@@ -78,6 +83,16 @@ def _words(event: ControlEvent) -> str:
     return what
 
 
+def _differences(before: Now, after: Now) -> tuple[Kept, Kept]:
+    """What was and what is, of the keys whose values differ."""
+    if isinstance(before, dict) and isinstance(after, dict):
+        keys: Any = [key for key in before.keys() | after.keys() if before.get(key) != after.get(key)]
+        return {key: before.get(key) for key in keys}, {key: after.get(key) for key in keys}
+    was, now = np.asarray(before), np.asarray(after)
+    keys = np.flatnonzero(was != now).tolist()
+    return dict(zip(keys, was[keys].tolist(), strict=True)), dict(zip(keys, now[keys].tolist(), strict=True))
+
+
 class Edits:
     """The edits of one show. Thread: the show's."""
 
@@ -85,7 +100,7 @@ class Edits:
         self._parts = dict(parts)
         self._done: deque[_Edit] = deque(maxlen=MOST)
         self._undone: list[_Edit] = []
-        self._before: Kept | None = None
+        self._before: Now | None = None
 
     def before(self, event: ControlEvent) -> None:
         """An event from outside is about to act."""
@@ -99,10 +114,9 @@ class Edits:
             return
         part = EDITED[type(event)]
         after = self._parts[part].take()
-        changed = [key for key in before.keys() | after.keys() if before.get(key) != after.get(key)]
-        if not changed:
+        old, new = _differences(before, after)
+        if not old:
             return
-        old, new = {key: before.get(key) for key in changed}, {key: after.get(key) for key in changed}
         name = str(getattr(event, "parameter", getattr(event, "name", "")))
         key = (type(event).__name__, event.source, name, str(getattr(event, "group", "")))
         last = self._done[-1] if self._done else None

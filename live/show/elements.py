@@ -9,7 +9,7 @@ import numpy.typing as npt
 from live.agents.crowd.model import AgentState
 from live.agents.procedural.element import Element
 from live.agents.procedural.field import ElementField
-from live.agents.procedural.kinds import ATTRACTOR, EVERYBODY, KIND_NAMES, VOICE
+from live.agents.procedural.kinds import ATTRACTOR, EVERYBODY, KIND_NAMES, REPULSOR, VOICE
 from live.agents.wants import Wants
 from live.base.errors import PersonError, named
 from live.base.stage_view import StageView
@@ -152,9 +152,30 @@ class Elements:
                 used |= 1 << element.target_group
         return used
 
+    def has(self, source: str) -> bool:
+        """Whether an element of this source is in force."""
+        return any(element.source == source for element in self._field.elements)
+
+    def forget(self, source: str, beat: float, *, other: bool | None = None, at_once: bool = False) -> None:
+        """Let what `source` has placed fade out; `other`: only where it is no repulsor (true) or is one (false);
+        `at_once`: as if it had never been."""
+        last = self._last_of.get(source)
+        if last is None or (other is not None and (last.table_kind == REPULSOR) == other):
+            return
+        del self._last_of[source]
+        if at_once:
+            self._field.remove(last)
+        else:
+            self._field.end(beat, source=source)
+
     def clear(self, beat: float) -> None:
         """Let every element fade out from `beat` on, from the level it has; those yet to come never begin."""
         self._field.clear(beat)
+
+    def end_of(self, source: str, beat: float) -> None:
+        """Let what this source has placed fade out from `beat` on, from the level it has."""
+        if self._last_of.pop(source, None) is not None:
+            self._field.end(beat, source=source)
 
     def regrouped(self, position: Float32) -> None:
         """Dancers have changed their groups."""

@@ -82,7 +82,7 @@ def placing_of_event(event: ElementEvent) -> Placing:
         case events.Spread():
             return Placing("spread", measures=event.measures, group=event.group)
         case events.Voice():
-            return Placing("attract", ((event.x, event.z),), measures=VOICE_MEASURES, fair=True)
+            return Placing("attract", ((event.x, event.z),), event.strength, VOICE_MEASURES, fair=True)
         case events.PlaceElement():
             if event.kind not in KIND_NAMES or (event.flow and event.flow not in FLOW_NAMES):
                 raise PersonError(f"no element is called {event.kind or event.flow!r}")

@@ -1,13 +1,23 @@
 """Engine: the frame loop's body. Live and offline differ only in the clock and in who calls `frame`."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from live.base.inbox import Inbox
 from live.base.stage_view import StageView
 from live.clock.source import Clock
 from live.clock.ticks import STALL, TICK, Ticks
 from live.control.event_json import is_finite
-from live.control.events import BeatHeard, ControlEvent, MusicHeard, SourceChanged, TicksSkipped
+from live.control.events import (
+    AudienceHeard,
+    BeatHeard,
+    ControlEvent,
+    MocapFrame,
+    MusicHeard,
+    NotesHeard,
+    SourceChanged,
+    TicksSkipped,
+    TrackerMoved,
+)
 from live.show.acting import act
 from live.show.core import Show
 from live.show.guides import draw_guides
@@ -21,6 +31,8 @@ EVENTS_AT_ONCE = 8
 EVENT_SECONDS = 0.003
 """... and no more once so much time has gone by: a flood waits, it does not stall a frame."""
 
+FROM_SOURCES = (TicksSkipped, BeatHeard, SourceChanged, MusicHeard, NotesHeard, MocapFrame, TrackerMoved, AudienceHeard)
+"""Events that nobody's hand makes: they do not count as accepted."""
 
 Picture = Callable[[StageView], None]
 """Whatever draws a snapshot: the renderer on its target, or nothing at all."""
@@ -61,6 +73,9 @@ class Engine:
         """How far ahead of the clock the picture is [s]; it may be changed while the show runs."""
         self.outward: list[Callable[[ControlEvent], None]] = []
         """Told every event after the show: for what concerns devices and not the dance."""
+        self.timed: list[Callable[[float], Iterable[ControlEvent]]] = []
+        """Asked after each tick for what happens until the next one [s]: for what is known beforehand, as a file's
+        notes, and must not depend on when frames are drawn."""
         self.patched: list[Callable[[Patch], None]] = []
         """Told the patch when the show has taken another one: for devices that do what it says."""
         self._patch = show.patch
@@ -88,12 +103,12 @@ class Engine:
         """
         now = self._clock.now()
         for _ in range(0, EVENTS_PER_FRAME, EVENTS_AT_ONCE):
-            events = self._inbox.drain(EVENTS_AT_ONCE)
+            events = self._inbox.drain(EVENTS_AT_ONCE, now)
             for event in events:
                 self.apply(event)
             if len(events) < EVENTS_AT_ONCE or self._clock.now() - now > EVENT_SECONDS:
                 break
-        self._status.dropped_events = self._inbox.dropped
+        self._status.dropped_events, self._status.outranked = self._inbox.dropped, self._inbox.outranked
         self.mark("events")
         target = (now if at is None else at) + self.lead
         self._run_ticks(now, target)
@@ -125,14 +140,14 @@ class Engine:
 
         What a source says that is no number is counted, and goes nowhere: no journal could be read with it.
         """
-        if isinstance(event, BeatHeard | MusicHeard) and not is_finite(event):
+        if isinstance(event, BeatHeard | MusicHeard | NotesHeard | MocapFrame | TrackerMoved) and not is_finite(event):
             self._status.impossible += 1
             return
         if self.journal is not None:
             self.journal.event(self.ticks.index, event)
         acted = act(self.show, event) if self.forgiving else self.show.apply(event)
         self.failed += acted is None
-        if acted and not isinstance(event, TicksSkipped | BeatHeard | SourceChanged | MusicHeard):
+        if acted and not isinstance(event, FROM_SOURCES):
             self._status.events_accepted += 1
         for told in self.outward:
             told(event)
@@ -150,8 +165,10 @@ class Engine:
         for time in self.ticks.due(target):
             crossed = self.show.tick(time)
             self._status.ticks += 1
-            if self.journal is None:
-                continue
-            if crossed:
-                self.journal.measure(self.ticks.index, self.show.span.number + 1, self.show.state_hash())
-            self.journal.keep(self.show, self.ticks.index, begins=crossed)
+            if self.journal is not None:
+                if crossed:
+                    self.journal.measure(self.ticks.index, self.show.span.number + 1, self.show.state_hash())
+                self.journal.keep(self.show, self.ticks.index, begins=crossed)
+            for tell in self.timed:
+                for event in tell(time + TICK):
+                    self.apply(event)

@@ -28,6 +28,8 @@ RAISED: Final = 0.022
 """A heel (or a ball) this high [m] over a foot that stands will be heard when it comes down ..."""
 DOWN: Final = 0.004
 """... to this height [m]."""
+LANDED: Final = 0.012
+"""A foot of somebody who is captured live stands when its sole is so near to the floor [m], until it is RAISED."""
 SOFTEST: Final = 0.35
 LOUD_LIFT: Final = 0.12
 """A foot that comes from this high [m] strikes with all its strength; one that never left, with `SOFTEST`."""
@@ -92,9 +94,13 @@ class Footfalls:
         """Feet that the clips put on the floor; what fell just before a measure line is heard on it."""
         falls: list[Footfall] = []
         steps = max(1, math.ceil((view.time - before) / FINEST))
-        was = self._contact
-        for time in before + (view.time - before) * np.arange(1, steps + 1) / steps:
+        was, seen = self._contact, self._show.dancers.wearers()
+        for step in range(1, steps + 1):
+            time = before + (view.time - before) * step / steps
             contact = self._show.dancers.contact(self._fraction(float(time)))
+            if len(seen):  # of who is captured live no clip knows, only what is seen
+                low = heights[:, seen].min(axis=0)
+                contact[seen] = np.where(was[seen], low < RAISED, low < LANDED) if step == steps else was[seen]
             for dancer, foot in np.argwhere(contact & ~was):
                 ball, heel = heights[:, dancer, foot]
                 part = BALL if heel > RAISED else HEEL if ball > RAISED else FLAT

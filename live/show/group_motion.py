@@ -22,6 +22,7 @@ from live.agents.wings.gate import Gate, wings
 from live.base.stage_view import StageView
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
+from live.show.answering import Answering
 from live.show.casting import Casting
 from live.show.elements import Elements
 from live.show.evolutions import Evolutions
@@ -50,6 +51,10 @@ HURRY: Final = 1.6
 """In an evolution agents may be faster than the steps reach on the average: they gather speed and lose it again."""
 TAKEN: Final = 0.5
 """An element whose influence has come this far takes a dancer out of her evolution for good."""
+BESIDE: Final = 0.02
+"""So much farther [m] than bodies are wide the agent of who answers stays from her leader's."""
+CLOSING_S: Final = 0.6
+"""Who goes to her leader would be there in this time [s], if she were fast enough."""
 STANDING: Final = 0.9
 """Distance [m] under which dancers whom nothing moves make room for each other."""
 
@@ -115,6 +120,7 @@ class GroupMotion:
         self._speed: Float32 = np.zeros(count, np.float32)
         self._late: Float64 = np.zeros(count)
         self._leash: Float32 = np.zeros(count, np.float32)
+        self._answering: Answering | None = None
 
     def _starting_places(self, patch: Patch) -> Float32:
         position = np.zeros((len(self.casting.group), 2), np.float32)
@@ -146,6 +152,41 @@ class GroupMotion:
         self.elements.begin_measure(span.number, beat, timeline.beats_per_measure, self.state.position)
         self.evolutions.begin_measure(span.number, self.state.position, heading, self.entrances.staying)
         return entered
+
+    def go_along(self, answering: Answering | None, shown: Float32) -> None:
+        """The agents of those who answer others are where they are `shown` (A, 2) [m], so that others avoid them; not
+        so near to their leaders that these would."""
+        self._answering = answering
+        if answering is None or not answering.following.any():
+            return
+        state, radius = self.state, self.model.radius
+        for pair in answering.pairs:
+            lead, follow = pair.leader, pair.follower
+            if not answering.following[follow]:
+                continue
+            between = (shown[follow] - state.position[lead]).astype(np.float64)
+            apart = max(float(np.hypot(*between)), 1e-6)
+            least = float(radius[lead] + radius[follow]) + BESIDE
+            state.position[follow] = state.position[lead] + between * (max(apart, least) / apart)
+            state.velocity[follow] = state.velocity[lead]
+
+    def _ask_along(self, wants: Wants, state: AgentState) -> None:
+        """Who answers goes to where her answer is; nobody is pushed off by who answers her."""
+        answering = self._answering
+        if answering is None:
+            return
+        near = answering.led | answering.following
+        wants.separation[near] = np.minimum(wants.separation[near], 2.0 * AGENT_RADIUS + BESIDE)
+        for row in np.flatnonzero(answering.seeks).tolist():
+            way = answering.goal[row] - state.position[row]
+            size = max(float(np.hypot(*way)), 1e-6)
+            wants.velocity[row] = way * (min(size / CLOSING_S, float(wants.speed[row])) / size)
+            wants.alignment[row] = wants.cohesion[row] = wants.firm[row] = 0.0
+
+    @property
+    def staying(self) -> Bool:
+        """Who is on the stage, shape (A,)."""
+        return np.asarray(self.entrances.state == ON)
 
     @property
     def present(self) -> Bool:
@@ -195,6 +236,7 @@ class GroupMotion:
         if not ahead:
             self.elements.refresh(beat, wants, state)
         self.elements.wish(wants, state, time=time, beat=beat, ahead=ahead)
+        self._ask_along(wants, state)
         self.entrances.write(wants, state.position)
 
     # -- what is ahead -------------------------------------------------------------------------------------------
@@ -254,6 +296,12 @@ class GroupMotion:
         self._advance.resize(*half)
         self.elements.resize(*half)
         self.evolutions.resize(half, self.floor.fitting, measure=measure)
+
+    def yield_to(self, rows: npt.NDArray[np.integer], led: Bool) -> None:
+        """To the agents `rows` (n,) everybody yields while they are `led` (n,) by somebody real."""
+        usual = np.where(self.casting.soloists[rows], 0.0, 1.0)
+        self.model.responsibility[rows] = np.where(led, 0.0, usual)
+        self._advance.yield_to(rows, self.model.responsibility[rows])
 
     def take_patch(self, fresh: "GroupMotion") -> None:
         """Take over gates, steering and set of another patch; what was moved live stays where it is."""

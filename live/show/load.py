@@ -13,19 +13,24 @@ from live.graph.library import StepLibrary, build_library
 from live.graph.metric.weights import Metric
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.motion.step_clip import StepClip
+from live.motion.texture.bank import TextureBank
 from live.render.pass_trial import try_passes
+from live.show.answer_bank import AnswerBank, answer_bank
 from live.show.characters import check_characters, drawable, files_of
 from live.show.core import Show
 from live.show.library_hash import library_hash
 from live.show.new_steps import clip_key
 from live.show.patch import Patch
-from live.show.patch_file import PATCHES, find_beside, read_sources
+from live.show.patch_file import find_beside, read_sources
+from live.show.patch_places import PATCHES
 from live.show.programme_steps import UnknownStep
 from live.show.recorded import for_recordings, with_locomotion, with_steps_of
 from live.show.scene_of import scene_of as scene_of
 from live.show.sections.group import parse_entry
+from live.show.texture_bank import bank_of
 from live.show.toml_file import field_words
 from live.show.toml_sources import TomlSources
+from live.show.venue_projector import VenueProjector, in_hall
 from live.steps.step_folder import load_folder
 
 RECORDED_M: Final = (0.25, 0.35)
@@ -42,13 +47,26 @@ class LoadedShow:
     recordings: Path | None = None
     reserve: Mapping[str, StepClip] = field(default_factory=dict)
     """Clips left out at the start, for events that add them, by `clip_key`."""
+    bank: TextureBank | None = None
+    """What upper bodies may be textured with, if the patch names recordings."""
+    answers: AnswerBank | None = None
+    """What partners answer from, if the patch has any."""
     sources: TomlSources | None = None
     """Where each key of the patch stands; None if it was not read from files."""
+    projector: VenueProjector | None = None
+    """The hall's, which the patch is played with; see `played_in`."""
+
+    def played_in(self, projector: VenueProjector | None) -> "LoadedShow":
+        """The same where a hall has that projector; PersonError if it cannot see this show's stage so."""
+        return replace(self, patch=in_hall(self.patch, projector), projector=projector)
 
     def start(self, *, seed: int | None = None, tempo: float | None = None) -> Show:
         """A fresh show at its first moment; PersonError for a step that is not there."""
         try:
-            return Show(self.patch, self.graph, seed=seed, tempo=tempo, reserve=self.reserve)
+            return Show(
+                self.patch, self.graph, seed=seed, tempo=tempo, reserve=self.reserve, bank=self.bank,
+                answers=self.answers,
+            )  # fmt: skip
         except UnknownStep as error:
             raise PersonError(f"{self._where(error.place)}: {error}") from None
         except PersonError as error:
@@ -56,10 +74,10 @@ class LoadedShow:
 
     def scene(self, *, whole: bool = True) -> Scene:
         """What the renderer begins with; PersonError for a file that it cannot show. If it need not be `whole`, whoever
-        wears a character that cannot be drawn now has the usual body."""
+        wears a character that cannot be drawn now has the usual body, and backgrounds that cannot be are not seen."""
         try:
             found = files_of(self.patch, self.path) if whole else drawable(self.patch, self.path)
-            return scene_of(self.patch, self.path, found)
+            return scene_of(self.patch, self.path, found, whole=whole)
         except PersonError as error:
             raise PersonError(f"{self._where(error.place)}: {error.message}", error.remedy, error.place) from None
 
@@ -103,6 +121,8 @@ class LoadedShow:
             "music": None if music is None else str(music.resolve()),
             "steps_hash": library_hash(self.graph.library),
             "steps": [clip_key(clip) for clip in self.graph.library.clips],
+            "texture": None if self.bank is None else self.bank.digest(),
+            "partner": None if self.answers is None else self.answers.digest(),
         }
 
 
@@ -121,17 +141,32 @@ def _no_collection() -> Iterator[None]:
             gc.enable()
 
 
-def load_show(path: Path, *, recordings: Path | None = None) -> LoadedShow:
-    """Read the patch at `path` and its steps, or the recordings of a folder in their place."""
+def load_show(path: Path, *, recordings: Path | None = None, whole: bool = True) -> LoadedShow:
+    """Read the patch at `path` and its steps, or the recordings of a folder in their place. If it need not be `whole`,
+    own passes and characters are not tried: for who goes on with a show in which they were."""
     with _no_collection():
         patch, sources = read_sources(path)
-    try_passes(patch.picture.own_passes)
+    if whole:
+        try_passes(patch.picture.own_passes)
+        with told_with_place(sources):
+            check_characters(patch, path)
     try:
-        check_characters(patch, path)
+        return replace(show_of(patch, path, recordings=recordings), sources=sources)
+    except PersonError as error:
+        if not error.place:
+            raise
+        with told_with_place(sources):
+            raise
+
+
+@contextlib.contextmanager
+def told_with_place(sources: TomlSources) -> Iterator[None]:
+    """Whatever a person is told from within with the keys that lead to it begins with file, line and these keys."""
+    try:
+        yield
     except PersonError as error:
         where = f"{sources.told(error.place)}: {field_words(error.place)}"
         raise PersonError(f"{where}: {error.message}", error.remedy, error.place) from None
-    return replace(show_of(patch, path, recordings=recordings), sources=sources)
 
 
 def clips_of(patch: Patch, path: Path, recordings: Path | None) -> list[StepClip]:
@@ -183,7 +218,8 @@ def show_of(
     if recordings is not None:
         patch = with_steps_of(patch, graph)
     _refuse_other_metres(patch, path, clips)
-    return LoadedShow(path, patch, graph, recordings, reserve)
+    bank, answers = bank_of(patch, path), answer_bank(patch, path, library)
+    return LoadedShow(path, patch, graph, recordings, reserve, bank, answers)
 
 
 def _graph_of(library: StepLibrary, patch: Patch) -> MotionGraph:

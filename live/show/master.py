@@ -4,10 +4,13 @@ from typing import Final
 
 from live.control import events
 
-MASTER_EVENTS: Final = (events.FadePicture, events.FreezePicture, events.AllowFlashes)
+MASTER_EVENTS: Final = (events.FadePicture, events.FreezePicture, events.AllowFlashes, events.ShowCard)
 """The events that `act` takes."""
 QUICKEST: Final = 0.125
 """A fade takes so many beats at least: quick, but no flash."""
+EVERYBODY: Final = "*"
+MOST_CARDS: Final = 64
+"""Outputs whose cards are remembered: names come over the network."""
 
 
 class Master:
@@ -22,6 +25,9 @@ class Master:
         """Whether the limit on flashes is lifted."""
         self.goal = 1.0
         """Share of the light where the fade ends."""
+        self.cards: dict[str, str] = {}
+        """Test cards that were asked for, by the output's name in small letters, in turn; `*`: all. Whoever has the
+        windows knows which names and cards there are; here they are kept for who goes on with the show."""
         self._from = 1.0
         self._length, self._passed = 1.0, 1.0
 
@@ -35,6 +41,17 @@ class Master:
                 self.frozen = event.on
             case events.AllowFlashes():
                 self.flashes = event.on
+            case events.ShowCard():
+                self._show_card(event.output.strip().casefold(), event.card.strip().casefold())
+
+    def _show_card(self, output: str, card: str) -> None:
+        if output == EVERYBODY:
+            self.cards.clear()
+        self.cards.pop(output, None)
+        if card != "off" or EVERYBODY in self.cards:
+            self.cards[output] = card
+        while len(self.cards) > MOST_CARDS:
+            self.cards.pop(next(iter(self.cards)))
 
     def tick(self, beats: float) -> None:
         """So many beats have passed."""

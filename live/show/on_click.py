@@ -1,9 +1,11 @@
 """OnClick: the players' click runs with a show, and is switched by its events."""
 
 import math
+from typing import Any
 
 from live.control.click_output import ClickOutput
 from live.control.events import ControlEvent, SetClick
+from live.control.sound_devices import device_refuses
 from live.show.core import Show
 
 
@@ -13,6 +15,21 @@ class OnClick:
     def __init__(self, show: Show, output: ClickOutput) -> None:
         self._show = show
         self.output = output
+
+    def start(self) -> None:
+        """Open the output; PersonError if it refuses."""
+        try:
+            self.output.start()
+        except Exception as error:  # PortAudioError, whose class is known only where PortAudio is
+            raise device_refuses(error, "--click", self.output.device.name) from None
+
+    def stop(self) -> None:
+        """Close it."""
+        self.output.stop()
+
+    def status(self) -> dict[str, Any]:
+        """For the status line."""
+        return self.output.facts()
 
     def frame(self) -> None:
         """After each frame: how the show runs, and what is counted down to."""

@@ -3,6 +3,7 @@
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
 
 from live.agents.crowd.advance import Advance
 from live.agents.crowd.model import AgentState, Steering
@@ -31,6 +32,10 @@ class PairSteering:
     def steer(self, steering: Steering) -> None:
         """Other parameters from now on; the stage's size stays."""
         self._advance.steer(steering)
+
+    def yield_to(self, rows: npt.NDArray[np.integer], responsibility: npt.NDArray[np.floating]) -> None:
+        """The agents `rows` (n,) take this share of avoiding from now on, (n,)."""
+        self._advance.yield_to(rows, responsibility)
 
     def __call__(
         self,

@@ -122,6 +122,11 @@ class ParameterTable:
         return [one for one in found if one.group == index]
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """What the groups are called, by index."""
+        return self._groups
+
+    @property
     def groups(self) -> range:
         """All groups, by index."""
         return range(len(self._groups))

@@ -29,6 +29,9 @@ STRIDE: Final = 4
 class Parameters:
     """The values of one show. Thread: the show's."""
 
+    _heard: "list[Variety] | None" = None  # found again after a snapshot of an engine that did not know it
+    _numbers: Float64
+
     def __init__(self, table: ParameterTable, start: Float64, variation: Variation) -> None:
         """`start`: the row of the picture that the patch says, shape (picture.SIZE,)."""
         self.table = table
@@ -97,6 +100,12 @@ class Parameters:
         if len(changed):
             self.fade({int(place): float(self.start[place]) for place in changed}, beats=NEW)
 
+    def present(self) -> Float64:
+        """Everything as it is now, shape (P,): a copy; nothing of the show's own state changes by that."""
+        row = self.value.copy()
+        row[picture.SIZE :] = self._varied()
+        return row
+
     def goals(self) -> Float64:
         """Where everything is, or is going, shape (P,): a copy."""
         self._listen()
@@ -154,7 +163,15 @@ class Parameters:
 
     def _listen(self) -> None:
         """Take up how the groups vary now: others set it, too."""
-        self.value[picture.SIZE :] = np.concatenate([_numbers(variety) for variety in self._variation.varieties])
+        self.value[picture.SIZE :] = self._varied()
+
+    def _varied(self) -> Float64:
+        """How the groups vary now, as numbers, made anew only when that is another: do not change them."""
+        varieties = self._variation.varieties
+        if self._heard is None or varieties != self._heard:
+            self._heard = varieties
+            self._numbers = np.concatenate([_numbers(variety) for variety in varieties])
+        return self._numbers
 
     def _tell(self, rows: npt.NDArray[np.intp]) -> None:
         """Tell how the groups vary now; nothing but what is in `rows` changes."""

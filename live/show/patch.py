@@ -12,17 +12,23 @@ from live.base.perspective import matched
 from live.show.call_check import check_named
 from live.show.cue_check import check_cues
 from live.show.score_check import check_score
+from live.show.sections.audience import AudienceSection
 from live.show.sections.character import Characters
 from live.show.sections.cue import CueSection
+from live.show.sections.dmx import DmxSection
 from live.show.sections.element import ElementSection
 from live.show.sections.facing import parse_facing
 from live.show.sections.group import GroupSection
 from live.show.sections.improvise import ImproviseSection
 from live.show.sections.link import LinkSection
 from live.show.sections.midi import MidiSection
+from live.show.sections.mocap import MocapSection
 from live.show.sections.motion import LocomotionSection, MotionSection
 from live.show.sections.music import ClockSection, MusicSection, SoundSection
+from live.show.sections.osc import OscSection
+from live.show.sections.partner import PartnerSection
 from live.show.sections.picture import PictureSection
+from live.show.sections.psn import PsnSection
 from live.show.sections.react import ReactSection
 from live.show.sections.scene import NamedLookSection, SceneSection, ViewSection
 from live.show.sections.score import AtSection, ScoreSection, SignalSection
@@ -40,6 +46,7 @@ from live.show.sections.stage import (
     StageSection,
     SteeringSection,
 )
+from live.show.sections.texture import TextureSection
 
 
 class Patch(Section):
@@ -62,6 +69,9 @@ class Patch(Section):
     clock: ClockSection = ClockSection()
     link: LinkSection = LinkSection()
     midi: MidiSection = MidiSection()
+    osc: OscSection = OscSection()
+    dmx: Annotated[tuple[DmxSection, ...], Field(max_length=512)] = ()
+    audience: AudienceSection = AudienceSection()
     stage: StageSection = StageSection()
     steering: SteeringSection = SteeringSection()
     gate: Annotated[tuple[GateSection, ...], Field(max_length=32)] = ()
@@ -79,8 +89,12 @@ class Patch(Section):
     cue: Annotated[tuple[CueSection, ...], Field(max_length=2000)] = ()
     locomotion: LocomotionSection = LocomotionSection()
     motion: MotionSection = MotionSection()
+    texture: TextureSection = TextureSection()
+    partner: Annotated[tuple[PartnerSection, ...], Field(max_length=16)] = ()
     react: Annotated[tuple[ReactSection, ...], Field(max_length=64)] = ()
     group: Annotated[tuple[GroupSection, ...], Field(min_length=1, max_length=16)]
+    psn: PsnSection = PsnSection()
+    mocap: Annotated[tuple[MocapSection, ...], Field(max_length=16)] = ()
     formation: Annotated[tuple[FormationTable, ...], Field(max_length=1000)] = ()
     """Formations by name: see formations.md."""
     segment: Annotated[tuple[SegmentSection, ...], Field(max_length=20000)] = ()
@@ -119,8 +133,10 @@ class Patch(Section):
         things = {"group": [group.name for group in self.group], "formation": formations}
         things |= {"view": [view.name for view in self.view], "looks": [look.name for look in self.looks]}
         things |= {"scene": [scene.name for scene in self.scene], "cue": [cue.name for cue in self.cue]}
+        things["mocap"] = [performer.name for performer in self.mocap]
         things["background"] = [background.name for background in self.background]
         things |= {"character": [each.name for each in self.character]}
+        things["partner"] = [partner.name for partner in self.partner]
         things |= {"gate": [gate.name for gate in self.gate], "obstacle": [item.name for item in self.obstacle]}
         for what, names in things.items():
             known: set[str] = set()

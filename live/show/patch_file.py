@@ -1,7 +1,6 @@
 """Reading a patch: from a TOML file, or a folder with show.toml, to a frozen Patch, with errors that name the line."""
 
 import contextlib
-import os
 from pathlib import Path
 from typing import Any, Final
 
@@ -10,58 +9,16 @@ from live.base.own_pass import NAME
 from live.base.stage_view import PASSES
 from live.show.long_patches import validated
 from live.show.patch import Patch
+from live.show.patch_places import MAIN_FILE, PATCHES, PatchError, is_file, learned_path
 from live.show.toml_file import model_of, parse_model, read_text
 from live.show.toml_sources import TomlSources, parse_text
 
-PATCHES: Final = next(
-    (
-        folder
-        for folder in (Path(__file__).resolve().parents[2] / "patches", Path(__file__).resolve().parents[1] / "patches")
-        if folder.is_dir()
-    ),
-    Path("patches"),
-)
-"""The project's own patches: beside the package in a checkout, inside it when installed."""
-
-MAIN_FILE: Final = "show.toml"
 FOLDERS: Final = ("formations", "looks", "score")
 """Folders beside show.toml whose TOML files belong to the patch, in the order in which they are read."""
 OWN_PASSES: Final = "passes"
 """The folder beside a patch with its own passes: NAME.glsl."""
 MOST_FILES: Final = 256
 MOST_BYTES: Final = 16_000_000
-
-DEFAULT_PATCH: Final = PATCHES / "first_show.toml"
-
-
-class PatchError(PersonError):
-    """A patch that cannot be used: for each problem file, line, field, what was read and what is allowed."""
-
-
-def find_patch(name: str | None) -> Path:
-    """The file of a patch named on the command line: a path, a folder with show.toml, or one of the project's own."""
-    if name is None:
-        return DEFAULT_PATCH
-    given = Path(name)
-    for path in (given, given / MAIN_FILE, PATCHES / name, PATCHES / name / MAIN_FILE, PATCHES / f"{name}.toml"):
-        if is_file(path):
-            return path
-    if os.path.isdir(name):
-        raise PatchError(f"the folder {name!r} holds no show.toml", "put one there, or name a TOML file")
-    folders = (path.parent.name for path in PATCHES.glob("*/show.toml"))
-    known = ", ".join(sorted([*(path.stem for path in PATCHES.glob("*.toml")), *folders])) or "none"
-    raise PatchError(
-        f"there is no patch {name[:200]!r}",
-        f"give a TOML file, a folder with show.toml, or one of the project's: {known}",
-    )
-
-
-def is_file(path: Path) -> bool:
-    """Whether there is such a file; a name that no file can have (too long, a zero byte) is none."""
-    try:
-        return path.is_file()
-    except (OSError, ValueError):
-        return False
 
 
 def find_beside(name: str, patch_path: Path) -> Path | None:
@@ -114,13 +71,14 @@ def _add_own_passes(data: dict[str, Any], path: Path) -> None:
 
 
 def patch_files(path: Path) -> list[Path]:
-    """The files of a patch, the main one first: show.toml, then those of its FOLDERS in the order of their names.
+    """The files of a patch, the main one first: show.toml, then what was learned, then those of its FOLDERS in the
+    order of their names.
 
     PatchError if they are too many or too large: nothing is read then.
     """
+    files = [path, learned_path(path)] if is_file(learned_path(path)) else [path]
     if path.name != MAIN_FILE:
-        return [path]
-    files = [path]
+        return files
     for folder in FOLDERS:
         with contextlib.suppress(OSError):  # it has just gone
             more = sorted(file for file in (path.parent / folder).glob("*.toml") if not file.name.startswith("."))

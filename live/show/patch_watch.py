@@ -15,18 +15,22 @@ from live.base.packed import packed
 from live.control.events import ControlEvent, PatchChanged
 from live.graph.motion_graph import MotionGraph
 from live.render.pass_trial import try_passes
+from live.show.characters import check_characters
 from live.show.core import Show
 from live.show.edit import fitted, version_of
 from live.show.library_watch import LibraryWatch, Stamp
-from live.show.load import LoadedShow
+from live.show.load import LoadedShow, told_with_place
 from live.show.long_patches import freed, written_text
+from live.show.patch import Patch
 from live.show.patch_file import own_pass_files, patch_files, read_sources
 from live.show.pickled import walk_ahead
 from live.show.polite import polite
 from live.show.recorded import patch_for
 from live.show.reloading import Prepared, prepare
+from live.show.scene_of import backgrounds_of
 from live.show.toml_file import field_words
 from live.show.toml_sources import TomlSources
+from live.show.venue_projector import in_hall
 
 POLL_S: Final = 0.05
 """Seconds between two looks at the files; they must look the same twice, so that nothing half written is read."""
@@ -53,6 +57,7 @@ class PatchWatch:
         self._library = library
         self._patch, self._graph = show.patch, show.graph
         self._text = written_text(self._patch)
+        self._asked = self._patch  # as it was written last, with what waits for the next start
         if library is not None:
             library.prove = lambda graph: show.another(self._patch, graph)
         self._seen = self._taken = stamp_of_files(loaded.path)
@@ -118,6 +123,8 @@ class PatchWatch:
         graph = self._graph if self._library is None else self._library.graph
         patch, sources = read_sources(self._loaded.path)
         patch = patch_for(patch, graph, self._patch, recordings=self._loaded.recordings is not None)
+        patch = in_hall(patch, self._loaded.projector)
+        self._check_files(patch, sources)
         patch, self.waits = fitted(patch, self._patch)
         text = written_text(patch)
         if text == self._text:  # only what has to wait, comments, or back to what it was
@@ -139,6 +146,15 @@ class PatchWatch:
         self._post(PatchChanged(time=self._now(), source="patch", patch=packed(text), version=prepared.version))
         self._tell(prepared.different, sources)
         return True
+
+    def _check_files(self, patch: Patch, sources: TomlSources) -> None:
+        """PersonError for a file that the next start would refuse: it is told now, when somebody looks."""
+        with told_with_place(sources):
+            if patch.character != self._asked.character:
+                check_characters(patch, self._loaded.path)
+            if patch.background != self._asked.background:
+                backgrounds_of(patch, self._loaded.path)
+        self._asked = patch
 
     def _proved(self, text: str, graph: MotionGraph, sources: TomlSources) -> Prepared:
         try:

@@ -93,6 +93,10 @@ class Playhead:
 
     ahead = place
 
+    def section_name(self, place: Place) -> str:
+        """What its section is called; empty outside of all."""
+        return "" if place.section == END else self.stretches[place.section].name
+
     def entered(self, measure: int) -> bool:
         """Whether the score comes to its place with `measure`: not if it is held there, nor outside of all sections."""
         stand = self._stand(measure)

@@ -119,6 +119,10 @@ class Prompter:
         names = self._occasions.hear(event)
         return [events.Signal(time=event.time, source="music", name=name) for name in names]
 
+    def hear_notes(self, event: events.NotesHeard) -> None:
+        """What is played over MIDI."""
+        self.mood.hear_notes(event)
+
     def _signal(self, event: events.Signal) -> None:
         """Whatever reacts to it is told. PersonError for one that nobody has named."""
         name = event.name.casefold().strip()

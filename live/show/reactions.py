@@ -1,11 +1,13 @@
 """Reactions: what the music that is heard changes in a show, as the patch's `[[react]]` tables say."""
 
 import math
+from collections.abc import Mapping
 from typing import Any, Final
 
-from live.control.events import ControlEvent, MusicHeard, SetMotion, SetPicture
-from live.show.mood import level_of
+from live.control.events import ControlEvent, MusicHeard, NotesHeard, SetMotion, SetPicture
+from live.show.mood import NAMES, NOTE_NAMES, level_of, note_level_of
 from live.show.patch import Patch
+from live.show.score_check import UNIT
 from live.show.sections.react import ReactSection
 
 BUILDING: Final = 0.5
@@ -20,7 +22,7 @@ STRENGTH: Final = "strength"
 
 
 class Reactions:
-    """Takes MusicHeard in order; the same events give the same changes. Thread: the show's."""
+    """Takes MusicHeard and NotesHeard in order; the same events give the same changes. Thread: the show's."""
 
     def __init__(self, patch: Patch) -> None:
         self._follows = [section for section in patch.react if section.to is not None]
@@ -55,25 +57,37 @@ class Reactions:
         begins = event.build >= BUILDING and not self._building
         self._building = event.build >= (NOT_BUILDING if self._building else BUILDING)
         self._happens([*(["drop"] if event.drop else []), *(["build"] if begins else [])])
+        return self._follow(event.time, {name: level_of(event, name) for name in NAMES}, 1.0)
+
+    def hear_notes(self, event: NotesHeard) -> list[ControlEvent]:
+        """What the notes that are played change at once."""
+        return self._follow(event.time, {name: note_level_of(event, name) for name in NOTE_NAMES}, event.beats)
+
+    def _follow(self, time: float, levels: Mapping[str, float], beats: float) -> list[ControlEvent]:
+        """What follows these levels, `beats` after they were heard last."""
         changes: list[ControlEvent] = []
         for index, section in enumerate(self._follows):
-            value = self._smoothed(index, section, event)
+            heard = levels.get(section.to or "")
+            if heard is None:
+                continue
+            value = self._smoothed(index, section, heard, beats)
             if section.sets == STRENGTH:
                 self.strength = max(value, 0.0)
             elif section.sets is not None and section.sets.startswith("/"):
-                changes.append(
-                    SetPicture(time=event.time, source="music", parameter=section.sets, x=value, measures=SMOOTH)
-                )
+                changes.append(SetPicture(time=time, source="music", parameter=section.sets, x=value, measures=SMOOTH))
             elif section.sets is not None:
                 group = "" if section.group == "*" else section.group
-                changes.append(
-                    SetMotion(time=event.time, source="music", parameter=section.sets, value=value, group=group)
-                )
+                changes.append(SetMotion(time=time, source="music", parameter=section.sets, value=value, group=group))
         return changes
 
     def signal(self, name: str) -> None:
         """A signal is given."""
         self._happens([name.casefold()])
+
+    def unit(self, label: str) -> None:
+        """A unit of an example is danced by who answers a leader: `turn/2` is `unit:turn/2`, and `unit:turn`."""
+        name = UNIT + label.casefold()
+        self._happens([name, name.rpartition("/")[0]])
 
     def _happens(self, names: list[str]) -> None:
         if self.calm:
@@ -100,10 +114,9 @@ class Reactions:
         names = ("loudness", "density", "brightness", "low", "build", "loudness_db")
         return {**{name: round(getattr(last, name), 3) for name in names}, "drops": self.drops}
 
-    def _smoothed(self, index: int, section: ReactSection, event: MusicHeard) -> float:
-        heard = level_of(event, section.to or "")
+    def _smoothed(self, index: int, section: ReactSection, heard: float, beats: float) -> float:
         before = self._values[index]
-        share = 1.0 if before is None or section.beats == 0.0 else 1.0 - math.exp(-1.0 / section.beats)
+        share = 1.0 if before is None or section.beats == 0.0 else 1.0 - math.exp(-beats / section.beats)
         value = heard if before is None else before + share * (heard - before)
         self._values[index] = value
         return section.low + (section.high - section.low) * value

@@ -68,6 +68,12 @@ def loaded_of(header: dict[str, Any], added: Iterable[list[str]], changed: Itera
         raise ReplayError(
             f"the steps have changed since (then {wanted}, now {found}): replay needs the same step files"
         )
+    texture = None if loaded.bank is None else loaded.bank.digest()
+    if header.get("texture") != texture:
+        raise ReplayError("the recordings in [texture] have changed since: replay needs the same files")
+    answers = None if loaded.answers is None else loaded.answers.digest()
+    if header.get("partner") != answers:
+        raise ReplayError("the examples of [[partner]] have changed since: replay needs the same files")
     return loaded
 
 

@@ -1,5 +1,6 @@
 """The scene of a patch: what the renderer begins with."""
 
+import contextlib
 from dataclasses import fields
 from pathlib import Path
 from typing import Final
@@ -42,22 +43,35 @@ def camera_at_first(patch: Patch) -> Camera:
     return projector or camera_of_section(patch.camera)
 
 
-def backgrounds_of(patch: Patch, path: Path) -> tuple[Background, ...]:
-    """The backgrounds of the patch at `path`; PersonError for a file that is not there or cannot be shown."""
+def backgrounds_of(patch: Patch, path: Path, *, whole: bool = True) -> tuple[Background, ...]:
+    """The backgrounds of the patch at `path`; PersonError for a file that is not there or cannot be shown.
+
+    If they need not be `whole`, such a one has no file, and nothing is seen of it.
+    """
     found = []
     for number, section in enumerate(patch.background):
-        with named("file", ("background", number, "file")):
-            file = find_beside(section.file, path)
-            if file is None:
-                raise PersonError(f"there is no {section.file!r}", f"put it beside {path.name}, or correct the name")
-            check_background(file)
+        file = ""
+        with contextlib.nullcontext() if whole else contextlib.suppress(PersonError):
+            file = _background_file(section.file, path, number)
         keys = section.fit, section.beats, section.width, section.bottom, section.brightness
-        found.append(Background(str(file), *keys))
+        found.append(Background(file, *keys))
     return tuple(found)
 
 
-def scene_of(patch: Patch, path: Path | None = None, characters: tuple[CharacterFile, ...] = ()) -> Scene:
-    """What the renderer must know of a patch, whose own characters are where `characters` says."""
+def _background_file(name: str, path: Path, number: int) -> str:
+    with named("file", ("background", number, "file")):
+        file = find_beside(name, path)
+        if file is None:
+            raise PersonError(f"there is no {name!r}", f"put it beside {path.name}, or correct the name")
+        check_background(file)
+    return str(file)
+
+
+def scene_of(
+    patch: Patch, path: Path | None = None, characters: tuple[CharacterFile, ...] = (), *, whole: bool = True
+) -> Scene:
+    """What the renderer must know of a patch, whose own characters are where `characters` says. `whole`: see
+    `backgrounds_of`."""
     look = {key: value for key, value in patch.look.model_dump().items() if value is not None and key in _LOOK}
     defaults = Look()
     colours = tuple(
@@ -75,7 +89,7 @@ def scene_of(patch: Patch, path: Path | None = None, characters: tuple[Character
         camera=camera_at_first(patch),
         dancer_count=patch.dancer_count,
         joint_count=JOINT_COUNT,
-        backgrounds=() if path is None else backgrounds_of(patch, path),
+        backgrounds=() if path is None else backgrounds_of(patch, path, whole=whole),
         items=tuple(Item(**section.model_dump()) for section in patch.item),
         passes=patch.picture.passes,
         own=patch.picture.own_passes,

@@ -8,6 +8,7 @@ from live.show.sections.cue import CueSection
 from live.show.sections.group import GroupSection
 from live.show.sections.improvise import ImproviseSection
 from live.show.sections.music import ClockSection
+from live.show.sections.partner import PartnerSection
 from live.show.sections.react import ReactSection
 from live.show.sections.score import AtSection, ScoreSection, SignalSection
 from live.show.sections.section import Amiss
@@ -38,8 +39,12 @@ class Written(Protocol):
     def react(self) -> Sequence[ReactSection]: ...
     @property
     def cue(self) -> Sequence[CueSection]: ...
+    @property
+    def partner(self) -> Sequence[PartnerSection]: ...
 
 
+UNIT: Final = "unit:"
+"""With this the names of what partners dance begin, in `[[react]]`."""
 PLACED: Final = ("element", "segment", "regroup", "sequence", "improvise", "at", "signal")
 """Tables whose entries have a measure, and may have a section."""
 OLDER: Final = ("segment", "regroup")
@@ -160,6 +165,10 @@ def _check_signals(patch: Written) -> None:
         if reaction.on is None:
             continue
         name = reaction.on.casefold()
+        if name.startswith(UNIT) and name != UNIT:
+            if not patch.partner:
+                raise Amiss(f"{reaction.on!r}: nobody answers a leader: write [[partner]]", "react", index, "on")
+            continue
         if name not in known:
             words = (
                 f"no signal is called {reaction.on!r}: name it in a [[signal]]; there are: {', '.join(sorted(known))}"

@@ -1,5 +1,8 @@
 """Seen: what is drawn of a show, and the hash over all that can be seen of it, at one moment."""
 
+from dataclasses import fields
+from typing import Final
+
 import numpy as np
 import numpy.typing as npt
 
@@ -7,6 +10,7 @@ from live.base.stage_view import StageView
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
 from live.motion.skeleton import JOINT_COUNT
+from live.show.audience import Audience
 from live.show.dancers import Dancers
 from live.show.desk import Desk
 from live.show.group_motion import GroupMotion
@@ -15,13 +19,18 @@ from live.show.state_hash import hash_of
 
 Int32 = npt.NDArray[np.int32]
 
+NEVER_STILL: Final = ("brightness", "flashes", "overlay", "guide", "guide_count")
+"""What of a view goes on changing while the picture is frozen."""
+
 
 class Seen:
     """Reads the dancers and agents of one show, and changes nothing."""
 
-    def __init__(self, dancers: Dancers, motion: GroupMotion, group: Int32, desk: Desk) -> None:
+    def __init__(self, dancers: Dancers, motion: GroupMotion, group: Int32, desk: Desk, audience: Audience) -> None:
         """`group` (A,) is shared with the show."""
         self._dancers, self._motion, self._group, self._desk = dancers, motion, group, desk
+        self._audience = audience
+        self._still: StageView | None = None
 
     def view(self) -> StageView:
         """An empty drawing snapshot of the right size, to be filled each frame."""
@@ -35,11 +44,19 @@ class Seen:
     ) -> None:  # fmt: skip
         """Fill the snapshot for `time` [s]: poses at the exact beat, at most a tick after the last one (`ticked`).
 
-        While the picture is frozen only its light changes.
+        While the picture is frozen only its light changes; who has seen nothing before sees what was kept (`keep`).
         """
         view.brightness, view.flashes = brightness, self._desk.master.flashes
         if self._desk.master.frozen and view.filled:
             return
+        if self._desk.master.frozen and self._still is not None:
+            _copy(self._still, view)
+            return
+        self._fill(view, time, timeline, span, tempo=tempo, ticked=ticked)
+
+    def _fill(
+        self, view: StageView, time: float, timeline: Timeline, span: MeasureSpan, *, tempo: float, ticked: float
+    ) -> None:
         view.filled = True
         beat = timeline.beat_at(time)
         fraction = span.fraction(beat)
@@ -47,6 +64,7 @@ class Seen:
         on = max(beat - span.end, 0.0) / timeline.beats_per_measure
         self._dancers.pose(fraction + on, time, out=(view.joint_position, view.joint_rotation))
         self._motion.show(view)
+        self._audience.show(view)
         view.group[:] = self._group
         view.time, view.beat, view.tempo = time, beat, tempo
         view.measure, view.beats_per_measure = span.number, timeline.beats_per_measure
@@ -60,6 +78,16 @@ class Seen:
             self._desk.spots.place(view, after)
             self._desk.rig.place(view.picture, after, after * timeline.tempo / 60.0)
 
+    def keep(self, time: float, timeline: Timeline, span: MeasureSpan, *, tempo: float) -> None:
+        """The picture has just been frozen, or goes on: keep what stands still, for who goes on with this show."""
+        if not self._desk.master.frozen:
+            self._still = None
+        elif self._still is None:
+            still = self.view()
+            still.guide = np.zeros((0, 10), np.float32)  # the largest part of it, and never still
+            self._fill(still, time, timeline, span, tempo=tempo, ticked=time)
+            self._still = still
+
     def state_hash(self, time: float, timeline: Timeline, span: MeasureSpan, *, brightness: float) -> str:
         """A short hash over every bit of the agents' and dancers' states and the poses at the tick of `time` [s]."""
         dancers, danced, motion = self._dancers, self._dancers.present, self._motion
@@ -71,4 +99,17 @@ class Seen:
             motion.floor.half, motion.floor.border,
             np.array([beat, timeline.tempo, brightness]),
             *self._desk.hashed(),
+            *(part for captured in dancers.captured.values() for part in captured.hashed()),
         )  # fmt: skip
+
+
+def _copy(still: StageView, view: StageView) -> None:
+    """Let `view` show what was kept."""
+    for field in fields(StageView):
+        if field.name in NEVER_STILL:
+            continue
+        kept, there = getattr(still, field.name), getattr(view, field.name)
+        if isinstance(kept, np.ndarray) and there is not None:
+            there[...] = kept
+        else:
+            setattr(view, field.name, kept)

@@ -26,7 +26,7 @@ LARGEST: Final = 1 << 28
 """Bytes of a state at most: a damaged header asks for no more memory."""
 CONSTANT: Final = (
     "graph", "patch", "scheduler.choosing", "scheduler.aims.foresight", "motion.elements._field._cosines",
-    "prompter.score.written",
+    "prompter.score.written", "dancers.texturing.bank", "answers",
     "desk.parameters.table", "desk.scenes._views", "desk.scenes._looks", "desk.scenes._scenes", "desk.cues._cues",
 )  # fmt: skip
 """What patch, steps and seed alone decide: found again in a fresh show, ..."""

@@ -71,6 +71,8 @@ class Status:
         self.skipped_ticks = 0
         self.events_accepted = 0
         self.dropped_events = 0
+        self.outranked = 0
+        """Values that gave way to an operator's or a musician's."""
         self.impossible = 0
         """What sources said that is no number."""
         self.more: dict[str, Callable[[], Any]] = {}
@@ -82,6 +84,23 @@ class Status:
         self.faults = 0
         """Frames in which drawing failed and the show went on."""
 
+    def _refused(self) -> Counter[str]:
+        """What was refused, by reason."""
+        rejected, show = Counter(self._rejected()), self._show
+        if self.dropped_events:
+            rejected["inbox full"] += self.dropped_events
+        if self.outranked:
+            rejected["outranked"] += self.outranked
+        if show.refusals.count:
+            rejected["not in this show"] += show.refusals.count
+        if impossible := show.follower.rejected + self.impossible:
+            rejected["impossible beat"] += impossible
+        return rejected
+
+    def refused(self) -> int:
+        """How much was refused in all."""
+        return self._refused().total()
+
     def snapshot(self, time: float) -> dict[str, Any]:
         """All figures at `time` [s]; counters are totals since the start. Measures and beats count from 1."""
         show = self._show
@@ -89,13 +108,6 @@ class Status:
         danced = show.span.fraction(moment.beat) * show.timeline.beats_per_measure
         p50, p99, p999 = self.frame_times.percentiles(50, 99, 99.9)
         cpu50, cpu99 = self.work_times.percentiles(50, 99)
-        rejected = Counter(self._rejected())
-        if self.dropped_events:
-            rejected["inbox full"] += self.dropped_events
-        if show.refusals.count:
-            rejected["not in this show"] += show.refusals.count
-        if impossible := show.follower.rejected + self.impossible:
-            rejected["impossible beat"] += impossible
         return {
             "time": round(time, 3),
             "measure": show.span.number + 1,
@@ -113,8 +125,8 @@ class Status:
             "cpu_ms": {"p50": cpu50, "p99": cpu99},
             "dancers": int(show.motion.present.sum()),
             "events_accepted": self.events_accepted,
-            "events_rejected": dict(rejected),
-            "phones": 0,
+            "events_rejected": dict(self._refused()),
+            "phones": show.audience.phones,
             "rss_mb": round(self._memory(), 1),
             "faults": self.faults,
             "behind": show.scheduler.behind(),

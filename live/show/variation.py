@@ -111,6 +111,8 @@ class Variation:
         self._farthest: Float64 = np.minimum(self.warp_beats / self._beats, FARTHEST) * (self.warp_sequence != 0.0)
         self.obeys = bool(self.obedience.any())
         """Whether anybody is carried elsewhere within the measure."""
+        self.textures = bool(self.texture.any())
+        """Whether anybody's upper body is to be textured."""
         self.locks = bool(self.lock.any())
         """Whether anybody's feet are held."""
 
@@ -127,6 +129,7 @@ class Variation:
     on_support: Float64
     face_average: Float64
     obedience: Float64
+    texture: Float64
     mirror: Float64
 
     @property

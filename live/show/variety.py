@@ -35,6 +35,8 @@ class Variety:
 
     obedience: float = 0.5
     """0: steps are danced faithfully, 1: dancers are carried to where the group wants them as far as legs reach."""
+    texture: float = 0.0
+    """How far upper bodies are those of recorded dancers, chosen live by what legs do (P024); 0: as in the steps."""
     mirror: float = 0.0
     """-1: steps as they were made, 1: their mirror images where there are any, 0: both (T042)."""
 
@@ -55,6 +57,7 @@ def variety_of(section: MotionSection) -> Variety:
         mix=section.mix,
         arms=section.arms,
         head=section.head,
+        texture=section.texture,
         lock=float(section.foot_lock),
         on_support=float(section.turn_on == "support"),
         face_average=float(section.face == "average"),

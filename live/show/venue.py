@@ -10,10 +10,12 @@ from pydantic import Field, field_validator
 
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
-from live.show.patch_file import PATCHES, is_file
+from live.show.patch_places import PATCHES, is_file
+from live.show.sections.osc import Endpoints, Targets
 from live.show.sections.section import Name, Section
 from live.show.toml_file import parse_model, read_text
 from live.show.venue_output import MOST_OUTPUTS, VenueOutput, check_outputs
+from live.show.venue_projector import VenueProjector
 
 Sooner = Annotated[float, Field(ge=-500, le=500, allow_inf_nan=False)]
 Later = Annotated[float, Field(ge=0, le=500, allow_inf_nan=False)]
@@ -62,8 +64,31 @@ class VenueMidi(Section):
 
     input: Annotated[str, Field(min_length=1, max_length=200)] | None = None
     """The port that is listened to, by its name or a part of it."""
+    output: Annotated[str, Field(min_length=1, max_length=200)] | None = None
+    """The port that is told present values: the lights of pads, motor faders."""
     clock_out: Annotated[str, Field(min_length=1, max_length=200)] | None = None
     """The port that the show's beat is sent to as MIDI clock."""
+
+
+class VenueOsc(Section):
+    """`[osc]`: whom the show tells what happens, where the command line names nobody."""
+
+    out: Targets = ()
+    """Addresses like `192.168.1.20:57120`."""
+
+
+class VenueVmc(Section):
+    """`[vmc]`: where real dancers' bodies are listened for, where the command line says nothing."""
+
+    at: Endpoints = ()
+    """Ports like `39539`, or with the address of this machine as in `0.0.0.0:39539`."""
+
+
+class VenuePsn(Section):
+    """`[psn]`: where trackers are listened for, where the command line says nothing."""
+
+    at: Annotated[str, Field(min_length=1, max_length=200)] | None = None
+    """As in `236.10.10.10:56565`, or with the address of the network card, `236.10.10.10:56565@192.168.1.5`."""
 
 
 class Venue(Section):
@@ -73,7 +98,12 @@ class Venue(Section):
     """What it is called."""
     audio: VenueAudio = VenueAudio()
     midi: VenueMidi = VenueMidi()
+    osc: VenueOsc = VenueOsc()
+    vmc: VenueVmc = VenueVmc()
+    psn: VenuePsn = VenuePsn()
     latency: VenueLatency = VenueLatency()
+    projector: VenueProjector | None = None
+    """Where its projector stands, and where its picture has the corners of the floor."""
     output: Annotated[tuple[VenueOutput, ...], Field(max_length=MOST_OUTPUTS)] = ()
     """Its projectors; without any the picture fills one window."""
     operator: Annotated[str, Field(min_length=1, max_length=200)] | None = None

@@ -7,7 +7,7 @@ import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
 from live.base.errors import PersonError
-from live.show.patch_file import is_file
+from live.show.patch_places import is_file
 from live.show.toml_file import parse_model, read_text
 from live.show.venue import Venue
 

@@ -10,7 +10,7 @@ from tomlkit.exceptions import TOMLKitError
 from live.base.errors import PersonError
 from live.render.outputs.mesh import regular
 from live.render.outputs.output import UNBENT, Output, Point
-from live.show.patch_file import is_file
+from live.show.patch_places import is_file
 from live.show.toml_file import parse_model, read_text
 from live.show.venue import Venue
 from live.show.venue_file import HEAD

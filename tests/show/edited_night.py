@@ -10,7 +10,7 @@ from live.show.engine import Engine
 from live.show.journal import JournalWriter
 from live.show.library_watch import LibraryWatch
 from live.show.load import load_show
-from live.show.patch_file import PATCHES
+from live.show.patch_places import PATCHES
 from live.show.status import Status
 
 STEPS = PATCHES / "steps"

@@ -10,7 +10,8 @@ from live.control import events
 from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
 from live.show.core import Show
-from live.show.patch_file import PatchError, parse_patch
+from live.show.patch_file import parse_patch
+from live.show.patch_places import PatchError
 from tests.made_steps import made_steps
 from tests.show.made_show import PATCH, made_show
 

@@ -10,7 +10,8 @@ from live.control import events
 from live.show.core import Show
 from live.show.group_motion import LEASH
 from live.show.load import show_of
-from live.show.patch_file import PATCHES, parse_patch
+from live.show.patch_file import parse_patch
+from live.show.patch_places import PATCHES
 
 PATCH = """
 name = "carrying"

@@ -10,7 +10,8 @@ from live.control import events
 from live.control.audio_events import MusicHeard
 from live.show.clock_events import CLOCK_EVENTS
 from live.show.journal import JournalWriter, read_journal
-from live.show.patch_file import PatchError, parse_patch
+from live.show.patch_file import parse_patch
+from live.show.patch_places import PatchError
 from live.show.replay import replay
 from live.show.status import Status
 from tests.show.made_show import PATCH, made_show

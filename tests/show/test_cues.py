@@ -4,7 +4,7 @@ import pytest
 
 from live.control.event_json import event_from_json, event_to_json
 from live.control.registry import REGISTRY
-from live.show.patch_file import PatchError
+from live.show.patch_places import PatchError
 from tests.show.desk_show import DESK, Hands
 
 

@@ -13,7 +13,8 @@ def hands():
 
 def kept(hands):
     """All that can be edited, by part."""
-    return {name: part.take() for name, part in hands.desk.edits._parts.items()}
+    taken = {name: part.take() for name, part in hands.desk.edits._parts.items()}
+    return {name: now if isinstance(now, dict) else now.tolist() for name, now in taken.items()}
 
 
 CALLS = (

@@ -50,6 +50,7 @@ def edited(chance):
     return head + "[[group]]" + front + "[[group]]" + back + more + "\n"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(2))
 def test_any_edit_at_any_tick(seed):
     chance, shows = random.Random(seed), (made_show(), made_show())

@@ -6,7 +6,8 @@ import pytest
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import DIRECTIONS
 from live.show.load import load_show, show_of
-from live.show.patch_file import find_patch, read_patch
+from live.show.patch_file import read_patch
+from live.show.patch_places import find_patch
 from live.show.report import FrameReport
 
 EXPERIMENTS = ("samba", "tap", "contemporary", "ballet")
@@ -58,6 +59,7 @@ def _degrees(angle):
     return np.degrees(np.abs(np.arctan2(np.sin(angle), np.cos(angle))))
 
 
+@pytest.mark.long
 def test_nobody_is_stuck_or_must_dance_another_step(danced):
     _, show, _, _, _, _ = danced
     assert show.scheduler.dead_ends == 0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from live.show.load import load_show
-from live.show.patch_file import DEFAULT_PATCH
+from live.show.patch_places import DEFAULT_PATCH
 from live.show.report import FrameReport
 
 FPS = 60

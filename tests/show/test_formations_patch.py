@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from live.show.load import load_show
-from live.show.patch_file import find_patch
+from live.show.patch_places import find_patch
 
 STANDING = {4: "letters", 12: "star", 20: "spiral", 25: "scattered", 31: "halves"}
 MEASURES = 38
@@ -26,6 +26,7 @@ def lines():
     return lines
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("line", STANDING)
 def test_each_formation_stands_on_its_measure_line(lines, line):
     hips, wanted, _ = lines[line]

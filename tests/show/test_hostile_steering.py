@@ -10,7 +10,8 @@ from live.control import events
 from live.motion.quality.feet import slides
 from live.show.core import Show
 from live.show.load import show_of
-from live.show.patch_file import PATCHES, parse_patch
+from live.show.patch_file import parse_patch
+from live.show.patch_places import PATCHES
 
 PATCH = """
 name = "hostile"
@@ -124,6 +125,7 @@ def test_tempo_jumps_stops_and_doubles(show):
     seen.judge()
 
 
+@pytest.mark.long
 def test_five_hundred_attractors_change_at_every_tick(show):
     chance = np.random.default_rng(1)
     seen = Seen(show)
@@ -172,6 +174,7 @@ def test_walls_close_in_around_dancers(show):
     assert np.abs(ends).max() < 3.0 + BODY
 
 
+@pytest.mark.long
 def test_nobody_is_carried_through_a_wall_or_far_into_an_obstacle(loaded):
     """Obedient dancers are sent to and fro past both; beside it what happened if corrections knew nothing of them."""
     depths = []

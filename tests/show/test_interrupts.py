@@ -10,7 +10,8 @@ from live.control.event_json import event_from_json, event_to_json
 from live.control.events import Performer, StepNow
 from live.show.core import Show
 from live.show.load import load_show
-from live.show.patch_file import find_patch, parse_patch
+from live.show.patch_file import parse_patch
+from live.show.patch_places import find_patch
 from tests.show.made_show import GRAPH, PATCH, made_show
 
 BEAT = 0.5  # s at 120 bpm

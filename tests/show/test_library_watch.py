@@ -39,6 +39,7 @@ def add_step(patch, name="new bow"):
     (patch.parent / "moves" / "another.toml").write_text(text)
 
 
+@pytest.mark.long
 def test_a_new_take_is_danced_from_the_next_measure_line_on(patch):
     night = Night(patch)
     night.run(3)
@@ -55,6 +56,7 @@ def test_a_new_take_is_danced_from_the_next_measure_line_on(patch):
     assert not night.library.look()
 
 
+@pytest.mark.long
 def test_a_replay_of_such_a_night_is_bit_identical(patch):
     night = Night(patch)
     night.run(3)
@@ -116,11 +118,12 @@ def test_the_thread_starts_and_stops(patch):
 
 
 def test_the_projects_own_steps_are_not_watched():
-    from live.show.patch_file import DEFAULT_PATCH
+    from live.show.patch_places import DEFAULT_PATCH
 
     assert load_show(DEFAULT_PATCH).steps_folder is None
 
 
+@pytest.mark.long
 def test_a_journal_whose_steps_are_others_is_refused(patch):
     night = Night(patch)
     night.run(1)
@@ -188,6 +191,7 @@ def test_a_changed_step_is_danced_as_it_is_now_and_a_replay_as_it_was_then(patch
     assert result.differences == ()
 
 
+@pytest.mark.long
 def test_a_step_that_is_gone_is_finished_and_not_begun_any_more(patch):
     (patch.parent / "show.toml").write_text(PATCH.replace('["groove", "side step"]', '["groove", "side step", "walk"]'))
     add_step(patch)

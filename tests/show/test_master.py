@@ -5,7 +5,9 @@ import pytest
 
 from live.control.event_json import event_from_json, event_to_json
 from live.control.registry import REGISTRY
+from live.show.snapshot import Snapshots, restore
 from tests.show.desk_show import Hands
+from tests.show.test_desk_kept import LOADED
 
 
 def seen(hands):
@@ -79,7 +81,6 @@ def test_a_frozen_picture_stands_still_while_the_dance_goes_on():
     np.testing.assert_array_equal(view.joint_position, before[0])
     assert view.beat == before[1]
     np.testing.assert_array_equal(view.picture, before[2])
-    assert seen(hands).beat > before[1]  # who saw nothing before sees where the dance is
     hands.say("/dance/blackout", 1)
     hands.run(4)
     hands.show.fill(view, hands.show.time)
@@ -100,6 +101,49 @@ def test_freezing_changes_nothing_of_the_dance():
     assert frozen.show.state_hash() == plain.show.state_hash()
     assert seen(frozen).flashes
     assert not seen(plain).flashes
+
+
+def kept(hands):
+    """A snapshot, as soon as one can be taken."""
+    source = Snapshots(hands.show)
+    while (taken := source.take(hands.ticks)) is None:
+        hands.run(ticks=1)
+    return taken.seal()
+
+
+def test_who_goes_on_with_a_frozen_show_sees_the_picture_that_stood():
+    """As another engine does after this one ended: with a show that has run along, or with one out of a snapshot."""
+    hands = Hands()
+    hands.run(3)
+    before = seen(hands)
+    hands.say("/dance/output/freeze", 1)
+    hands.say("/dance/output/card", "Left", "grid")
+    hands.say("/dance/output/card", "*", "name")
+    hands.say("/dance/output/card", "right", "off")
+    hands.say("/dance/output/fade", 0.5, 0.0)
+    hands.run(9)
+    hands.say("/dance/output/freeze", 1)  # frozen is frozen
+    for show in (hands.show, restore(LOADED, kept(hands))):
+        view = show.view()
+        show.fill(view, show.time)
+        assert view.beat == before.beat
+        np.testing.assert_array_equal(view.joint_position, before.joint_position)
+        np.testing.assert_array_equal(view.picture, before.picture)
+        assert view.brightness == pytest.approx(0.5)
+        assert show.desk.master.cards == {"*": "name", "right": "off"}
+    hands.say("/dance/output/freeze", 0)
+    assert seen(hands).beat > before.beat + 8.9
+
+
+def test_cards_that_are_taken_away_are_forgotten():
+    hands = Hands()
+    for number in range(100):
+        hands.say("/dance/output/card", f"output {number}", "grid")
+    assert len(hands.desk.master.cards) == 64
+    hands.say("/dance/output/card", "output 99", "off")
+    assert len(hands.desk.master.cards) == 63
+    hands.say("/dance/output/card", "*", "off")
+    assert hands.desk.master.cards == {}
 
 
 def test_what_the_status_tells():

@@ -8,7 +8,7 @@ import pytest
 from live.clock.follow import TimelineFollower
 from live.clock.midi_clock import MidiClock
 from live.clock.ticks import TICK
-from live.control.midi_input import event_of
+from live.control.midi_decoding import event_of
 from live.show.clock_events import tell
 
 

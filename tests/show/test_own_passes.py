@@ -5,7 +5,8 @@ import pytest
 from live.base.picture import OWN, picture_of
 from live.control.registry import REGISTRY
 from live.control.rejections import Rejection
-from live.show.patch_file import PatchError, own_pass_files, read_patch
+from live.show.patch_file import own_pass_files, read_patch
+from live.show.patch_places import PatchError
 from live.show.patch_watch import stamp_of_files
 from live.show.scene_of import scene_of
 from tests.show.desk_show import Hands

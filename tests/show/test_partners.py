@@ -15,7 +15,8 @@ from live.motion.quaternion import rotate
 from live.show.casting import Casting
 from live.show.core import Show
 from live.show.partners import Partners
-from live.show.patch_file import PatchError, parse_patch
+from live.show.patch_file import parse_patch
+from live.show.patch_places import PatchError
 from live.steps.sketch_folder import load_steps
 
 STEPS = Path(__file__).resolve().parents[2] / "patches" / "steps"
@@ -106,6 +107,7 @@ def watched(request, graph):
     return Watch(Show(patch, graph), 32.0, script())
 
 
+@pytest.mark.long
 def test_pairs_stay_at_arms_length_while_they_travel_and_turn(watched):
     distance = watched.distances()
     assert distance.shape[1] == 4

@@ -2,7 +2,8 @@
 
 import pytest
 
-from live.show.patch_file import DEFAULT_PATCH, PatchError, find_beside, find_patch, parse_patch, read_patch
+from live.show.patch_file import find_beside, parse_patch, read_patch
+from live.show.patch_places import DEFAULT_PATCH, PatchError, find_patch
 from tests.show.made_show import PATCH
 
 

@@ -4,7 +4,8 @@ import pytest
 
 from live.base.errors import PersonError
 from live.show.load import load_show
-from live.show.patch_file import MOST_BYTES, MOST_FILES, PatchError, read_patch
+from live.show.patch_file import MOST_BYTES, MOST_FILES, read_patch
+from live.show.patch_places import PatchError
 from live.show.toml_sources import TomlSources, parse_text
 
 MAIN = """name = "folder"

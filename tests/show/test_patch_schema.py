@@ -10,7 +10,8 @@ from typer.testing import CliRunner
 
 from live.cli.main import app
 from live.show.patch import Patch
-from live.show.patch_file import PATCHES, read_sources
+from live.show.patch_file import read_sources
+from live.show.patch_places import PATCHES
 from live.show.patch_schema import patch_schema
 
 SCHEMA = patch_schema()

@@ -158,6 +158,24 @@ def test_a_bad_edit_is_told_and_the_last_good_patch_goes_on(patch, old, new, whe
     assert night.watch.problem == ""
 
 
+def test_a_file_that_the_next_start_would_refuse_is_told_when_it_is_named(patch):
+    night = Night(patch)
+    (night.path.parent / "broken.png").write_text("no image")
+    (night.path.parent / "nobody.glb").write_text("no model")
+    before = night.path.read_text()
+    for more, words in (
+        ('[[background]]\nname = "b"\nfile = "gone.png"\n', "line 12: background.1.file: file: there is no 'gone.png'"),
+        ('[[background]]\nname = "b"\nfile = "broken.png"\n', "the image 'broken.png' cannot be read"),
+        ('[[character]]\nname = "c"\nfile = "nobody.glb"\n', "line 12: character.1.file"),
+    ):
+        assert not night.edit(more=more)
+        assert words in night.watch.problem
+        assert night.watch.problem.endswith("the last good one goes on")
+        night.path.write_text(before)
+        assert not any(night.watch.look() for _ in range(2))
+        assert night.watch.problem == ""
+
+
 def test_what_needs_a_new_start_is_named_and_the_rest_acts(patch):
     night = Night(patch)
     night.run(1.0)
@@ -239,6 +257,7 @@ def test_the_thread_starts_and_stops(patch):
     night.watch.stop()
 
 
+@pytest.mark.long
 def test_a_replay_can_begin_after_an_edit_of_patch_and_steps(patch):
     night = Night(patch)
     night.run(2.5)

@@ -4,7 +4,8 @@ import pytest
 
 from live.base.picture import BY_ADDRESS, picture_of
 from live.base.stage_view import PASSES
-from live.show.patch_file import PatchError, parse_patch
+from live.show.patch_file import parse_patch
+from live.show.patch_places import PatchError
 from live.show.scene_of import scene_of
 from tests.show.desk_show import Hands
 from tests.show.made_show import PATCH

@@ -5,7 +5,7 @@ from itertools import pairwise
 import pytest
 
 from live.base.errors import PersonError
-from live.control.events import CallStep, MusicHeard, SetMotion
+from live.control.events import CallStep, MusicHeard, NotesHeard, SetMotion, SetPicture
 from live.show.patch_file import parse_patch
 from live.show.reactions import Reactions
 from tests.show.made_show import made_show
@@ -38,6 +38,44 @@ def test_a_parameter_follows_the_loudness_smoothly() -> None:
     assert all(one < other for one, other in pairwise(values[3:]))
     assert values[7] == pytest.approx(-0.3 + 0.6 * (1.0 - 2.718281828**-1.0))  # four beats: all but 1/e of the way
     assert values[-1] == pytest.approx(0.3, abs=0.01)
+
+
+def notes(time: float, *, beats: float = 0.125, **figures: float) -> NotesHeard:
+    said = {"energy": 0.0, "density": 0.0, "chord": 0, "pitch": 0.5} | figures
+    return NotesHeard(time=time, source="midi", beats=beats, **said)  # type: ignore[arg-type]
+
+
+def test_notes_move_what_follows_them_and_music_does_not() -> None:
+    heard = reactions(
+        '[[react]]\nto = "chord"\nsets = "larger"\nlow = 0.0\nhigh = 0.4\nbeats = 4\n'
+        '[[react]]\nto = "note_energy"\nsets = "/dance/light/rim"\nbeats = 0\n'
+        '[[react]]\nto = "loudness"\nsets = "head"\nbeats = 0\n'
+    )
+    larger, rim = heard.hear_notes(notes(1.0, chord=4, energy=0.7))
+    assert isinstance(larger, SetMotion) and isinstance(rim, SetPicture)  # noqa: PT018
+    assert (larger.parameter, larger.value, rim.parameter, rim.x) == ("larger", 0.2, "/dance/light/rim", 0.7)
+    larger, rim = heard.hear_notes(notes(3.0, beats=4.0, chord=8))
+    assert isinstance(larger, SetMotion) and isinstance(rim, SetPicture)  # noqa: PT018
+    assert larger.value == pytest.approx(0.4 - 0.2 / 2.718281828)  # four beats: all but 1/e of the way
+    assert rim.x == 0.0
+    (head,) = heard.hear(beat(3.5, loudness=0.25))
+    assert isinstance(head, SetMotion)
+    assert (head.parameter, head.value) == ("head", 0.25)
+
+
+def test_notes_are_the_mood_of_who_improvises_and_of_the_light() -> None:
+    show = made_show()
+    mood = show.prompter.mood
+    assert (mood.of("energy"), mood.of("note_energy"), mood.of("chord")) == (0.5, 0.0, 0.0)
+    show.apply(notes(0.0, energy=0.8, density=3.0, chord=2, pitch=0.25))
+    assert (mood.of("note_energy"), mood.of("chord"), mood.of("pitch")) == (0.8, 0.25, 0.25)
+    assert mood.of("energy") == pytest.approx(0.5 * (0.8 + 0.5))
+    show.apply(beat(0.5, loudness=1.0))
+    assert mood.of("energy") == pytest.approx(0.75)  # the band has more of it
+    before = show.desk.energy
+    for tick in range(1, 65):
+        show.tick(tick / 64)
+    assert show.desk.energy > before
 
 
 def test_elements_that_begin_take_a_strength() -> None:

@@ -251,6 +251,7 @@ def test_lines_that_older_journals_lost_are_told_where_they_are_missing(tmp_path
     assert "line 3: before it lines could not be written, 4 by then" in (found[1].damaged or "")
 
 
+@pytest.mark.long
 def test_a_long_night_is_never_in_memory(tmp_path):
     path = tmp_path / "long.jsonl"
     with path.open("w") as file:

@@ -6,7 +6,7 @@ from live.clock.ticks import TICK
 from live.control import events
 from live.control.events import MusicHeard
 from live.show.load import load_show
-from live.show.patch_file import find_patch
+from live.show.patch_places import find_patch
 
 
 def test_the_show_passes_from_its_score_to_improvisation_and_back():

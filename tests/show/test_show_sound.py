@@ -6,7 +6,8 @@ import pytest
 from live.render.film_sound import FilmSound
 from live.show.footfalls import BALL, HEEL, Footfalls
 from live.show.load import show_of
-from live.show.patch_file import find_patch, read_patch
+from live.show.patch_file import read_patch
+from live.show.patch_places import find_patch
 from live.show.show_sound import CLICK_LEVEL, MAX_VOICES, MUSIC_LEVEL, RATE, ShowSound
 from live.show.tap_voices import ACCENT_HZ, BEAT_HZ, click_voices, tap_voices
 

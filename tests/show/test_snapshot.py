@@ -10,7 +10,8 @@ import pytest
 from live.clock.ticks import TICK
 from live.control import events
 from live.show.load import LoadedShow, load_show
-from live.show.patch_file import find_patch, parse_patch
+from live.show.patch_file import parse_patch
+from live.show.patch_places import find_patch
 from live.show.snapshot import FORMAT, SnapshotError, Snapshots, facts_of, restore, snapshot
 from live.show.state_reading import Unreadable, read_state
 from tests.show.desk_show import DESK
@@ -69,6 +70,7 @@ def test_a_restored_show_goes_on_bit_by_bit(tick):
     assert at - tick <= 64
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name", ["first_show", "samba", "tap", "contemporary", "ballet", "formations", "pairs", "cues", "score"]
 )

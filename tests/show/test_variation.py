@@ -14,7 +14,8 @@ from live.motion.editing.time_warp import measure_warp
 from live.motion.skeleton import SKELETON
 from live.show.danced import Danced
 from live.show.load import load_show, show_of
-from live.show.patch_file import DEFAULT_PATCH, parse_patch
+from live.show.patch_file import parse_patch
+from live.show.patch_places import DEFAULT_PATCH
 from live.show.variation import Variation
 from live.show.variety import Variety, variety_of
 from tests.show.made_show import GRAPH, PATCH, made_show

@@ -1,6 +1,7 @@
 """Advance: one fixed tick of the crowd."""
 
 import numpy as np
+import numpy.typing as npt
 
 from live.agents.crowd.kernels import CELL_ROWS, NUMBERS, ROWS, SPARE_COLUMNS, advance_crowd
 from live.agents.crowd.model import AgentModel, AgentState, Steering
@@ -28,6 +29,10 @@ class Advance:
         """Other parameters from now on; the stage's size stays."""
         begin = 2 * self._agent_count
         self._fixed[begin + 2 :] = steering.vector()[2:]
+
+    def yield_to(self, rows: npt.NDArray[np.integer], responsibility: npt.NDArray[np.floating]) -> None:
+        """The agents `rows` (n,) take this share of avoiding from now on, (n,)."""
+        self._fixed[2 * rows + 1] = responsibility
 
     def __call__(
         self,

@@ -10,14 +10,17 @@ from live.show.sections.score import Measure, Value
 from live.show.sections.section import Name, Section, Share
 
 Weight = Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)]
-Heard = Literal["energy", "loudness", "density", "brightness", "low", "build"]
+Heard = Literal[
+    "energy", "loudness", "density", "brightness", "low", "build", "note_energy", "note_density", "chord", "pitch"
+]
 
 
 class ImproviseRule(Section):
     """`[[improvise.rule]]`: while the music is like that, steps count more, or not at all."""
 
     of: Heard
-    """What is heard, 0 to 1 in the range heard so far; energy is the mean of loudness and density."""
+    """What is heard, 0 to 1 in the range heard so far; energy is the mean of loudness and density, of
+    the music or of notes over MIDI; the last four are of such notes, as in `[[react]]`."""
     above: Share | None = None
     """The rule holds from there on ..."""
     below: Share | None = None

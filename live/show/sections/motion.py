@@ -44,6 +44,9 @@ class MotionSection(Section):
     """How far another take of the same step is mixed into the whole body at most, drawn for every measure (T045)."""
     arms: Share = 0.0
     """Share of the dancers whose upper body dances another take of the same step (T044)."""
+    texture: Share = 0.0
+    """How far upper bodies are those of the recordings in `[texture]`, chosen beat by beat by what legs do; 0: as the
+    steps have it."""
     head: Share = 0.0
     """How far heads turn to the public, as far as necks allow (T123-T125)."""
     foot_lock: bool = True

@@ -18,9 +18,15 @@ Picture = Annotated[str, Field(min_length=1, max_length=64, pattern="^/dance/")]
 class ReactSection(Section):
     """`[[react]]`: either `to` what is heard something is `sets`, or `on` an event something is `call`ed."""
 
-    to: Literal["loudness", "density", "brightness", "low", "build"] | None = None
-    """What is followed, 0 to 1 in the range heard so far: loudness, onsets, brightness, bass, how far it builds up."""
-    sets: Literal["larger", "amplitude", "mix", "arms", "head", "warp_beats", "strength"] | Picture | None = None
+    to: (
+        Literal["loudness", "density", "brightness", "low", "build", "note_energy", "note_density", "chord", "pitch"]
+        | None
+    ) = None
+    """What is followed, 0 to 1 in the range heard so far: loudness, onsets, brightness, bass, how far it builds up; of
+    notes over MIDI how hard they are struck, how densely, how many sound, and where on the keys."""
+    sets: (
+        Literal["larger", "amplitude", "mix", "arms", "texture", "head", "warp_beats", "strength"] | Picture | None
+    ) = None
     """What follows it: a parameter of `[motion]`, the strength of elements that begin from then on, or a number of the
     picture by its address, as in `/dance/light/rim`."""
     low: Value = 0.0
@@ -33,7 +39,8 @@ class ReactSection(Section):
     """The group whose motion it is; * is all."""
     on: Annotated[str, Field(min_length=1, max_length=64)] | None = None
     """What happens: `drop`, the bass comes back after a build-up or a break; `build`, a build-up begins; or a signal,
-    as a `[[signal]]` names it."""
+    as a `[[signal]]` names it; or `unit:turn`, a partner dances a unit of that step or recording (`unit:turn/2`: the
+    second one)."""
     when: Literal["measure", "beat", "now"] = "measure"
     """When it is called: at the next measure line, at the next beat, or at once."""
     call: Annotated[str, Field(min_length=1, max_length=100)] | None = None

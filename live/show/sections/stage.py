@@ -141,12 +141,15 @@ class CameraSection(Section):
         return self
 
 
+FloorCorners = Annotated[tuple[tuple[Shift, Shift], ...], Field(min_length=4, max_length=4)]
+
+
 class ProjectorSection(Section):
     """`[projector]`: its perspective, from where it stands and where the floor's corners are in its picture."""
 
     at: tuple[Far, Far, Far]
     """Where the projector's lens is: x, y (up), z [m]."""
-    corners: Annotated[tuple[tuple[Shift, Shift], ...], Field(min_length=4, max_length=4)]
+    corners: FloorCorners
     """Where the picture has the floor's corners: back left, back right, front right, front left as the audience sees
     them; each to the right and down, from 0 to 1."""
     aspect: Annotated[float, Field(gt=0.1, le=20)] = 16 / 9
@@ -154,11 +157,16 @@ class ProjectorSection(Section):
 
     @model_validator(mode="after")
     def _a_floor(self) -> "ProjectorSection":
-        try:
-            check_corners(self.corners)
-        except PersonError as error:
-            raise Amiss(str(error), "corners") from None
+        refuse_no_floor(self.corners)
         return self
+
+
+def refuse_no_floor(corners: FloorCorners) -> None:
+    """Amiss, at `corners`, for corners that no floor has in a picture."""
+    try:
+        check_corners(corners)
+    except PersonError as error:
+        raise Amiss(str(error), "corners") from None
 
 
 class LookSection(Section):

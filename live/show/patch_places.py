@@ -1,0 +1,59 @@
+"""Where patches lie: beside each other, a folder with show.toml, or the project's own. Light to import."""
+
+import os
+from pathlib import Path
+from typing import Final
+
+from live.base.errors import PersonError
+
+PATCHES: Final = next(
+    (
+        folder
+        for folder in (Path(__file__).resolve().parents[2] / "patches", Path(__file__).resolve().parents[1] / "patches")
+        if folder.is_dir()
+    ),
+    Path("patches"),
+)
+"""The project's own patches: beside the package in a checkout, inside it when installed."""
+
+MAIN_FILE: Final = "show.toml"
+LEARNED: Final = ".midi"
+"""What the name of the file ends in that has what MIDI controllers were taught: NAME.midi.toml beside NAME.toml."""
+
+DEFAULT_PATCH: Final = PATCHES / "first_show.toml"
+
+
+class PatchError(PersonError):
+    """A patch that cannot be used: for each problem file, line, field, what was read and what is allowed."""
+
+
+def find_patch(name: str | None) -> Path:
+    """The file of a patch named on the command line: a path, a folder with show.toml, or one of the project's own."""
+    if name is None:
+        return DEFAULT_PATCH
+    given = Path(name)
+    for path in (given, given / MAIN_FILE, PATCHES / name, PATCHES / name / MAIN_FILE, PATCHES / f"{name}.toml"):
+        if is_file(path):
+            return path
+    if os.path.isdir(name):
+        raise PatchError(f"the folder {name!r} holds no show.toml", "put one there, or name a TOML file")
+    folders = (path.parent.name for path in PATCHES.glob("*/show.toml"))
+    files = (path.stem for path in PATCHES.glob("*.toml") if not path.stem.endswith(LEARNED))
+    known = ", ".join(sorted([*files, *folders])) or "none"
+    raise PatchError(
+        f"there is no patch {name[:200]!r}",
+        f"give a TOML file, a folder with show.toml, or one of the project's: {known}",
+    )
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; a name that no file can have (too long, a zero byte) is none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def learned_path(path: Path) -> Path:
+    """Where what MIDI controllers were taught is kept, beside the patch in `path`."""
+    return path.with_name(f"{path.stem}{LEARNED}.toml")

@@ -1,0 +1,106 @@
+"""`[projector]` of a venue: every show that is played in the hall is seen from where its projector stands."""
+
+import numpy as np
+import pytest
+
+from live.base.errors import PersonError
+from live.base.packed import unpacked
+from live.base.perspective import floor_corners
+from live.cli.wish import Wish
+from live.render.camera import pixel_of
+from live.show.load import LoadedShow
+from live.show.patch import Patch
+from live.show.patch_file import parse_patch, read_patch
+from live.show.patch_watch import PatchWatch
+from live.show.scene_of import camera_at_first
+from live.show.toml_file import parse_model
+from live.show.venue import Venue
+from live.show.venue_projector import in_hall
+from live.show.views import start_row, view_settings
+from tests.show.made_show import GRAPH, PATCH
+
+CORNERS = [[0.21, 0.36], [0.79, 0.35], [0.96, 0.91], [0.05, 0.90]]
+HALL = f"""
+name = "hall"
+[projector]
+at = [0.0, 5.2, 14.0]
+corners = {CORNERS}
+"""
+OTHER = "[projector]\nat = [1, 4, 9]\ncorners = [[0.3, 0.4], [0.7, 0.4], [0.9, 0.8], [0.1, 0.8]]\n"
+STAGE = "[stage]\nwidth = 10\ndepth = 8\n"
+CAMERA = '[camera]\neye = [0.0, 3.0, 12.0]\nfollow = "*"\n'
+
+
+def hall(text: str = HALL) -> Venue:
+    return parse_model(text, "hall.toml", Venue, "venue")
+
+
+def patch(more: str = "") -> Patch:
+    return parse_patch(PATCH + STAGE + more, "test.toml")
+
+
+def floor_of(camera):
+    corners = [(x, 0.0, z) for x, z in floor_corners(10.0, 8.0)]
+    return pixel_of(camera, (1600, 900), corners) / (1600, 900)
+
+
+@pytest.mark.parametrize("more", ["", CAMERA, OTHER])
+def test_shows_begin_with_the_hall_s_projector_whatever_they_say(more):
+    played = in_hall(patch(more), hall().projector)
+    np.testing.assert_allclose(floor_of(camera_at_first(played)), CORNERS, atol=1e-9)
+    assert start_row(played) is not None
+    assert not played.camera.follow
+    assert "projector" in view_settings(played)
+    assert Patch.model_validate(played.written()) == played  # as the journal has it
+    assert camera_at_first(Patch.model_validate(played.written())) == camera_at_first(played)
+
+
+def test_it_may_be_a_view_beside_the_show_s_own_camera():
+    played = in_hall(patch(CAMERA), hall(HALL + "begins = false\n").projector)
+    assert camera_at_first(played).eye == (0.0, 3.0, 12.0)
+    assert played.camera.follow == "*"
+    assert "projector" in view_settings(played)
+
+
+def test_a_hall_without_one_changes_nothing():
+    plain = patch(CAMERA)
+    assert in_hall(plain, hall('name = "hall"').projector) is plain
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (("[0.79, 0.35]", "[0.21, 0.36]"), "projector.corners: "),
+        (("[0.79, 0.35], [0.96, 0.91]", "[0.96, 0.91], [0.79, 0.35]"), "corners' lines cross"),
+        (("5.2", "0.0"), "lies on the floor"),
+        (("corners", "corner"), "corner"),
+    ],
+)
+def test_what_is_wrong_is_told_before_the_show(change, words):
+    with pytest.raises(PersonError, match=words):
+        in_hall(patch(), hall(HALL.replace(*change)).projector)
+
+
+def test_an_edited_patch_is_played_there_too(tmp_path):
+    file = tmp_path / "show.toml"
+    file.write_text(PATCH + STAGE + CAMERA)
+    loaded = LoadedShow(file, read_patch(file), GRAPH).played_in(hall().projector)
+    posted = []
+    watch = PatchWatch(loaded, loaded.start(), post=posted.append, now=lambda: 0.0)
+    file.write_text(PATCH.replace('name = "test"', 'name = "other"') + STAGE + CAMERA)
+    assert [watch.look() for _ in range(2)][-1]
+    assert (watch.problem, len(posted)) == ("", 1)
+    changed = Patch.model_validate_json(unpacked(posted[0].patch))
+    assert changed.name == "other"
+    np.testing.assert_allclose(floor_of(camera_at_first(changed)), CORNERS, atol=1e-9)
+
+
+def test_the_command_line_reads_it_with_the_venue(tmp_path, monkeypatch):
+    monkeypatch.setenv("LIVE_CONFIG_DIR", str(tmp_path))
+    (tmp_path / "venues").mkdir()
+    (tmp_path / "venues" / "hall.toml").write_text(HALL)
+    loaded = LoadedShow(tmp_path / "show.toml", patch(CAMERA), GRAPH)
+    monkeypatch.setattr("live.show.load.load_show", lambda path, **options: loaded)
+    played = Wish(venue="hall").load()
+    np.testing.assert_allclose(floor_of(played.scene().camera), CORNERS, atol=1e-9)
+    assert Wish().load() is loaded
