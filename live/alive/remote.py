@@ -24,6 +24,8 @@ AGAIN: Final = 0.5
 FOLLOWERS: Final = 8
 LONGEST_WHY: Final = 400
 """Characters of a reason that another machine gives."""
+PARTING: Final = 2.0
+"""Seconds in which a machine that cannot stand by waits at its end until the other one has read why."""
 BACKLOG: Final = 64 * 1024 * 1024
 """Bytes that may wait for a follower; one that reads so slowly follows no more."""
 
@@ -43,6 +45,7 @@ class Remote:
         self._heard: float | None = None
         self._now = 0.0
         self._commanded = False
+        self._parting = False
         if self._lead is not None:
             self._lead.setblocking(False)
             starter.selector.register(self._lead, 1, self._accept)
@@ -110,13 +113,15 @@ class Remote:
         """This machine cannot stand by: let the one that leads hear it as well."""
         if self._stands_by and self._leader is not None:
             self._leader.tell(alive="cannot", why=why)
-            self._leader.flush()
+            self._parting = True
 
     def close(self) -> None:
         """Close all that is open."""
-        for wire in (*self._followers, *([] if self._leader is None else [self._leader])):
+        for wire in self._followers:
             wire.flush()
             wire.close()
+        if self._leader is not None:
+            self._leader.part(PARTING if self._parting else 0.0)
         if self._lead is not None:
             self._lead.close()
 

@@ -3,6 +3,7 @@
 import contextlib
 import json
 import socket
+import time
 from collections import deque
 from typing import Any, Final
 
@@ -93,6 +94,21 @@ class Wire:
             if len(data) < PIECE:
                 break
         return found
+
+    def part(self, seconds: float) -> None:
+        """Close this end for good, once the peer has read what was put, or after `seconds`.
+
+        A peer that still sends finds a stream that is closed broken, and would read no more from it.
+        """
+        deadline = time.monotonic() + seconds
+        with contextlib.suppress(OSError):
+            self.flush()
+            self.socket.shutdown(socket.SHUT_WR)
+            while (left := deadline - time.monotonic()) > 0.0:
+                self.socket.settimeout(left)
+                if not self.socket.recv(PIECE):
+                    break
+        self.close()
 
     def close(self) -> None:
         """Close this end."""

@@ -91,6 +91,7 @@ def venue_checks(venue: Venue | None, name: str | None = None) -> Iterator[Check
     midi_in, midi_out = midi()
     for what, name, there in (
         ("midi.input", venue.midi.input, midi_in),
+        ("midi.output", venue.midi.output, midi_out),
         ("midi.clock_out", venue.midi.clock_out, midi_out),
     ):
         if name is not None:
@@ -108,11 +109,11 @@ def _device(what: str, name: str, there: Section) -> Check:
 
 def check_osc(host: str, port: int) -> Check:
     """Whether the show would hear OSC there: it listens for a moment, and sends itself a packet."""
-    from live.base.inbox import Inbox
+    from live.base.lane import Lane
     from live.clock.source import SystemClock
     from live.control.osc import CannotListen, OscInput
 
-    listener = OscInput(host, port, Inbox(), SystemClock())
+    listener = OscInput(host, port, Lane(), SystemClock())
     try:
         listener.start()
     except CannotListen as error:

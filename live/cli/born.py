@@ -30,7 +30,7 @@ def be_born(played: Played, nursery: Lifeline, console: Console) -> tuple[Lifeli
             load_glfw()
         for level in (COARSE, LIGHT, FINE):
             build_body(level)
-    loaded = played.wish.load()
+    loaded = played.wish.load(whole=False)
     show = loaded.start(seed=played.wish.seed)  # what is computed once and kept with the graph is there then
     come_forward(0, processors)
     gc.collect()

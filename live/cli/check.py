@@ -28,7 +28,9 @@ def check(
 
     from live.base.errors import PersonError
     from live.cli.warm import warm_kernels
+    from live.show.patch_places import find_patch
 
+    find_patch(patch)  # a name that nobody knows is told before seconds of loading
     warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
     from live.cli.session_sound import choose_sound
     from live.cli.wish import Wish

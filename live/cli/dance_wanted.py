@@ -10,7 +10,7 @@ from live.graph.library import StepLibrary, build_library
 from live.graph.specification import Wanted
 from live.graph.wanted import parse_sequence
 from live.motion.step_clip import StepClip
-from live.show.patch_file import PATCHES
+from live.show.patch_places import PATCHES
 from live.steps.step_folder import load_folder
 
 SKETCHES: Final = "sketches"

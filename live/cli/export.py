@@ -101,7 +101,7 @@ def _check_target(to: Path, source: str, *, force: bool) -> None:
 
 def _is_file(source: str) -> bool:
     """Whether the source is the name of a file, there or not, and not that of a step."""
-    from live.show.patch_file import is_file
+    from live.show.patch_places import is_file
     from live.steps.motion_file import MOTION_ENDINGS
 
     path = Path(source)

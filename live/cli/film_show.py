@@ -14,6 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from live.base.errors import PersonError
 from live.base.inbox import Inbox
 from live.base.stage_view import StageView
+from live.cli.midi_file_part import play_file
 from live.cli.recording import film_sound, film_writer
 from live.cli.session import resident_megabytes, start_tempo
 from live.cli.session_sound import Sound, analysis_for
@@ -69,6 +70,7 @@ def film_show(
     if sound.music is not None:
         music = OfflineMusic(sound.music, loop=True, one_at=one_at, analysis=analysis_for(loaded, show))
     engine.guides = guides
+    play_file(wish.midi_file, show, engine)
     frames = max(1, math.ceil(seconds * wish.film_fps))
     figures = FrameReport(show) if report is not None else None
     heard = film_sound(sound.music)

@@ -1,7 +1,9 @@
 """The show without a window, in real time: for rehearsal, tests and long runs; with a picture if somebody takes it."""
 
+import contextlib
 import time
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 
@@ -10,6 +12,10 @@ from live.base.stage_view import Scene, StageView
 from live.cli.session import Session
 from live.render.pacing import Pacer
 
+if TYPE_CHECKING:
+    from live.cli.drawing_watch import DrawingWatch
+    from live.show.patch import Patch
+
 
 def play_headless(session: Session, scene: Scene, console: Console) -> None:
     """Run until the seconds are over or Ctrl-C; draws only if somebody takes the picture."""
@@ -17,9 +23,14 @@ def play_headless(session: Session, scene: Scene, console: Console) -> None:
         with session.running():
             _loop(session, lambda view: None, session.wish.film_fps)
         return
+    from live.cli.drawing_watch import DrawingWatch
     from live.cli.recording import live_rate
+    from live.cli.shader_watch import watch_shaders
     from live.cli.takers import Takers
-    from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context
+    from live.render.headless import NoOpenGL, create_headless_context
+    from live.render.outputs.flash_meter import FlashGuard
+    from live.render.outputs.pictures import Pictures
+    from live.render.outputs.shown import Shown
     from live.render.renderer import Renderer
 
     wish = session.wish
@@ -27,34 +38,58 @@ def play_headless(session: Session, scene: Scene, console: Console) -> None:
         ctx = create_headless_context()
     except NoOpenGL as error:
         raise PersonError(str(error)) from None
-    target = OffscreenTarget(ctx, wish.size)
-    renderer = Renderer(ctx, scene, size=wish.size)
+    pictures, flashes, shown = Pictures(ctx, wish.size), FlashGuard(ctx), Shown(ctx, wish.size)
+    session.status.more["flashes_held"] = lambda: flashes.held
+    renderer = Renderer(ctx, scene, size=wish.size, steps=wish.quality is not None)
     rate = live_rate(wish, ctx)
+    watch = None if wish.quality is None else DrawingWatch(session, renderer)  # whoever films asks for the best
+    if watch is not None:
+        watch.period = 1.0 / rate
     takers = Takers(session, ctx, wish.size)
+    shaders = watch_shaders(session, renderer.take_shaders)
+
+    def take_patch(patch: "Patch") -> None:
+        with contextlib.suppress(PersonError):  # it was tried before it came here: else the last good one goes on
+            renderer.take_own(patch.picture.own_passes)
+
+    session.engine.patched.append(take_patch if watch is None else watch.take_patch)
 
     def draw(view: StageView) -> None:
-        renderer.draw(view, target.framebuffer)
-        takers.frame(target.framebuffer, session.clock.now())
+        if shaders is not None:
+            shaders.look(session.clock.now())
+        renderer.draw(view, pictures.next)
+        pictures.take()
+        now = session.clock.now()
+        if view.flashes:
+            flashes.rest()
+        left = 1.0 if view.flashes else flashes.left(pictures.texture, now)
+        takers.frame(shown.of(pictures, left), now)
 
     try:
         with session.running():
-            _loop(session, draw, rate)
+            _loop(session, draw, rate, watch)
     finally:
         takers.close(console)
-        renderer.release()
-        target.release()
+        for thing in (renderer, shown, flashes, pictures):
+            thing.release()
         ctx.release()
 
 
-def _loop(session: Session, draw: Callable[[StageView], None], rate: float) -> None:
+def _loop(
+    session: Session, draw: Callable[[StageView], None], rate: float, watch: "DrawingWatch | None" = None
+) -> None:
     pacer = Pacer(rate, session.clock.now, time.sleep)
     previous = session.clock.now()
     while True:
         started = pacer.wait()
+        if watch is not None:
+            watch.begin(pacer.late, started - previous)
         session.before_frame()
         session.engine.frame(draw)
         session.status.late_frames = pacer.late
         session.after_frame(started, previous)
+        if watch is not None:
+            watch.end()
         previous = started
         if session.finished(started) or session.deserted:  # nobody sees it, and nobody is there to end it
             return

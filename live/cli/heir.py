@@ -34,7 +34,7 @@ def take_over(
     processors = stand_back() if waits else frozenset()
     if loaded is None:
         warm_kernels(console)
-        loaded = played.wish.load()
+        loaded = played.wish.load(whole=False)
     venue = played.wish.read_venue()
     sound = sound_of(played, loaded, venue)
     picture = open_picture(played, loaded, venue, hidden=True, show=show)

@@ -10,7 +10,7 @@ import numpy as np
 from live.clock.ticks import TICK
 from live.control.audio_events import MusicHeard
 from live.control.event_json import event_to_json
-from live.control.events import BeatHeard
+from live.control.events import BeatHeard, MocapFrame, NotesHeard, TrackerMoved
 from live.show.journal_reading import Journal, JournalLine
 from live.show.replay import Replaying
 from live.show.replay_start import Start
@@ -19,7 +19,7 @@ PULSES: Final = 480
 """Pulses of a quarter note, which is a beat."""
 LOWEST: Final = 36
 """The note of the first step of the library; the others follow."""
-HEARD: Final = (BeatHeard, MusicHeard)
+HEARD: Final = (BeatHeard, MusicHeard, NotesHeard, MocapFrame, TrackerMoved)
 """What sources say all the time is no marker."""
 Message = tuple[int, Any]
 

@@ -29,6 +29,9 @@ from live.cli import (
     export,
     formation,
     journal,
+    layout,
+    mocap,
+    partner,
     play,
     render,
     replay,
@@ -39,8 +42,10 @@ from live.cli import (
     soak,
     steps,
     sync,
+    texture,
     warm,
 )
+from live.cli.options import with_audience
 
 EXIT_PERSON_ERROR = 2
 EXIT_INTERRUPTED = 130
@@ -70,14 +75,18 @@ app.command("doctor")(doctor.doctor)
 app.command("beats")(beats.beats)
 app.command("bench")(bench.bench)
 app.command("bvh")(bvh.bvh)
+app.command("partner")(partner.partner)
 app.command("export")(export.export)
 app.command("formation")(formation.formation)
+app.command("layout")(layout.layout)
 app.command("schema")(schema.schema)
 app.command("sim")(sim.sim)
 app.command("simulate")(simulate.simulate)
 app.command("soak")(soak.soak)
+app.command("texture")(texture.texture)
 app.command("warm")(warm.warm)
 app.command("sync")(sync.sync)
+app.add_typer(mocap.app, name="mocap")
 app.add_typer(journal.app, name="journal")
 app.add_typer(steps.app, name="steps")
 
@@ -128,6 +137,7 @@ def end_cleanly() -> None:
 def main() -> None:
     """Run the command line and exit: 0 done, 1 a check failed, 2 an error of use, 130 Ctrl-C."""
     end_cleanly()
+    sys.argv[1:] = with_audience(sys.argv[1:])
     try:
         app()
     except PersonError as error:

@@ -19,12 +19,49 @@ def parse_size(text: str) -> tuple[int, int]:
     return int(match[1]), int(match[2])
 
 
-def parse_endpoint(text: str) -> tuple[str, int]:
+def parse_endpoint(text: str, name: str = "--osc") -> tuple[str, int]:
     """HOST:PORT, PORT or [IPV6]:PORT; PersonError otherwise."""
     match = re.fullmatch(r"(?:(\[[0-9A-Fa-f:.]+\]|[^:\s]+):)?(\d{1,5})", text.strip())
     if match is None or int(match[2]) > 65535:
-        raise PersonError(f"--osc {text!r}: HOST:PORT expected, port 0 to 65535", "--osc 127.0.0.1:9010")
+        raise PersonError(f"{name} {text!r}: HOST:PORT expected, port 0 to 65535", f"{name} 127.0.0.1:9010")
     return (match[1] or "127.0.0.1").strip("[]"), int(match[2])
+
+
+AUDIENCE_PORT = 8020
+"""Where phones play if nothing else is said."""
+_AUDIENCE = re.compile(r"(?:(\[[0-9A-Fa-f:.%]+\]|[^\s:\[\]]+):)?(\d{1,5})")
+
+
+def audience_address(text: str) -> tuple[str, int]:
+    """Where phones play, as [HOST:]PORT; PersonError otherwise."""
+    match = _AUDIENCE.fullmatch(text.strip())
+    if match is None or int(match[2]) > 65535:
+        raise PersonError(f"--audience {text!r}: [HOST:]PORT expected", f"--audience 0.0.0.0:{AUDIENCE_PORT}")
+    return (match[1] or "127.0.0.1").strip("[]"), int(match[2])
+
+
+def audience_web_address(text: str | None) -> str | None:
+    """The address that phones are given; PersonError for what is none."""
+    if text is not None and re.fullmatch(r"https?://[A-Za-z0-9.\-\[\]:]{1,200}/?", text) is None:
+        raise PersonError(f"--audience-link {text!r}: an address as in http://stage.local:8020 expected")
+    return text
+
+
+def with_audience(words: list[str]) -> list[str]:
+    """A command line in which `--audience` alone means the usual port of this machine alone."""
+    found = []
+    for index, word in enumerate(words):
+        found.append(word)
+        after = words[index + 1] if index + 1 < len(words) else ""
+        if word == "--audience" and _AUDIENCE.fullmatch(after) is None:
+            found.append(f"127.0.0.1:{AUDIENCE_PORT}")
+    return found
+
+
+def with_port(text: str, port: int) -> str:
+    """HOST with the port that is usual; what names a port already stays as it is."""
+    host = text.strip()
+    return host if ":" in host or host.isdecimal() or not host else f"{host}:{port}"
 
 
 def parse_number(value: float | None, name: str, low: float, high: float) -> None:

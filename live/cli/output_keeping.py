@@ -1,7 +1,8 @@
 """Keeping how outputs are bent: into the venue's file, whole or not at all, in a thread so that no frame waits."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from pathlib import Path
 
 from live.base.errors import PersonError
 from live.render.outputs.output import Output
@@ -19,23 +20,40 @@ class OutputKeeping:
 
     def keep(self, output: Output) -> None:
         """Let this output be as it is now from the next start on."""
+
+        def text(path: Path, venue: str) -> str:
+            from live.show.venue_output_file import changed_output
+
+            return changed_output(path, venue, output)
+
+        self._begin(text)
+
+    def keep_values(self, values: Mapping[str, Mapping[str, object]]) -> None:
+        """Let the venue say these values, by table and key, from the next start on."""
+
+        def text(path: Path, venue: str) -> str:
+            from live.show.venue_file import changed_venue
+
+            return changed_venue(path, venue, values, "# pointed at on the projector")
+
+        self._begin(text)
+
+    def _begin(self, text: Callable[[Path, str], str]) -> None:
         if self._venue is None:
             self._told("not kept: start with --venue NAME")
             return
         self._threads = [one for one in self._threads if one.is_alive()]
-        self._threads.append(threading.Thread(target=self._write, args=(output,), name="venue"))
+        self._threads.append(threading.Thread(target=self._write, args=(text, self._venue), name="venue"))
         self._threads[-1].start()
 
-    def _write(self, output: Output) -> None:
+    def _write(self, text_of: Callable[[Path, str], str], venue: str) -> None:
         from live.cli.whole_file import write_whole
         from live.show.venue import venue_path
-        from live.show.venue_output_file import changed_output
 
-        assert self._venue is not None
-        path = venue_path(self._venue)
+        path = venue_path(venue)
         try:
             with self._turn:
-                text = changed_output(path, self._venue, output)
+                text = text_of(path, venue)
                 path.parent.mkdir(parents=True, exist_ok=True)
                 write_whole(text.encode(), path, "--venue")
         except (PersonError, OSError) as error:

@@ -7,6 +7,7 @@ from live.cli.wish import Wish
 from live.render.monitor_places import find_place
 from live.render.monitors import Monitor, UnknownMonitor
 from live.render.outputs.output import Output
+from live.render.outputs.output_pass import read_mask
 from live.render.outputs.projection import Places
 from live.show.venue import Venue, venue_path
 
@@ -23,6 +24,8 @@ def places_of(wish: Wish, venue: Venue | None, *, monitor: Monitor | None, fulls
     """All windows and where they open; PersonError for monitors that are not there. `--monitor` wins over what a
     venue with one output says."""
     outputs = outputs_of(venue, wish.venue)
+    if hidden:  # who goes on with a show does so without a mask that was lost
+        outputs = tuple(one if _mask_is_there(one) else replace(one, mask=None) for one in outputs)
     if len(outputs) == 1 and monitor is not None:
         outputs = (replace(outputs[0], monitor=None),)
     for number, output in enumerate(outputs):
@@ -33,6 +36,13 @@ def places_of(wish: Wish, venue: Venue | None, *, monitor: Monitor | None, fulls
     where = "--operator" if wish.operator else f"venue {wish.venue}: operator"
     operator = None if asked is None else found(asked, where)
     return Places(outputs, monitor, operator, wish.size, fullscreen, hidden)
+
+
+def _mask_is_there(output: Output) -> bool:
+    try:
+        return output.mask is None or read_mask(output) is not None
+    except PersonError:
+        return False
 
 
 def found(text: str, where: str) -> Monitor:

@@ -1,14 +1,15 @@
 """Setting up projectors while a show is loaded: test cards, points moved by mouse and keys, and what of it is kept."""
 
-from collections.abc import Callable
-from typing import Any, Final
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Final, Protocol
 
 from live.control.event import ControlEvent
 from live.control.events import ShowCard
-from live.render.outputs.output import Output
+from live.render.outputs.floor_editing import FloorEditing
+from live.render.outputs.output import Output, Point
 from live.render.outputs.projection import Projection
 from live.render.outputs.screen import Screen
-from live.render.outputs.test_cards import CARDS, next_card
+from live.render.outputs.test_cards import CARDS, JOIN, next_card
 from live.render.window_input import KeyPressed, PointerMoved, PointerPressed, PointerReleased, WindowInput
 
 CARD_KEY: Final = "f8"
@@ -20,19 +21,44 @@ _ARROWS: Final = {"left": (-1.0, 0.0), "right": (1.0, 0.0), "up": (0.0, -1.0), "
 _HELP: Final = (
     "drag a point, or Tab and arrows (shift: 10 px)",
     "M corners or mesh   + - its points   R straighten   U undo   F8 test card",
-    "Enter keep   F9 done",
+    "P the real floor's corners   Enter keep   F9 done",
 )
+_FLOOR_HELP: Final = (
+    "let this light lie on that corner of the real floor: drag it, or Tab and arrows (shift: 10 px)",
+    "R as before   U undo   Enter keep   P back to bending   F9 done",
+)
+
+
+class Floor(Protocol):
+    """Who knows where the real floor lies in the picture."""
+
+    def corners(self) -> tuple[Point, ...]:
+        """Its corners as shares of the whole picture."""
+
+    def keep(self, corners: Sequence[Point]) -> str:
+        """Let them be there for good; why not, in words, if that cannot be."""
 
 
 class OutputSetup:
     """What the operator does to the outputs; the show goes on meanwhile. Thread: main thread only."""
 
     def __init__(
-        self, projection: Projection, keep: Callable[[Output], None], refuse: Callable[[str], None] = lambda words: None
+        self,
+        projection: Projection,
+        keep: Callable[[Output], None],
+        refuse: Callable[[str], None],
+        ask: Callable[[str, str], None],
+        floor: Floor | None = None,
+        *,
+        joins: bool = False,
     ) -> None:
-        """`keep` is told every output that shall be as it is now for good; `refuse` what was asked for in vain."""
-        self._projection, self._keep, self._refuse = projection, keep, refuse
+        """`keep` is told every output that shall be as it is now for good; `refuse` what was asked for in vain; `ask`
+        the output and the card that a key calls: the show hears it, so that it is remembered, and then `hear` does.
+        `floor`: where the real floor lies in the picture; `joins`: an audience may join, and there is a card for it."""
+        self._projection, self._keep, self._refuse, self._ask = projection, keep, refuse, ask
+        self._floor = floor
         self._edited: Screen | None = None
+        self._joins = joins
         self.kept = ""
         """What became of what was kept, in words; empty before anything was."""
 
@@ -43,16 +69,28 @@ class OutputSetup:
         if not isinstance(event, ShowCard):
             return
         name, card = event.output.strip().casefold(), event.card.strip().casefold()
-        screens = [one for one in self._projection.screens if name in ("*", one.output.name.casefold())]
+        screens = self._named(name)
         known = next((each for each in CARDS if each == card), None)
         if known is None:
             self._refuse(f"{event.source}: no test card is called {event.card!r}; there are: {', '.join(CARDS)}")
+        elif known == JOIN and not self._joins:
+            self._refuse(f"{event.source}: nobody can join: start the show with --audience")
         elif not screens:
             names = ", ".join(one.output.name for one in self._projection.screens)
             self._refuse(f"{event.source}: no output is called {event.output!r}; there are: {names}")
         else:
             for screen in screens:
                 screen.card = known
+
+    def recall(self, cards: Mapping[str, str]) -> None:
+        """The cards that another engine showed: of those there are not, it was told then."""
+        for name, wanted in cards.items():
+            card = next((each for each in CARDS if each == wanted), None)
+            for screen in self._named(name) if card is not None else ():
+                screen.card = card or "off"
+
+    def _named(self, name: str) -> list[Screen]:
+        return [one for one in self._projection.screens if name in ("*", one.output.name.casefold())]
 
     def facts(self) -> list[dict[str, Any]]:
         """For the status: every output, where it is thrown, and whether it shows the picture."""
@@ -84,6 +122,7 @@ class OutputSetup:
         if key.name == CARD_KEY:
             for one in [screen] if screen in self._projection.screens else self._projection.screens:
                 one.card = next_card(one.card)
+                self._ask(one.output.name, one.card)
             return True
         if key.name == EDIT_KEY:
             self._choose(screen)
@@ -119,6 +158,9 @@ class OutputSetup:
             editing.nudge(x * step / width, y * step / height)
         elif name == "tab":
             editing.next(-1 if key.shift else 1)
+        elif name == "p" and self._floor is not None:
+            self._point_at_floor(screen, self._floor)
+            return True
         elif name == "m":
             editing.switch()
         elif name in ("+", "=", "-"):
@@ -137,6 +179,14 @@ class OutputSetup:
         screen.set(editing.output)
         return True
 
+    def _point_at_floor(self, screen: Screen, floor: Floor) -> None:
+        """From bending to the real floor's corners, or back; what was moved by then is kept."""
+        self._save(screen)
+        if isinstance(screen.editing, FloorEditing):
+            screen.edit(True)
+        else:
+            screen.edit_floor(floor.corners())
+
     def _pointer(self, screen: Screen, value: WindowInput) -> bool:
         editing, (width, height) = screen.editing, screen.window.size
         assert editing is not None
@@ -154,14 +204,24 @@ class OutputSetup:
         return True
 
     def _save(self, screen: Screen) -> None:
-        if screen.editing is not None and screen.editing.is_changed:
+        editing = screen.editing
+        if editing is None or not editing.is_changed:
+            return
+        if isinstance(editing, FloorEditing):
+            self.kept = self._floor.keep(editing.corners) if self._floor is not None else ""
+            editing.is_changed = bool(self.kept)
+        else:
             self._keep(screen.output)
-            screen.editing.is_changed = False
+            editing.is_changed = False
 
     def _tell(self, screen: Screen) -> None:
         """The words over the output that is edited."""
         editing = screen.editing
         if editing is None:
+            return
+        if isinstance(editing, FloorEditing):
+            words = (f"{screen.output.name}: the {editing.what}", *_FLOOR_HELP, editing.problem, self.kept)
+            screen.lines = tuple(word for word in words if word)
             return
         what = "point" if editing.on_mesh else "corner"
         where = f"{screen.output.name}: {what} {editing.chosen + 1} of {len(editing.points)}"

@@ -56,7 +56,24 @@ def play(
     midi: Annotated[
         str | None,
         typer.Option(
-            help="A MIDI port to listen to (see `live devices`): clock, time code, pedals and keys; or off.",
+            help="A MIDI port to listen to (see `live devices`): clock, time code, pedals and keys; tcp:HOST:PORT, "
+            "rtp:HOST:PORT, raw:PATH; or off.",
+            metavar="NAME",
+            rich_help_panel=PANEL_TIME,
+        ),
+    ] = None,
+    midi_file: Annotated[
+        Path | None,
+        typer.Option(
+            help="A MIDI file: its tempo map leads the beat, its notes move the dance and work what the map says.",
+            metavar="FILE.mid",
+            rich_help_panel=PANEL_TIME,
+        ),
+    ] = None,
+    midi_out: Annotated[
+        str | None,
+        typer.Option(
+            help="A MIDI port that is told present values, for lights of pads and motor faders; or off.",
             metavar="NAME",
             rich_help_panel=PANEL_TIME,
         ),
@@ -107,6 +124,84 @@ def play(
     ] = None,
     seed: Annotated[int | None, typer.Option(min=0, max=2**31 - 1, help="Seed of all chance in the show.")] = None,
     osc: Annotated[str, typer.Option(help="Where OSC is received.", metavar="HOST:PORT")] = "127.0.0.1:9010",
+    osc_process: Annotated[
+        bool,
+        typer.Option(
+            "--osc-process",
+            help="Receive OSC in a process of its own, so that floods cost the picture little; what is sent while an "
+            "engine dies may be lost then.",
+        ),
+    ] = False,
+    osc_musicians: Annotated[
+        str | None,
+        typer.Option(
+            help="A port of their own for musicians: what only an operator may is refused there.",
+            metavar="HOST:PORT",
+        ),
+    ] = None,
+    osc_out: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Tell programs there over OSC what happens: beat, tempo, steps, feet, places. May come several times.",
+            metavar="HOST:PORT",
+        ),
+    ] = None,
+    dmx: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Let the hall's lamps follow the show: channels as [[dmx]] says. May come several times.",
+            metavar="sacn:UNIVERSE[@HOST]|artnet:UNIVERSE@HOST",
+        ),
+    ] = None,
+    web: Annotated[
+        str | None,
+        typer.Option(
+            help="Serve the operator's page for a browser: all controls, the values of now. Beyond this machine only "
+            "with the key of the link that is printed.",
+            metavar="[HOST:]PORT",
+        ),
+    ] = None,
+    psn: Annotated[
+        str | None,
+        typer.Option(
+            help="Listen there for trackers by PosiStageNet, usually 236.10.10.10:56565; ADDRESS: of the network card.",
+            metavar="[GROUP:]PORT[@ADDRESS]",
+        ),
+    ] = None,
+    vmc_out: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Send dancers to other programs as avatars by the VMC protocol: the first, or whom WHO means, each to "
+            "the next port. May come several times.",
+            metavar="HOST:PORT[=WHO][@RATE]",
+        ),
+    ] = None,
+    vmc: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Listen there for a real dancer's body by the VMC protocol (usually 39539). May come several times.",
+            metavar="[HOST:]PORT|HOST",
+        ),
+    ] = None,
+    oscquery: Annotated[
+        str | None,
+        typer.Option(
+            help="Be found by ossia score, Chataigne, TouchOSC and others: OSCQuery over HTTP, and zeroconf.",
+            metavar="HOST:PORT",
+        ),
+    ] = None,
+    audience: Annotated[
+        str | None,
+        typer.Option(
+            help="Let the audience's phones play along, here: 127.0.0.1:8020 if nothing else is said; "
+            "0.0.0.0:8020 lets in the whole network.",
+            metavar="[[HOST:]PORT]",
+        ),
+    ] = None,
+    audience_link: Annotated[
+        str | None,
+        typer.Option(help="The address that phones are given, if it is another one.", metavar="http://HOST[:PORT]"),
+    ] = None,
     monitor: Annotated[
         str | None,
         typer.Option(
@@ -141,6 +236,23 @@ def play(
     fps: Annotated[
         float | None,
         typer.Option(help="Default: the monitor's; 30 without a graphics card.", rich_help_panel=PANEL_PICTURE),
+    ] = None,
+    shaders: Annotated[
+        Path | None,
+        typer.Option(
+            help="For who works on looks: draw with the shaders of this folder, and anew whenever one is edited. "
+            "A folder that is not there is made, with copies of the program's own.",
+            file_okay=False,
+            metavar="FOLDER",
+            rich_help_panel=PANEL_PICTURE,
+        ),
+    ] = None,
+    quality: Annotated[
+        int | None,
+        typer.Option(
+            help="Hold a step of quality, 0 is the best. Default: as the machine can afford.",
+            rich_help_panel=PANEL_PICTURE,
+        ),
     ] = None,
     record: Annotated[
         Path | None,
@@ -189,30 +301,40 @@ def play(
     with shift = repulsor. Closing the window, Esc in a window or Ctrl-C here ends the show; music from a file begins
     again at its end. Without a screen, 20 s of the show become a film, first-show.mp4.
     """
+    import secrets
+
     from rich.console import Console
 
     from live.cli.options import (
+        audience_address,
+        audience_web_address,
         film_file,
         parse_choice,
         parse_endpoint,
         parse_measures,
         parse_number,
         parse_size,
+        with_port,
         writable_file,
     )
     from live.cli.played import Played
     from live.cli.share_names import parse_shares
     from live.cli.supervised import is_supervised, supervise
     from live.cli.warm import warm_kernels
+    from live.cli.web_key import new_key
     from live.cli.wish import Wish
+    from live.show.patch_places import find_patch
 
     parse_number(bpm, "--bpm", 20, 400)
     parse_number(seconds, "--seconds", 0.1, 7 * 86400)
     parse_number(fps, "--fps", 1, 480)
+    parse_number(quality, "--quality", 0, 15)
     parse_number(tempo_share, "--tempo-share", 0.1, 2.0)
     for path, name in ((record, "--record"), (journal, "--journal"), (status_json, "--status-json")):
         writable_file(path, name)
     film_file(record, "--record", never=[audio, patch])
+    find_patch(patch)  # a name that nobody knows is told before seconds of loading
+    page = None if web is None else parse_endpoint(web, "--web")
     played = Played(
         Wish(
             patch=patch,
@@ -224,12 +346,27 @@ def play(
             click_channels=click_channels,
             link=parse_choice(link, "--link", "follow", "lead", "off"),
             midi=midi,
+            midi_file=midi_file,
+            midi_out=midi_out,
             midi_clock_out=midi_clock_out,
             steps=steps,
             seed=seed,
             measures=parse_measures(measures),
             tempo_share=tempo_share,
             osc=parse_endpoint(osc),
+            osc_process=osc_process,
+            osc_musicians=None if osc_musicians is None else parse_endpoint(osc_musicians, "--osc-musicians"),
+            osc_out=tuple(parse_endpoint(each, "--osc-out") for each in osc_out or ()),
+            dmx=tuple(dmx or ()),
+            psn=psn,
+            vmc_out=tuple(vmc_out or ()),
+            vmc=tuple(parse_endpoint(with_port(each, 39539), "--vmc") for each in vmc or ()),
+            oscquery=None if oscquery is None else parse_endpoint(oscquery, "--oscquery"),
+            web=page,
+            web_key="" if page is None else new_key(page[0]),
+            audience=None if audience is None else audience_address(audience),
+            audience_link=audience_web_address(audience_link),
+            audience_secret=b"" if audience is None else secrets.token_bytes(32),
             journal=journal,
             status_json=status_json,
             seconds=seconds,
@@ -238,6 +375,8 @@ def play(
             operator=operator,
             size=parse_size(size),
             fps=fps,
+            shaders=shaders,
+            quality=quality,
         ),
         monitor=monitor,
         fullscreen=fullscreen,

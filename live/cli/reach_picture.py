@@ -169,7 +169,9 @@ class PngCanvas:
     def text(self, at: Point, words: str, size: int, colour: str, anchor: str = "start") -> None:
         from PIL import ImageFont
 
-        font = ImageFont.load_default(self.FINE * size)
+        from live.render.typeface import readable
+
+        font, words = ImageFont.load_default(self.FINE * size), readable(words)
         place = {"start": "ls", "middle": "ms", "end": "rs"}[anchor]
         self._draw.text((self.FINE * at[0], self.FINE * at[1]), words, fill=colour, font=font, anchor=place)
 

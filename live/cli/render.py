@@ -13,6 +13,10 @@ def render(
     ],
     patch: Annotated[str | None, typer.Argument(help="A patch. Default: the first show.")] = None,
     audio: Annotated[str | None, typer.Option(help="A music file. Default: the patch's music.", metavar="FILE")] = None,
+    midi_file: Annotated[
+        Path | None,
+        typer.Option(help="A MIDI file that leads the beat, as `live play` takes it.", metavar="FILE.mid"),
+    ] = None,
     bpm: Annotated[float | None, typer.Option(help="No music: the internal clock at this tempo.")] = None,
     size: Annotated[str, typer.Option(help="Width and height in pixels.", metavar="WxH")] = "1280x720",
     fps: Annotated[str, typer.Option(help="Frames per second: 25, 59.94, 24000/1001.", metavar="N")] = "60",
@@ -58,8 +62,9 @@ def render(
     from live.cli.wish import Wish
 
     wish = Wish(
-        patch=patch, audio=audio, bpm=bpm, steps=steps, seed=seed, journal=journal, size=parse_size(size), fps=rate
-    )
+        patch=patch, audio=audio, bpm=bpm, steps=steps, seed=seed, journal=journal, size=parse_size(size), fps=rate,
+        midi_file=midi_file,
+    )  # fmt: skip
     loaded = wish.load()
     sound = choose_sound(wish, loaded)
     if sound.device is not None:

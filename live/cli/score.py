@@ -27,7 +27,9 @@ def score(
 
     from live.cli.options import parse_number
     from live.cli.warm import warm_kernels
+    from live.show.patch_places import find_patch
 
+    find_patch(patch)  # a name that nobody knows is told before seconds of loading
     warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
     from live.cli.wish import Wish
     from live.show.score_sheet import sheet_of

@@ -3,6 +3,7 @@
 import contextlib
 import gc
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import psutil
@@ -13,30 +14,36 @@ from live.alive.lifeline import Lifeline
 from live.alive.relay import RelaySink
 from live.base.errors import PersonError
 from live.base.inbox import Inbox
+from live.cli.audience_part import AudiencePart
 from live.cli.audio_remote import RemoteAudio
-from live.cli.click_part import make_click
-from live.cli.link_part import make_link
-from live.cli.midi_part import make_midi
+from live.cli.beside import Beside
 from live.cli.practice import practice_events, practice_tempo
 from live.cli.resumed import Resumed
 from live.cli.session_news import osc_rejected, session_news
 from live.cli.session_sound import AudioSource, Sound, choose_sound, make_audio, sound_plan
+from live.cli.telling import Telling
 from live.cli.wish import Wish
 from live.clock.source import SystemClock
 from live.clock.ticks import STALL
+from live.control.control import RANKS
 from live.control.events import ControlEvent, SetLatency
+from live.control.midi_song import read_song
 from live.control.osc import CannotListen, OscInput
+from live.control.osc_process import OscRemote
+from live.control.sound_devices import device_refuses
 from live.show.core import Show
 from live.show.engine import Engine
 from live.show.journal import JournalError, JournalWriter, trouble_of
 from live.show.library_watch import LibraryWatch
 from live.show.load import LoadedShow
-from live.show.on_link import OnLink
 from live.show.patch_watch import PatchWatch
 from live.show.pressure import Pressure
 from live.show.status import Status, StatusFile
 from live.show.venue import Venue
 from live.show.venue_latency import Latencies
+
+SLOWEST, FASTEST = 20.0, 400.0
+"""Tempos [bpm] that a show can begin with."""
 
 
 def start_tempo(wish: Wish, loaded: LoadedShow, sound: Sound) -> float | None:
@@ -45,6 +52,8 @@ def start_tempo(wish: Wish, loaded: LoadedShow, sound: Sound) -> float | None:
         return practice_tempo(wish, loaded)
     if wish.bpm is not None:
         return wish.bpm
+    if wish.midi_file is not None:
+        return min(max(read_song(wish.midi_file).tempo, SLOWEST), FASTEST)
     return None if sound.known else loaded.patch.clock.bpm
 
 
@@ -52,15 +61,6 @@ def resident_megabytes() -> Callable[[], float]:
     """A function that tells this process' resident memory [MB]."""
     process = psutil.Process()
     return lambda: float(process.memory_info().rss / 1e6)
-
-
-def _started(device: AudioSource, option: str, name: str | None) -> None:
-    try:
-        device.start()
-    except Exception as error:  # PortAudioError, whose class is known only where PortAudio is
-        raise PersonError(
-            f"the sound device {name!r} refuses: {error}", f"see `live devices`, or give another {option}"
-        ) from None
 
 
 class Session:
@@ -97,11 +97,17 @@ class Session:
         self.inbox: Inbox[ControlEvent] = Inbox()
         for event in practice:
             self.inbox.put(event)
-        self.osc = OscInput(*wish.osc, self.inbox, self.clock, inherited=None if lifeline is None else lifeline.osc)
+        operators = partial(self.inbox.lane, rank=RANKS["operator"])
+        lane, inherited = operators(), None if lifeline is None else lifeline.osc
+        self.osc: OscInput | OscRemote = (
+            OscRemote(*wish.osc, lane, self.clock, inherited=inherited)
+            if wish.osc_process
+            else OscInput(*wish.osc, lane, self.clock, inherited=inherited, more=operators)
+        )
         self._audio, self._tell_audio = self._make_audio()
         self.status = Status(
             show,
-            rejected=lambda: osc_rejected(self.osc),
+            rejected=lambda: sum((tell() for tell in self._parts.refused), osc_rejected(self.osc)),
             memory=resident_megabytes(),
             level=lambda: getattr(self._audio, "level", None),
             refusal=lambda: self.news.refused,
@@ -120,19 +126,20 @@ class Session:
         self.status.more["failed_events"] = lambda: self.engine.failed
         self.status.more["latency"] = self.latencies.facts
         self.status.more["music"] = show.reactions.facts
+        self.status.more["osc"] = self.osc.facts
+        self._telling = Telling(show, self.status, self.latencies)
+        self._telling.to.append(self.osc.tell)
         if self._audio is not None:
             self.status.more["audio"] = self._audio.facts
         if lifeline is not None:
             self.status.more["alive"] = lifeline.status
-        self._link = self._make_link()
-        self._click = make_click(wish.click, wish.click_channels, venue, show, self.clock)
-        if self._click is not None:
-            self.engine.outward.append(self._click.heard)
-            self.status.more["click"] = self._click.output.facts
-        self._midi = make_midi(wish, show, venue, self.inbox, self.clock)
-        if self._midi is not None:
-            self.status.more["midi"] = self._midi.status
-            self.engine.patched.append(self._midi.take_patch)
+        beside = Beside(wish, venue, self.inbox, self.clock, self.engine, self.status, self._telling)
+        beside.music()
+        self.midi = midi = beside.midi(loaded.path, 0 if resumed is None else resumed.tick)
+        beside.osc()
+        beside.bodies()
+        beside.pages()
+        self._parts = beside.parts
         self._library = self._make_library()
         self._watch = PatchWatch(loaded, show, post=self.inbox.put, now=self.clock.now, library=self._library)
         self.status.more["patch"] = self._watch.facts
@@ -140,7 +147,14 @@ class Session:
         self.status.notes.append(self._journal_problem)
         listens = self._audio if sound.device is not None else None
         self.news = session_news(
-            show, self.osc, listens, self._midi, self._watch, self._library, journal=self._journal_problem
+            show,
+            self.osc,
+            listens,
+            midi,
+            self._watch,
+            self._library,
+            journal=self._journal_problem,
+            more=self._parts.refusals,
         )
         self._status_file: StatusFile | None = None
 
@@ -163,6 +177,11 @@ class Session:
         self.status.more["journal"] = self._journal.facts
         self.engine.journal = self._journal
 
+    @property
+    def audience(self) -> AudiencePart | None:
+        """What the audience's phones play through; None if they may not."""
+        return self._parts.audience
+
     @contextlib.contextmanager
     def running(self) -> Iterator["Session"]:
         """Start everything; stop it again whatever happens. Automatic garbage collection rests meanwhile."""
@@ -175,13 +194,8 @@ class Session:
                 raise PersonError(str(error)) from None
             self._open_status()
             self._start_audio()
-            if self._click is not None:
-                _started(self._click.output, "--click", self._click.output.device.name)
+            self._parts.start()
             self._open_journal()
-            if self._link is not None:
-                self._link.start()
-            if self._midi is not None:
-                self._midi.start()
             self._watch.start()
             self.news.start()
             if self._resumed is None:
@@ -242,14 +256,9 @@ class Session:
         """What other processes heard since the last frame."""
         if self._remote is not None:
             self._remote.frame()
-
-    def _make_link(self) -> OnLink | None:
-        console = Console(stderr=True, highlight=False)
-        link = make_link(self.wish.link, self.show, self.inbox, self.clock, console)
-        if link is not None:
-            self.engine.outward.append(link.heard)
-            self.status.more["link"] = link.status
-        return link
+        if isinstance(self.osc, OscRemote):
+            self.osc.frame()
+        self._parts.before_frame()
 
     def _make_library(self) -> LibraryWatch | None:
         """Watches the show's own folder of steps, so that takes that are recorded meanwhile join the dance."""
@@ -262,8 +271,14 @@ class Session:
         )  # fmt: skip
 
     def _start_audio(self) -> None:
-        if self._audio is not None:
-            _started(self._audio, "--audio", self.sound.device)
+        if self._audio is None:
+            return
+        try:
+            self._audio.start()
+        except PersonError:
+            raise
+        except Exception as error:  # PortAudioError, whose class is known only where PortAudio is
+            raise device_refuses(error, "--audio", self.sound.device) from None
 
     def warnings(self) -> list[str]:
         """What went wrong and did not stop the show, in words."""
@@ -279,12 +294,7 @@ class Session:
     def _stop(self) -> None:
         if self._audio is not None:
             self._audio.stop()
-        if self._click is not None:
-            self._click.output.stop()
-        if self._link is not None:
-            self._link.stop()
-        if self._midi is not None:
-            self._midi.stop()
+        self._parts.stop()
         self.osc.stop()
         self._watch.stop()
         self.news.stop()
@@ -301,12 +311,8 @@ class Session:
         self.status.work_times.add(self.clock.now() - started)
         self.status.frame_times.add(started - previous)
         self.pressure.frame(self.status.late_frames, started - previous)
-        if self._link is not None:
-            self._link.frame()
-        if self._click is not None:
-            self._click.frame()
-        if self._midi is not None:
-            self._midi.frame()
+        self._parts.frame()
+        self._telling.frame(started)
         if self._status_file is not None:
             self._status_file.frame(started)
         if self.lifeline is not None and self._relay is not None:
@@ -319,10 +325,7 @@ class Session:
     def _go_dark(self) -> None:
         """Another machine leads: nothing is shown, sent or played here any more."""
         self.engine.dark = True
-        for sends in (self._link, self._midi, None if self._click is None else self._click.output):
-            if sends is not None:
-                sends.stop()
-        self._link = self._midi = self._click = None
+        self._parts.stop()
         if self._remote is not None:
             self._remote.silence()
 

@@ -1,13 +1,14 @@
 """What the parts of a running show have to tell: what was refused, what is wrong, what has joined."""
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from rich.console import Console
 
 from live.cli.news import News
 from live.control.osc import OscInput
+from live.control.osc_process import OscRemote
 from live.show.core import Show
 from live.show.library_watch import LibraryWatch
 from live.show.patch_watch import PatchWatch
@@ -19,26 +20,27 @@ if TYPE_CHECKING:
 
 def session_news(
     show: Show,
-    osc: OscInput,
+    osc: OscInput | OscRemote,
     listens: "AudioSource | None",
     midi: "OnMidi | None",
     watch: PatchWatch,
     library: LibraryWatch | None,
     *,
     journal: Callable[[], str] = lambda: "",
+    more: Sequence[Callable[[], str]] = (),
 ) -> News:
     """Tells on the terminal what is refused and what joins: with `--headless` there is no overlay that does.
 
-    `listens`: a device that is listened to, if there is one.
+    `listens`: a device that is listened to, if there is one; `more`: last refusals of others.
     """
     console = Console(stderr=True, highlight=False)
-    refusals: list[Callable[[], str]] = [lambda: osc_refusal(osc), lambda: show.refusals.words]
+    refusals: list[Callable[[], str]] = [osc.refusal, lambda: show.refusals.words, *more]
     others: list[Callable[[], str]] = [journal]
     if listens is not None:
         others.append(lambda: _audio_problem(listens))
     if midi is not None:
         refusals.append(midi.refusal)
-        others.append(midi.problem)
+        others += [midi.problem, midi.note, midi.said]
     refusals.append(lambda: watch.problem)
     others.append(lambda: watch.told)
     if library is not None:
@@ -51,17 +53,9 @@ def session_news(
     return News(refusals, others, say)
 
 
-def osc_refusal(osc: OscInput) -> str:
-    """The last refusal of OSC: of a packet that was not understood the reason, of a control all that is known."""
-    rejection = osc.last_rejection
-    if rejection is None:
-        return ""
-    return str(rejection) if rejection.address else f"an OSC packet: {rejection.reason}"
-
-
-def osc_rejected(osc: OscInput) -> Counter[str]:
+def osc_rejected(osc: OscInput | OscRemote) -> Counter[str]:
     """How much was refused, by reason, and what was lost before anybody read it."""
-    counts = Counter({str(reason): count for reason, count in osc.rejected.as_dict().items()})
+    counts = Counter(osc.refused())
     if osc.lost:
         counts["lost before it was read"] = osc.lost
     return counts

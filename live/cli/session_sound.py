@@ -14,7 +14,7 @@ from live.control.events import ControlEvent, RestartAudio, SetLatency
 from live.control.music_file import Music, MusicFileError, read_music
 from live.show.core import Show
 from live.show.load import LoadedShow
-from live.show.patch_file import is_file
+from live.show.patch_places import is_file
 from live.show.venue import Venue
 from live.show.venue_latency import Latencies
 

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
 from live.cli.sheet_moments import Taken
+from live.render.typeface import readable
 
 Picture = npt.NDArray[np.uint8]
 Colour = tuple[int, int, int]
@@ -110,6 +111,7 @@ class Sheet:
 
     def _fitting(self, pen: ImageDraw.ImageDraw, words: str, room: float, font: str) -> str:
         """As much of the words as there is room for."""
+        words = readable(words)
         if pen.textlength(words, self._fonts[font]) <= room:
             return words
         while words and pen.textlength(words + "…", self._fonts[font]) > room:

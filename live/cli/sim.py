@@ -39,13 +39,14 @@ def sim(
     from live.base.errors import PersonError
     from live.cli.options import parse_choice, parse_endpoint, parse_number, writable_file
     from live.cli.warm import warm_kernels
+    from live.show.patch_places import find_patch
 
+    find_patch(patch)  # a name that nobody knows is told before seconds of loading
     warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
     from live.rehearse.players import FakePlayers
     from live.rehearse.sending import Outlet, packets, pulses, send_all
     from live.rehearse.words import Words
     from live.show.load import load_show
-    from live.show.patch_file import find_patch
 
     parse_number(rate, "--rate", 0.0, 6000.0)
     parse_number(nonsense, "--nonsense", 0.0, 1.0)

@@ -42,7 +42,7 @@ def soak(
     from live.cli.options import parse_number, writable_file
     from live.cli.warm import warm_kernels
     from live.rehearse.soak_report import Plan
-    from live.show.patch_file import find_patch
+    from live.show.patch_places import find_patch
 
     parse_number(hours, "--hours", 0.001, 1000.0)
     parse_number(minutes, "--minutes", 0.05, 60000.0)

@@ -27,6 +27,10 @@ def play_show(
     loaded = wish.load()
     for note in loaded.graph.missing:
         console.print(f"note: {note}", style="yellow", markup=False)
+    if wish.shaders is not None:
+        from live.cli.shader_watch import begin_with
+
+        begin_with(wish.shaders, console)
     venue = wish.read_venue()
     sound = choose_sound(wish, loaded, venue)
     chosen = find_screen(monitor)
@@ -81,5 +85,7 @@ def _film(wish: Wish, loaded: LoadedShow, sound: Sound, console: Console) -> Non
 
 def _welcome(session: Session) -> str:
     host, port = session.wish.osc
+    song = session.wish.midi_file
     heard = "music file" if session.sound.music else session.sound.device or "internal clock"
+    heard = heard if song is None else song.name
     return f"{session.loaded.patch.name}: {session.loaded.patch.dancer_count} dancers, {heard}, OSC at {host}:{port}"

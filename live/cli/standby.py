@@ -49,7 +49,7 @@ def stand_by(played: Played, lifeline: Lifeline, console: Console) -> None:
 def _listening(lifeline: Lifeline, played: Played) -> Iterator[Inbox[ControlEvent]]:
     """OSC, of which only /dance/takeover counts here."""
     inbox: Inbox[ControlEvent] = Inbox()
-    osc = OscInput(*played.wish.osc, inbox, SystemClock(), inherited=lifeline.osc)
+    osc = OscInput(*played.wish.osc, inbox.lane(), SystemClock(), inherited=lifeline.osc)
     osc.start()
     try:
         yield inbox

@@ -192,6 +192,43 @@ def check(library: Library = None, json_out: JsonOut = False) -> None:
     print_findings(library, json_out)
 
 
+@app.command("enrich")
+def enrich(
+    with_: Annotated[
+        list[Path] | None,
+        typer.Option("--with", help="Motion capture: files, or folders of them; may be given often.", metavar="PLACE"),
+    ] = None,
+    library: Library = None,
+    step: Annotated[list[str] | None, typer.Option(help="Only this step; may be given often.")] = None,
+    paths: Annotated[int, typer.Option(min=1, max=16, help="Textured versions of each variation.")] = 2,
+    bands: Annotated[str, typer.Option(help="Bands of texture, 1 the highest.")] = "2-3",
+    match: Annotated[int, typer.Option(help="Band that is matched: 4 for walks, 6 for modern dance.")] = 4,
+    drive: Annotated[str, typer.Option(help="Joints whose angles are matched.", metavar="JOINTS")] = "hips,knees",
+    upper: Annotated[
+        Literal["auto", "make", "texture"],
+        typer.Option(help="Upper bodies: made anew, textured; auto: made unless the sketch is about them."),
+    ] = "auto",
+    weigh: Annotated[float, typer.Option(help="Cost of a join; 0: the fewest joins, as published.")] = 2.0,
+    fps: Annotated[float | None, typer.Option(help="True rate of the motion capture where headers lie.")] = None,
+    remove: Annotated[bool, typer.Option("--remove", help="Take the textured versions away.")] = False,
+) -> None:
+    """Give every sketched step textured versions: upper bodies and detail of real dancers.
+
+    They are kept beside the sketch (walk.textured beside walk.toml), belong to the library from then on as other takes
+    of the same step, and begin and end where the sketch does. What is needed of the motion capture is in them.
+    """
+    from live.cli.options import parse_number
+    from live.cli.steps_enrich import enrich_library
+    from live.motion.texture.wish import Wish, parse_bands, parse_joints
+
+    parse_number(fps, "--fps", 1, 10_000)
+    wish = Wish(
+        drive=parse_joints(drive, "--drive"), bands=parse_bands(bands, "--bands"), match_band=match, paths=paths,
+        apart=True, weigh=weigh,
+    )  # fmt: skip
+    enrich_library(library, with_ or [], step or [], wish, upper, fps=fps, remove=remove)
+
+
 @app.command("play")
 def play(
     step: Annotated[str, typer.Argument(help="The step's name.")],

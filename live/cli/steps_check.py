@@ -8,7 +8,7 @@ import typer
 from rich.console import Console
 
 from live.cli.steps_library import RECORDING_THRESHOLD_M, SKETCH_THRESHOLD_M, folders
-from live.show.patch_file import PATCHES
+from live.show.patch_places import PATCHES
 from live.steps.library_check import Finding, check_connections, check_folder
 from live.steps.recording_file import nothing_in
 

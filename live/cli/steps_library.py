@@ -8,7 +8,7 @@ import platformdirs
 
 from live.base.errors import PersonError
 from live.motion.step_clip import StepClip
-from live.show.patch_file import PATCHES
+from live.show.patch_places import PATCHES
 from live.steps.step_folder import load_folder
 from live.steps.step_folder import plain_name as plain
 

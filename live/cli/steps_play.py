@@ -60,8 +60,8 @@ class PreviewWish(Wish):
 
     show: LoadedShow | None = None
 
-    def load(self) -> LoadedShow:
-        """The show that was made."""
+    def load(self, *, whole: bool = True) -> LoadedShow:
+        """The show that was made; nothing is read."""
         assert self.show is not None
         return self.show
 

@@ -29,10 +29,10 @@ def is_supervised(played: Played, *, alone: bool, machines: bool) -> bool:
     """
     wish = played.wish
     screen = played.headless or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
-    able = sys.platform == "linux" and screen and wish.record is None and not alone
+    able = sys.platform == "linux" and screen and wish.record is None and wish.shaders is None and not alone
     if machines and not able:
         raise PersonError(
-            "--lead and --standby need a supervisor: Linux, a screen or --headless, no --record and no --alone"
+            "--lead and --standby need a supervisor: Linux, a screen or --headless, no --record, --shaders and --alone"
         )
     short = wish.seconds is not None and wish.seconds < SHORT
     return able and (machines or not short)

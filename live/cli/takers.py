@@ -23,6 +23,11 @@ class Takers:
             session.status.notes.append(sharing.words)
             session.status.more["shared"] = sharing.facts
 
+    @property
+    def any(self) -> bool:
+        """Whether there is one."""
+        return bool(self._all)
+
     def frame(self, framebuffer: moderngl.Framebuffer, time: float) -> None:
         """The picture just drawn at `time` [s of the show]."""
         for each in self._all:

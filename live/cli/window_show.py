@@ -12,21 +12,25 @@ from live.base.errors import PersonError
 from live.base.picture import camera_of
 from live.base.stage_view import Scene, StageView
 from live.cli.drawing_watch import DrawingWatch
+from live.cli.floor_keeping import FloorKeeping
 from live.cli.output_keeping import OutputKeeping
 from live.cli.output_places import outputs_of, places_of
 from live.cli.output_setup import OutputSetup
 from live.cli.recording import live_rate
 from live.cli.session import Session
+from live.cli.shader_watch import watch_shaders
 from live.cli.takers import Takers
 from live.cli.wish import Wish
-from live.control.events import Attract, ControlEvent, Repel
+from live.control.events import Attract, ControlEvent, LearnMidi, Repel, ShowCard, WalkOn
 from live.control.keys import FORMATION_KEYS, KEYS, event_for_formation, event_for_key
-from live.control.pointer import TOOLS, event_for_place, event_for_stroke
+from live.control.pointer import TOOLS, WALKED, event_for_place, event_for_stroke
 from live.render.awake import Awake, x11_display
 from live.render.camera import floor_point
 from live.render.frame import CLOSEST
 from live.render.monitors import Monitor, UnknownMonitor
+from live.render.outputs.join_card import join_card
 from live.render.outputs.projection import Projection
+from live.render.outputs.test_cards import JOIN
 from live.render.pacing import DisplayGrid, Pacer
 from live.render.window import NoWindow
 from live.render.window_input import (
@@ -85,8 +89,8 @@ class Operator:
 
     def _key(self, key: KeyPressed, now: float) -> None:
         name = key.name.upper() if len(key.name) == 1 else key.name.capitalize()
-        if name == "Escape":  # never out of a full-screen show; in a window it closes like the window's own button
-            self.leaving = not self._window.fullscreen
+        if name == "Escape":
+            self._escape(now)
             return
         what = KEYS[name].what if name in KEYS else ""
         if what == "window/fullscreen":
@@ -107,11 +111,20 @@ class Operator:
             show_held_now=show.desk.held,
             frozen_now=show.desk.master.frozen,
             dark_now=show.desk.master.goal < 1.0,
+            code_now=JOIN in show.desk.master.cards.values(),
         )
         if name in FORMATION_KEYS:
             event = self._formation(FORMATION_KEYS.index(name), now)
         if event is not None:
             self._session.inbox.put(event)
+
+    def _escape(self, now: float) -> None:
+        """Nothing is learned after all; else never out of a full-screen show: in a window it closes like the window's
+        own button."""
+        if self._session.midi.learning.waits_for:
+            self._session.inbox.put(LearnMidi(time=now, source="key", address=""))
+        else:
+            self.leaving = not self._window.fullscreen
 
     def _formation(self, number: int, now: float) -> ControlEvent | None:
         formations = formation_names(self._session.show.patch.formation)
@@ -132,15 +145,34 @@ class Operator:
         event = event_for_place(self._tool, place[0], place[1], value.shift, now)
         if isinstance(event, Attract | Repel):
             self._session.inbox.put(replace(event, drag=drag))
+        elif isinstance(event, WalkOn):
+            self._session.inbox.put(replace(event, anew=event.anew and not drag))
 
     def _let_go(self, now: float) -> None:
         """A stroke is finished: what it draws begins to act."""
         stroke, self._stroke = self._stroke, []
-        if self._tool == next(iter(TOOLS)):
+        if self._tool in (next(iter(TOOLS)), WALKED):
             return  # it has acted all the while
         event = event_for_stroke(self._tool, stroke, self._shift, now)
         if event is not None:
             self._session.inbox.put(event)
+
+
+class JoinCard:
+    """Makes the card that an audience joins by, while somebody shows it, whenever its link is another one."""
+
+    def __init__(self, session: Session, picture: Projection) -> None:
+        self._audience, self._picture = session.audience, picture
+        self._link = ""
+
+    def frame(self) -> None:
+        """Before each frame."""
+        audience = self._audience
+        if audience is None or audience.link == self._link or not audience.code:
+            return
+        if any(screen.card == JOIN for screen in self._picture.all):
+            self._link = audience.link
+            self._picture.take_sheet(join_card(audience.code, audience.link))
 
 
 class Picture(Projection):
@@ -184,6 +216,8 @@ def play_picture(
     takers: Takers | None = None
     try:
         takers = Takers(session, picture.window.ctx, picture.size)
+        if takers.any:
+            picture.prepare_shown()
         operator = Operator(session, picture, scene)
         setup = _setup(session, picture, reveal is not None)
         session.engine.on_error = lambda error: console.print(
@@ -211,7 +245,15 @@ def _setup(session: Session, picture: Picture, anew: bool) -> OutputSetup:
         setup.kept = words
 
     keeping = OutputKeeping(session.wish.venue, told)
-    setup = OutputSetup(picture, keeping.keep, session.show.refusals.add)
+
+    def ask(output: str, card: str) -> None:
+        session.inbox.put(ShowCard(time=session.clock.now(), source="key", output=output, card=card))
+
+    floor = FloorKeeping(session, keeping, lambda: picture.size)
+    setup = OutputSetup(
+        picture, keeping.keep, session.show.refusals.add, ask, floor, joins=session.audience is not None
+    )
+    setup.recall(session.show.desk.master.cards)
     session.engine.outward.append(setup.hear)
     session.status.more["outputs"] = setup.facts
     session.status.more["flashes_held"] = lambda: picture.flashes.held
@@ -240,7 +282,8 @@ def _frames(
     screen: bool | None = None
     watch = DrawingWatch(session, picture.renderer)
 
-    session.engine.patched.append(watch.take_patch)
+    shaders = watch_shaders(session, picture.take_shaders)
+    card = JoinCard(session, picture)
 
     def draw(view: StageView) -> None:
         watch.graph(view)
@@ -258,17 +301,20 @@ def _frames(
     while not operator.leaving:
         started = pacer.wait()
         watch.begin(pacer.late, started - previous)
+        if shaders is not None:
+            shaders.look(started)
         for where, value in picture.poll():
             if not setup.act(where, value):
                 operator.act(picture.on_picture(where, value), session.clock.now())
+        card.frame()
         session.before_frame()
         session.engine.frame(draw, at=grid.at(swapped if display else started))
-        takers.frame(picture.pictures.last, started)
         session.status.late_frames = pacer.late
         session.after_frame(started, previous)
         watch.times.mark("rest")
         picture.show(started)
         swapped = session.clock.now()
+        takers.frame(picture.shown(), started)
         watch.end()
         awake.frame(started)
         if session.lifeline is not None and window.fullscreen is not screen:

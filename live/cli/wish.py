@@ -23,6 +23,9 @@ class Wish:
     click: str | None = None
     click_channels: str | None = None
     midi: str | None = None
+    midi_file: Path | None = None
+    """A MIDI file that leads the beat, and whose notes work what the map says."""
+    midi_out: str | None = None
     midi_clock_out: str | None = None
     """Ports by name, or off; None: what the venue says, or the patch."""
     steps: Path | None = None
@@ -32,6 +35,32 @@ class Wish:
     tempo_share: float | None = None
     """The tempo as a share of what it would be; the internal clock keeps it then."""
     osc: tuple[str, int] = ("127.0.0.1", 9010)
+    osc_process: bool = False
+    """Whether OSC is received in a process of its own."""
+    osc_musicians: tuple[str, int] | None = None
+    """A second port, where only what musicians may is taken."""
+    osc_out: tuple[tuple[str, int], ...] = ()
+    """Whom the show tells what happens; none: whom venue or patch name."""
+    dmx: tuple[str, ...] = ()
+    """Universes of lamps that follow the show, as `parse_universe` reads them."""
+    vmc_out: tuple[str, ...] = ()
+    """Where dancers are sent as avatars, as `parse_avatars` reads it."""
+    psn: str | None = None
+    """Where trackers come in by PosiStageNet, as `parse_psn` reads it; None: where the venue says."""
+    vmc: tuple[tuple[str, int], ...] = ()
+    """Where real dancers' bodies come in by the VMC protocol; none: where the venue says."""
+    oscquery: tuple[str, int] | None = None
+    """Where other programs can find out what there is to control."""
+    web: tuple[str, int] | None = None
+    """Where the operator's page is served."""
+    web_key: str = ""
+    """What the link of that page has to say; empty where only this machine reaches it."""
+    audience: tuple[str, int] | None = None
+    """Where the audience's phones play along."""
+    audience_link: str | None = None
+    """How phones are told to find that, if not by its own address."""
+    audience_secret: bytes = b""
+    """What only this show knows, in all its processes: by it phones are known again."""
     journal: Path | None = None
     status_json: Path | None = None
     seconds: float | None = None
@@ -42,6 +71,10 @@ class Wish:
     """The monitor of the operator's own window; None: as the venue says."""
     size: tuple[int, int] = (1280, 720)
     fps: float | None = None
+    shaders: Path | None = None
+    """A folder of shaders that are drawn with instead of the program's own, and taken anew when they are edited."""
+    quality: int | None = None
+    """The step of the picture's quality that is held, 0 for the best; None: as the machine can afford."""
 
     @property
     def practises(self) -> bool:
@@ -59,9 +92,11 @@ class Wish:
 
         return None if self.venue is None else read_venue(self.venue)
 
-    def load(self) -> "LoadedShow":
-        """The patch and its steps."""
+    def load(self, *, whole: bool = True) -> "LoadedShow":
+        """The patch and its steps, as they are played in the venue. `whole`: see `load_show`."""
         from live.show.load import load_show
-        from live.show.patch_file import find_patch
+        from live.show.patch_places import find_patch
 
-        return load_show(find_patch(self.patch), recordings=self.steps)
+        venue = self.read_venue()
+        loaded = load_show(find_patch(self.patch), recordings=self.steps, whole=whole)
+        return loaded if venue is None else loaded.played_in(venue.projector)

@@ -6,6 +6,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from live.control.control import Control
+from live.control.controls.asking import ASKING_CONTROLS
 from live.control.registry import REGISTRY
 from live.rehearse.words import Words, junk
 
@@ -18,7 +19,8 @@ SHARES: Final = {"/dance/go": 4.0, "/dance/section": 3.0, "/dance/signal": 3.0, 
 RARE: Final = ("/dance/ping", "/dance/panic", "/dance/blackout", "/dance/clear", "/dance/stage", "/dance/hold",
                "/dance/hold/score", "/dance/practice", "/dance/clock/source", "/dance/clock/metre", "/dance/clock/hold",
                "/dance/clock/half", "/dance/clock/double", "/dance/clock/count_in", "/dance/output/fade",
-               "/dance/output/freeze", "/dance/output/flashes", "/dance/output/card")  # fmt: skip
+               "/dance/output/freeze", "/dance/output/flashes", "/dance/output/card",
+               "/dance/picture/quality")  # fmt: skip
 
 
 class Call(NamedTuple):
@@ -43,7 +45,8 @@ class FakePlayers:
         self._words, self._nonsense = words, nonsense
         self._rate = count * rate / 60.0
         self._count, self._time = count, start
-        self._controls = [control for control in REGISTRY if RANKS[control.who] <= RANKS[role]]
+        allowed = (control for control in REGISTRY if RANKS[control.who] <= RANKS[role])
+        self._controls = [control for control in allowed if control not in ASKING_CONTROLS]
         weights = np.array([_share(control) for control in self._controls])
         self._shares = weights / weights.sum()
 

@@ -147,6 +147,7 @@ def test_carefully_the_last_events_are_left_out(loaded, leading):
     assert show.follower.tempo == pytest.approx(131.0, abs=0.5)
 
 
+@pytest.mark.long
 def test_what_was_left_out_is_left_out_by_replays_and_by_whoever_goes_on_once_more(loaded, leading, tmp_path):
     """The line that says so does it: without it the same journal is another dance."""
     following = Following(loaded)

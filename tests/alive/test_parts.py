@@ -3,7 +3,9 @@
 import json
 import math
 import os
+import select
 import socket
+import threading
 import time
 
 import pytest
@@ -15,6 +17,7 @@ from live.alive.limits import RestartLimit, Watch
 from live.alive.log import Log
 from live.alive.wire import Wire, WireBroken
 from live.show.pressure import FULL, HALFLIFE, Pressure
+from tests.control.waiting import wait_for
 
 
 def test_another_mapping_of_the_page_sees_the_beat():
@@ -79,6 +82,25 @@ def test_who_reads_no_more_is_never_waited_for_and_what_is_lost_is_counted():
     here.put("to nobody")
     assert here.ended
     here.close()
+
+
+def test_last_words_are_read_though_the_peer_goes_on_sending():
+    """Over TCP: who sends to a stream that is closed finds it broken, and looks no more for what came before."""
+    with socket.create_server(("127.0.0.1", 0)) as there:
+        mine = Wire(socket.create_connection(there.getsockname()))
+        theirs = Wire(there.accept()[0])
+    theirs.put("a line of the show")
+    mine.put("I cannot")
+    parting = threading.Thread(target=mine.part, args=(20.0,))
+    parting.start()
+    assert wait_for(lambda: bool(select.select([theirs], [], [], 0)[0]), 5)
+    for _ in range(100):
+        theirs.put("a line of the show")
+    assert not theirs.ended
+    assert theirs.lines()[:1] == ["I cannot"]
+    theirs.close()
+    parting.join(5)
+    assert not parting.is_alive()
 
 
 def test_a_line_without_end_is_no_protocol(monkeypatch):

@@ -83,6 +83,7 @@ def test_after_three_restarts_in_thirty_seconds_the_show_is_calmer(tmp_path, mon
     assert supervisor.report.calm
 
 
+@pytest.mark.long
 def test_engines_that_begin_slowly_and_crash_at_once_make_a_show_calmer_too(tmp_path, monkeypatch):
     """Only seconds in which somebody danced count: four crashes lie nearly two seconds apart here."""
     monkeypatch.setattr("live.alive.engines.CALM_APART", 0.0)

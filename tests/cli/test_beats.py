@@ -91,6 +91,7 @@ def test_mistakes_are_told_in_a_line(arguments: tuple[str, ...], words: str) -> 
     assert "Traceback" not in result.stderr
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
 def test_a_full_disk_is_one_line(music: Path) -> None:
     result = run_live("beats", str(music), "--tracker", "aubio", "--timeline", "/dev/full")

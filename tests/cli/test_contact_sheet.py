@@ -11,7 +11,7 @@ from live.cli.sheet_moments import Taken, Taking, moments_of_patch
 from live.cli.sheet_picture import DARK, LIGHT, Paper, Sheet, shown
 from live.clock.ticks import TICK
 from live.show.load import LoadedShow, load_show
-from live.show.patch_file import find_patch
+from live.show.patch_places import find_patch
 
 SIZE = (160, 90)
 

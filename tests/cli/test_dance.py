@@ -104,6 +104,7 @@ def test_a_sequence_out_of_a_file(tmp_path: Path) -> None:
     ]  # fmt: skip
 
 
+@pytest.mark.long
 def test_ten_thousand_steps(tmp_path: Path) -> None:
     file = tmp_path / "long.txt"
     file.write_text("\n".join(["samba", "mambo", "walk left", "bow"] * 2500))

@@ -13,7 +13,7 @@ from live.motion.forward import forward_kinematics
 from live.motion.retarget import retarget
 from live.motion.skeleton import SKELETON
 from live.motion.source_pose import LocalPose, world_pose
-from live.show.patch_file import PATCHES
+from live.show.patch_places import PATCHES
 from live.steps.motion_file import read_motion
 from live.steps.step_folder import load_folder
 from tests.cli.command import run_live

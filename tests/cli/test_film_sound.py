@@ -2,6 +2,7 @@
 
 import av
 import numpy as np
+import pytest
 
 from tests.cli.command import run_live
 from tests.cli.test_show_commands import gl_or_skip
@@ -15,6 +16,7 @@ def heard(film):
         return np.concatenate(frames, axis=1).T, stream.rate
 
 
+@pytest.mark.long
 def test_a_film_of_the_tap_patch_clicks_and_taps_as_asked(tmp_path):
     gl_or_skip()
     films = {}

@@ -16,7 +16,7 @@ from live.control import events
 from live.show.engine import Engine
 from live.show.journal import JournalWriter
 from live.show.load import load_show
-from live.show.patch_file import find_patch
+from live.show.patch_places import find_patch
 from live.show.status import Status
 from tests.cli.command import run_live
 

@@ -36,12 +36,13 @@ class FakeWindow:
 def desk():
     inbox = Inbox()
     patch = SimpleNamespace(formation=({"name": "wedge"}, {"name": "star"}))
-    desk_ = SimpleNamespace(held=False, master=SimpleNamespace(frozen=False, goal=1.0))
+    desk_ = SimpleNamespace(held=False, master=SimpleNamespace(frozen=False, goal=1.0, cards={}))
     session = SimpleNamespace(
         inbox=inbox,
         engine=SimpleNamespace(overlay=False, view=SimpleNamespace(picture=None)),
         show=SimpleNamespace(blackout=False, follower=SimpleNamespace(held=False), desk=desk_, patch=patch),
         status=SimpleNamespace(tool=""),
+        midi=SimpleNamespace(learning=SimpleNamespace(waits_for="")),
     )
     window = FakeWindow()
     return SimpleNamespace(operator=Operator(session, window, SCENE), inbox=inbox, session=session, window=window)
@@ -87,7 +88,7 @@ def test_f_and_o_change_the_window_only(desk):
     desk.operator.act(KeyPressed("o"), 2.0)
     assert desk.window.fullscreen
     assert desk.session.engine.overlay
-    desk.operator.act(KeyPressed("q"), 2.0)
+    desk.operator.act(KeyPressed("f12"), 2.0)
     desk.operator.act(MonitorsChanged(), 2.0)
     assert desk.inbox.drain() == []
     assert not desk.operator.leaving

@@ -8,6 +8,7 @@ from live.cli.output_keeping import OutputKeeping
 from live.cli.output_setup import OutputSetup
 from live.control.events import ShowCard
 from live.render.outputs.editing import Editing
+from live.render.outputs.floor_editing import FloorEditing
 from live.render.outputs.output import UNBENT, Output
 from live.render.window_input import KeyPressed, PointerMoved, PointerPressed, PointerReleased
 from live.show.venue import read_venue
@@ -27,13 +28,35 @@ class FakeScreen:
     def edit(self, on):
         self.editing = Editing(self.output) if on else None
 
+    def edit_floor(self, corners):
+        self.editing = FloorEditing(self.output, corners)
+
+
+class FakeFloor:
+    """Where the real floor lies."""
+
+    def __init__(self):
+        self.kept, self.words = [], ""
+
+    def corners(self):
+        return (0.2, 0.4), (0.8, 0.4), (0.9, 0.9), (0.1, 0.9)
+
+    def keep(self, corners):
+        self.kept.append(corners)
+        return self.words
+
 
 @pytest.fixture
 def hall():
     left, right, desk = FakeScreen("left"), FakeScreen("right"), FakeScreen("operator")
-    kept, refused = [], []
-    setup = OutputSetup(SimpleNamespace(screens=[left, right]), kept.append, refused.append)
-    return SimpleNamespace(setup=setup, left=left, right=right, desk=desk, kept=kept, refused=refused)
+    kept, refused, asked = [], [], []
+    floor = FakeFloor()
+    setup = OutputSetup(
+        SimpleNamespace(screens=[left, right]), kept.append, refused.append, lambda *words: asked.append(words), floor
+    )
+    return SimpleNamespace(
+        setup=setup, left=left, right=right, desk=desk, kept=kept, refused=refused, asked=asked, floor=floor
+    )
 
 
 def press(hall, screen, *names, shift=False):
@@ -81,6 +104,46 @@ def test_at_the_operators_window_one_output_after_the_other(hall):
     assert [one.name for one in hall.kept] == ["left", "right"]
 
 
+def test_the_real_floors_corners_are_pointed_at_on_the_projector(hall):
+    hall.left.output = Output("left", crop=(0.0, 0.0, 0.5, 1.0), corners=((0.1, 0), (1, 0), (1, 1), (0.1, 1)))
+    press(hall, hall.left, "f9", "p")
+    assert hall.left.lines[0] == "left: the floor's back left corner"
+    at = 100 + 0.4 * 900, 0.4 * 500  # of the window: 0.2 of the picture is 0.4 of what this output shows
+    for value in (PointerPressed(*at), PointerMoved(at[0] + 90, at[1] + 25), PointerReleased(0, 0)):
+        assert hall.setup.act(hall.left, value)
+    press(hall, hall.left, "tab", "down", shift=False)
+    assert hall.floor.kept == []
+    press(hall, hall.left, "enter")
+    (corners,) = hall.floor.kept
+    assert corners[0] == pytest.approx((0.25, 0.45))
+    assert corners[2:] == [(0.9, 0.9), (0.1, 0.9)]
+    assert hall.left.lines[0] == "left: the floor's back right corner"
+    press(hall, hall.left, "p")  # back, with nothing new to keep
+    assert isinstance(hall.left.editing, Editing)
+    assert len(hall.floor.kept) == 1
+    assert hall.kept == []
+    assert hall.left.output.mesh == ()
+
+
+def test_a_floor_of_no_area_is_not_taken_and_what_cannot_be_kept_is_told(hall):
+    press(hall, hall.left, "f9", "p")
+    before = hall.left.editing.corners
+    (x, y), (there, _) = before[0], before[1]
+    for value in (PointerPressed(x * 1000, y * 500), PointerMoved(there * 1000, y * 500)):
+        hall.setup.act(hall.left, value)
+    assert hall.left.editing.corners == before
+    assert "span no floor" in hall.left.lines[-1]
+    hall.setup.act(hall.left, PointerMoved(300, 150))
+    hall.floor.words = "NOT KEPT: for a reason"
+    press(hall, hall.left, "enter")
+    assert hall.left.lines[-1] == "NOT KEPT: for a reason"
+    assert hall.left.editing.is_changed
+    press(hall, hall.left, "u", "u")
+    assert hall.left.editing.corners == before
+    press(hall, hall.left, "left", "r")
+    assert hall.left.editing.corners == before
+
+
 def test_nothing_is_kept_that_was_not_changed(hall):
     press(hall, hall.left, "f9", "tab", "m", "m", "f9")
     assert [one.mesh for one in hall.kept] == [hall.left.output.mesh]
@@ -98,6 +161,14 @@ def test_cards_by_key_and_from_afar(hall):
     press(hall, hall.desk, "f8")
     assert (hall.left.card, hall.right.card) == ("grid", "grid")
     assert [one["card"] for one in hall.setup.facts()] == ["grid", "grid"]
+    assert hall.asked == [("left", "grid"), ("left", "bars"), ("left", "grid"), ("right", "grid")]
+
+
+def test_who_goes_on_shows_the_cards_that_were_there(hall):
+    hall.setup.recall({"*": "grid", "left": "focus", "gone": "bars"})
+    assert (hall.left.card, hall.right.card) == ("focus", "grid")
+    hall.setup.recall({"right": "off", "left": "smiley"})
+    assert (hall.left.card, hall.right.card) == ("focus", "off")
 
 
 @pytest.mark.parametrize(("output", "card", "words"), [("middle", "grid", "left, right"), ("left", "smiley", "focus")])

@@ -11,7 +11,8 @@ from live.cli.session_news import osc_rejected, session_news
 
 def test_refusals_and_problems_of_all_parts_are_told_once(capsys: pytest.CaptureFixture[str]) -> None:
     show = SimpleNamespace(refusals=SimpleNamespace(words=""))
-    osc = SimpleNamespace(last_rejection=None)
+    refused = ""
+    osc = SimpleNamespace(refusal=lambda: refused)
     listens = SimpleNamespace(facts=lambda: {"problem": problem})
     problem = ""
     watch = SimpleNamespace(problem="", told="")
@@ -19,7 +20,7 @@ def test_refusals_and_problems_of_all_parts_are_told_once(capsys: pytest.Capture
     news.look()
     assert capsys.readouterr().err == ""
     problem = "stage box is not there"
-    osc.last_rejection = SimpleNamespace(address="", reason="too long")
+    refused = "an OSC packet: too long"
     news.look()
     news.look()
     told = capsys.readouterr().err
@@ -29,5 +30,5 @@ def test_refusals_and_problems_of_all_parts_are_told_once(capsys: pytest.Capture
 
 
 def test_what_osc_refused_is_counted_with_what_was_lost() -> None:
-    osc = SimpleNamespace(rejected=SimpleNamespace(as_dict=lambda: {"range": 2}), lost=3)
+    osc = SimpleNamespace(refused=lambda: {"range": 2}, lost=3)
     assert osc_rejected(cast(Any, osc)) == Counter({"range": 2, "lost before it was read": 3})

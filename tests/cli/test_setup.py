@@ -218,7 +218,8 @@ def test_without_a_wheel_of_link_everything_else_is_installed(debian: Machine) -
     assert "without Ableton Link" in debian.run("play", FAKE_NO_LINK="yes")
     first, second = (line for line in debian.log() if line.startswith("uv sync"))
     assert "--extra=link" in first
-    assert "--extra" not in second
+    assert "--extra=link" not in second
+    assert "--extra=fast" in second
 
 
 def test_as_root_all_is_installed_once(debian: Machine) -> None:
@@ -232,7 +233,7 @@ def test_as_root_all_is_installed_once(debian: Machine) -> None:
     assert python[:2] == ["python -m venv .venv", "python -m pip --version"]
     assert python[2].startswith("python -m pip install")
     assert python[3].startswith("uv sync --frozen --inexact")
-    assert python[3].endswith("--extra=link --no-dev")
+    assert python[3].endswith("--extra=link --extra=fast --no-dev")
     assert python[4] == "python -m compileall -q live"
     assert python[5].startswith("live warm --stamp")
 

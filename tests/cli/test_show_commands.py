@@ -47,6 +47,7 @@ def told(number, when):
         watcher.join()
 
 
+@pytest.mark.long
 def test_render_makes_a_film_with_sound_the_same_each_time(tmp_path):
     gl_or_skip()
     films = []
@@ -163,6 +164,7 @@ def test_names_may_hold_anything(tmp_path):
     assert "Act [/b]" in result.stdout
 
 
+@pytest.mark.long
 def test_a_journal_replays_from_another_folder_and_a_refused_start_leaves_the_old_one(tmp_path):
     (tmp_path / "mine" / "steps").mkdir(parents=True)
     sway = 'name = "sway"\n[pelvis]\n"1" = "left 4"\n"3" = "right 4"\n'
@@ -186,6 +188,7 @@ def test_a_journal_replays_from_another_folder_and_a_refused_start_leaves_the_ol
     assert (tmp_path / "j.jsonl").read_bytes() == before
 
 
+@pytest.mark.long
 def test_a_film_that_is_broken_off_plays_as_far_as_it_goes(tmp_path):
     gl_or_skip()
     film, journal = tmp_path / "a.mp4", tmp_path / "j"
@@ -248,6 +251,7 @@ def test_a_process_that_is_told_to_end_ends_its_journal(tmp_path):
     assert journal.read_text().endswith('"end":true}\n')
 
 
+@pytest.mark.long
 def test_a_full_disk_is_told_at_the_end():
     if not os.path.exists("/dev/full"):
         pytest.skip("this system has no /dev/full")

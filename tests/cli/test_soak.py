@@ -9,6 +9,7 @@ from live.cli.soak_real import EACH_S, Figures
 from tests.cli.command import run_live
 
 
+@pytest.mark.long
 def test_a_short_soak_reports_and_replays_its_journal(tmp_path):
     report = tmp_path / "report.json"
     told = run_live(
@@ -25,8 +26,9 @@ def test_a_short_soak_reports_and_replays_its_journal(tmp_path):
     assert (tmp_path / "kept" / "journal.jsonl").is_file()
 
 
-def test_three_seconds_of_real_time_reach_the_show_over_the_network(tmp_path):
-    told = run_live("soak", "score", "--minutes", "0.05", "--real", "--players", "400", "--faults", "0", "--json")
+@pytest.mark.long
+def test_six_seconds_of_real_time_reach_the_show_over_the_network(tmp_path):
+    told = run_live("soak", "score", "--minutes", "0.1", "--real", "--players", "400", "--faults", "0", "--json")
     facts = json.loads(told.stdout)
     assert facts["frames"] > 30
     assert facts["events"]["accepted"] > 20

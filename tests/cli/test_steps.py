@@ -131,6 +131,7 @@ def test_lists_and_figures_as_json(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert (checked.exit_code, json.loads(checked.stdout)["findings"]) == (0, [])
 
 
+@pytest.mark.long
 def test_the_users_library_stands_before_the_projects_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "cache"))

@@ -15,7 +15,7 @@ from live.cli.graph_svg import Arrow, State, state_machine
 from live.cli.main import app
 from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
-from live.show.patch_file import PATCHES
+from live.show.patch_places import PATCHES
 from tests.made_steps import made_clip, made_steps
 from tests.motion.made_bvh import body_bvh, danced
 
@@ -129,6 +129,7 @@ def test_what_cannot_be_is_told_in_a_line(tmp_path: Path):
     assert empty.exit_code != 0
 
 
+@pytest.mark.long
 def test_bridges_are_found_in_the_recordings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """Two measures of one recording that nothing joins: what lies between them in it leads from one to the other."""
     monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "cache"))

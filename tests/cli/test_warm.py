@@ -31,6 +31,7 @@ def warm(cache: Path, *options: str) -> "subprocess.CompletedProcess[str]":
     return done
 
 
+@pytest.mark.long
 @pytest.mark.skipif(jit.JIT_DISABLED, reason="NUMBA_DISABLE_JIT=1: nothing is compiled")
 def test_warm_compiles_once_and_leaves_its_mark_in_the_stamp(tmp_path: Path) -> None:
     package = Path(jit.__file__).parents[1]
@@ -50,6 +51,7 @@ def test_warm_compiles_once_and_leaves_its_mark_in_the_stamp(tmp_path: Path) -> 
     assert {path: path.stat().st_mtime_ns for path in folder.rglob("*.nbc")} == compiled
 
 
+@pytest.mark.long
 @pytest.mark.skipif(jit.JIT_DISABLED, reason="NUMBA_DISABLE_JIT=1: nothing is compiled")
 @pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
 def test_who_ends_it_while_kernels_are_compiled_is_told_one_line(tmp_path: Path, name: str, code: int) -> None:

@@ -91,7 +91,7 @@ def test_calls_and_answers_that_do_not_fit(extra, words):
 
 @pytest.mark.parametrize("name", ["score", "cues", "formations", "pairs"])
 def test_the_shows_that_come_along_give_no_reason_for_doubt(name):
-    from live.show.patch_file import find_patch
+    from live.show.patch_places import find_patch
 
     patch = read_patch(find_patch(name))
     assert [*span_doubts(patch), *camera_doubts(patch), *answer_doubts(patch)] == []

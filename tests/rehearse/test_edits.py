@@ -4,7 +4,8 @@ import pytest
 
 from live.base.errors import PersonError
 from live.rehearse.edits import BAD, GOOD, Edits
-from live.show.patch_file import find_patch, read_patch
+from live.show.patch_file import read_patch
+from live.show.patch_places import find_patch
 
 
 @pytest.mark.parametrize("name", [None, "score"])

@@ -13,7 +13,7 @@ from live.rehearse.proving import prove
 from live.rehearse.soak import Soak
 from live.rehearse.soak_report import Plan
 from live.rehearse.watching import Watching
-from live.show.patch_file import find_patch
+from live.show.patch_places import find_patch
 
 
 @pytest.fixture(scope="module")
@@ -28,6 +28,7 @@ def soaked(tmp_path_factory):
     return soak, soak.run()
 
 
+@pytest.mark.long
 def test_half_a_minute_with_every_fault_goes_well(soaked):
     _, report = soaked
     assert report.problems == []
@@ -39,6 +40,7 @@ def test_half_a_minute_with_every_fault_goes_well(soaked):
     json.dumps(report.as_json(), allow_nan=False)
 
 
+@pytest.mark.long
 def test_its_journal_replays_to_the_same_states(soaked):
     soak, report = soaked
     found = prove(soak.journal_path, seed=1, stretches=2)

@@ -1,0 +1,89 @@
+"""What quality a live picture has: chosen by what frames cost, or held by the operator; told in status and overlay."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from live.cli.drawing_watch import DrawingWatch
+from live.control.events import HoldQuality, Tap
+from live.render.ladder import ladder_of
+from live.render.quality import SOFTWARE
+
+PERIOD = 1.0 / 30.0
+
+
+class Drawn:
+    """A renderer that draws nothing; frames of the upper steps take too long."""
+
+    def __init__(self):
+        self.steps, self.step, self.mark = ladder_of(SOFTWARE), 0, None
+
+    def helps(self, step):
+        return self.steps[step].kind not in ("trails", "styles")
+
+    def take_step(self, step):
+        self.step = step
+
+
+@pytest.fixture
+def watched():
+    """A function that makes a watch with its session, and lets frames pass for some seconds."""
+
+    def make(quality=None, holds=5):
+        clock = SimpleNamespace(time=0.0, now=lambda: clock.time)
+        session = SimpleNamespace(
+            clock=clock,
+            wish=SimpleNamespace(quality=quality),
+            engine=SimpleNamespace(mark=None, outward=[], patched=[]),
+            status=SimpleNamespace(more={}, notes=[]),
+        )
+        watch = DrawingWatch(session, Drawn())
+        watch.period, late = PERIOD, [0]
+
+        def run(seconds):
+            end = clock.time + seconds
+            while clock.time < end:
+                slow = watch._renderer.step < holds
+                took = 2.0 * PERIOD if slow else PERIOD
+                late[0] += slow
+                clock.time += took
+                watch.begin(late[0], took)
+                watch.end()
+
+        def hear(step):
+            for told in session.engine.outward:
+                told(HoldQuality(time=0.0, source="osc", step=step))
+
+        return watch, session, run, hear
+
+    return make
+
+
+def test_the_machine_chooses_until_the_operator_does(watched):
+    watch, session, run, hear = watched()
+    run(15.0)
+    told = session.status.more["quality"]()
+    assert (told["step"], told["held"], told["changes"]) == (5, None, 3)  # 1 and 2 take nothing from this picture
+    hear(0.0)
+    run(10.0)
+    assert session.status.more["quality"]() | {"changes": 0} == {
+        "step": 0, "of": len(ladder_of(SOFTWARE)), "left_out": [], "held": 0, "changes": 0,
+    }  # fmt: skip
+    hear(-1.0)
+    run(15.0)
+    assert watch._renderer.step == 5
+    for told in session.engine.outward:
+        told(Tap(time=0.0, source="osc"))
+    assert watch.ladder.held is None
+
+
+def test_a_command_line_begins_with_a_held_step_and_the_overlay_says_so(watched):
+    watch, session, run, hear = watched(quality=15)
+    run(5.0)
+    last = len(ladder_of(SOFTWARE)) - 1
+    assert watch._renderer.step == last
+    words = session.status.notes[0]()
+    assert words.startswith(f"quality {last} of {last} (held): no trails,")
+    hear(0.0)
+    run(1.0)
+    assert session.status.notes[0]().startswith(f"quality 0 of {last} (held)")

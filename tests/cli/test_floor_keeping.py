@@ -1,0 +1,83 @@
+"""Corners of the real floor that were pointed at: the picture follows at once, the venue's file for good."""
+
+import tomllib
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from live.base.picture import camera_of
+from live.base.stage_view import Camera
+from live.cli.floor_keeping import GUESS, FloorKeeping, seen_corners
+from live.cli.output_keeping import OutputKeeping
+from live.render.camera import pixel_of
+from live.show.toml_file import parse_model
+from live.show.venue import Venue, venue_path
+from tests.show.desk_show import Hands
+
+AT = 'name = "hall"   # ours\n[projector]\nat = [2.0, 5.0, 12.0]   # with a laser\n'
+
+
+@pytest.fixture
+def kept(tmp_path, monkeypatch):
+    """Keeps corners for a show in a hall whose file has this text: what it says, the show, and the file's text then."""
+    monkeypatch.setenv("LIVE_CONFIG_DIR", str(tmp_path))
+
+    def keep(text, corners=None):
+        path = venue_path("hall")
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text)
+        hands = Hands()
+        view = hands.show.view()
+        hands.show.fill(view, 0.0)
+        session = SimpleNamespace(
+            venue=parse_model(text, "hall.toml", Venue, "venue"), engine=SimpleNamespace(view=view), show=hands.show,
+            clock=SimpleNamespace(now=lambda: 0.0), inbox=SimpleNamespace(put=hands.show.apply),
+        )  # fmt: skip
+        told = []
+        keeping = OutputKeeping("hall", told.append)
+        floor = FloorKeeping(session, keeping, lambda: (1600, 900))
+        seen = floor.corners()
+        words = floor.keep(corners or seen)
+        keeping.wait()
+        hands.run(ticks=1)
+        hands.show.fill(view, hands.show.time)
+        return SimpleNamespace(
+            words=words, seen=seen, camera=camera_of(view.picture), text=path.read_text(), floor=floor
+        )
+
+    return keep
+
+
+def floor_of(camera, stage):
+    x, z = 0.5 * stage[0], 0.5 * stage[1]
+    return pixel_of(camera, (1600, 900), [(-x, 0, -z), (x, 0, -z), (x, 0, z), (-x, 0, z)]) / (1600, 900)
+
+
+def test_the_picture_follows_at_once_and_the_file_has_it(kept):
+    corners = [(0.22, 0.4), (0.77, 0.36), (0.93, 0.88), (0.04, 0.93)]
+    done = kept(AT, corners)
+    assert done.words == ""
+    stage = Hands().show.patch.stage
+    np.testing.assert_allclose(floor_of(done.camera, (stage.width, stage.depth)), corners, atol=1e-6)
+    assert done.camera.eye == pytest.approx((2.0, 5.0, 12.0), abs=1e-6)
+    said = tomllib.loads(done.text)["projector"]
+    assert said == {"at": [2.0, 5.0, 12.0], "corners": [list(one) for one in corners], "aspect": 1.77778}
+    assert "# with a laser" in done.text
+    assert done.floor.corners() == tuple(corners)
+
+
+@pytest.mark.parametrize("text", ['name = "hall"\n', AT.replace("5.0", "0.0")])
+def test_what_cannot_be_is_told_and_nothing_is_written(kept, text):
+    done = kept(text)
+    assert done.words.startswith("NOT KEPT: ")
+    assert done.text == text
+    assert done.floor.corners() == done.seen
+
+
+def test_it_begins_where_the_camera_sees_the_floor():
+    camera = Camera()
+    np.testing.assert_allclose(seen_corners(camera, (6.0, 5.0), (1600, 900)), floor_of(camera, (6.0, 5.0)))
+    assert seen_corners(camera, (14.0, 8.0), (1600, 900)) == GUESS
+    assert seen_corners(Camera((0.0, 1.0, 1.0), (0.0, 1.0, -5.0)), (10.0, 8.0), (1600, 900)) == GUESS
+    assert seen_corners(None, (10.0, 8.0), (1600, 900)) == GUESS
