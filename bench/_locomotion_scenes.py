@@ -12,7 +12,8 @@ import numpy.typing as npt
 from live.control.events import Attract, ControlEvent, Evolve, PlaceElement, Spread
 from live.show.load import LoadedShow, show_of
 from live.show.patch import Patch
-from live.show.patch_file import PATCHES, parse_patch
+from live.show.patch_file import parse_patch
+from live.show.patch_places import PATCHES
 
 BPM: Final = 112.0
 MEASURE_S: Final = 4.0 * 60.0 / BPM

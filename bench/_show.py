@@ -6,7 +6,7 @@ from live.graph.motion_graph import MotionGraph
 from live.show.core import Show
 from live.show.load import LoadedShow, load_show
 from live.show.patch import Patch
-from live.show.patch_file import DEFAULT_PATCH
+from live.show.patch_places import DEFAULT_PATCH
 
 
 def crowd_patch(patch: Patch, dancers: int) -> Patch:

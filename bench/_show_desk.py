@@ -14,7 +14,7 @@ from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_cont
 from live.render.renderer import Renderer
 from live.show.core import Show
 from live.show.load import LoadedShow, load_show
-from live.show.patch_file import PATCHES
+from live.show.patch_places import PATCHES
 from live.show.scene_of import scene_of
 
 SHOW: Final = PATCHES / "cues" / "show.toml"

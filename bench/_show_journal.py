@@ -23,7 +23,7 @@ from live.show.engine import Engine
 from live.show.journal import Journal, JournalWriter, read_journal
 from live.show.journal_file import read_snapshots
 from live.show.load import LoadedShow, load_show
-from live.show.patch_file import DEFAULT_PATCH
+from live.show.patch_places import DEFAULT_PATCH
 from live.show.replay import Replaying
 from live.show.replay_start import first_start
 from live.show.snapshot import Snapshots, restore

@@ -17,7 +17,7 @@ from live.rehearse.edits import Edits
 from live.render.pacing import Pacer
 from live.show.engine import Engine
 from live.show.load import load_show
-from live.show.patch_file import DEFAULT_PATCH
+from live.show.patch_places import DEFAULT_PATCH
 from live.show.patch_watch import PatchWatch
 from live.show.status import Status
 

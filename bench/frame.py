@@ -21,7 +21,7 @@ from live.clock.source import ManualClock
 from live.control.events import Attract, ControlEvent, Spread
 from live.show.engine import Engine
 from live.show.load import LoadedShow, load_show
-from live.show.patch_file import DEFAULT_PATCH
+from live.show.patch_places import DEFAULT_PATCH
 from live.show.status import Status
 
 Float64 = npt.NDArray[np.float64]

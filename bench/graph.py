@@ -30,7 +30,7 @@ from live.motion.skeleton import JOINT_COUNT
 from live.motion.step_clip import StepClip
 from live.show.engine import Engine
 from live.show.load import load_show
-from live.show.patch_file import DEFAULT_PATCH, PATCHES
+from live.show.patch_places import DEFAULT_PATCH, PATCHES
 from live.show.status import Status
 from live.steps.step_folder import load_folder
 

@@ -5,12 +5,18 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[1]
 TESTS = (
     "tests/base/test_kernels.py",
     "tests/motion/test_kernels.py",
+    "tests/motion/example/online/test_live.py::test_beats_of_the_clock_bound_the_units",
+    "tests/motion/example/test_decode.py::test_the_recurrence_written_plainly_gives_the_same_score",
+    "tests/motion/captured/test_kernels.py",
     "tests/motion/inertia/test_inertia.py::test_the_legs_alone_keep_the_same_differences",
     "tests/motion/posing/test_pipeline.py",
+    "tests/motion/texture/test_kernels.py",
     "tests/motion/turning/test_kernels.py",
     "tests/motion/test_bvh_numbers.py",
     "tests/graph/test_motion_graph.py",
@@ -33,6 +39,7 @@ LONG = (  # seconds of a crowd's motion are minutes of plain Python
 )
 
 
+@pytest.mark.long
 def test_kernels_stay_within_their_arrays():
     command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", *TESTS, "-k", f"not ({LONG})"]
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from live.control.music_file import read_music
-from live.show.patch_file import PATCHES
+from live.show.patch_places import PATCHES
 from tests.end_to_end.conftest import children
 
 

@@ -20,6 +20,7 @@ corners = [[0.1, 0.1], [0.95, 0.0], [0.9, 1.0], [0.0, 0.9]]
 """
 
 
+@pytest.mark.long
 @pytest.mark.x11
 @pytest.mark.liblo
 def test_a_projector_is_set_up_while_the_show_runs(play, patch: Path, tmp_path: Path, two_monitor_x: TwoMonitorX):
@@ -63,6 +64,7 @@ def test_a_projector_is_set_up_while_the_show_runs(play, patch: Path, tmp_path: 
     assert "Traceback" not in running.stop()
 
 
+@pytest.mark.long
 @pytest.mark.x11
 def test_a_venue_for_a_monitor_that_is_not_there_is_refused_before_the_show(
     play, patch: Path, tmp_path: Path, two_monitor_x: TwoMonitorX

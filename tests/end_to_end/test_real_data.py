@@ -36,6 +36,7 @@ def _salsa(folder: Path) -> Path:
     return folder
 
 
+@pytest.mark.long
 @pytest.mark.shared
 def test_the_show_follows_music_and_dances_recordings(tmp_path):
     """A band at 104 bpm; the film is small, its journal replays, and what was danced comes from the recordings."""

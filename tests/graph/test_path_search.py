@@ -39,6 +39,7 @@ def made():
     return build_graph(build_library(made_steps()), threshold=0.2)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("step", "line", "facing"),
     [

@@ -17,6 +17,7 @@ def rows(tmp_path_factory):
         return run(False, tmp_path_factory.mktemp("nothing"))
 
 
+@pytest.mark.long
 def test_paths_with_the_projects_own_steps_hold_their_bars(rows):
     paths = [row for row in rows if "path error" in row.name]
     assert len(paths) == 4

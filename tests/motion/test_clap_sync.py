@@ -14,6 +14,7 @@ def claps(times: np.ndarray | list[float]) -> list[Clap]:
     return [Clap(float(time), 0.06, 4.0) for time in sorted(times)]
 
 
+@pytest.mark.long
 @given(st.floats(0.2, 5.0), st.floats(60.0, 190.0), st.integers(0, 10_000))
 def test_eight_claps_to_a_click(first: float, bpm: float, seed: int) -> None:
     """With 12 ms of scatter the mean of eight is right to 15 ms, and sure."""
@@ -128,6 +129,7 @@ def test_a_person_wins() -> None:
     assert set_by_hand(None, anchor_s=0.0, bpm=60.0) is not None
 
 
+@pytest.mark.long
 def test_hands_that_flutter_for_an_hour() -> None:
     random = np.random.default_rng(5)
     many = claps(np.cumsum(random.uniform(0.13, 0.9, 7000)))

@@ -126,6 +126,7 @@ def test_legs_do_not_run_through_each_other(own: list[StepClip]) -> None:
             assert np.linalg.norm(left - right, axis=1).min() > 0.12, step.clip.name
 
 
+@pytest.mark.long
 def test_dancers_meet_at_measure_lines_in_stances_that_can_be_blended() -> None:
     hips = []
     for path in FILES:

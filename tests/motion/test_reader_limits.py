@@ -100,6 +100,7 @@ HOSTILE: dict[str, tuple[Callable[[bytes], SourceMotion], Callable[[], str]]] = 
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", HOSTILE)
 def test_hostile_files_take_little_memory_and_time(name: str) -> None:
     read, make = HOSTILE[name]

@@ -107,6 +107,7 @@ def test_nothing_to_go_by() -> None:
     assert guess_tempo(short) is None
 
 
+@pytest.mark.long
 @pytest.mark.shared
 def test_real_dances_whose_beat_is_known_well() -> None:
     """Of the 23 recordings marked good in beats_estimated.json at least 20 agree within 2 % up to octaves.

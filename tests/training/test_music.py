@@ -121,6 +121,7 @@ def test_clocks() -> None:
     assert periods[-1] == pytest.approx(0.25)
 
 
+@pytest.mark.long
 def test_swing_moves_the_half_and_keeps_the_beat() -> None:
     feel = Feel(swing=2 / 3)
     assert [feel.warp(beat) for beat in (0, 0.5, 1, 1.5)] == pytest.approx([0, 2 / 3, 1, 5 / 3])

@@ -99,6 +99,7 @@ def every_candidate(graph, choosing, question, n):
     return found
 
 
+@pytest.mark.long
 @settings(max_examples=25, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_the_cheapest_candidate_of_all_is_chosen_and_the_best_of_another_measure_named(graph, choosing, seed):
@@ -140,6 +141,7 @@ def alone(graph, node, wish):
     }  # fmt: skip
 
 
+@pytest.mark.long
 def test_mixtures_fill_the_ways_between_the_clips(graph, choosing):
     """On a grid of places within the longest steps: with them every place is near an end, without them it is not."""
     candidates = choosing.candidates

@@ -13,6 +13,7 @@ from live.motion.step_clip import StepClip
 from tests.motion.editing.made_steps import sketched
 
 
+@pytest.mark.long
 def test_every_bar_is_held_on_the_projects_own_sketches(tmp_path: Path) -> None:
     rows = load_bench("motion-quality")(False, tmp_path)
     names = [row.name for row in rows]

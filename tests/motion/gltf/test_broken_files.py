@@ -204,6 +204,7 @@ def long_gap() -> bytes:
     return result.glb()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("case", HOSTILE)
 def test_a_hostile_file_takes_neither_memory_nor_time(case: str) -> None:
     data = HOSTILE[case]()
