@@ -61,6 +61,7 @@ def retarget(
     up: UpAxis | None = None,
     drop_frames: int = 0,
     sample_rate: float = SAMPLE_RATE,
+    centred: bool = True,
 ) -> Clip:
     """The motion as a clip of the engine's skeleton, `sample_rate` samples per second.
 
@@ -71,7 +72,8 @@ def retarget(
     Limb bones point exactly where the source's do (its own skeleton, at the same moment); trunk and neck chains of
     any length are spread over ours; the hips are placed so that the feet that carry stand where the source's stood.
     The floor comes to y = 0 (5th percentile of the lowest sole; a recording that drifts up and down, as those from
-    video do, is followed slowly), the first sample's hips come to x = z = 0; the heading stays as recorded. Between
+    video do, is followed slowly), the first sample's hips come to x = z = 0, unless it is not to be `centred`
+    (two who were recorded together); the heading stays as recorded. Between
     frames rotations are interpolated by SLERP, never as Euler angles.
 
     Raises MotionFileError if the skeleton is no body or has no size, ValueError for arguments out of range.
@@ -93,7 +95,8 @@ def retarget(
     ankles, toes = (positions[:, [SKELETON.index(s + j) for s, _ in SIDES]] for j in ("Foot", "Toes"))
     lowest = np.minimum(ankles[..., 1] - SOLE_BELOW_ANKLE, toes[..., 1] - TOES_OVER_SOLE).min(axis=1)
     shift = np.empty_like(root)
-    shift[:, 0], shift[:, 1], shift[:, 2] = -root[0, 0], -find_floor(lowest, sample_rate), -root[0, 2]
+    shift[:] = -root[0] if centred else 0.0
+    shift[:, 1] = -find_floor(lowest, sample_rate)
     places = shift[:, None]
     return Clip(
         name=name,
