@@ -64,6 +64,18 @@ def test_steady_music_is_locked_to(bpm: float) -> None:
     assert stage.follower.confidence > 0.9
 
 
+@pytest.mark.parametrize("late", [(k + 0.6) / 20 for k in range(20)])
+def test_music_beside_the_clocks_own_beat_is_locked_to_and_followed_when_it_moves(late: float) -> None:
+    """At the tempo that runs already: how far apart the beats are must not matter, at first and later."""
+    stage = Stage(TimelineFollower(tempo=120.0))
+    stage.run(12.0, 120.0, first=late * 0.5)
+    assert stage.follower.state == "locked"
+    assert abs(stage.phase_error(120.0, late * 0.5)) < 0.01
+    stage.run(14.0, 120.0, first=late * 0.5 + 0.08)
+    assert stage.follower.state == "locked"
+    assert abs(stage.phase_error(120.0, late * 0.5 + 0.08)) < 0.02
+
+
 def test_wild_estimates_are_outvoted() -> None:
     stage = Stage(TimelineFollower())
     stage.run(10.0, 120.0)

@@ -11,6 +11,7 @@ from live.clock.follow import TimelineFollower
 from live.clock.source import SystemClock
 from live.control.audio_device import AudioInput
 from live.control.events import BeatHeard, ControlEvent, SourceChanged
+from live.show.clock_events import tell
 from tests.clock.clicks import groove
 from tests.control.conftest import PulseSink
 from tests.control.test_music_file import write_wav
@@ -34,12 +35,18 @@ class Listener:
         for event in self.inbox.drain():
             if isinstance(event, BeatHeard):
                 self.beats.append(event.beat_time)
-                self.follower.heard(event.beat_time, event.period, event.confidence, event.time)
             elif isinstance(event, SourceChanged):
                 self.changes.append(event.state)
-                getattr(self.follower, event.state)(event.time)
+            tell(self.follower, event)
         self.follower.advance(self.clock.now())
         self.loudest = max(self.loudest, self.input.level)
+
+    def dances(self, bpm: float) -> bool:
+        """After a turn: whether it is locked at this tempo, the last ten beats to 20 ms whole or half ones."""
+        self.turn()
+        steps = np.diff(self.beats[-11:]) * bpm / 30.0  # half beats
+        even = np.percentile(np.abs(steps - np.round(steps)), 90) < 0.02 * bpm / 30.0 if steps.size == 10 else False
+        return bool(even) and self.follower.state == "locked" and abs(self.follower.tempo / bpm - 1.0) < 0.01
 
     def hears(self, state: str, seconds: float) -> bool:
         """Whether the follower reaches a state, or the source changes to it, in time."""
@@ -62,14 +69,11 @@ def listener(pulse_sink: PulseSink) -> Iterator[Listener]:
 
 @pytest.mark.pulse
 def test_music_in_the_room_is_locked_to(pulse_sink: PulseSink, listener: Listener, tmp_path: Path) -> None:
-    pulse_sink.play(write_wav(tmp_path / "groove.wav", groove(120.0, 48_000, 30.0), 48_000))
-    assert listener.hears("locked", 20.0)
-    assert wait_for(lambda: listener.turn() or len(listener.beats) >= 14, 12.0)
-    assert listener.follower.tempo == pytest.approx(120.0, rel=0.01)
+    """On a machine so busy that sound is lost in between, a few seconds later."""
+    pulse_sink.play(write_wav(tmp_path / "groove.wav", groove(120.0, 48_000, 60.0), 48_000))
+    assert wait_for(lambda: listener.dances(120.0), 50.0)
     assert listener.follower.source == "audio"
     assert listener.loudest > 0.01
-    steps = np.diff(listener.beats[4:])
-    assert np.percentile(np.abs(steps - np.round(steps / 0.25) * 0.25), 90) < 0.02
 
 
 @pytest.mark.pulse

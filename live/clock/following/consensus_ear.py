@@ -13,6 +13,10 @@ CHALLENGE: Final = 1.3
 CHALLENGE_SPAN: Final = 2.0
 """... at least three estimates over at least these seconds: one decision of a tracker may sound like several."""
 
+SAME_BEATS: Final = 0.1
+"""Beats within this [beats] are the same; farther apart than `Consensus` lets estimates speak for a grid it must not
+be, or a grid could be neither confirmed by what is heard nor give way to it."""
+
 HAND_OCTAVES: Final = 0.15
 KNOWN_OCTAVES: Final = 0.12
 """How narrowly a tempo that somebody tapped, typed or wrote down rules the choice of octave."""
@@ -80,7 +84,7 @@ class ConsensusEar:
 
     def _same(self, grid: Grid) -> bool:
         tempo = abs(math.log(grid.period / self.grid.period)) < 0.04
-        return tempo and abs(self.grid.residual(grid.time)) < 0.15
+        return tempo and abs(self.grid.residual(grid.time)) < SAME_BEATS
 
     def _convinces(self, grid: Grid, value: float, present: float) -> bool:
         witnesses = self._consensus.witnesses(grid)

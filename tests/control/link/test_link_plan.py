@@ -18,9 +18,9 @@ IN_SYNC = 0.003
 SOON = 30.0
 """Seconds in which participants find each other (0.5 to 1.5 s on an idle machine) and in which messages arrive."""
 
-
-OLDER = 0.7
-"""Of two sessions that meet the older one wins, by half a second at least; of twins either."""
+OLDER = 2.0
+"""Of two sessions that meet the older one wins, by half a second at least; of twins either. The rest of it is for a
+participant's own thread, which a busy machine may let wait before it begins the session."""
 
 
 def out_of_sync(app: Process, hut: Process, *, key: str = "heard", fold: int = 1) -> float:
