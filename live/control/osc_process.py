@@ -1,6 +1,6 @@
 """OSC in a process of its own: whatever is sent to the port, the show's Python is busy with none of it.
 
-The process receives, checks and answers; what is to happen comes to the show in packets, once a tick.
+The process receives, checks and answers; what is to happen comes to the show in packets, two in a tick at most.
 The socket belongs to the show: while the process is started again, what is sent waits in it.
 """
 
@@ -23,8 +23,11 @@ from live.control.osc import OscInput
 from live.control.osc_socket import bound_socket, dropped_by
 from live.control.values import Changes
 
+PACE: Final = 0.5 * TICK
+"""A packet is sent no sooner than so long [s] after the last: with the wait for the frame that is less than a frame
+and a tick, which an operator's message may take."""
 IN_A_PACKET: Final = 32
-"""Events that the show gets in a tick at most: each sender's in turn, so that a flood waits and others do not ..."""
+"""Events in a packet at most: each sender's in turn, so that a flood waits and others do not ..."""
 BURST: Final = 128.0
 PER_SECOND: Final = 512.0
 """... while these are not used up: so many at first, and so many more each second."""
@@ -34,7 +37,7 @@ AT_ONCE: Final = 64
 SAY_EVERY: Final = 0.25
 FEW: Final = 8
 """The show takes up the next packet when not more events than this are left of the last."""
-ON_THE_WAY: Final = 2
+ON_THE_WAY: Final = 4
 """Packets that the show has not taken up yet ..."""
 PATIENCE: Final = 0.5
 """... unless it has said nothing for so long [s]."""
@@ -97,7 +100,7 @@ class OscRemote:
         if len(self._lane) <= FEW:
             if self._taken != self._came and self._helper.send(self._came):
                 self._taken = self._came
-            self._helper.frame(1)
+            self._helper.frame(ON_THE_WAY)
         if self._untold:
             some = {address: self._untold[address] for address in list(self._untold)[:AT_ONCE]}
             if self._helper.send(some):
@@ -139,8 +142,8 @@ class OscRemote:
 
 
 class Forward:
-    """What has come goes to the show: once a tick, and only as much as it takes up; what waits meanwhile waits in its
-    lane, where later values replace it. Thread: the one that receives; `taken` is counted by another."""
+    """What has come goes to the show: once in `PACE`, and only as much as it takes up; what waits meanwhile waits in
+    its lane, where later values replace it. Thread: the one that receives; `taken` is counted by another."""
 
     def __init__(self, send: Callable[[bytes], object], inbox: Inbox[ControlEvent], now: Callable[[], float]) -> None:
         self._send, self._inbox, self._now = send, inbox, now
@@ -160,7 +163,7 @@ class Forward:
             return self._next - now
         if self._sent - self.taken >= ON_THE_WAY and now - self._sent_at < PATIENCE:
             return SOON
-        self._next = now + TICK
+        self._next = now + PACE
         if not self._packet:
             self._left = min(self._left + (now - self._filled_at) * PER_SECOND, BURST)
             self._filled_at = now
@@ -173,7 +176,7 @@ class Forward:
             return TICK
         self._packet = b""
         self._sent, self._sent_at = self._sent + 1, now
-        return TICK if len(self._inbox) else None
+        return PACE if len(self._inbox) else None
 
 
 def main() -> None:

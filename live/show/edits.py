@@ -89,7 +89,7 @@ def _differences(before: Now, after: Now) -> tuple[Kept, Kept]:
         keys: Any = [key for key in before.keys() | after.keys() if before.get(key) != after.get(key)]
         return {key: before.get(key) for key in keys}, {key: after.get(key) for key in keys}
     was, now = np.asarray(before), np.asarray(after)
-    keys = np.flatnonzero(was != now).tolist()
+    keys = (was != now).nonzero()[0].tolist()
     return dict(zip(keys, was[keys].tolist(), strict=True)), dict(zip(keys, now[keys].tolist(), strict=True))
 
 

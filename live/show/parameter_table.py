@@ -6,6 +6,7 @@ values of a show are one row of numbers: first the picture's, then those of each
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Final
 
 from live.base import picture
@@ -63,6 +64,12 @@ def check_setting(key: str, value: object) -> None:
         raise PersonError(f"{key!r}: light and camera belong to no group", f"write {address!r}")
 
 
+@cache
+def _argument(unit: str, low: float, high: float) -> Argument:
+    """What checks a number of the picture; there are as many as ranges."""
+    return Argument("value", "float", "", unit, low, high)
+
+
 def numbers_of(address: str, value: object) -> tuple[float, ...]:
     """The value of the parameter at `address` as numbers; PersonError says what is allowed."""
     if address in MOTION_PARAMETERS:
@@ -75,7 +82,7 @@ def numbers_of(address: str, value: object) -> tuple[float, ...]:
     if known is None:
         raise PersonError(f"{address!r} has no value that can be set", f"there are: {', '.join(addresses())}")
     parts: list[Any] = list(value) if isinstance(value, list | tuple) else [value]
-    argument = Argument("value", "float", "", known.unit, known.low, known.high)
+    argument = _argument(known.unit, known.low, known.high)
     if len(parts) != known.size or any(isinstance(argument.checked(part), Reason) for part in parts):
         many = "" if known.size == 1 else f"{known.size} numbers, each "
         raise PersonError(f"{address!r} = {value!r}", f"expected {many}{argument.expected.removeprefix('value ')}")

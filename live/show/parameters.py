@@ -73,14 +73,21 @@ class Parameters:
         """Bring numbers of the row, by their places, to new values within so many beats."""
         self._listen()
         self.touched = True
+        at_once: list[int] = []
         for place, goal in goals.items():
             light = place < picture.SIZE and not picture.CAMERA.start <= place < picture.CAMERA.stop
             length = 0.0 if place in self.table.switches else max(beats, SOFT) if light else beats
+            self._fading[place] = fades = length > 1e-9
+            if not fades:
+                self.value[place] = goal
+                at_once.append(place)
+                continue
             self._from[place], self._goal[place] = self.value[place], goal
-            self._began[place], self._length[place] = self.beat, max(length, 1e-9)
-            self._fading[place] = True
+            self._began[place], self._length[place] = self.beat, length
         self._running = int(np.count_nonzero(self._fading))
-        self._move(told=True)
+        told = [place for place in at_once if place >= picture.SIZE]
+        if told:
+            self._tell(np.array(told, np.intp))
 
     def told(self, field: str, groups: Iterable[int]) -> None:
         """Somebody else has set how these groups vary: no fade changes that any more."""
@@ -124,14 +131,13 @@ class Parameters:
 
     def _move(self, *, told: bool) -> None:
         """Values go to where their fades have them now."""
-        rows = np.flatnonzero(self._fading)
+        rows = self._fading.nonzero()[0]
         share = np.clip((self.beat - self._began[rows]) / self._length[rows], 0.0, 1.0)
-        share[self._length[rows] <= 1e-9] = 1.0
         eased = share * share * (3.0 - 2.0 * share)
         done = share >= 1.0
         goal = self._goal[rows]
         self.value[rows] = np.where(done, goal, self._from[rows] + (goal - self._from[rows]) * eased)
-        eye = np.flatnonzero(rows == picture.EYE.start)
+        eye = (rows == picture.EYE.start).nonzero()[0]
         if len(eye) and not done[eye[0]]:
             self._orbit(float(eased[eye[0]]))
         self._fading[rows[done]] = False

@@ -6,9 +6,8 @@ import threading
 
 from live.base.inbox import Inbox
 from live.clock.source import SystemClock
-from live.clock.ticks import TICK
 from live.control import events
-from live.control.osc_process import BURST, IN_A_PACKET, ON_THE_WAY, PATIENCE, PER_SECOND, Forward, OscRemote
+from live.control.osc_process import BURST, IN_A_PACKET, ON_THE_WAY, PACE, PATIENCE, PER_SECOND, Forward, OscRemote
 from tests.control.osc_stage import message
 from tests.control.waiting import wait_for
 
@@ -43,7 +42,7 @@ def test_a_flood_gets_so_many_events_a_second_and_they_are_fresh():
     assert len(told) <= BURST + PER_SECOND * 4.0 + IN_A_PACKET
     assert len(told) >= PER_SECOND * 3.0
     assert all(len(packet) <= IN_A_PACKET for packet in sent.packets)
-    assert len(sent.packets) <= 4.0 / TICK + 1
+    assert len(sent.packets) <= 4.0 / PACE + 1
     assert sent.time - told[-1].time < 2 * 60 / PER_SECOND
 
 
