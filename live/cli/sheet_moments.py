@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
 
 from live.base.picture import BY_ADDRESS, STYLE_OF_GROUP, of_group
 from live.base.stage_view import StageView
@@ -91,11 +92,21 @@ class Taking:
         )  # fmt: skip
 
     def _step(self, group: int) -> str | None:
-        library = self.show.graph.library
-        nodes = self.show.dancers.node[(self._view.group == group) & self._view.present]
+        """What most of a group dance: a step, or what they answer their leaders with."""
+        library, rows = self.show.graph.library, (self._view.group == group) & self._view.present
+        nodes = self.show.dancers.node[rows]
         if len(nodes) == 0:
             return None
-        return str(library.steps[int(np.bincount(library.node_step[nodes]).argmax())])
+        return self._answer(rows) or str(library.steps[int(np.bincount(library.node_step[nodes]).argmax())])
+
+    def _answer(self, rows: npt.NDArray[np.bool_]) -> str | None:
+        """What most of these dancers answer their leaders with at the moment; None if they dance steps of their own."""
+        answering = self.show.dancers.answering
+        if answering is None or 2 * np.count_nonzero(answering.carried & rows) <= np.count_nonzero(rows):
+            return None
+        partners = {answering.asked[pair.partner].name for pair in answering.pairs if rows[pair.follower]}
+        labels = (label for _, partner, label in reversed(answering.news) if partner in partners)
+        return next(labels, None)
 
 
 def _colour(row: "np.ndarray[tuple[int], np.dtype[np.float64]] | None", group: int) -> tuple[float, float, float]:

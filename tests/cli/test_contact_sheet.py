@@ -36,6 +36,23 @@ def test_a_picture_of_each_measure_and_what_is_told_of_it(loaded: LoadedShow) ->
     assert apart == pytest.approx(2 * 4 * 60 / found[-1].tempo, rel=0.1)
 
 
+def test_who_answers_a_leader_dances_what_she_answers(loaded: LoadedShow) -> None:
+    show = load_show(find_patch("partner")).start(seed=1)
+    answering = show.dancers.answering
+    assert answering is not None
+    taking, answers = Taking(show, 1, 0), 0
+    for tick in range(1, round(14.0 / TICK)):
+        show.tick(tick * TICK)
+        found = taking.look(tick * TICK)
+        if found is not None and found[1] is not None:
+            told = {group: step for _, group, step in found[1].steps}
+            assert told["leader"] in show.graph.library.steps
+            answer = [answering.news[-1][2]] if answering.carried.any() else show.graph.library.steps
+            assert told["answer"] in answer
+            answers += bool(answering.carried.any())
+    assert answers >= 3
+
+
 def test_traces_are_drawn_before_and_only_where_there_are_some(loaded: LoadedShow) -> None:
     for trails in (0.0, 0.7):
         show = loaded.start(seed=1, tempo=240.0)
