@@ -1,0 +1,54 @@
+"""The code that an audience joins by, as a reader for phones finds it in a photograph of the projector's picture."""
+
+import numpy as np
+import pytest
+from PIL import Image, ImageFilter
+
+from live.render.outputs.join_card import join_card
+from live.render.outputs.output import Output
+
+LINK = "http://192.168.1.50:8020/#NOUm8cCZf5qC"
+PICTURE, PHOTO = (1920, 1080), (1920, 1080)
+LENS = 1500.0
+"""Focal length of a phone's camera [pixels of PHOTO]: 65 degrees from left to right."""
+
+
+@pytest.mark.parametrize(
+    ("width", "degrees"),
+    [(1200, 0), (1200, 70), (600, 60), (400, 45), (300, 30), (220, 0)],
+    ids=lambda value: str(value),
+)
+def test_a_phone_reads_it_from_far_away_and_from_the_side(throw, width, degrees):
+    """`width`: how wide the picture would be in the photograph from straight before it [pixels]: a screen of 5 m is
+    220 wide from 34 m."""
+    segno, zxing = pytest.importorskip("segno"), pytest.importorskip("zxingcpp")
+    rows = ["".join("1" if dark else "0" for dark in row) for row in segno.make(LINK, error="m", micro=False).matrix]
+    dance = np.full((PICTURE[1], PICTURE[0], 3), 90, np.uint8)
+    seen = throw(dance, Output(), card="qr", sheet=join_card(rows, "http://192.168.1.50:8020"), size=PICTURE)
+    found = zxing.read_barcodes(photographed(seen, width, np.radians(degrees)))
+    assert [one.text for one in found] == [LINK]
+
+
+def photographed(seen, width, angle):
+    """A photograph of the picture on its wall, turned by `angle` [rad]: far, soft, pale, with noise, (H, W) uint8."""
+    grey = Image.fromarray(seen).convert("L").filter(ImageFilter.GaussianBlur(0.5 * PICTURE[0] / width))
+    high, far = PICTURE[1] / PICTURE[0], LENS / width
+    corners = []
+    for x, y in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)):
+        depth = far + x * np.sin(angle)
+        corners.append((LENS * x * np.cos(angle) / depth, LENS * y * high / depth))
+    here = np.array(corners) + 0.5 * np.array(PHOTO)
+    there = np.array([(0, 0), (PICTURE[0], 0), PICTURE, (0, PICTURE[1])], np.float64)
+    photo = grey.transform(PHOTO, Image.Transform.PERSPECTIVE, projection(here, there), Image.Resampling.BICUBIC)
+    soft = np.asarray(photo.filter(ImageFilter.GaussianBlur(0.8)), np.float64)
+    noise = np.random.default_rng(1).normal(0.0, 6.0, soft.shape)
+    return np.clip(60.0 + 0.45 * soft + noise, 0, 255).astype(np.uint8)
+
+
+def projection(here, there):
+    """The eight numbers that take points of the photograph to points of the picture, as PIL wants them."""
+    rows, right = [], []
+    for (x, y), (u, v) in zip(here, there, strict=True):
+        rows += [[x, y, 1, 0, 0, 0, -u * x, -u * y], [0, 0, 0, x, y, 1, -v * x, -v * y]]
+        right += [u, v]
+    return np.linalg.solve(np.array(rows), np.array(right))
