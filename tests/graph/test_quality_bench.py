@@ -5,6 +5,8 @@ import pytest
 
 from live.cli.bench import load_bench
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def rows(tmp_path_factory):
@@ -17,7 +19,6 @@ def rows(tmp_path_factory):
         return run(False, tmp_path_factory.mktemp("nothing"))
 
 
-@pytest.mark.long
 def test_paths_with_the_projects_own_steps_hold_their_bars(rows):
     paths = [row for row in rows if "path error" in row.name]
     assert len(paths) == 4
