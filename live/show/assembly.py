@@ -1,0 +1,132 @@
+"""Assembly: the parts of one show, made of patch and graph and joined to each other."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from live.agents.crowd.model import AgentState
+from live.clock.following.seed import Seed
+from live.graph.choosing.choosing import Choosing
+from live.graph.motion_graph import MotionGraph
+from live.motion.step_clip import StepClip
+from live.motion.texture.bank import TextureBank
+from live.show.answer_bank import AnswerBank
+from live.show.answer_pairs import check_partners
+from live.show.answering import Answering
+from live.show.audience import Audience
+from live.show.casting import Casting
+from live.show.clock_events import first_seeds, follower_of
+from live.show.dancers import Dancers
+from live.show.desk import Desk
+from live.show.directions import Directions
+from live.show.first_nodes import first_nodes
+from live.show.group_controls import GroupControls
+from live.show.group_motion import GroupMotion
+from live.show.interrupts import Interrupts
+from live.show.measure import MeasureSpan
+from live.show.mocap import Mocap
+from live.show.new_steps import NewSteps
+from live.show.patch import Patch
+from live.show.playhead import Playhead
+from live.show.programmes import programmes_of
+from live.show.prompter import Prompter
+from live.show.reactions import Reactions
+from live.show.refusals import Refusals
+from live.show.reloading import Reloading
+from live.show.scheduler import Scheduler
+from live.show.seen import Seen
+from live.show.texturing import Texturing
+from live.show.variation import Variation
+
+
+class Assembly(ABC):
+    """The parts, at the first moment of the first measure. How they work together `Show` says."""
+
+    def __init__(
+        self,
+        patch: Patch,
+        graph: MotionGraph,
+        *,
+        seed: int | None = None,
+        tempo: float | None = None,
+        reserve: Mapping[str, StepClip] | None = None,
+        choosing: Choosing | None = None,
+        bank: TextureBank | None = None,
+        answers: AnswerBank | None = None,
+    ) -> None:
+        """`seed` and `tempo` [bpm] override the patch's; `reserve` holds clips that events may add, by name;
+        `choosing` is what is prepared of the graph, if it is known; `bank` what upper bodies may be textured with;
+        `answers` what partners answer from.
+
+        Raises UnknownStep for a step the library lacks.
+        """
+        self.patch = patch
+        self.graph = graph
+        self.seed = patch.seed if seed is None else seed
+        self.follower = follower_of(patch, tempo)
+        self._known = tempo is None
+        self.timeline = self.follower.timeline
+        self.casting = Casting(patch)
+        self.casting.check()
+        self.group = self.casting.group
+        self.reactions = Reactions(patch)
+        self.prompter = Prompter(patch, self.reactions, seed=self.seed)
+        self.motion = GroupMotion(patch, self.casting, seed=self.seed, score=self.prompter.score)
+        self.variation = Variation.of(patch, self.group, seed=self.seed, window=graph.window)
+        self.dancers = Dancers(graph, self.variation, len(self.group))
+        if bank is not None:
+            beats = patch.clock.beats_per_measure
+            self.dancers.texturing = Texturing(bank, self.variation, len(self.group), seed=self.seed, beats=beats)
+        check_partners(patch, self.casting)
+        self.answers = answers or AnswerBank(())
+        """What partners answer from."""
+        if answers is not None:
+            self.dancers.answering = Answering(patch, self.casting, self.variation, answers)
+        programmes = programmes_of(patch, graph, self.seed, self.prompter.score, self.prompter.mood)
+        self.scheduler = Scheduler(patch, self.dancers, self.motion, programmes, self.group, choosing)
+        self.interrupts = Interrupts(patch, self.dancers, self.motion, self.scheduler)
+        self._controls = GroupControls(patch, self.motion, self.dancers, self.variation, self.prompter.score)
+        self.span = MeasureSpan.at(self.timeline, self.timeline.beat_at(0.0))
+        node = first_nodes(graph, self.scheduler, self.group, self.motion.partners.mirrored, self.span.number)
+        self.dancers.start(node, self.state.position.astype(np.float64), self.motion.starting_heading)
+        self.scheduler.aims.headings.begin(self.motion.starting_heading)
+        self.mocap = Mocap(patch, self.motion, self.dancers, self.scheduler)
+        self.desk = Desk(patch, self.prompter, self.motion, self.scheduler, self.variation)
+        self.audience = Audience(patch.audience, seed=self.seed)
+        self.blackout = False
+        self.brightness = 1.0
+        self.time = 0.0
+        self.refusals = Refusals()
+        self.directions = Directions(
+            patch, self.casting, self.dancers, self.variation, self.scheduler, self.interrupts, self.refusals
+        )
+        self._seen = Seen(self.dancers, self.motion, self.group, self.desk, self.audience)
+        self._new_steps = NewSteps(reserve, self.refusals)
+        self.reloading = Reloading(self.refusals)
+        self._begin_measure(self.span.end - self.timeline.beats_per_measure)
+
+    @abstractmethod
+    def _begin_measure(self, beat: float) -> None:
+        """The measure `span` begins, at `beat`."""
+
+    @property
+    def state(self) -> AgentState:
+        """The agents now."""
+        return self.motion.state
+
+    @property
+    def playhead(self) -> Playhead:
+        """Where the score is."""
+        return self.prompter.playhead
+
+    @property
+    def danced(self) -> float:
+        """Beats danced so far: (measure + how far it is) times the beats of a measure; those of `prompter.agenda`."""
+        return self.span.danced(self.timeline.beat_at(self.time), self.patch.clock.beats_per_measure)
+
+    def seed_tracker(self, told: Callable[[Seed], None]) -> None:
+        """Tell `told`, now and in future, what a tracker of sound should know. Thread: the show's calls it."""
+        for seed in first_seeds(self.patch, self.follower, self._known):
+            told(seed)
+        self.follower.on_seed = told
