@@ -107,9 +107,9 @@ def _of_patch(
     wish: Any, seconds: float | None, every: int | None
 ) -> "tuple[LoadedShow, Iterator[tuple[StageView, Taken | None]]]":
     from live.base.errors import PersonError
-    from live.cli.session import start_tempo
     from live.cli.session_sound import choose_sound
     from live.cli.sheet_moments import moments_of_patch
+    from live.cli.starting_tempo import start_tempo
 
     loaded = wish.load()
     sound = choose_sound(wish, loaded)

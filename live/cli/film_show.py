@@ -14,10 +14,11 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from live.base.errors import PersonError
 from live.base.inbox import Inbox
 from live.base.stage_view import StageView
+from live.cli.memory import resident_megabytes
 from live.cli.midi_file_part import play_file
 from live.cli.recording import film_sound, film_writer
-from live.cli.session import resident_megabytes, start_tempo
 from live.cli.session_sound import Sound, analysis_for
+from live.cli.starting_tempo import start_tempo
 from live.cli.wish import Wish
 from live.clock.source import ManualClock
 from live.control.events import ControlEvent

@@ -2,80 +2,44 @@
 
 import contextlib
 import gc
-from collections.abc import Callable, Iterator
-from functools import partial
-from pathlib import Path
-
-import psutil
-from rich.console import Console
+from collections.abc import Iterator
 
 from live.alive.heartbeat import Phase
 from live.alive.lifeline import Lifeline
-from live.alive.relay import RelaySink
-from live.base.errors import PersonError
 from live.base.inbox import Inbox
 from live.cli.audience_part import AudiencePart
-from live.cli.audio_remote import RemoteAudio
 from live.cli.beside import Beside
-from live.cli.practice import practice_events, practice_tempo
+from live.cli.memory import resident_megabytes
+from live.cli.operators_port import OperatorsPort
+from live.cli.practice import practice_events
 from live.cli.resumed import Resumed
-from live.cli.session_news import osc_rejected, session_news
-from live.cli.session_sound import AudioSource, Sound, choose_sound, make_audio, sound_plan
+from live.cli.session_audio import SessionAudio
+from live.cli.session_news import session_news
+from live.cli.session_records import Records
+from live.cli.session_sound import Sound
+from live.cli.starting_tempo import start_tempo
 from live.cli.telling import Telling
+from live.cli.watches import make_watches
 from live.cli.wish import Wish
 from live.clock.source import SystemClock
 from live.clock.ticks import STALL
-from live.control.control import RANKS
 from live.control.events import ControlEvent, SetLatency
-from live.control.midi_song import read_song
-from live.control.osc import CannotListen, OscInput
-from live.control.osc_process import OscRemote
-from live.control.sound_devices import device_refuses
 from live.show.core import Show
 from live.show.engine import Engine
-from live.show.journal import JournalError, JournalWriter, trouble_of
-from live.show.library_watch import LibraryWatch
 from live.show.load import LoadedShow
-from live.show.patch_watch import PatchWatch
 from live.show.pressure import Pressure
-from live.show.status import Status, StatusFile
+from live.show.status import Status
 from live.show.venue import Venue
 from live.show.venue_latency import Latencies
-
-SLOWEST, FASTEST = 20.0, 400.0
-"""Tempos [bpm] that a show can begin with."""
-
-
-def start_tempo(wish: Wish, loaded: LoadedShow, sound: Sound) -> float | None:
-    """The tempo [bpm] to begin with; None if the patch's music is played and its own tempo and downbeat hold."""
-    if wish.practises:
-        return practice_tempo(wish, loaded)
-    if wish.bpm is not None:
-        return wish.bpm
-    if wish.midi_file is not None:
-        return min(max(read_song(wish.midi_file).tempo, SLOWEST), FASTEST)
-    return None if sound.known else loaded.patch.clock.bpm
-
-
-def resident_megabytes() -> Callable[[], float]:
-    """A function that tells this process' resident memory [MB]."""
-    process = psutil.Process()
-    return lambda: float(process.memory_info().rss / 1e6)
 
 
 class Session:
     """A running show: engine, inputs, journal, status."""
 
     def __init__(
-        self,
-        wish: Wish,
-        loaded: LoadedShow,
-        sound: Sound,
-        venue: Venue | None = None,
-        *,
-        lifeline: Lifeline | None = None,
-        resumed: Resumed | None = None,
-    ) -> None:
+        self, wish: Wish, loaded: LoadedShow, sound: Sound, venue: Venue | None = None, *,
+        lifeline: Lifeline | None = None, resumed: Resumed | None = None,
+    ) -> None:  # fmt: skip
         """Everything is made, nothing is started; PersonError for what cannot be.
 
         `lifeline`: to the supervisor, if there is one; `resumed`: the show that is gone on with.
@@ -84,10 +48,7 @@ class Session:
         tempo = start_tempo(wish, loaded, sound)
         show = loaded.start(seed=wish.seed, tempo=tempo) if resumed is None else resumed.show
         self.lifeline = lifeline
-        practice = practice_events(wish, show) if resumed is None else []
         self._resumed = resumed
-        self._remote: RemoteAudio | None = None
-        self._relay: RelaySink | None = None
         self.wish = wish
         self.venue = venue
         self.loaded = loaded
@@ -95,25 +56,21 @@ class Session:
         self.show: Show = show
         self.clock = SystemClock(None if resumed is None else resumed.origin)
         self.inbox: Inbox[ControlEvent] = Inbox()
-        for event in practice:
+        for event in practice_events(wish, show) if resumed is None else ():
             self.inbox.put(event)
-        operators = partial(self.inbox.lane, rank=RANKS["operator"])
-        lane, inherited = operators(), None if lifeline is None else lifeline.osc
-        self.osc: OscInput | OscRemote = (
-            OscRemote(*wish.osc, lane, self.clock, inherited=inherited)
-            if wish.osc_process
-            else OscInput(*wish.osc, lane, self.clock, inherited=inherited, more=operators)
+        self.osc = OperatorsPort(wish, self.inbox, self.clock, lifeline)
+        self._audio = SessionAudio(
+            sound, loaded, show, self.latencies, self.inbox, self.clock, lifeline=lifeline, resumed=resumed
         )
-        self._audio, self._tell_audio = self._make_audio()
+        self._records = Records(wish, loaded, sound, lifeline=lifeline, resumed=resumed)
         self.status = Status(
             show,
-            rejected=lambda: sum((tell() for tell in self._parts.refused), osc_rejected(self.osc)),
+            rejected=lambda: sum((tell() for tell in self._parts.refused), self.osc.rejected()),
             memory=resident_megabytes(),
-            level=lambda: getattr(self._audio, "level", None),
+            level=lambda: self._audio.level,
             refusal=lambda: self.news.refused,
         )
         self._tempo = tempo
-        self._journal: JournalWriter | None = None
         stall = max(STALL, 3.0 / wish.film_fps)  # a slow rate is no stall
         self.engine = Engine(
             show, clock=self.clock, inbox=self.inbox, status=self.status, lead=self.latencies.lead, stall=stall
@@ -129,8 +86,8 @@ class Session:
         self.status.more["osc"] = self.osc.facts
         self._telling = Telling(show, self.status, self.latencies)
         self._telling.to.append(self.osc.tell)
-        if self._audio is not None:
-            self.status.more["audio"] = self._audio.facts
+        if self._audio.source is not None:
+            self.status.more["audio"] = self._audio.source.facts
         if lifeline is not None:
             self.status.more["alive"] = lifeline.status
         beside = Beside(wish, venue, self.inbox, self.clock, self.engine, self.status, self._telling)
@@ -140,42 +97,14 @@ class Session:
         beside.bodies()
         beside.pages()
         self._parts = beside.parts
-        self._library = self._make_library()
-        self._watch = PatchWatch(loaded, show, post=self.inbox.put, now=self.clock.now, library=self._library)
+        self._watch, library = make_watches(loaded, show, post=self.inbox.put, now=self.clock.now)
         self.status.more["patch"] = self._watch.facts
         self.status.notes.append(lambda: self._watch.problem)
-        self.status.notes.append(self._journal_problem)
-        listens = self._audio if sound.device is not None else None
+        self.status.notes.append(self._records.problem)
         self.news = session_news(
-            show,
-            self.osc,
-            listens,
-            midi,
-            self._watch,
-            self._library,
-            journal=self._journal_problem,
+            show, self.osc, self._audio.listens, midi, self._watch, library, journal=self._records.problem,
             more=self._parts.refusals,
-        )
-        self._status_file: StatusFile | None = None
-
-    def _open_journal(self) -> None:
-        """Begin the journal, last of all: a start that is refused leaves an old one of its name where it is."""
-        header = self.loaded.header(self.show, tempo=self._tempo, music=self.sound.path)
-        if self.lifeline is not None:
-            begun = None if self._remote is None else self._remote.begun
-            self._relay = RelaySink(self.lifeline.wire)
-            header |= {"origin": self.clock.origin, "begun": begun}
-            self._journal = JournalWriter(Path(), None if self._resumed else header, sink=self._relay)
-        elif self.wish.journal is not None:
-            try:
-                self._journal = JournalWriter(self.wish.journal, header)
-            except JournalError as error:
-                raise PersonError(str(error)) from None
-        else:
-            return
-        self._journal.prepare(self.show)
-        self.status.more["journal"] = self._journal.facts
-        self.engine.journal = self._journal
+        )  # fmt: skip
 
     @property
     def audience(self) -> AudiencePart | None:
@@ -188,14 +117,13 @@ class Session:
         try:
             if self._resumed is None:
                 self.clock.origin = SystemClock().origin  # the show's time begins now
-            try:
-                self.osc.start()
-            except CannotListen as error:
-                raise PersonError(str(error)) from None
-            self._open_status()
-            self._start_audio()
+            self.osc.start()
+            self._records.open_status(self.status)
+            self._audio.start()
             self._parts.start()
-            self._open_journal()
+            self._records.open_journal(
+                self.engine, self.status, tempo=self._tempo, origin=self.clock.origin, begun=self._audio.begun
+            )
             self._watch.start()
             self.news.start()
             if self._resumed is None:
@@ -220,91 +148,27 @@ class Session:
         self.engine.ticks.index = resumed.tick
         self.engine.run_to(self.clock.now() + self.engine.lead)
 
-    def _journal_problem(self) -> str:
-        """What is wrong with the journal; under a supervisor its disk is there."""
-        if self._journal is None:
-            return ""
-        return self._journal.problem or trouble_of({} if self.lifeline is None else self.lifeline.facts.get("disk", {}))
-
-    def _open_status(self) -> None:
-        if self.wish.status_json is None:
-            return
-        try:
-            self._status_file = StatusFile(self.wish.status_json, self.status, more=self._resumed is not None)
-        except OSError as error:
-            raise PersonError(f"cannot write --status-json {self.wish.status_json}: {error.strerror}") from None
-
     def _tell_devices(self, event: ControlEvent) -> None:
         """Events that concern the sound device and the venue's delays, not the dance."""
         if isinstance(event, SetLatency):
             self.latencies.set(event.what, event.seconds)
             self.engine.lead = self.latencies.lead
-        self._tell_audio(event)
-
-    def _make_audio(self) -> tuple[AudioSource | None, Callable[[ControlEvent], None]]:
-        """The sound: in a process of its own where the supervisor has one."""
-        there = None if self.lifeline is None else self.lifeline.sound
-        if there is None or (self.sound.music is None and self.sound.device is None):
-            return make_audio(self.sound, self.loaded, self.show, self.latencies, self.inbox, self.clock)
-        plan = sound_plan(self.sound, self.loaded)
-        self._remote = RemoteAudio(
-            there, plan, self.show, self.latencies, self.inbox, self.clock, resumed=self._resumed
-        )  # fmt: skip
-        return self._remote, self._remote.act
+        self._audio.tell(event)
 
     def before_frame(self) -> None:
         """What other processes heard since the last frame."""
-        if self._remote is not None:
-            self._remote.frame()
-        if isinstance(self.osc, OscRemote):
-            self.osc.frame()
+        self._audio.frame()
+        self.osc.frame()
         self._parts.before_frame()
 
-    def _make_library(self) -> LibraryWatch | None:
-        """Watches the show's own folder of steps, so that takes that are recorded meanwhile join the dance."""
-        folder = self.loaded.steps_folder
-        if folder is None:
-            return None
-        return LibraryWatch(
-            folder, self.show.graph, offer=self.show.offer, post=self.inbox.put, now=self.clock.now,
-            read=self.loaded.clips,
-        )  # fmt: skip
-
-    def _start_audio(self) -> None:
-        if self._audio is None:
-            return
-        try:
-            self._audio.start()
-        except PersonError:
-            raise
-        except Exception as error:  # PortAudioError, whose class is known only where PortAudio is
-            raise device_refuses(error, "--audio", self.sound.device) from None
-
-    def warnings(self) -> list[str]:
-        """What went wrong and did not stop the show, in words."""
-        told = []
-        if self._journal is not None and self._journal.kept is not None:
-            told.append(f"the journal that was there is now {self._journal.kept}")
-        if self._journal is not None and self._journal.dropped:
-            told.append(f"{self._journal.dropped} lines of the journal could not be written: a replay leaves a gap")
-        if self._status_file is not None and self._status_file.dropped:
-            told.append(f"{self._status_file.dropped} status lines could not be written")
-        return told
-
     def _stop(self) -> None:
-        if self._audio is not None:
-            self._audio.stop()
+        self._audio.stop()
         self._parts.stop()
         self.osc.stop()
         self._watch.stop()
         self.news.stop()
-        if self._journal is not None:
-            self._journal.close(self.engine.ticks.index)
-        if self._status_file is not None:
-            self._status_file.close(self.clock.now())
-        console = Console(stderr=True, highlight=False)
-        for warning in self.warnings():
-            console.print(f"note: {warning}", style="yellow", soft_wrap=True, markup=False)
+        self._records.close(self.engine.ticks.index, self.clock.now())
+        self._records.tell()
 
     def after_frame(self, started: float, previous: float) -> None:
         """Housekeeping after a frame: figures, the status line, and garbage of the youngest generation."""
@@ -313,10 +177,8 @@ class Session:
         self.pressure.frame(self.status.late_frames, started - previous)
         self._parts.frame()
         self._telling.frame(started)
-        if self._status_file is not None:
-            self._status_file.frame(started)
-        if self.lifeline is not None and self._relay is not None:
-            self._relay.flush()
+        self._records.frame(started)
+        if self.lifeline is not None:
             self.lifeline.frame(self.engine.ticks.index)
             if self.lifeline.fenced and not self.engine.dark:
                 self._go_dark()
@@ -326,8 +188,7 @@ class Session:
         """Another machine leads: nothing is shown, sent or played here any more."""
         self.engine.dark = True
         self._parts.stop()
-        if self._remote is not None:
-            self._remote.silence()
+        self._audio.silence()
 
     @property
     def deserted(self) -> bool:
@@ -337,6 +198,3 @@ class Session:
     def finished(self, time: float) -> bool:
         """Whether `--seconds` are over."""
         return self.wish.seconds is not None and time >= self.wish.seconds
-
-
-__all__ = ["Session", "Sound", "Wish", "choose_sound", "start_tempo"]

@@ -1,14 +1,12 @@
 """What the parts of a running show have to tell: what was refused, what is wrong, what has joined."""
 
-from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from rich.console import Console
 
 from live.cli.news import News
-from live.control.osc import OscInput
-from live.control.osc_process import OscRemote
+from live.cli.operators_port import OperatorsPort
 from live.show.core import Show
 from live.show.library_watch import LibraryWatch
 from live.show.patch_watch import PatchWatch
@@ -20,7 +18,7 @@ if TYPE_CHECKING:
 
 def session_news(
     show: Show,
-    osc: OscInput | OscRemote,
+    osc: OperatorsPort,
     listens: "AudioSource | None",
     midi: "OnMidi | None",
     watch: PatchWatch,
@@ -51,14 +49,6 @@ def session_news(
         console.print(line, style="yellow", soft_wrap=True, markup=False)
 
     return News(refusals, others, say)
-
-
-def osc_rejected(osc: OscInput | OscRemote) -> Counter[str]:
-    """How much was refused, by reason, and what was lost before anybody read it."""
-    counts = Counter(osc.refused())
-    if osc.lost:
-        counts["lost before it was read"] = osc.lost
-    return counts
 
 
 def _audio_problem(listens: "AudioSource") -> str:

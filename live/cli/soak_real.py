@@ -90,7 +90,7 @@ def soak_real(plan: Plan, folder: Path, console: Console) -> tuple[Report, Path]
 
 
 def _loop(session: Session, plan: Plan, figures: Figures) -> None:
-    from live.cli.session import resident_megabytes
+    from live.cli.memory import resident_megabytes
 
     memory = resident_megabytes()
     pacer = Pacer(plan.fps, session.clock.now, time.sleep)

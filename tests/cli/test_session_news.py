@@ -1,12 +1,11 @@
 """What the parts of a show tell an operator who has no overlay."""
 
-from collections import Counter
 from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
 
-from live.cli.session_news import osc_rejected, session_news
+from live.cli.session_news import session_news
 
 
 def test_refusals_and_problems_of_all_parts_are_told_once(capsys: pytest.CaptureFixture[str]) -> None:
@@ -27,8 +26,3 @@ def test_refusals_and_problems_of_all_parts_are_told_once(capsys: pytest.Capture
     assert told.count("sound: stage box is not there") == 1
     assert told.count("an OSC packet: too long") == 1
     assert news.refused == "an OSC packet: too long"
-
-
-def test_what_osc_refused_is_counted_with_what_was_lost() -> None:
-    osc = SimpleNamespace(refused=lambda: {"range": 2}, lost=3)
-    assert osc_rejected(cast(Any, osc)) == Counter({"range": 2, "lost before it was read": 3})

@@ -1,0 +1,12 @@
+"""What operators' OSC refused is counted."""
+
+from collections import Counter
+from types import SimpleNamespace
+from typing import Any, cast
+
+from live.cli.operators_port import osc_rejected
+
+
+def test_what_osc_refused_is_counted_with_what_was_lost() -> None:
+    osc = SimpleNamespace(refused=lambda: {"range": 2}, lost=3)
+    assert osc_rejected(cast(Any, osc)) == Counter({"range": 2, "lost before it was read": 3})
