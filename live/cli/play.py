@@ -5,116 +5,27 @@ from typing import Annotated
 
 import typer
 
-PANEL_TIME = "Music and time"
-PANEL_PICTURE = "Picture"
-PANEL_RECORD = "Recording"
-PANEL_ALIVE = "Staying alive"
+from live.cli import play_alive, play_music, play_picture, play_ports, play_recording
 
 
 def play(
     patch: Annotated[
         str | None, typer.Argument(help="A patch (TOML file or folder with show.toml). Default: the first show.")
     ] = None,
-    audio: Annotated[
-        str | None,
-        typer.Option(
-            help="An input device to listen to (see `live devices`), or a music file.",
-            metavar="DEVICE|FILE",
-            rich_help_panel=PANEL_TIME,
-        ),
-    ] = None,
-    audio_channel: Annotated[
-        str | None,
-        typer.Option(
-            help="Which channels of the input: 3, or 5,6, or all. Default: the first two.",
-            metavar="N[,N]|all",
-            rich_help_panel=PANEL_TIME,
-        ),
-    ] = None,
-    venue: Annotated[
-        str | None,
-        typer.Option(
-            help="The hall: its devices and delays (see `live calibrate`).",
-            metavar="NAME",
-            rich_help_panel=PANEL_TIME,
-        ),
-    ] = None,
-    bpm: Annotated[
-        float | None,
-        typer.Option(
-            help="The tempo to begin with; without --audio the internal clock keeps it.", rich_help_panel=PANEL_TIME
-        ),
-    ] = None,
-    link: Annotated[
-        str | None,
-        typer.Option(
-            help="Ableton Link: follow others' tempo and beat, or lead them with the show's. Default: the patch's.",
-            metavar="follow|lead|off",
-            rich_help_panel=PANEL_TIME,
-        ),
-    ] = None,
-    midi: Annotated[
-        str | None,
-        typer.Option(
-            help="A MIDI port to listen to (see `live devices`): clock, time code, pedals and keys; tcp:HOST:PORT, "
-            "rtp:HOST:PORT, raw:PATH; or off.",
-            metavar="NAME",
-            rich_help_panel=PANEL_TIME,
-        ),
-    ] = None,
-    midi_file: Annotated[
-        Path | None,
-        typer.Option(
-            help="A MIDI file: its tempo map leads the beat, its notes move the dance and work what the map says.",
-            metavar="FILE.mid",
-            rich_help_panel=PANEL_TIME,
-        ),
-    ] = None,
-    midi_out: Annotated[
-        str | None,
-        typer.Option(
-            help="A MIDI port that is told present values, for lights of pads and motor faders; or off.",
-            metavar="NAME",
-            rich_help_panel=PANEL_TIME,
-        ),
-    ] = None,
-    midi_clock_out: Annotated[
-        str | None,
-        typer.Option(
-            help="A MIDI port that the show's beat is sent to as MIDI clock; or off.",
-            metavar="NAME",
-            rich_help_panel=PANEL_TIME,
-        ),
-    ] = None,
-    click: Annotated[
-        str | None,
-        typer.Option(
-            help="An output on which the players hear a click (see `live devices`).",
-            metavar="DEVICE",
-            rich_help_panel=PANEL_TIME,
-        ),
-    ] = None,
-    click_channels: Annotated[
-        str | None,
-        typer.Option(help="Which channels of it, from 1: 3, or 5,6.", metavar="N", rich_help_panel=PANEL_TIME),
-    ] = None,
-    seconds: Annotated[
-        float | None, typer.Option(help="End after so many seconds.", rich_help_panel=PANEL_TIME)
-    ] = None,
-    measures: Annotated[
-        str | None,
-        typer.Option(
-            help="Practise these measures of the score, again and again, without the patch's music.",
-            metavar="17-24",
-            rich_help_panel=PANEL_TIME,
-        ),
-    ] = None,
-    tempo_share: Annotated[
-        float | None,
-        typer.Option(
-            help="Practise at this share of the tempo: 0.8 is slower.", metavar="0.1-2", rich_help_panel=PANEL_TIME
-        ),
-    ] = None,
+    audio: play_music.Audio = None,
+    audio_channel: play_music.AudioChannel = None,
+    venue: play_music.Venue = None,
+    bpm: play_music.Bpm = None,
+    link: play_music.Link = None,
+    midi: play_music.Midi = None,
+    midi_file: play_music.MidiFile = None,
+    midi_out: play_music.MidiOut = None,
+    midi_clock_out: play_music.MidiClockOut = None,
+    click: play_music.Click = None,
+    click_channels: play_music.ClickChannels = None,
+    seconds: play_music.Seconds = None,
+    measures: play_music.Measures = None,
+    tempo_share: play_music.TempoShare = None,
     steps: Annotated[
         Path | None,
         typer.Option(
@@ -123,177 +34,33 @@ def play(
         ),
     ] = None,
     seed: Annotated[int | None, typer.Option(min=0, max=2**31 - 1, help="Seed of all chance in the show.")] = None,
-    osc: Annotated[str, typer.Option(help="Where OSC is received.", metavar="HOST:PORT")] = "127.0.0.1:9010",
-    osc_process: Annotated[
-        bool,
-        typer.Option(
-            "--osc-process",
-            help="Receive OSC in a process of its own, so that floods cost the picture little; what is sent while an "
-            "engine dies may be lost then.",
-        ),
-    ] = False,
-    osc_musicians: Annotated[
-        str | None,
-        typer.Option(
-            help="A port of their own for musicians: what only an operator may is refused there.",
-            metavar="HOST:PORT",
-        ),
-    ] = None,
-    osc_out: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Tell programs there over OSC what happens: beat, tempo, steps, feet, places. May come several times.",
-            metavar="HOST:PORT",
-        ),
-    ] = None,
-    dmx: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Let the hall's lamps follow the show: channels as [[dmx]] says. May come several times.",
-            metavar="sacn:UNIVERSE[@HOST]|artnet:UNIVERSE@HOST",
-        ),
-    ] = None,
-    web: Annotated[
-        str | None,
-        typer.Option(
-            help="Serve the operator's page for a browser: all controls, the values of now. Beyond this machine only "
-            "with the key of the link that is printed.",
-            metavar="[HOST:]PORT",
-        ),
-    ] = None,
-    psn: Annotated[
-        str | None,
-        typer.Option(
-            help="Listen there for trackers by PosiStageNet, usually 236.10.10.10:56565; ADDRESS: of the network card.",
-            metavar="[GROUP:]PORT[@ADDRESS]",
-        ),
-    ] = None,
-    vmc_out: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Send dancers to other programs as avatars by the VMC protocol: the first, or whom WHO means, each to "
-            "the next port. May come several times.",
-            metavar="HOST:PORT[=WHO][@RATE]",
-        ),
-    ] = None,
-    vmc: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Listen there for a real dancer's body by the VMC protocol (usually 39539). May come several times.",
-            metavar="[HOST:]PORT|HOST",
-        ),
-    ] = None,
-    oscquery: Annotated[
-        str | None,
-        typer.Option(
-            help="Be found by ossia score, Chataigne, TouchOSC and others: OSCQuery over HTTP, and zeroconf.",
-            metavar="HOST:PORT",
-        ),
-    ] = None,
-    audience: Annotated[
-        str | None,
-        typer.Option(
-            help="Let the audience's phones play along, here: 127.0.0.1:8020 if nothing else is said; "
-            "0.0.0.0:8020 lets in the whole network.",
-            metavar="[[HOST:]PORT]",
-        ),
-    ] = None,
-    audience_link: Annotated[
-        str | None,
-        typer.Option(help="The address that phones are given, if it is another one.", metavar="http://HOST[:PORT]"),
-    ] = None,
-    monitor: Annotated[
-        str | None,
-        typer.Option(
-            help='Monitor by number, name or place ("right of primary").',
-            metavar="N|NAME",
-            rich_help_panel=PANEL_PICTURE,
-        ),
-    ] = None,
-    fullscreen: Annotated[
-        bool, typer.Option("--fullscreen", help="Full screen.", rich_help_panel=PANEL_PICTURE)
-    ] = False,
-    operator: Annotated[
-        str | None,
-        typer.Option(
-            help="A window of the operator's own on this monitor: the picture with overlay and guides, which "
-            "no projector shows then.",
-            metavar="N|NAME",
-            rich_help_panel=PANEL_PICTURE,
-        ),
-    ] = None,
-    headless: Annotated[
-        bool,
-        typer.Option(
-            "--headless",
-            help="No window: run in real time without a picture, or --record or --share it.",
-            rich_help_panel=PANEL_PICTURE,
-        ),
-    ] = False,
-    size: Annotated[
-        str, typer.Option(help="Size of the window or film.", metavar="WxH", rich_help_panel=PANEL_PICTURE)
-    ] = "1280x720",
-    fps: Annotated[
-        float | None,
-        typer.Option(help="Default: the monitor's; 30 without a graphics card.", rich_help_panel=PANEL_PICTURE),
-    ] = None,
-    shaders: Annotated[
-        Path | None,
-        typer.Option(
-            help="For who works on looks: draw with the shaders of this folder, and anew whenever one is edited. "
-            "A folder that is not there is made, with copies of the program's own.",
-            file_okay=False,
-            metavar="FOLDER",
-            rich_help_panel=PANEL_PICTURE,
-        ),
-    ] = None,
-    quality: Annotated[
-        int | None,
-        typer.Option(
-            help="Hold a step of quality, 0 is the best. Default: as the machine can afford.",
-            rich_help_panel=PANEL_PICTURE,
-        ),
-    ] = None,
-    record: Annotated[
-        Path | None,
-        typer.Option(help="Record the picture as an mp4.", metavar="FILE.mp4", rich_help_panel=PANEL_RECORD),
-    ] = None,
-    share: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Share the picture with other programs: shm:NAME, or a stream like udp://127.0.0.1:5000.",
-            metavar="shm:NAME|URL",
-            rich_help_panel=PANEL_RECORD,
-        ),
-    ] = None,
-    journal: Annotated[
-        Path | None, typer.Option(help="Write the journal here, for `live replay`.", rich_help_panel=PANEL_RECORD)
-    ] = None,
-    status_json: Annotated[
-        Path | None, typer.Option(help="Write one JSON line of figures a second.", rich_help_panel=PANEL_RECORD)
-    ] = None,
-    alone: Annotated[
-        bool,
-        typer.Option(
-            "--alone",
-            help="One process only: nobody watches over the show and takes over when it ends in a crash.",
-            rich_help_panel=PANEL_ALIVE,
-        ),
-    ] = False,
-    lead: Annotated[
-        str | None,
-        typer.Option(
-            help="Let machines that stand by follow this show here.", metavar="[HOST:]PORT", rich_help_panel=PANEL_ALIVE
-        ),
-    ] = None,
-    standby: Annotated[
-        str | None,
-        typer.Option(
-            help="Follow the show of the machine that leads there, and take over when it falls silent.",
-            metavar="HOST[:PORT]",
-            rich_help_panel=PANEL_ALIVE,
-        ),
-    ] = None,
+    osc: play_ports.Osc = "127.0.0.1:9010",
+    osc_process: play_ports.OscProcess = False,
+    osc_musicians: play_ports.OscMusicians = None,
+    osc_out: play_ports.OscOut = None,
+    dmx: play_ports.Dmx = None,
+    web: play_ports.Web = None,
+    psn: play_ports.Psn = None,
+    vmc_out: play_ports.VmcOut = None,
+    vmc: play_ports.Vmc = None,
+    oscquery: play_ports.Oscquery = None,
+    audience: play_ports.Audience = None,
+    audience_link: play_ports.AudienceLink = None,
+    monitor: play_picture.Monitor = None,
+    fullscreen: play_picture.Fullscreen = False,
+    operator: play_picture.Operator = None,
+    headless: play_picture.Headless = False,
+    size: play_picture.Size = "1280x720",
+    fps: play_picture.Fps = None,
+    shaders: play_picture.Shaders = None,
+    quality: play_picture.Quality = None,
+    record: play_recording.Record = None,
+    share: play_recording.Share = None,
+    journal: play_recording.Journal = None,
+    status_json: play_recording.StatusJson = None,
+    alone: play_alive.Alone = False,
+    lead: play_alive.Lead = None,
+    standby: play_alive.Standby = None,
 ) -> None:
     """Play a show: music in, dancers on the projector.
 
