@@ -5,16 +5,16 @@ one assignment, so the show never waits; pulses are placed by absolute times, so
 """
 
 import sys
-import threading
 import time
 from collections import deque
-from collections.abc import Callable
 from typing import Any, Final
 
 from live.clock.midi_clock import STOP
 from live.clock.pulse_schedule import PulseSchedule
 from live.clock.source import Clock
 from live.clock.timeline import Timeline
+from live.control import midi_port_thread
+from live.control.midi_port_thread import Open, PortThread, words_of
 from live.control.midi_ports import open_output
 from live.control.midi_streams import Port
 from live.control.urgency import hurry
@@ -28,7 +28,6 @@ NEAR_POLITE: Final = 0.0001
 NAP: Final = 0.010
 """Longest sleep [s]: a Timeline handed over meanwhile counts."""
 
-RETRY: Final = 2.0
 GOODBYE: Final = 0.05
 """Seconds that the last message gets to leave before the port is closed."""
 
@@ -39,14 +38,12 @@ SWITCH_INTERVAL: Final = 0.0005
 """Seconds after which Python lets this thread in while another one works; 5 ms, its own, would be heard."""
 
 
-class MidiClockOut:
+class MidiClockOut(PortThread):
     """Sends what a PulseSchedule says. Thread: `follow` from the show, the rest from the one that made it."""
 
-    def __init__(self, name: str, clock: Clock, *, open_by_name: Callable[[str], Port] = open_output) -> None:
+    def __init__(self, name: str, clock: Clock, *, open_by_name: Open = open_output) -> None:
         """Nothing is opened yet; a port that is not there is waited for."""
-        self.name = name
-        self.connected = ""
-        self.problem = ""
+        super().__init__(name, "midi clock out", open_by_name)
         self.failed = 0
         """Pulses that could not be placed ..."""
         self.failure = ""
@@ -56,14 +53,10 @@ class MidiClockOut:
         self.late: deque[float] = deque(maxlen=2048)
         """How late the last pulses were sent [s]."""
         self._clock = clock
-        self._open_by_name = open_by_name
         self._schedule = PulseSchedule()
         self._timeline: Timeline | None = None
-        self._port: Port | None = None
-        self._looked = -RETRY
+        self._looked = -midi_port_thread.RETRY
         self._near = NEAR
-        self._stop = threading.Event()
-        self._thread: threading.Thread | None = None
         self._switch_interval = sys.getswitchinterval()
 
     def follow(self, timeline: Timeline) -> None:
@@ -74,24 +67,19 @@ class MidiClockOut:
         """Begin to send."""
         self._switch_interval = sys.getswitchinterval()
         sys.setswitchinterval(min(SWITCH_INTERVAL, self._switch_interval))
-        self._stop.clear()
-        self._thread = threading.Thread(target=self._run, name=f"midi clock out {self.name}", daemon=True)
-        self._thread.start()
+        super().start()
 
     def stop(self) -> None:
         """Send a stop and end."""
-        self._stop.set()
-        if self._thread is not None:
-            self._thread.join(timeout=2.0)
-            self._thread = None
+        began = self._thread is not None
+        super().stop()
+        if began:
             sys.setswitchinterval(self._switch_interval)
 
     def facts(self) -> dict[str, Any]:
         """For the status line."""
         late = sorted(self.late)
-        return {
-            "port": self.connected or self.name,
-            "problem": self.problem,
+        return super().facts() | {
             "pulses": self.sent,
             "failed": self.failed,
             "failure": self.failure,
@@ -119,13 +107,13 @@ class MidiClockOut:
         """Sleep on, or send what is due."""
         now, timeline = self._clock.now(), self._timeline
         if self._port is None or timeline is None:
-            self._care(now)
+            self._look(now)
             self._stop.wait(NAP)
             return
         due = self._schedule.due(timeline, now)
         left = due.time - now
-        if left > TAKES and now - self._looked >= RETRY:
-            self._care(now)
+        if left > TAKES and now - self._looked >= midi_port_thread.RETRY:
+            self._look(now)
             return
         if left > self._near:
             time.sleep(min(left - self._near, NAP))
@@ -145,29 +133,25 @@ class MidiClockOut:
             for message in messages:
                 port.send(message)
         except Exception as error:  # the port has gone
-            self.problem = " ".join(str(error).split())
-            self._close()
+            self._lose(words_of(error))
             return False
         return True
 
-    def _care(self, now: float) -> None:
-        """See that the port is open; whatever goes wrong, there is another time."""
-        if now - self._looked < RETRY:
-            return
-        self._looked = now
-        try:
-            if self._port is not None and not self._port.there:
-                self.problem = "the port is gone"
-                self._close()
-            elif self._port is None:
-                self._port = self._open_by_name(self.name)
-                self.connected, self.problem = self._port.name, ""
-                self._schedule.relocate()
-        except Exception as error:
-            self.problem = " ".join(str(error).split())
-            self._close()
+    def _look(self, now: float) -> None:
+        """See that the port is open, if it is time to."""
+        if now - self._looked >= midi_port_thread.RETRY:
+            self._looked = now
+            self._care()
 
-    def _close(self) -> None:
-        port, self._port, self.connected = self._port, None, ""
-        if port is not None:
-            port.close()
+    def _care(self) -> None:
+        """As always, but a port that has gone is tried again the next time."""
+        try:
+            if self._port is None:
+                self._open()
+            elif not self._port.there:
+                self._lose("the port is gone")
+        except Exception as error:
+            self._lose(words_of(error))
+
+    def _begin(self, port: Port) -> None:
+        self._schedule.relocate()

@@ -6,8 +6,7 @@ and opens it again by name.
 
 import contextlib
 import queue
-import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, Final
 
 from live.base.inbox import Inbox
@@ -16,14 +15,13 @@ from live.clock.midi_clock import MidiClock
 from live.clock.note_energy import NoteEnergy
 from live.clock.source import Clock
 from live.clock.time_code import TimeCodeClock
+from live.control import midi_port_thread
 from live.control.events import ControlEvent
 from live.control.midi_decoding import MidiDecoding
 from live.control.midi_map import MidiMap
+from live.control.midi_port_thread import Open, PortThread, words_of
 from live.control.midi_ports import open_port
 from live.control.midi_streams import Port
-
-RETRY: Final = 2.0
-"""Seconds between two attempts to open a port that is not there, and between two looks whether it still is."""
 
 LOOK: Final = 0.2
 """Seconds from one quick look to the next whether an open port still is: what is plugged in again may have its old
@@ -35,14 +33,12 @@ WAITS: Final = 0.05
 WAITING_MAX: Final = 4096
 """Messages that may wait to be decoded; more are counted and dropped."""
 
-Open = Callable[[str], Port]
-
 
 def _open_input(name: str) -> Port:
     return open_port("input", name)
 
 
-class MidiInput(MidiDecoding):
+class MidiInput(MidiDecoding, PortThread):
     """Listens to a port by name and puts what it says into the inbox."""
 
     def __init__(
@@ -62,13 +58,10 @@ class MidiInput(MidiDecoding):
 
         The others are those of `MidiDecoding`.
         """
-        super().__init__(inbox, decoder=decoder, time_code=time_code, midi_map=midi_map, notes=notes, clocked=clocked)
-        self.name = name
-        self.connected = ""
-        """The whole name of the port that is open; empty while there is none."""
-        self.problem = ""
-        """Why no port is open."""
-        self.reopened = 0
+        MidiDecoding.__init__(
+            self, inbox, decoder=decoder, time_code=time_code, midi_map=midi_map, notes=notes, clocked=clocked
+        )
+        PortThread.__init__(self, name, "midi in", open_by_name)
         self.dropped = 0
         """Messages that waited too long."""
         self.failed = 0
@@ -77,31 +70,12 @@ class MidiInput(MidiDecoding):
         """... and the last failure in words."""
         self._counted = 0
         self._clock = clock
-        self._open_by_name = open_by_name
         self._arrived: queue.SimpleQueue[tuple[float, Sequence[int]]] = queue.SimpleQueue()
-        self._stop = threading.Event()
-        self._thread: threading.Thread | None = None
-        self._port: Port | None = None
-
-    def start(self) -> None:
-        """Begin; a port that is not there is waited for."""
-        self._stop.clear()
-        self._thread = threading.Thread(target=self._run, name=f"midi in {self.name}", daemon=True)
-        self._thread.start()
-
-    def stop(self) -> None:
-        """End; a port that hangs is left to its thread after two seconds."""
-        self._stop.set()
-        if self._thread is not None:
-            self._thread.join(timeout=2.0)
-            self._thread = None
 
     def facts(self) -> dict[str, Any]:
         """For the status line."""
         train = self.decoder.train
-        return {
-            "port": self.connected or self.name,
-            "problem": self.problem,
+        return super().facts() | {
             "messages": self.messages,
             "bad": self.decoder.rejected + self.dropped + self.failed,
             "failure": self.failure,
@@ -146,43 +120,36 @@ class MidiInput(MidiDecoding):
                 self._look_safely(now)
                 if now >= quick:
                     quick = now + LOOK
-                    if not self._is_there(now):
+                    if not self._is_there():
                         due = now
                 if now >= due:
-                    due = now + RETRY
-                    self._care(now)
+                    due = now + midi_port_thread.RETRY
+                    self._care()
         finally:
-            if self._port is not None:
-                self._port.close()
+            self._close()
 
-    def _is_there(self, now: float) -> bool:
+    def _is_there(self) -> bool:
         """Whether the port that is open still is; lost if not. No port at all is none that has gone."""
+        problem = ""
         try:
             if self._port is None or self._port.there:
                 return True
         except Exception as error:
-            self.problem = " ".join(str(error).split())
-        self._lose(now)
+            problem = words_of(error)
+        self._lose(problem)
         return False
 
-    def _care(self, now: float) -> None:
-        """See that the port is open; whatever goes wrong, there is another time."""
-        try:
-            quiet, self._counted = self._counted == self.messages, self.messages
-            if self._port is not None and not (self._port.there and (not quiet or self._port.system_runs)):
-                self._lose(now)
-            if self._port is None:
-                self._port = self._open_by_name(self.name)
-                self._port.listen(self.receive)
-                self.connected, self.problem = self._port.name, ""
-                self.reopened += 1
-        except Exception as error:  # MIDI systems come and go: no error of theirs may end the listening
-            self.problem = " ".join(str(error).split())
-            if self._port is not None:
-                self._lose(now)
+    def _lives(self, port: Port) -> bool:
+        """Whether it is there; where nothing has come since the last look, whether its system runs, too."""
+        quiet, self._counted = self._counted == self.messages, self.messages
+        return port.there and (not quiet or port.system_runs)
 
-    def _lose(self, now: float) -> None:
-        port, self._port, self.connected = self._port, None, ""
-        if port is not None:
-            port.close()
-        self.unplugged(now)
+    def _begin(self, port: Port) -> None:
+        self._counted = self.messages
+        port.listen(self.receive)
+
+    def _lose(self, problem: str) -> None:
+        now, was_open = self._clock.now(), self._port is not None
+        super()._lose(problem)
+        if was_open:
+            self.unplugged(now)

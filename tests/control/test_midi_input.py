@@ -8,7 +8,7 @@ import pytest
 from live.base.inbox import Inbox
 from live.clock.source import ManualClock
 from live.clock.time_code import TimeCodeClock
-from live.control import midi_input
+from live.control import midi_input, midi_port_thread
 from live.control.events import BeatHeard, ControlEvent, SourceChanged, Tap
 from live.control.midi_input import MidiInput
 from live.control.midi_map import MidiMap
@@ -50,7 +50,7 @@ def test_messages_become_events() -> None:
 
 
 def test_a_port_that_goes_is_lost_and_found_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(midi_input, "RETRY", 0.0)
+    monkeypatch.setattr(midi_port_thread, "RETRY", 0.0)
     inbox: Inbox[ControlEvent] = Inbox()
     ports: list[FakePort] = []
     plugged = True
@@ -80,12 +80,12 @@ def test_a_port_that_goes_is_lost_and_found_by_its_name(monkeypatch: pytest.Monk
         listens.stop()
     states = [event.state for event in inbox.drain() if isinstance(event, SourceChanged)]
     assert states == ["found", "lost", "found"]
-    assert listens.reopened == 2
+    assert listens.opened == 2
 
 
 def test_a_port_that_was_plugged_in_again_at_once_is_opened_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its old name is there when it is next tried: a quick look in between has seen that it was gone."""
-    monkeypatch.setattr(midi_input, "RETRY", 1000.0)
+    monkeypatch.setattr(midi_port_thread, "RETRY", 1000.0)
     monkeypatch.setattr(midi_input, "LOOK", 0.0)
     ports: list[FakePort] = []
 

@@ -98,7 +98,7 @@ def test_a_named_pipe_works_the_show_and_outlives_who_writes_it(tmp_path: Path) 
 
 
 def test_what_is_told_arrives_and_a_listener_that_goes_is_found_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("live.control.midi_output.RETRY", 0.05)
+    monkeypatch.setattr("live.control.midi_port_thread.RETRY", 0.05)
     server = PortServer("127.0.0.1", 0)
     where = server._socket.getsockname()
     tells = MidiOutput(f"tcp:127.0.0.1:{where[1]}", SystemClock())
