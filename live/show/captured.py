@@ -7,18 +7,10 @@ import numpy as np
 import numpy.typing as npt
 
 from live.clock.ticks import TICK
-from live.motion.captured.kernels import (
-    ASKED,
-    BEAT,
-    KEY,
-    SHARE,
-    TIME,
-    WANTED,
-    find_places,
-    wear,
-    where_captured,
-)
+from live.motion.captured.leading.kernels import find_places
 from live.motion.captured.packed_pose import unpack_pose
+from live.motion.captured.remembered.kernels import ASKED, BEAT, KEY, SHARE, TIME, WANTED, where_captured
+from live.motion.captured.wearing.kernels import wear
 from live.motion.skeleton import JOINT_COUNT, MIRROR, SKELETON
 from live.show.sections.mocap import MocapSection
 

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from live.agents.asking.kernels import same_indices
 from live.agents.parting.paths.paths import PathParting
 from live.agents.wings.entrances import ON, WAITING
-from live.motion.captured.kernels import take_dance_along
+from live.motion.captured.leading.kernels import take_dance_along
 from live.motion.shifting.aiming.kernels import carry_agents, end_rows, settle_ways
 from live.motion.shifting.rise import MOST_HELD
 from live.show.carried import Carried

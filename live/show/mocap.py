@@ -18,7 +18,7 @@ from live.control import mocap_events as events
 from live.control.event import ControlEvent
 from live.control.group_events import Performer
 from live.control.mocap_seats import ALONE
-from live.motion.captured.kernels import put_agents
+from live.motion.captured.leading.kernels import put_agents
 from live.show.captured import Captured, Float64, Int64
 from live.show.dancers import Dancers
 from live.show.group_motion import GroupMotion

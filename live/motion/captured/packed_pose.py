@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.captured.kernels import read_rotations
+from live.motion.captured.packing.kernels import STEPS, read_rotations
 from live.motion.skeleton import JOINT_COUNT
 
 Float32 = npt.NDArray[np.float32]
@@ -22,7 +22,6 @@ LETTERS: Final = 192
 FARTHEST: Final = 1000.0
 """Nobody's hips are farther from the origin [m]."""
 _ROOT: Final = 12
-_STEPS: Final = 16383
 _OTHERS: Final = np.array([(1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2)], np.intp)
 """Which components are kept where the first, second ... is left out."""
 _ROWS: Final = np.arange(JOINT_COUNT)
@@ -45,7 +44,7 @@ def pack_pose(hips: npt.ArrayLike, rotation: npt.ArrayLike) -> str:
         np.take_along_axis(turned, _OTHERS[left_out], axis=1)
         * np.where(turned[_ROWS, left_out] < 0.0, -1.0, 1.0)[:, None]
     )
-    steps = (np.rint(kept * (np.sqrt(2.0) * _STEPS)).astype(np.int64) + _STEPS).astype(np.uint64)
+    steps = (np.rint(kept * (np.sqrt(2.0) * STEPS)).astype(np.int64) + STEPS).astype(np.uint64)
     bits = left_out.astype(np.uint64) << np.uint64(45)
     for place, shift in enumerate((30, 15, 0)):
         bits |= steps[:, place] << np.uint64(shift)

@@ -1,0 +1,1 @@
+"""Bringing over: a strange skeleton's pose onto ours."""

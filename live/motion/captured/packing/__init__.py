@@ -1,0 +1,1 @@
+"""Packed poses as their bytes say them."""

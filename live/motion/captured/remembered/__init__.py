@@ -1,0 +1,1 @@
+"""Remembered poses, found by when they came."""

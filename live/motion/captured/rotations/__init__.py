@@ -1,0 +1,1 @@
+"""Quaternions one by one, for captured bodies."""

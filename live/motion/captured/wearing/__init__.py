@@ -1,0 +1,1 @@
+"""Wearing: captured poses on dancers."""

@@ -1,0 +1,27 @@
+"""Remembered poses, made up, and rows that ask for them."""
+
+import numpy as np
+
+from live.motion.captured.remembered.kernels import ASKED, CAUGHT, KEY, SHARE, TURNED, WANTED
+from live.motion.skeleton import JOINT_COUNT
+
+
+def memory(size, count, turn=0.0):
+    """`count` poses, one a second, that go 1 m along x each; of `size` that there is room for."""
+    root, turned = np.zeros((size + 1, 3), np.float32), np.zeros((size + 1, JOINT_COUNT, 4), np.float32)
+    turned[..., 0] = 1.0
+    stamp = np.full((size, 2), -np.inf)
+    for n in range(max(count - size, 0), count):
+        root[n % size] = n, 0.9, 0.0
+        turned[n % size, 0] = np.cos(turn * n / 2), 0.0, np.sin(turn * n / 2), 0.0
+        stamp[n % size] = n, 2.0 * n
+    return root, turned, stamp
+
+
+def asked(**columns):
+    """What one dancer asks for, caught wholly where nothing else is said."""
+    row = np.zeros((1, ASKED))
+    row[0, CAUGHT] = 1.0
+    for name, value in columns.items():
+        row[0, {"key": KEY, "wanted": WANTED, "share": SHARE, "caught": CAUGHT, "turned": TURNED}[name]] = value
+    return row
