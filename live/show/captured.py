@@ -1,7 +1,7 @@
 """Captured: one performer who is captured live: her last poses, who wears them, and how much of them is seen."""
 
 import math
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -9,9 +9,11 @@ import numpy.typing as npt
 from live.clock.ticks import TICK
 from live.motion.captured.leading.kernels import find_places
 from live.motion.captured.packed_pose import unpack_pose
-from live.motion.captured.remembered.kernels import ASKED, BEAT, KEY, SHARE, TIME, WANTED, where_captured
+from live.motion.captured.remembered.kernels import ASKED, BEAT, KEY, PLACE_X, SHARE, TIME, WANTED, where_captured
 from live.motion.captured.wearing.kernels import wear
 from live.motion.skeleton import JOINT_COUNT, MIRROR, SKELETON
+from live.show.anchor import Anchor
+from live.show.edges import Edges
 from live.show.sections.mocap import MocapSection
 
 Float32 = npt.NDArray[np.float32]
@@ -42,8 +44,11 @@ _PARENTS: Final = np.array(SKELETON.parents, np.int32)
 class Captured:
     """One performer. Her own dancer is the first of `rows`; after her those who repeat her. Thread: the show's."""
 
-    def __init__(self, section: MocapSection) -> None:
+    def __init__(self, section: MocapSection, half: Float64) -> None:
+        """`half` (2,): half width and half depth of the stage [m], the array that the show keeps up to date."""
         self.section = section
+        self.edges = Edges(half)
+        """What keeps those who repeat her on the stage."""
         self.shown, self.mirrored, self.scale = section.shown, section.mirrored, section.scale
         self.obstacle, self.attract, self.attracts = section.obstacle, section.attract, section.attracts
         self.dancer = section.dancer
@@ -69,6 +74,9 @@ class Captured:
         """The dancer who goes where her tracker is; -1: nobody."""
         self._spot = self._target = (0.0, 0.0)
         self._tracked = -math.inf
+        self.anchor = Anchor()
+        """What her tracker corrects of where her suit has her; poses are remembered as they were corrected."""
+        self._suit, self._anchored = (0.0, 0.0), False
         self._gap, self._catch = -math.inf, CATCH
         self._root: Float32 = np.zeros((MEMORY + 1, 3), np.float32)
         self._turned: Float32 = np.zeros((MEMORY + 1, JOINT_COUNT, 4), np.float32)
@@ -93,18 +101,17 @@ class Captured:
         self.share = np.concatenate([self.share, np.zeros(len(new))])
         self.moved = np.concatenate([self.moved, np.zeros((len(new), 2))])
         self.turned = np.concatenate([self.turned, np.zeros(len(new))])
-        place = np.zeros((len(self.rows), 4))
-        if self.count:
-            asked = self.asked(time, beat)
-            where_captured(place, asked, self._root, self._turned, self._stamp, self.count, self.scale, self.mirrored)
+        self.edges.add(shown[new].astype(np.float64))
+        place = self._places(self._asked(time, beat))
         fresh = (np.arange(len(self.rows)) >= len(self.rows) - len(new)) & (self.delay > 0.0)
-        self.moved[fresh] = shown[self.rows[fresh]] - place[fresh, :3:2]
+        self.moved[fresh] = shown[self.rows[fresh]] - place[fresh]
 
     def keep(self, kept: npt.NDArray[np.bool_]) -> None:
         """Only these of `rows` go on wearing her poses, (n,)."""
         if not kept.all():
             self.rows, self.delay = self.rows[kept], self.delay[kept]
             self.share, self.moved, self.turned = self.share[kept], self.moved[kept], self.turned[kept]
+            self.edges.keep(kept)
 
     def take(self, other: "Captured") -> None:
         """Go on with the poses and dancers of `other`, who is the same performer."""
@@ -116,6 +123,10 @@ class Captured:
             "turned",
             "count",
             "draws",
+            "anchor",
+            "edges",
+            "_suit",
+            "_anchored",
             "_gap",
             "_root",
             "_turned",
@@ -130,10 +141,9 @@ class Captured:
             (a, b), c, s = self._spot, math.cos(yaw), math.sin(yaw)
             a, b = (-self.scale if self.mirrored else self.scale) * a, self.scale * b
             return x + c * a + s * b, z + c * b - s * a
-        place, when = np.zeros((1, 4)), time - self.later
-        asked = np.array([[TIME, when, self._caught(when), 1.0, x, z, yaw, 0.0]])
-        where_captured(place, asked, self._root, self._turned, self._stamp, self.count, self.scale, self.mirrored)
-        return float(place[0, 0]), float(place[0, 2])
+        when = time - self.later
+        ((x, z),) = self._places(np.array([[TIME, when, self._caught(when), 1.0, x, z, yaw, 0.0]])).tolist()
+        return x, z
 
     @property
     def later(self) -> float:
@@ -154,11 +164,34 @@ class Captured:
         if time - self._tracked > HOLD:
             self._spot = place  # she is there anew
         self._target, self._tracked = place, max(time, self._tracked)
+        if time - self._last_pose <= GAP:
+            self.anchor.compare(place, self._suit)
 
-    def settle(self) -> None:
+    def settle(self, time: float) -> None:
         """A tick: where she is follows her tracker softly."""
         (x, z), (to_x, to_z) = self._spot, self._target
         self._spot = x + FOLLOWS * (to_x - x), z + FOLLOWS * (to_z - z)
+        worn, silent = bool(self.share.any()), time - self._last_pose > HOLD
+        self._anchored = self._anchored and (worn or not silent)
+        if self.section.tracker is None:
+            if any(self.anchor.numbers):
+                self.anchor.let_go()
+                self.anchor.follow()
+        elif not silent and time - self._tracked <= HOLD:
+            if worn or self._anchored:
+                self.anchor.follow()
+            else:
+                self.anchor.compare(self._target, self._suit)
+                self._root[:, ::2] += self.anchor.leap()
+            self._anchored = True
+
+    def tracker_facts(self, time: float) -> dict[str, Any]:
+        """For the status: of the tracker that corrects her suit, when it was heard of last and how much it corrects."""
+        if self.section.tracker is None:
+            return {}
+        ago = time - self._tracked
+        heard = {"tracker": self.section.tracker, "tracker_last_s_ago": round(ago, 2) if math.isfinite(ago) else None}
+        return {**heard, "corrected_m": [round(each, 3) for each in self.anchor.offset]}
 
     def is_tracked(self, time: float) -> bool:
         """Whether her tracker, and no pose of hers, says at `time` [s] where she is."""
@@ -177,6 +210,8 @@ class Captured:
         if not self.count or time // TICK > self._stamp[newest, TIME] // TICK:
             self.count += 1
             newest = (self.count - 1) % len(self._stamp)
+        self._suit = float(root[0]), float(root[2])
+        root[::2] += self.anchor.offset
         self._root[newest], self._turned[newest], self._stamp[newest] = root, turned, (time, beat)
 
     def mirror(self, mirrored: bool, time: float) -> None:
@@ -237,8 +272,31 @@ class Captured:
         )  # fmt: skip
         return there, way
 
+    def _places(self, asked: Float64) -> Float64:
+        """Where the hips of what is `asked` (n, ASKED) are on the stage, (n, 2) [m]; nowhere without a pose."""
+        place = np.zeros((len(asked), 4))
+        if self.count:
+            where_captured(place, asked, self._root, self._turned, self._stamp, self.count, self.scale, self.mirrored)
+        return np.asarray(place[:, :3:2])
+
+    def stay(self, time: float, beat: float) -> Float64:
+        """A tick: whoever repeats her stays on the stage. What is asked of the remembered poses then, (n, ASKED)."""
+        asked, repeats = self._asked(time, beat), self.delay > 0.0
+        if repeats.any():
+            way = self.edges.settle(self._places(asked), time, (*self.origin, self.scale), repeats)
+            self.moved += way
+            asked[:, PLACE_X : PLACE_X + 2] += way
+        return asked
+
     def asked(self, time: float, beat: float) -> Float64:
-        """What is asked of the remembered poses for all of `rows`."""
+        """What is asked of the remembered poses for all of `rows`, at most a tick after `stay`, (n, ASKED)."""
+        asked, repeats = self._asked(time, beat), self.delay > 0.0
+        if repeats.any():
+            way = self.edges.bent(self._places(asked), time)
+            asked[repeats, PLACE_X : PLACE_X + 2] += way[repeats]
+        return asked
+
+    def _asked(self, time: float, beat: float) -> Float64:
         x, z, yaw = self.origin
         when, caught = time - self.later, self._caught(time - self.later)
         columns = self.delay.tolist(), self.share.tolist(), self.moved.tolist(), self.turned.tolist()
@@ -268,4 +326,16 @@ class Captured:
 
     def hashed(self) -> tuple[npt.NDArray[np.generic], ...]:
         """What belongs to the state of the show beyond what is seen."""
-        return self.rows, self.share, self.moved, self.turned, np.array([self.count, *self._spot]), self._stamp
+        return (
+            self.rows,
+            self.share,
+            self.moved,
+            self.turned,
+            np.array([self.count, *self._spot]),
+            self._stamp,
+            *self._corrected(),
+        )
+
+    def _corrected(self) -> tuple[npt.NDArray[np.generic], ...]:
+        """What belongs to the state of who has a tracker beside her suit."""
+        return (np.array([*self._suit, *self.anchor.numbers]),) if self.section.tracker is not None else ()

@@ -45,7 +45,7 @@ class Mocap:
 
     def __init__(self, patch: Patch, motion: GroupMotion, dancers: Dancers, scheduler: Scheduler) -> None:
         self._patch, self._motion, self._dancers, self._scheduler = patch, motion, dancers, scheduler
-        self.performers = {section.name: Captured(section) for section in patch.mocap}
+        self.performers = {section.name: Captured(section, motion.floor.half) for section in patch.mocap}
         dancers.captured = self.performers
         dancers.beats = patch.clock.beats_per_measure
         count = len(motion.casting.group)
@@ -63,7 +63,7 @@ class Mocap:
         old = {section.name: section for section in self._patch.mocap}
         for section in fresh._patch.mocap:
             if section != old.pop(section.name, None):
-                known, captured = self.performers.get(section.name), Captured(section)
+                known, captured = self.performers.get(section.name), Captured(section, self._motion.floor.half)
                 if known is not None:
                     captured.take(known)
                 self.performers[section.name] = captured
@@ -114,7 +114,7 @@ class Mocap:
     def _track(self, event: events.TrackerMoved) -> None:
         """Somebody or something with a tracker is elsewhere: a performer, or what dancers go around."""
         place = self._patch.psn.on_floor((event.x, event.y, event.z))
-        captured = self.performers.get(event.tracker)
+        captured = self._at(event.tracker)
         if captured is not None:
             captured.track(place, event.time)
         elif self._patch.psn.others:
@@ -123,6 +123,13 @@ class Mocap:
             if not self._motion.performers.track(tracked):
                 raise PersonError("there is no place for more obstacles", "name those who matter in [[mocap]]")
 
+    def _at(self, tracker: str) -> Captured | None:
+        """The performer who stands at a tracker: who names it, or is called so and names none."""
+        for name, captured in self.performers.items():
+            if tracker == (captured.section.tracker or name):
+                return captured
+        return None
+
     def _whom(self, name: str) -> Captured:
         captured = self.performers.get(name)
         if captured is not None:
@@ -130,7 +137,7 @@ class Mocap:
         if self._patch.mocap or name != ALONE:
             named = ", ".join(self.performers) or ALONE
             raise PersonError(f"no performer is called {name[:60]!r}", f"there are: {named}")
-        captured = self.performers[name] = Captured(MocapSection(name=name))
+        captured = self.performers[name] = Captured(MocapSection(name=name), self._motion.floor.half)
         return captured
 
     # -- time ----------------------------------------------------------------------------------------------------------
@@ -144,9 +151,10 @@ class Mocap:
         taken: set[int] = set()
         led: set[int] = set()
         for captured in self.performers.values():
+            captured.settle(time)
             wanted = self._cast(captured, taken, time, danced)
             if len(captured.rows):
-                asked = captured.asked(time, danced)
+                asked = captured.stay(time, danced)
                 live = captured.is_live(asked, time, timeline.tempo) & wanted
                 captured.go(live, rate, asked)
                 self._lead(captured, live, asked)
@@ -211,7 +219,6 @@ class Mocap:
 
     def _lead_tracked(self, captured: Captured, taken: set[int], led: set[int], time: float) -> None:
         """Of whom only the place is known: her dancer's agent stands there, and the dancer dances there after it."""
-        captured.settle()
         words = captured.dancer
         if words is None or words.strip() == NOBODY or captured.is_danced or not captured.is_tracked(time):
             captured.follower = -1
@@ -241,7 +248,7 @@ class Mocap:
 
     def facts(self, time: float) -> dict[str, Any]:
         """For the status: of each performer whom she is, how much of her is seen, and since when nothing has come."""
-        told = {}
+        told: dict[str, Any] = {}
         for name, captured in self.performers.items():
             ago = time - captured.last
             told[name] = {
@@ -249,5 +256,6 @@ class Mocap:
                 "seen": np.round(captured.share, 3).tolist(),
                 "poses": captured.count,
                 "last_s_ago": round(ago, 2) if np.isfinite(ago) else None,
+                **captured.tracker_facts(time),
             }
         return told

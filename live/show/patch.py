@@ -47,6 +47,7 @@ from live.show.sections.stage import (
     SteeringSection,
 )
 from live.show.sections.texture import TextureSection
+from live.show.tracker_check import check_trackers
 
 
 class Patch(Section):
@@ -146,6 +147,11 @@ class Patch(Section):
                     words = f"two {what.removesuffix('s')}s are called {name[:60]!r}: give each its own name"
                     raise Amiss(words, what, index, "name")
                 known.add(folded)
+        return self
+
+    @model_validator(mode="after")
+    def _trackers_are_there(self) -> "Patch":
+        check_trackers(self.psn, self.mocap)
         return self
 
     @model_validator(mode="after")

@@ -18,6 +18,9 @@ class MocapSection(Section):
     dancer: Words | None = None
     """Which dancer she is: the first of whom these words mean, as `3`, `ember & 1` or a group; `none` for nobody. Left
     out: the first dancer whom no other performer is."""
+    tracker: Annotated[str, Field(min_length=1, max_length=64)] | None = None
+    """The PosiStageNet tracker (its name or number there) that says where she stands, while her suit says how: her suit
+    may drift then. `at`, `turn_deg` and `scale` are the tracking system's. See `[psn] trackers`."""
     shown: bool = True
     """Whether she is seen from the beginning."""
     mirrored: bool = False

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from live.show.sections.section import Section
+from live.show.sections.section import Name, Section
 
 AXES = r"^-?[xyz] -?[xyz]$"
 
@@ -18,6 +18,9 @@ class PsnSection(Section):
     `x -z`, `-y x`."""
     others: bool = True
     """Whether dancers go around trackers that are nobody of the patch, as around real dancers."""
+    trackers: Annotated[tuple[Name, ...], Field(max_length=128)] = ()
+    """The trackers that there are, by name or number: a `[[mocap]]` whose `tracker` is none of them is refused, so that
+    a slip of the pen is found before the show. Left out: any."""
 
     def on_floor(self, place: tuple[float, float, float]) -> tuple[float, float]:
         """Where on the floor that is, x, z [m]."""
