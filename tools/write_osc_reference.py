@@ -69,7 +69,8 @@ a message without a type
 ## Present values
 
 A message without values asks what something is: `/dance/light/key` is answered with `/dance/light/key 0.8`, as one
-would set it. Where groups differ there is one message for each, with its name. Where a message without values already
+would set it. Where groups differ there is one message for each, with its name; captured performers answer each at her
+own address (`/dance/mocap/mirrored` with `/dance/mocap/anna/mirrored 1`). Where a message without values already
 means something (`/dance/clock/hold`), and for patterns, `/dance/get ADDRESS` asks; what has no present value is
 answered with `/dance/no_value ADDRESS`.
 

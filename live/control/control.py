@@ -3,6 +3,7 @@
 Values are checked here, before any numeric code sees them.
 """
 
+import re
 import struct
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -96,6 +97,7 @@ class Argument:
         return edge if value == _as_sent(edge) else Reason.OUT_OF_RANGE
 
 
+_IN_ADDRESS: Final = re.compile(r"[^\s#*,/?\[\]{}\x00-\x20\x7f-\U0010ffff]+")
 _SINGLE: Final = struct.Struct("<f")
 
 
@@ -119,9 +121,13 @@ class Control:
     who: Role
     kind: Kind = "event"
     value: int = 0
-    """How many of the first arguments are its present value; 0: it has none that could be asked for."""
+    """How many of the first arguments (`named`: after the name) are its present value; 0: it has none that could be
+    asked for."""
     start: tuple[Plain, ...] = ()
     """What the value is where nobody says anything; empty: the patch or the machine decides it."""
+    named: bool = False
+    """Whether the first argument is a name, of whom or what the value is: that one may stand in the address, before its
+    last part, and each has a value of its own."""
 
     def __post_init__(self) -> None:
         if self.value and self.kind == "event":
@@ -131,9 +137,27 @@ class Control:
             raise ValueError(f"{self.address}: an argument that must be given stands after an optional one")
 
     @property
-    def asked_by_nothing(self) -> bool:
-        """Whether a message without values asks for the value: not where it already means something."""
-        return self.value > 0 and self.arguments[0].default is None
+    def valued(self) -> tuple[Argument, ...]:
+        """The arguments that are its present value."""
+        return self.arguments[self.named : self.named + self.value]
+
+    def asked_by_nothing(self, address: str) -> bool:
+        """Whether a message without values to an `address` of its asks for the value: not where it already means
+        something."""
+        first = self.valued if self.named and address != self.address else self.arguments
+        return self.value > 0 and first[0].default is None
+
+    def address_of(self, name: str) -> str | None:
+        """The address that has this name in it, as `/dance/mocap/anna/mirrored`; None if no address can."""
+        if not _IN_ADDRESS.fullmatch(name):
+            return None
+        head, _, last = self.address.rpartition("/")
+        return f"{head}/{name}/{last}"
+
+    def whom(self, values: Sequence[object]) -> tuple[str, ...]:
+        """The texts among the `values` of a message that are not its value, but say whose it is."""
+        others = (*values[: self.named], *values[self.named + self.value :])
+        return tuple(value for value in others if isinstance(value, str))
 
     def call(self, values: Sequence[object], time: float, source: str) -> Result:
         """Check `values` and make the event; None is no value: an optional argument takes its default.

@@ -26,7 +26,7 @@ def widths_of(sends: str) -> int:
     if sends in SENDS:
         return 4 if sends == "dancer" else 1
     control = REGISTRY.find(sends)
-    if control is None or any(argument.type in ("name", "text") for argument in control.arguments[: control.value]):
+    if control is None or control.named or any(argument.type in ("name", "text") for argument in control.valued):
         return 0
     return control.value
 

@@ -16,7 +16,6 @@ def put_by_hand(lane: Lane[ControlEvent], binding: Binding, event: ControlEvent)
     if control.kind == "event":
         lane.put(event)
         return
-    given = (binding.values.get(argument.name) for argument in control.arguments[control.value :])
-    whom = tuple(value for value in given if isinstance(value, str))
+    whom = control.whom([binding.values.get(argument.name) for argument in control.arguments])
     # Who sets one group between two values for all is put behind them: the order matters then.
-    lane.put(event, (binding.control, *whom), after=bool(whom) and whom[-1].strip() not in WHOLE)
+    lane.put(event, (binding.control, *whom), after=bool(whom) and not control.named and whom[-1].strip() not in WHOLE)

@@ -114,12 +114,17 @@ def key(binding: Binding) -> tuple[str, object]:
 def present(binding: Binding, values: Values) -> Plain | None:
     """What a binding sets, as it is now; None where that has no value, or groups have different ones."""
     control, slot = REGISTRY[binding.control], binding.slot
-    if slot is None or slot not in control.arguments[: control.value]:
+    if slot is None or slot not in control.valued:
         return None
     rows = values.rows(binding.control)
-    group = str(binding.values.get("group", "*")).strip().casefold()
-    row = next((row for name, row in rows if name in ("", group)), rows[0][1] if group in ("", "*") and rows else None)
-    return None if row is None else row[control.arguments.index(slot)]
+    if control.named:
+        whose = binding.values.get(control.arguments[0].name)
+        row = next((row for name, row in rows if name == whose), None)
+    else:
+        group = str(binding.values.get("group", "*")).strip().casefold()
+        first = rows[0][1] if group in ("", "*") and rows else None
+        row = next((row for name, row in rows if name in ("", group)), first)
+    return None if row is None else row[control.valued.index(slot)]
 
 
 def _call(binding: Binding, value: Plain | None, time: float) -> object:

@@ -79,6 +79,7 @@ class DrawMocap(ControlEvent):
     performer: str
     strength: float
     group: str = "*"
+    """Whom; "": whom she did."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -132,7 +132,7 @@ class OscDoor:
         self, address: str, values: Sequence[Value], sender: Where, time: float, answers: list[bytes]
     ) -> Rejection | None:
         control = self._registry.meant(address)
-        if _says_nothing(values) and (address in READABLE if control is None else control.asked_by_nothing):
+        if _says_nothing(values) and (address in READABLE if control is None else control.asked_by_nothing(address)):
             return self._answer((address,), answers)
         if control is not None and RANKS[control.who] > RANKS[self._role]:
             return Rejection(Reason.ROLE, address, f"an {control.who}", self._role)
@@ -146,8 +146,10 @@ class OscDoor:
             case Request():
                 return self._serve(result, sender, time, answers)
             case ControlEvent():
-                self._put(result, control, values, sender)
-                self.subscribers.note_setter(sender, address, tuple(values), time)
+                kept, _ = self._registry.kept_at(address)
+                whole = values if control is None else self._registry.whole(address, values)
+                self._put(result, control, whole, sender)
+                self.subscribers.note_setter(sender, kept, tuple(values if kept == address else whole), time)
         self.accepted += 1
         return None
 
@@ -167,14 +169,14 @@ class OscDoor:
             self._lanes[sender] = lane
         return lane
 
-    def _put(self, event: ControlEvent, control: Control | None, values: Sequence[Value], sender: Where) -> None:
+    def _put(self, event: ControlEvent, control: Control | None, values: Sequence[object], sender: Where) -> None:
         """Hand an event over; of values that nobody has taken yet the last one counts."""
         lane = self._lane(sender)
         if control is None or control.kind == "event":
             lane.put(event)
             return
-        whom = tuple(value for value in values[control.value :] if isinstance(value, str))
-        whole = not whom or whom[-1].strip() in ("", "*")
+        whom = control.whom(values)
+        whole = control.named or not whom or whom[-1].strip() in ("", "*")
         flipped = self._whole.get(control.address, whole) != whole  # all, then one, then all again: in this order
         self._whole[control.address] = whole
         lane.put(event, (control.address, *whom), after=flipped)
@@ -198,7 +200,7 @@ class OscDoor:
         """What these are now; where there is only one, and it has no value, that is said, too."""
         known = [address for address in addresses if address in self.values]
         for address in known[:MOST_ANSWERS]:
-            answers += [encode(address, values) for values in self.values.messages(address)]
+            answers += [encode(where, values) for where, values in self.values.messages(address)]
         if not known:
             address = addresses[0]
             if address not in READABLE and self._registry.meant(address) is None:

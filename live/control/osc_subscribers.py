@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from live.control.control import Plain
 from live.control.osc_encode import bundles, encode
+from live.control.registry import REGISTRY
 from live.control.values import READABLE, Rows, Values
 
 MOST: Final = 16
@@ -133,14 +134,15 @@ class Subscribers:
                 continue
             del one.due[address]
             rows = self._values.rows(address)
-            known = one.told.get(address) == rows if setter is None else _is_what(rows, setter.values)
+            told = one.told.get(address, ())
+            known = told == rows if setter is None else _is_what(address, rows, setter.values, told)
             one.told[address] = rows
             if setter is not None:
                 del self._setters[address]
             if not known:
                 self.sent += len(rows)
-                for values in self._values.messages(address):
-                    yield encode(address, values)
+                for where, values in self._values.messages(address):
+                    yield encode(where, values)
 
     def _forget(self, now: float) -> None:
         for where, one in list(self._all.items()):
@@ -156,9 +158,17 @@ def _under(address: str, prefix: str) -> bool:
     return address == prefix or address.startswith(prefix if prefix.endswith("/") else prefix + "/")
 
 
-def _is_what(rows: Rows, said: tuple[object, ...]) -> bool:
-    """Whether that is what somebody has set."""
-    return all(len(said) >= len(now) and all(map(_is_close, now, said)) for _, now in rows)
+def _is_what(address: str, rows: Rows, said: tuple[object, ...], told: Rows) -> bool:
+    """Whether that is what somebody has set; of a control that names whose it is: of that one, others being as told."""
+    control = REGISTRY.find(address)
+    if control is None or not control.named:
+        return all(_are_close(now, said) for _, now in rows)
+    before = dict(told)
+    return all(_are_close(now, said[1:]) if name == said[0] else before.get(name) == now for name, now in rows)
+
+
+def _are_close(now: tuple[Plain, ...], said: tuple[object, ...]) -> bool:
+    return len(said) >= len(now) and all(map(_is_close, now, said))
 
 
 def _is_close(now: Plain, said: object) -> bool:

@@ -4,6 +4,7 @@ After the proposal at github.com/Vidvox/OSCQueryProposal (2018). Of a control th
 or that are its value: the optional ones (how long, for whom) are left to whoever reads the reference.
 """
 
+from dataclasses import replace
 from typing import Any, Final
 
 from live.control.control import Argument, Control, Plain
@@ -16,13 +17,15 @@ ATTRIBUTES: Final = (
 )  # fmt: skip
 NONE, READ, WRITE, BOTH = 0, 1, 2, 3
 """ACCESS of a node."""
+_NAMED: Final = tuple(control for control in REGISTRY if control.named)
+_NAMES: Final = frozenset(control.address for control in _NAMED)
 _TYPES: Final = {"float": "f", "bool": "T", "name": "s", "text": "s", "int": "i"}
 
 
 def told_of(control: Control) -> tuple[Argument, ...]:
     """The arguments that others are told of."""
     if control.value:
-        return control.arguments[: control.value]
+        return control.arguments[: control.named + control.value]
     return tuple(argument for argument in control.arguments if argument.default is None)
 
 
@@ -46,8 +49,18 @@ class Namespace:
             self._nodes[path] = node
         node |= facts
 
+    def _grow(self) -> None:
+        """Whoever is named by a value has nodes of her own."""
+        for control in _NAMED:
+            for name, _ in self._values.rows(control.address):
+                path = control.address_of(name)
+                if path is not None and path not in self._nodes:
+                    own = replace(control, address=path, arguments=control.arguments[1:], named=False)
+                    self._add(path, _of_control(own))
+
     def has(self, path: str) -> bool:
         """Whether there is such a node."""
+        self._grow()
         return _clean(path) in self._nodes
 
     def readable(self, path: str) -> bool:
@@ -56,6 +69,7 @@ class Namespace:
 
     def node(self, path: str) -> dict[str, Any]:
         """A node with all below it and their present values; KeyError if there is none."""
+        self._grow()
         return self._with_values(self._nodes[_clean(path)])
 
     def attribute(self, path: str, name: str) -> dict[str, Any] | None:
@@ -70,10 +84,10 @@ class Namespace:
         if node["ACCESS"] & READ:
             rows = self._values.rows(node["FULL_PATH"])
             if rows:  # of groups that differ, the first: the messages of a LISTEN have them all
-                told["VALUE"] = list(rows[0][1])
-                told["TYPE"] = "".join(
-                    _type_of(tag, value) for tag, value in zip(told["TYPE"], rows[0][1], strict=True)
-                )
+                name, value = rows[0]
+                whole = (name, *value) if node["FULL_PATH"] in _NAMES else value
+                told["VALUE"] = list(whole)
+                told["TYPE"] = "".join(_type_of(tag, value) for tag, value in zip(told["TYPE"], whole, strict=True))
         if "CONTENTS" in node:
             told["CONTENTS"] = {name: self._with_values(below) for name, below in node["CONTENTS"].items()}
         return told

@@ -17,6 +17,7 @@ from live.control.helper import Told
 from live.control.http_guard import welcome
 from live.control.osc_encode import bundles, encode
 from live.control.oscquery import Namespace, host_info
+from live.control.registry import REGISTRY
 from live.control.values import READABLE, Rows, Values
 
 MOST_CLIENTS: Final = 32
@@ -45,7 +46,7 @@ class Listener:
             rows = values.rows(address)
             if rows and self.told.get(address) != rows:
                 self.told[address] = rows
-                messages += [encode(address, row) for row in values.messages(address)]
+                messages += [encode(where, row) for where, row in values.messages(address)]
         transport = self._request.transport
         if transport is None or transport.get_write_buffer_size() > BEHIND:
             await self.ws.close()
@@ -94,7 +95,7 @@ class Server:
         for changes in self._told.packets():
             self.values.take(changes)
             for listener in self._listeners:
-                listener.due |= dict.fromkeys(changes.keys() & listener.paths)
+                listener.due |= dict.fromkeys(path for path in listener.paths if REGISTRY.kept_at(path)[0] in changes)
         if self._told.ended:
             self._over.set()
 
@@ -146,7 +147,7 @@ class Server:
         if not isinstance(path, str) or command not in ("LISTEN", "IGNORE"):
             return False
         address = path.rstrip("/")
-        if address not in READABLE:
+        if REGISTRY.kept_at(address)[0] not in READABLE:
             return False
         if command == "LISTEN":
             listener.paths.add(address)

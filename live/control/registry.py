@@ -63,12 +63,21 @@ class Registry:
         Thread: any. Never raises for anything a sender can choose.
         """
         control = self.meant(address)
-        if control is not None and control.address != address:
-            within = address.removeprefix(_PASS).split("/")
-            values = [*(address.split("/")[3:4] if address.startswith(_MOCAP) else within), *values]
         if control is None:
             return Rejection(Reason.UNKNOWN_ADDRESS, address)
-        return control.call(values, time, source)
+        return control.call(self.whole(address, values), time, source)
+
+    def whole(self, address: str, values: Sequence[object]) -> Sequence[object]:
+        """The values of a message, with those before them that stand in its address."""
+        if address in self._controls or self.meant(address) is None:
+            return values
+        within = address.removeprefix(_PASS).split("/")
+        return [*(address.split("/")[3:4] if address.startswith(_MOCAP) else within), *values]
+
+    def kept_at(self, address: str) -> tuple[str, str]:
+        """The address under which the show tells the value of `address`, and the name that this has in it, or ""."""
+        control = None if address in self._controls else self.meant(address)
+        return (address, "") if control is None or not control.named else (control.address, address.split("/")[3])
 
 
 REGISTRY: Final = Registry(

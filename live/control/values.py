@@ -8,7 +8,7 @@ from live.control.readings import READINGS
 from live.control.registry import REGISTRY
 
 Rows = tuple[tuple[str, tuple[Plain, ...]], ...]
-"""A value of all ("", numbers), or that of each group by its name."""
+"""A value of all ("", numbers), or that of each group, or of each that a control names, by its name."""
 Changes = Mapping[str, Rows]
 """What has another value than before, by address."""
 
@@ -30,16 +30,27 @@ class Values:
         self._rows.update(changes)
 
     def __contains__(self, address: str) -> bool:
-        return address in self._rows
+        return bool(self.rows(address))
 
     def rows(self, address: str) -> Rows:
         """The value at an address; empty if it has none now."""
-        return self._rows.get(address, ())
+        rows = self._rows.get(address)
+        if rows is not None:
+            return rows
+        kept, whose = REGISTRY.kept_at(address)
+        return tuple(("", values) for name, values in self._rows.get(kept, ()) if name == whose) if whose else ()
 
-    def messages(self, address: str) -> Iterator[tuple[Plain, ...]]:
-        """The values of the messages that would set an address to what it is: one, or one for each group."""
-        for group, values in self.rows(address):
-            yield (*values, group) if group else values
+    def messages(self, address: str) -> Iterator[tuple[str, tuple[Plain, ...]]]:
+        """Addresses and values of the messages that would set an address to what it is: one, or one for each group or
+        name."""
+        control = REGISTRY.find(address)
+        for name, values in self.rows(address):
+            if control is None or not control.named:
+                yield address, (*values, name) if name else values
+            elif (own := control.address_of(name)) is not None:
+                yield own, values
+            else:
+                yield address, (name, *values)
 
     def all(self) -> Changes:
         """Everything that has a value now: a copy."""

@@ -17,6 +17,7 @@ from typing import Final
 
 from aiohttp import WSMsgType, web
 
+from live.control.control import Plain
 from live.control.helper import Told
 from live.control.http_guard import welcome
 from live.control.layouts.surface import make_surface
@@ -174,9 +175,15 @@ class WebServer:
                         await self._tell(client)
 
     async def _tell(self, client: Client) -> None:
-        """Send what has changed: of a value that groups have each their own the first."""
+        """Send what has changed: of a value that groups have each their own the first; of named ones each."""
         due, client.due = client.due, {}
-        told = {address: list(rows[0][1]) for address in due if (rows := self.values.rows(address))}
+        told: dict[str, list[Plain]] = {}
+        for address in due:
+            control = REGISTRY.find(address)
+            if control is not None and control.named:
+                told |= {where: list(values) for where, values in self.values.messages(address) if where != address}
+            elif rows := self.values.rows(address):
+                told[address] = list(rows[0][1])
         transport = client.request.transport
         if transport is None or transport.get_write_buffer_size() > BEHIND:
             await client.ws.close()

@@ -92,7 +92,7 @@ class Assembly(ABC):
         self.dancers.start(node, self.state.position.astype(np.float64), self.motion.starting_heading)
         self.scheduler.aims.headings.begin(self.motion.starting_heading)
         self.mocap = Mocap(patch, self.motion, self.dancers, self.scheduler)
-        self.desk = Desk(patch, self.prompter, self.motion, self.scheduler, self.variation)
+        self.desk = Desk(patch, self.prompter, self.motion, self.scheduler, self.variation, self.mocap)
         self.audience = Audience(patch.audience, seed=self.seed)
         self.blackout = False
         self.brightness = 1.0

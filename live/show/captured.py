@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.clock.ticks import TICK
+from live.control.control import Plain
 from live.motion.captured.leading.kernels import find_places
 from live.motion.captured.packed_pose import unpack_pose
 from live.motion.captured.remembered.kernels import ASKED, BEAT, KEY, PLACE_X, SHARE, TIME, WANTED, where_captured
@@ -49,13 +50,12 @@ class Captured:
         self.section = section
         self.edges = Edges(half)
         """What keeps those who repeat her on the stage."""
-        self.shown, self.mirrored, self.scale = section.shown, section.mirrored, section.scale
+        self.shown, self.mirrored = section.shown, section.mirrored
         self.obstacle, self.attract, self.attracts = section.obstacle, section.attract, section.attracts
         self.dancer = section.dancer
         """Words for the dancer who is her; None: anybody who is free."""
         self.canon, self.canon_beats = section.canon, section.canon_beats
-        self.origin = (*section.at, math.radians(section.turn_deg))
-        """Where the middle of her floor lies, x, z [m], and its turn [rad]."""
+        self.lay(*section.at, section.turn_deg, section.scale)
         self.rows: Int64 = np.zeros(0, np.int64)
         """Dancers who wear her poses, (n,)."""
         self.delay: Float64 = np.zeros(0)
@@ -86,6 +86,25 @@ class Captured:
     def is_danced(self) -> bool:
         """Whether a dancer is her, wholly or partly."""
         return bool(self.share[self.delay == 0.0].any())
+
+    def lay(self, x: float, z: float, turn: float, scale: float) -> None:
+        """The middle of her floor lies at x, z [m], it is turned so far [degrees], and her ways are so long."""
+        self.turn, self.scale = turn, scale
+        self.origin = x, z, math.radians(turn)
+
+    @property
+    def said(self) -> dict[str, tuple[Plain, ...]]:
+        """What is said of her now, as in `/dance/mocap/NAME/...`: the values that each control takes."""
+        x, z, _ = self.origin
+        return {
+            "dancer": ("*" if self.dancer is None else self.dancer,),
+            "shown": (self.shown,),
+            "mirrored": (self.mirrored,),
+            "place": (float(x), float(z), float(self.turn), float(self.scale)),
+            "canon": (self.canon, float(self.canon_beats)),
+            "obstacle": (self.obstacle,),
+            "attract": (float(self.attract), self.attracts),
+        }
 
     def recast(self, dancer: str) -> None:
         """She is another dancer from now on; whom she was goes back to her own dance."""

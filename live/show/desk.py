@@ -17,6 +17,7 @@ from live.show.edited_parts import parts_of
 from live.show.edits import Edits
 from live.show.group_motion import GroupMotion
 from live.show.master import MASTER_EVENTS, Master
+from live.show.mocap import Mocap
 from live.show.parameter_table import FIELDS, ParameterTable
 from live.show.parameters import Parameters
 from live.show.patch import Patch
@@ -42,8 +43,9 @@ class Desk:
     """The desk of one show. What it says the show does it returns as events. Thread: the show's."""
 
     def __init__(
-        self, patch: Patch, prompter: Prompter, motion: GroupMotion, scheduler: Scheduler, variation: Variation
-    ) -> None:
+        self, patch: Patch, prompter: Prompter, motion: GroupMotion, scheduler: Scheduler, variation: Variation,
+        mocap: Mocap,
+    ) -> None:  # fmt: skip
         """PersonError for a scene that names what is not there."""
         table = ParameterTable([section.name for section in patch.group])
         self.parameters = Parameters(table, start_row(patch), variation)
@@ -57,7 +59,7 @@ class Desk:
         self.scenes = Scenes(patch, self.parameters, self.rig)
         self._prompter = prompter
         self.cues = Cues(patch.cue, prompter.playhead, beats=patch.clock.beats_per_measure)
-        self.edits = Edits(parts_of(self.parameters, self.scenes, self.cues, motion, scheduler, variation))
+        self.edits = Edits(parts_of(self.parameters, self.scenes, self.cues, motion, scheduler, variation, mocap))
         self.beats = patch.clock.beats_per_measure
         """Beats of a danced measure."""
         self.master = Master()

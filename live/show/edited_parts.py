@@ -10,6 +10,7 @@ from live.show.cues import Cues
 from live.show.edits import Kept, Now, Part
 from live.show.group_motion import GroupMotion
 from live.show.headings import Headings
+from live.show.mocap import Mocap
 from live.show.parameters import Parameters
 from live.show.performers import PERFORMER
 from live.show.scenes import Scenes
@@ -142,6 +143,23 @@ class EditedSet:
                 self._surroundings.put_obstacle(name, *obstacle)
 
 
+class EditedMocap:
+    """What is said of captured performers, by their names and that of the control."""
+
+    def __init__(self, mocap: Mocap) -> None:
+        self._mocap = mocap
+
+    def take(self) -> Kept:
+        """See `Part`."""
+        performers = self._mocap.performers.items()
+        return {(name, what): now for name, captured in performers for what, now in captured.said.items()}
+
+    def give(self, values: Mapping[Any, Any]) -> None:
+        """See `Part`."""
+        for (name, what), said in values.items():
+            self._mocap.say(name, what, said)
+
+
 class EditedStandBy:
     """The cue that stands by."""
 
@@ -162,8 +180,9 @@ def _row(row: np.ndarray[Any, Any]) -> tuple[float, ...]:
 
 
 def parts_of(
-    parameters: Parameters, scenes: Scenes, cues: Cues, motion: GroupMotion, scheduler: Scheduler, variation: Variation
-) -> dict[str, Part]:
+    parameters: Parameters, scenes: Scenes, cues: Cues, motion: GroupMotion, scheduler: Scheduler,
+    variation: Variation, mocap: Mocap,
+) -> dict[str, Part]:  # fmt: skip
     """All parts of a show that can be edited, by the names in `EDITED`."""
     return {
         "parameters": EditedParameters(parameters),
@@ -173,5 +192,6 @@ def parts_of(
         "facings": EditedFacings(scheduler.aims.headings),
         "ripples": EditedRipples(variation),
         "set": EditedSet(motion.surroundings),
+        "mocap": EditedMocap(mocap),
         "standby": EditedStandBy(cues),
     }

@@ -1,8 +1,8 @@
 """Edits: what was changed by hand can be taken back and made again; what has been played never is.
 
 An edit is an event from outside that changes what is kept (`EDITED`): parameters, scenes, formations, sequences,
-facings, ripples, the set, the cue that stands by. Kept is what differs, by its key: taking an edit back touches nothing
-that anybody else has changed since, but for the same thing.
+facings, ripples, the set, what is said of captured performers, the cue that stands by. Kept is what differs, by its
+key: taking an edit back touches nothing that anybody else has changed since, but for the same thing.
 """
 
 from collections import deque
@@ -39,12 +39,22 @@ EDITED: Final[dict[type[ControlEvent], str]] = {
     events.PlaceObstacle: "set",
     events.PlaceWall: "set",
     events.RemoveObstacle: "set",
+    events.CastMocap: "mocap",
+    events.ShowMocap: "mocap",
+    events.MirrorMocap: "mocap",
+    events.PlaceMocap: "mocap",
+    events.CanonMocap: "mocap",
+    events.BlockMocap: "mocap",
+    events.DrawMocap: "mocap",
     events.StandBy: "standby",
     events.StepBack: "standby",
 }
 """The part of the show that each kind of edit changes."""
 NEVER: Final = ("music",)
 """Sources whose events are no edits: what the music changes it changes again."""
+
+_WHAT: Final = ("parameter", "name", "performer")
+"""What of an event says what it changes, whichever it has."""
 
 Kept = dict[Any, Any]
 Now = Kept | npt.NDArray[np.float64]
@@ -76,7 +86,7 @@ class _Edit:
 def _words(event: ControlEvent) -> str:
     """An edit in a few words, for the operator."""
     what = type(event).__name__
-    for name in ("parameter", "name", "facing", "steps"):
+    for name in ("parameter", "name", "facing", "steps", "performer"):
         value = getattr(event, name, None)
         if value:
             return f"{what} {str(value)[:40]}"
@@ -117,7 +127,7 @@ class Edits:
         old, new = _differences(before, after)
         if not old:
             return
-        name = str(getattr(event, "parameter", getattr(event, "name", "")))
+        name = next((str(getattr(event, each)) for each in _WHAT if hasattr(event, each)), "")
         key = (type(event).__name__, event.source, name, str(getattr(event, "group", "")))
         last = self._done[-1] if self._done else None
         if last is not None and last.key == key and not self._undone and 0.0 <= event.time - last.time < TOGETHER:

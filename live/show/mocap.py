@@ -6,6 +6,7 @@ would dance by herself goes on unseen beneath, carried along to where she is: wh
 pose is held for a quarter of a second, then her dancer goes on from there within a measure; back again as well.
 """
 
+from collections.abc import Callable, Iterable
 from typing import Any, Final
 
 import numpy as np
@@ -15,6 +16,7 @@ from live.base.errors import PersonError, named
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
 from live.control import mocap_events as events
+from live.control.control import Plain
 from live.control.event import ControlEvent
 from live.control.group_events import Performer
 from live.control.mocap_seats import ALONE
@@ -35,6 +37,16 @@ MOCAP_EVENTS: Final = (
     events.CanonMocap, events.BlockMocap, events.DrawMocap,
 )  # fmt: skip
 """The events that `act` takes."""
+SAID: Final[dict[str, tuple[Callable[..., ControlEvent], tuple[str, ...]]]] = {
+    "dancer": (events.CastMocap, ("dancer",)),
+    "shown": (events.ShowMocap, ("shown",)),
+    "mirrored": (events.MirrorMocap, ("mirrored",)),
+    "place": (events.PlaceMocap, ("x", "z", "turn", "scale")),
+    "canon": (events.CanonMocap, ("group", "beats")),
+    "obstacle": (events.BlockMocap, ("obstacle",)),
+    "attract": (events.DrawMocap, ("strength", "group")),
+}
+"""What can be said of a performer, as in `/dance/mocap/NAME/...`, by which event and its fields."""
 NOBODY: Final = "none"
 SPEED_SHARE: Final = 0.15
 """So much of a new speed is believed in a tick: a capture trembles."""
@@ -52,6 +64,7 @@ class Mocap:
         self._led: Bool = np.zeros(count, np.bool_)
         self._place, self._speed = np.zeros((count, 2)), np.zeros((count, 2))
         self._presence = Presence(motion)
+        self._time = 0.0
         for index, section in enumerate(patch.mocap):  # whatever is wrong is told at the start
             for key, words in (("dancer", section.dancer), ("canon", section.canon), ("attracts", section.attracts)):
                 if words is not None and words.strip() != NOBODY:
@@ -99,8 +112,7 @@ class Mocap:
             case events.MirrorMocap():
                 captured.mirror(event.mirrored, event.time)
             case events.PlaceMocap():
-                captured.origin = event.x, event.z, float(np.radians(event.turn))
-                captured.scale = event.scale
+                captured.lay(event.x, event.z, event.turn, event.scale)
             case events.CanonMocap():
                 if event.group.strip() != NOBODY:
                     self._motion.casting.select(event.group, self._motion.state.position)
@@ -108,8 +120,20 @@ class Mocap:
             case events.BlockMocap():
                 captured.obstacle = event.obstacle
             case events.DrawMocap():
-                self._motion.casting.select(event.group, self._motion.state.position)
-                captured.attract, captured.attracts = event.strength, event.group
+                group = event.group or captured.attracts
+                self._motion.casting.select(group, self._motion.state.position)
+                captured.attract, captured.attracts = event.strength, group
+
+    def say(self, name: str, what: str, values: Iterable[Plain] | None) -> None:
+        """Say of a performer what `Captured.said` has under `what`, None: what it is before anything is said; nothing
+        where she is not there any more."""
+        captured = self.performers.get(name)
+        if captured is not None:
+            kind, fields = SAID[what]
+            if values is None:
+                values = Captured(MocapSection(name=name), self._motion.floor.half).said[what]
+            said = dict(zip(fields, values, strict=True))
+            self._direct(kind(time=self._time, source="mocap", performer=name, **said), captured)
 
     def _track(self, event: events.TrackerMoved) -> None:
         """Somebody or something with a tracker is elsewhere: a performer, or what dancers go around."""
@@ -144,6 +168,7 @@ class Mocap:
 
     def tick(self, time: float, danced: float, timeline: Timeline, next_line: float) -> None:
         """One tick at `time` [s], the `danced` beat; after the dancers' own. `next_line`: the beat of the next line."""
+        self._time = time
         if not self.performers:
             return
         self._presence.tick()

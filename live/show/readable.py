@@ -13,6 +13,7 @@ from live.control.readings import STATUS
 from live.control.values import Rows
 from live.show.answer_pairs import Asked
 from live.show.core import Show
+from live.show.mocap import SAID
 from live.show.parameter_table import Parameter, addresses
 from live.show.status import Status
 
@@ -43,7 +44,7 @@ class Readable:
         found = self._parameters()
         for address, values in self._singles().items():
             found[address] = (("", values),)
-        found |= self._partners()
+        found |= self._partners() | self._mocap()
         new = {address: rows for address, rows in found.items() if self._rows.get(address) != rows}
         self._rows.update(new)
         return new
@@ -85,6 +86,14 @@ class Readable:
         return {
             f"/dance/partner/{key}": tuple((one.name, (tell(one),)) for one in asked) or (("", (nobody[key],)),)
             for key, tell in keys.items()
+        }
+
+    def _mocap(self) -> dict[str, Rows]:
+        """What is said of captured performers; nothing where there are none."""
+        said = {name: captured.said for name, captured in self._show.mocap.performers.items()}
+        return {
+            f"/dance/mocap/{what}": tuple((name, tuple(map(_as_told, now[what]))) for name, now in said.items())
+            for what in (SAID if said else ())
         }
 
     def _singles(self) -> dict[str, tuple[Plain, ...]]:
@@ -149,6 +158,10 @@ def _notes(played: NotesHeard | None) -> dict[str, Any]:
         STATUS + "notes": 0 if played is None else played.chord,
         STATUS + "pitch": 0.5 if played is None else round(played.pitch, 3),
     }
+
+
+def _as_told(value: Plain) -> Plain:
+    return _plain(value) if type(value) is float else value
 
 
 def _plain(value: float) -> float:

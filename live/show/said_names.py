@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import Final
 
+from live.control.controls.mocap import MOCAP_CONTROLS
 from live.show.core import Show
 from live.show.patch import Patch
 from live.show.sections.segment import formation_names
@@ -13,7 +14,7 @@ FORMATIONS: Final = ("circle", "line", "grid", "wedge", "two lines", "spiral", "
 
 def names_of(patch: Patch, steps: Sequence[str]) -> dict[str, list[str]]:
     """The names by the address of the control."""
-    cues = [cue.name for cue in patch.cue]
+    cues, performers = [cue.name for cue in patch.cue], [performer.name for performer in patch.mocap]
     return {
         "/dance/step": list(steps),
         "/dance/now": list(steps),
@@ -26,6 +27,7 @@ def names_of(patch: Patch, steps: Sequence[str]) -> dict[str, list[str]]:
         "/dance/section": [section.name for section in patch.section],
         "/dance/signal": sorted({signal.name for signal in patch.signal}),
         "/dance/background": [background.name for background in patch.background],
+        **{control.address: performers for control in MOCAP_CONTROLS},
     }
 
 

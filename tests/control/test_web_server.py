@@ -120,6 +120,19 @@ def test_values_go_both_ways_and_the_one_that_was_set_last_is_shown():
     run(Page(), what)
 
 
+def test_what_is_said_of_performers_is_told_for_each_of_them():
+    async def what(client, page):
+        page.part.tell({"/dance/mocap/mirrored": (("anna", (True,)), ("ben", (False,)), ("two words", (True,)))})
+        page.part.frame()
+        told: dict = {}
+        async with client.ws_connect(f"{page.at}/ws?key=") as ws:
+            while "/dance/mocap/ben/mirrored" not in told:
+                told |= json.loads((await ws.receive(timeout=20.0)).data)["values"]
+        assert told == {"/dance/mocap/anna/mirrored": [True], "/dance/mocap/ben/mirrored": [False]}
+
+    run(Page(), what)
+
+
 HOSTILE = (
     "", "{", "[]", "null", "5", '"x"', "[" * 1000, '{"address": 5, "values": []}', '{"address": "/dance/go"}',
     '{"address": "/dance/go", "values": 3}', '{"address": "/dance/go", "values": [1, 2, 3, 4, 5, 6, 7, 8, 9]}',

@@ -3,12 +3,12 @@
 import pytest
 
 from live.show.edits import EDITED, MOST
-from tests.show.desk_show import Hands
+from tests.show.desk_show import DESK, Hands
 
 
 @pytest.fixture
 def hands():
-    return Hands().run(5)
+    return Hands(DESK + '[[mocap]]\nname = "anna"\nattracts = "front"\n').run(5)
 
 
 def kept(hands):
@@ -23,6 +23,9 @@ CALLS = (
     ("/dance/formation/define", "mine", "circle"), ("/dance/sequence", "sway, spin", "front"),
     ("/dance/facing", "centre"), ("/dance/ripple", 1.0), ("/dance/obstacle", "rock", 3.0, 3.0, 0.5),
     ("/dance/wall", "fence", -3.0, 3.5, 3.0, 3.5), ("/dance/standby", "up"),
+    ("/dance/mocap/anna/dancer", "back & 6"), ("/dance/mocap/anna/shown", 0), ("/dance/mocap/anna/mirrored", 1),
+    ("/dance/mocap/anna/place", 0.1, -0.7, 33.3, 1.1), ("/dance/mocap/anna/canon", "back", 1.5),
+    ("/dance/mocap/anna/obstacle", 1), ("/dance/mocap/anna/attract", -0.3),
 )  # fmt: skip
 
 
@@ -112,3 +115,33 @@ def test_what_is_refused_is_no_edit_and_only_so_many_are_kept(hands):
 
 def test_every_kind_of_edit_names_a_part(hands):
     assert set(EDITED.values()) == set(kept(hands))
+
+
+def test_what_is_said_of_two_performers_at_once_are_two_edits():
+    hands = Hands(DESK + '[[mocap]]\nname = "anna"\n[[mocap]]\nname = "ben"\n').run(5)
+    for name in ("anna", "ben"):
+        hands.say(f"/dance/mocap/{name}/mirrored", 1)
+    mirrored = lambda: [each.mirrored for each in hands.show.mocap.performers.values()]  # noqa: E731
+    assert hands.desk.edits.facts()["undo"] == "MirrorMocap ben"
+    hands.say("/dance/undo")
+    assert mirrored() == [True, False]
+    hands.say("/dance/undo")
+    assert mirrored() == [False, False]
+
+
+def test_what_was_said_of_a_performer_of_whom_nothing_was_known_is_taken_back():
+    hands = Hands().run(5)
+    assert hands.say("/dance/mocap/live/place", 1.0, 2.0)
+    assert hands.say("/dance/undo")
+    live = hands.show.mocap.performers["live"]
+    assert (live.origin, live.scale) == ((0.0, 0.0, 0.0), 1.0)
+    assert hands.say("/dance/redo")
+    assert live.origin == (1.0, 2.0, 0.0)
+
+
+def test_who_attracts_more_attracts_the_same(hands):
+    captured = hands.show.mocap.performers["anna"]
+    hands.say("/dance/mocap/anna/attract", 2.0)
+    assert (captured.attract, captured.attracts) == (2.0, "front")
+    hands.say("/dance/mocap/anna/attract", 1.0, "*")
+    assert captured.attracts == "*"

@@ -8,7 +8,7 @@ from live.control.rejections import Rejection
 from live.control.values import READABLE, Values
 from live.show.readable import Readable
 from live.show.status import Status
-from tests.show.desk_show import Hands
+from tests.show.desk_show import DESK, Hands
 
 ELSEWHERE = {"/dance/click", "/dance/latency/input", "/dance/latency/output", "/dance/latency/display",
              "/dance/latency/projector"}  # fmt: skip
@@ -20,9 +20,11 @@ REFUSED |= {f"/dance/partner/{key}" for key in ("on", "amount", "stretch")}  # i
 def another(control: Control, now: tuple) -> tuple:
     """A value that a control does not have now."""
     values = []
-    for argument, value in zip(control.arguments, now, strict=False):
+    for argument, value in zip(control.valued, now, strict=False):
         if argument.type == "bool":
             values.append(not value)
+        elif argument.type in ("name", "text"):
+            values.append("back" if value != "back" else "front")
         else:
             low, high = argument.minimum, argument.maximum
             values.append(float(f"{low + (high - low) * (0.25 if value > low + (high - low) / 2 else 0.75):.4g}"))
@@ -31,7 +33,7 @@ def another(control: Control, now: tuple) -> tuple:
 
 @pytest.fixture(scope="module")
 def show():
-    return Hands().show
+    return Hands(DESK + '[[mocap]]\nname = "anna"\n').show
 
 
 def readable_of(show):
@@ -53,9 +55,9 @@ def test_what_is_set_is_read_back_once(show):
     for control in REGISTRY:
         if not control.value or control.address in ELSEWHERE | SLOW | REFUSED:
             continue
-        now = next(values.messages(control.address))[: control.value]
-        wanted = another(control, now)
-        event = control.call(wanted, 0.0, "test")
+        address, now = next(values.messages(control.address))
+        wanted = another(control, now[: control.value])
+        event = REGISTRY.call(address, wanted, 0.0, "test")
         assert not isinstance(event, Rejection), event
         assert show.apply(event), control.address
         for _ in range(24):
@@ -63,8 +65,9 @@ def test_what_is_set_is_read_back_once(show):
         changes = readable.changes()
         assert control.address in changes, control.address
         values.take(changes)
-        (got,) = {row[: control.value] for row in values.messages(control.address)}
-        assert got == pytest.approx(wanted, rel=1e-5), control.address
+        (got,) = {row[: control.value] for _, row in values.messages(control.address)}
+        for one, other in zip(got, wanted, strict=True):
+            assert one == (other if isinstance(other, str) else pytest.approx(other, rel=1e-5)), control.address
         assert [type(value) for value in got] == [type(value) for value in wanted]
 
 
@@ -77,7 +80,21 @@ def test_groups_that_differ_are_told_by_name(show):
     values = Values()
     values.take(readable.changes())
     told = list(values.messages("/dance/motion/larger"))
-    assert (0.25, first) in told
+    assert ("/dance/motion/larger", (0.25, first)) in told
     assert len(told) == 1 + len(others)
     show.apply(REGISTRY.call("/dance/motion/larger", (0.25,), 0.0, "test"))
     assert readable.changes()["/dance/motion/larger"] == (("", (0.25,)),)
+
+
+def test_of_performers_who_differ_each_is_told_at_her_own_address():
+    show = Hands(DESK + '[[mocap]]\nname = "anna"\n[[mocap]]\nname = "ben b"\nmirrored = true\ncanon = "back"\n').show
+    readable, values = readable_of(show), Values()
+    values.take(readable.changes())
+    mirrored = list(values.messages("/dance/mocap/mirrored"))
+    assert mirrored == [("/dance/mocap/anna/mirrored", (False,)), ("/dance/mocap/mirrored", ("ben b", True))]
+    assert list(values.messages("/dance/mocap/anna/place")) == [("/dance/mocap/anna/place", (0.0, 0.0, 0.0, 1.0))]
+    assert values.rows("/dance/mocap/canon") == (("anna", ("none", 2.0)), ("ben b", ("back", 2.0)))
+    assert "/dance/mocap/nobody/place" not in values
+    show.apply(REGISTRY.call("/dance/mocap/anna/place", (1.0, -2.0, 33.0), 0.0, "test"))
+    changes = readable.changes()
+    assert changes == {"/dance/mocap/place": (("anna", (1.0, -2.0, 33.0, 1.0)), ("ben b", (0.0, 0.0, 0.0, 1.0)))}

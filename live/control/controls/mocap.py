@@ -4,7 +4,7 @@ from typing import Final
 
 from live.control import mocap_events as events
 from live.control.control import Argument, Control
-from live.control.controls.arguments import GROUP, X, Z
+from live.control.controls.arguments import X, Z
 
 _WHO: Final = Argument(
     "performer", "name", "her name in the patch; `live` where it names none. Also in the address: /dance/mocap/NAME/..."
@@ -18,16 +18,18 @@ MOCAP_CONTROLS: Final = (
             Argument("dancer", "text", "who is her: the first of `3`, `ember & 1`, a group; none for nobody"),
         ),
         "A captured performer becomes this dancer; whom she was dances on by herself.", "operator",
+        "continuous", 1, named=True,
     ),
     Control(
         "/dance/mocap/shown", events.ShowMocap,
         (_WHO, Argument("shown", "bool", "1: the dancer moves as she does, 0: by herself", default=True)),
         "Whether a captured performer is seen; both ways her dancer changes over within a measure.", "musician",
+        "continuous", 1, named=True,
     ),
     Control(
         "/dance/mocap/mirrored", events.MirrorMocap,
         (_WHO, Argument("mirrored", "bool", "1: left for right, 0: as she is", default=True)),
-        "A captured performer is seen as in a mirror.", "musician",
+        "A captured performer is seen as in a mirror.", "musician", "continuous", 1, named=True,
     ),
     Control(
         "/dance/mocap/place", events.PlaceMocap,
@@ -36,7 +38,7 @@ MOCAP_CONTROLS: Final = (
             Argument("turn", "float", "how her floor is turned on the stage, towards +x", "degrees", -360, 360, 0.0),
             Argument("scale", "float", "how long her ways become; feet slide where it is not 1", "", 0, 10, 1.0),
         ),
-        "Where the middle of her floor lies on the stage.", "operator",
+        "Where the middle of her floor lies on the stage.", "operator", "continuous", 4, named=True,
     ),
     Control(
         "/dance/mocap/canon", events.CanonMocap,
@@ -46,20 +48,20 @@ MOCAP_CONTROLS: Final = (
             Argument("beats", "float", "from one who repeats her to the next", "beats", 0, 16, 2.0),
         ),
         "Other dancers repeat a captured performer, the first so many beats later, the second twice as many.",
-        "musician",
+        "musician", "continuous", 2, named=True,
     ),
     Control(
         "/dance/mocap/obstacle", events.BlockMocap,
         (_WHO, Argument("obstacle", "bool", "1: dancers go out of her way as of somebody real", default=True)),
-        "A captured performer is in the others' way.", "operator",
+        "A captured performer is in the others' way.", "operator", "continuous", 1, named=True,
     ),
     Control(
         "/dance/mocap/attract", events.DrawMocap,
         (
             _WHO,
             Argument("strength", "float", "how strongly; below 0 she drives them away, 0: neither", "", -10, 10, 1.0),
-            GROUP,
+            Argument("group", "name", "whom: a group's name; a * is everybody; left out: whom she did", default=""),
         ),
-        "A captured performer draws dancers to her.", "musician",
+        "A captured performer draws dancers to her.", "musician", "continuous", 2, named=True,
     ),
 )  # fmt: skip

@@ -98,13 +98,20 @@ def _widgets(control: Control, names: Sequence[str], reach: tuple[float, float])
     required = [argument for argument in arguments if argument.default is None]
     first = arguments[0] if arguments else None
     if [argument.name for argument in required] == ["x", "z"] == [argument.name for argument in arguments[:2]]:
+        if control.value > len(required):
+            return  # a hand on a pad would set the rest as well
         low, high = (-reach[0], -reach[1]), reach
         yield Widget("pad", address, label, low, high, (0.0, 0.0), once=control.kind == "event")
+    elif control.named:
+        for name in names:
+            if (own := control.address_of(name)) is not None:
+                yield from _widgets(replace(control, address=own, arguments=arguments[1:], named=False), (), reach)
+        return
     elif control.value == 3 and _is_colour(control):
         top = max(argument.maximum for argument in arguments[:3])
         start = tuple(float(value) for value in control.start[:3])
         yield Widget("colour", address, label, (0.0,), (top,), start)
-    elif control.value == 1 and first is not None and first.type == "float":
+    elif control.value >= 1 and first is not None and first.type == "float" and _rest_stays(control):
         start = tuple(float(value) for value in control.start[:1])
         yield Widget("fader", address, label, (first.minimum,), (first.maximum,), start)
     elif control.value == 1 and first is not None and first.type == "bool":
@@ -114,6 +121,11 @@ def _widgets(control: Control, names: Sequence[str], reach: tuple[float, float])
     if first is not None and first.type in ("name", "text") and len(required) <= 1:
         for name in names:
             yield Widget("button", address, name, values=(name,))
+
+
+def _rest_stays(control: Control) -> bool:
+    """Whether what else there is of its value stays as it is where it is left out."""
+    return all(argument.default == "" for argument in control.arguments[1 : control.value])
 
 
 def _is_colour(control: Control) -> bool:
