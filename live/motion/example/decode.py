@@ -12,7 +12,9 @@ import numpy.typing as npt
 
 from live.base.errors import PersonError
 from live.motion.example.cloud import Cloud
-from live.motion.example.kernels import SIZE, multiply, propagate
+from live.motion.example.lanes.kernels import SIZE
+from live.motion.example.products.kernels import multiply
+from live.motion.example.recurrence.kernels import propagate
 from live.motion.example.stretches import Stretches
 
 Float64 = npt.NDArray[np.float64]

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from live.motion.example.cloud import Cloud
 from live.motion.example.decode import Reading
 from live.motion.example.fit import fit, gap, stretched
-from live.motion.example.kernels import fit_places, join_places
+from live.motion.example.places.kernels import fit_places, join_places
 from live.motion.example.stretches import legal_durations
 from live.motion.example.units import Units
 

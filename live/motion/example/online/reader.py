@@ -12,7 +12,10 @@ import numpy.typing as npt
 
 from live.motion import quaternion
 from live.motion.clip import Clip
-from live.motion.example.online.kernels import SIZE, expect_root, finish_units, score_running
+from live.motion.example.lanes.kernels import SIZE
+from live.motion.example.online.expecting.kernels import expect_root
+from live.motion.example.online.finishing.kernels import finish_units
+from live.motion.example.online.running.kernels import score_running
 from live.motion.example.stretches import Stretches, make_stretches
 from live.motion.example.units import Units
 

@@ -1,0 +1,1 @@
+"""Lanes: cells that are worked on side by side."""

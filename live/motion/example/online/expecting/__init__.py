@@ -1,0 +1,1 @@
+"""Expecting: where the follower will be."""

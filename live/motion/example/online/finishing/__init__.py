@@ -1,0 +1,1 @@
+"""Finishing: units that end now."""

@@ -1,0 +1,1 @@
+"""Running: units of which the beginning is seen."""

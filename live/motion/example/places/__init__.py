@@ -1,0 +1,1 @@
+"""Places of single units on an input, for up-sampling (H012)."""

@@ -1,0 +1,1 @@
+"""Products of an input with what is recorded (K003)."""

@@ -1,0 +1,1 @@
+"""The recurrence (6)-(8)."""
