@@ -6,15 +6,15 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from live.clock.ticks import TICK
-from live.control.control import Plain
 from live.motion.captured.leading.kernels import find_places
 from live.motion.captured.packed_pose import unpack_pose
 from live.motion.captured.remembered.kernels import ASKED, BEAT, KEY, PLACE_X, SHARE, TIME, WANTED, where_captured
 from live.motion.captured.wearing.kernels import wear
-from live.motion.skeleton import JOINT_COUNT, MIRROR, SKELETON
+from live.motion.skeleton import SKELETON
 from live.show.anchor import Anchor
+from live.show.directed import Directed
 from live.show.edges import Edges
+from live.show.heard_poses import GAP, OTHER, HeardPoses
 from live.show.sections.mocap import MocapSection
 
 Float32 = npt.NDArray[np.float32]
@@ -23,39 +23,22 @@ Int64 = npt.NDArray[np.int64]
 
 HOLD: Final = 0.25
 """A pose of which no newer one comes is held for so long [s]; then her dancer goes on by herself."""
-MEMORY: Final = 32
-"""Poses that are remembered ..."""
-CANON_MEMORY: Final = 1024
-"""... and with a canon, those of some measures."""
-GAP: Final = 0.1
-"""After a silence of more than this [s] the pose that was held becomes the new one ..."""
-CATCH: Final = 0.2
-"""... within so many seconds ..."""
-TURN_OVER: Final = 0.6
-"""... and so long it takes her to become her mirror image [s]."""
 FOLLOWS: Final = 0.3
 """So much of the way to where a tracker is said to be is gone in a tick."""
 LEAVES: Final = -1.0
 """The delay of a dancer who was her and is her no more."""
-_OTHER: Final = np.array(MIRROR, np.int32)
 _OFFSETS: Final = np.array(SKELETON.offsets, np.float32)
 _PARENTS: Final = np.array(SKELETON.parents, np.int32)
 
 
-class Captured:
+class Captured(Directed):
     """One performer. Her own dancer is the first of `rows`; after her those who repeat her. Thread: the show's."""
 
     def __init__(self, section: MocapSection, half: Float64) -> None:
         """`half` (2,): half width and half depth of the stage [m], the array that the show keeps up to date."""
-        self.section = section
+        super().__init__(section)
         self.edges = Edges(half)
         """What keeps those who repeat her on the stage."""
-        self.shown, self.mirrored = section.shown, section.mirrored
-        self.obstacle, self.attract, self.attracts = section.obstacle, section.attract, section.attracts
-        self.dancer = section.dancer
-        """Words for the dancer who is her; None: anybody who is free."""
-        self.canon, self.canon_beats = section.canon, section.canon_beats
-        self.lay(*section.at, section.turn_deg, section.scale)
         self.rows: Int64 = np.zeros(0, np.int64)
         """Dancers who wear her poses, (n,)."""
         self.delay: Float64 = np.zeros(0)
@@ -66,8 +49,8 @@ class Captured:
         """How far from her each dances [m], (n, 2)."""
         self.turned: Float64 = np.zeros(0)
         """How far each was turned from her own heading at the last tick [rad], whole turns counted, (n,)."""
-        self.count = 0
-        """Poses that have come."""
+        self.poses = HeardPoses()
+        """Her last poses, where her tracker has corrected them."""
         self.draws = 0.0
         """1 while an attractor follows her, -1 while a repulsor does."""
         self.follower = -1
@@ -75,36 +58,13 @@ class Captured:
         self._spot = self._target = (0.0, 0.0)
         self._tracked = -math.inf
         self.anchor = Anchor()
-        """What her tracker corrects of where her suit has her; poses are remembered as they were corrected."""
+        """What her tracker corrects of where her suit has her."""
         self._suit, self._anchored = (0.0, 0.0), False
-        self._gap, self._catch = -math.inf, CATCH
-        self._root: Float32 = np.zeros((MEMORY + 1, 3), np.float32)
-        self._turned: Float32 = np.zeros((MEMORY + 1, JOINT_COUNT, 4), np.float32)
-        self._stamp: Float64 = np.full((MEMORY, 2), -np.inf)
 
     @property
     def is_danced(self) -> bool:
         """Whether a dancer is her, wholly or partly."""
         return bool(self.share[self.delay == 0.0].any())
-
-    def lay(self, x: float, z: float, turn: float, scale: float) -> None:
-        """The middle of her floor lies at x, z [m], it is turned so far [degrees], and her ways are so long."""
-        self.turn, self.scale = turn, scale
-        self.origin = x, z, math.radians(turn)
-
-    @property
-    def said(self) -> dict[str, tuple[Plain, ...]]:
-        """What is said of her now, as in `/dance/mocap/NAME/...`: the values that each control takes."""
-        x, z, _ = self.origin
-        return {
-            "dancer": ("*" if self.dancer is None else self.dancer,),
-            "shown": (self.shown,),
-            "mirrored": (self.mirrored,),
-            "place": (float(x), float(z), float(self.turn), float(self.scale)),
-            "canon": (self.canon, float(self.canon_beats)),
-            "obstacle": (self.obstacle,),
-            "attract": (float(self.attract), self.attracts),
-        }
 
     def recast(self, dancer: str) -> None:
         """She is another dancer from now on; whom she was goes back to her own dance."""
@@ -140,16 +100,12 @@ class Captured:
             "share",
             "moved",
             "turned",
-            "count",
+            "poses",
             "draws",
             "anchor",
             "edges",
             "_suit",
             "_anchored",
-            "_gap",
-            "_root",
-            "_turned",
-            "_stamp",
         ):
             setattr(self, name, getattr(other, name))
 
@@ -161,36 +117,27 @@ class Captured:
             a, b = (-self.scale if self.mirrored else self.scale) * a, self.scale * b
             return x + c * a + s * b, z + c * b - s * a
         when = time - self.later
-        ((x, z),) = self._places(np.array([[TIME, when, self._caught(when), 1.0, x, z, yaw, 0.0]])).tolist()
+        ((x, z),) = self._places(np.array([[TIME, when, self.poses.caught(when), 1.0, x, z, yaw, 0.0]])).tolist()
         return x, z
-
-    @property
-    def later(self) -> float:
-        """How much later she is shown than she was received [s]."""
-        return self.section.delay_ms / 1000.0
 
     @property
     def last(self) -> float:
         """When she was heard of last [s], by a pose or a tracker."""
-        return max(self._last_pose, self._tracked)
-
-    @property
-    def _last_pose(self) -> float:
-        return float(self._stamp[(self.count - 1) % len(self._stamp), TIME]) if self.count else -math.inf
+        return max(self.poses.last, self._tracked)
 
     def track(self, place: tuple[float, float], time: float) -> None:
         """Her tracker is at `place` of her floor [m]."""
         if time - self._tracked > HOLD:
             self._spot = place  # she is there anew
         self._target, self._tracked = place, max(time, self._tracked)
-        if time - self._last_pose <= GAP:
+        if time - self.poses.last <= GAP:
             self.anchor.compare(place, self._suit)
 
     def settle(self, time: float) -> None:
         """A tick: where she is follows her tracker softly."""
         (x, z), (to_x, to_z) = self._spot, self._target
         self._spot = x + FOLLOWS * (to_x - x), z + FOLLOWS * (to_z - z)
-        worn, silent = bool(self.share.any()), time - self._last_pose > HOLD
+        worn, silent = bool(self.share.any()), time - self.poses.last > HOLD
         self._anchored = self._anchored and (worn or not silent)
         if self.section.tracker is None:
             if any(self.anchor.numbers):
@@ -201,7 +148,7 @@ class Captured:
                 self.anchor.follow()
             else:
                 self.anchor.compare(self._target, self._suit)
-                self._root[:, ::2] += self.anchor.leap()
+                self.poses.shift(self.anchor.leap())
             self._anchored = True
 
     def tracker_facts(self, time: float) -> dict[str, Any]:
@@ -214,64 +161,34 @@ class Captured:
 
     def is_tracked(self, time: float) -> bool:
         """Whether her tracker, and no pose of hers, says at `time` [s] where she is."""
-        return time - self._tracked <= HOLD < time - self._last_pose
+        return time - self._tracked <= HOLD < time - self.poses.last
 
     def hear(self, pose: str, time: float, beat: float) -> None:
         """Her pose at `time` [s] and the danced `beat`, packed; of several within a tick the newest stays. ValueError
         for none."""
         root, turned = unpack_pose(pose)
-        newest = (self.count - 1) % len(self._stamp)
-        if self.count and time <= self._stamp[newest, TIME]:
-            return  # an old one that comes late
-        if self.count and time - self._stamp[newest, TIME] > GAP:
-            self._gap, self._catch = time, CATCH
-            self._root[-1], self._turned[-1] = self._root[newest], self._turned[newest]
-        if not self.count or time // TICK > self._stamp[newest, TIME] // TICK:
-            self.count += 1
-            newest = (self.count - 1) % len(self._stamp)
-        self._suit = float(root[0]), float(root[2])
-        root[::2] += self.anchor.offset
-        self._root[newest], self._turned[newest], self._stamp[newest] = root, turned, (time, beat)
+        if time > self.poses.last:  # else an old one that comes late
+            self._suit = float(root[0]), float(root[2])
+            root[::2] += self.anchor.offset
+            self.poses.hear(root, turned, time, beat)
 
     def mirror(self, mirrored: bool, time: float) -> None:
         """She is seen as in a mirror from `time` [s] on, or as she is: she goes over softly from what was seen."""
-        if mirrored != self.mirrored and self.count:
-            # what was seen is kept as the pose held before a gap, told so that the new way of seeing shows it as it was
-            shown = np.flatnonzero(self._stamp[:, TIME] <= time - self.later)
-            then = shown[np.argmax(self._stamp[shown, TIME])] if len(shown) else (self.count - 1) % len(self._stamp)
-            self._root[-1] = self._root[then] * (-1.0, 1.0, 1.0)
-            self._turned[-1] = self._turned[then][_OTHER] * (1.0, 1.0, -1.0, -1.0)
-            self._gap, self._catch = time - self.later, TURN_OVER
+        if mirrored != self.mirrored and self.poses.count:
+            self.poses.turn_over(time - self.later)
         self.mirrored = mirrored
-
-    def remember(self, much: bool) -> None:
-        """Remember as many poses as a canon needs, or few."""
-        size = CANON_MEMORY if much else MEMORY
-        if size == len(self._stamp):
-            return
-        kept = min(self.count, size, len(self._stamp))
-        order = np.arange(self.count - kept, self.count)
-        before = len(self._stamp)
-        stamp = np.full((size, 2), -np.inf)
-        stamp[order % size] = self._stamp[order % before]
-        for name in ("_root", "_turned"):
-            old = getattr(self, name)
-            fresh = np.zeros((size + 1, *old.shape[1:]), np.float32)
-            fresh[order % size], fresh[-1] = old[order % before], old[-1]
-            setattr(self, name, fresh)
-        self._stamp = stamp
 
     def is_live(self, asked: Float64, time: float, tempo: float) -> npt.NDArray[np.bool_]:
         """For whom of `rows` there is a pose at `time` [s], when this is `asked` (n, ASKED), (n,)."""
-        if not self.count:
+        if not self.poses.count:
             return np.zeros(len(self.rows), np.bool_)
-        size = len(self._stamp)
-        newest, oldest = (self.count - 1) % size, max(self.count - size, 0) % size
+        here = time - self.poses.last <= HOLD
         if len(self.rows) == 1 and self.delay[0] <= 0.0:
-            return np.array([time - self._stamp[newest, TIME] <= HOLD])
+            return np.array([here])
         own, wanted = asked[:, KEY] == TIME, asked[:, WANTED]
-        live = (wanted <= self._stamp[newest, BEAT] + HOLD * tempo / 60.0) & (wanted >= self._stamp[oldest, BEAT])
-        live[own] = time - self._stamp[newest, TIME] <= HOLD
+        oldest, newest = self.poses.beats
+        live = (wanted <= newest + HOLD * tempo / 60.0) & (wanted >= oldest)
+        live[own] = here
         return np.asarray(live)
 
     def go(self, live: npt.NDArray[np.bool_], rate: float, asked: Float64) -> None:
@@ -286,7 +203,7 @@ class Captured:
         [m]: see `find_places`."""
         there, way = np.empty((2, len(self.rows), 2))
         find_places(
-            there, way, self.turned, self.rows, live, asked, self._root, self._turned, self._stamp, self.count,
+            there, way, self.turned, self.rows, live, asked, *self.poses.kept,
             self.scale, self.mirrored, shown, legs,
         )  # fmt: skip
         return there, way
@@ -294,15 +211,15 @@ class Captured:
     def _places(self, asked: Float64) -> Float64:
         """Where the hips of what is `asked` (n, ASKED) are on the stage, (n, 2) [m]; nowhere without a pose."""
         place = np.zeros((len(asked), 4))
-        if self.count:
-            where_captured(place, asked, self._root, self._turned, self._stamp, self.count, self.scale, self.mirrored)
+        if self.poses.count:
+            where_captured(place, asked, *self.poses.kept, self.scale, self.mirrored)
         return np.asarray(place[:, :3:2])
 
     def stay(self, time: float, beat: float) -> Float64:
         """A tick: whoever repeats her stays on the stage. What is asked of the remembered poses then, (n, ASKED)."""
         asked, repeats = self._asked(time, beat), self.delay > 0.0
         if repeats.any():
-            way = self.edges.settle(self._places(asked), time, (*self.origin, self.scale), repeats)
+            way = self.edges.settle(self._places(asked), time, (*self.origin, self.scale, self.mirrored), repeats)
             self.moved += way
             asked[:, PLACE_X : PLACE_X + 2] += way
         return asked
@@ -317,7 +234,7 @@ class Captured:
 
     def _asked(self, time: float, beat: float) -> Float64:
         x, z, yaw = self.origin
-        when, caught = time - self.later, self._caught(time - self.later)
+        when, caught = time - self.later, self.poses.caught(time - self.later)
         columns = self.delay.tolist(), self.share.tolist(), self.moved.tolist(), self.turned.tolist()
         # the rows are few: what numpy would do with columns takes longer
         rows = [
@@ -327,33 +244,21 @@ class Captured:
         ]  # fmt: skip
         return np.array(rows).reshape(-1, ASKED)
 
-    def _caught(self, when: float) -> float:
-        """How far the pose of `when` [s] has come back after the last gap."""
-        part = min(max((when - self._gap) / self._catch, 0.0), 1.0)
-        return part * part * (3.0 - 2.0 * part)
-
     def dress(self, position: Float32, rotation: Float32, time: float, beat: float) -> None:
         """Let her dancers wear her poses at `time` [s], the danced `beat`: world positions (A, J, 3) and rotations
         (A, J, 4) are changed, and nothing else."""
-        if self.count and self.share.any():
+        if self.poses.count and self.share.any():
             asked = self.asked(time, beat)
             worn = asked[:, SHARE] > 0.0
             wear(
-                position, rotation, self.rows[worn], asked[worn], self._root, self._turned, self._stamp, self.count,
-                self.scale, self.mirrored, _OFFSETS, _PARENTS, _OTHER,
+                position, rotation, self.rows[worn], asked[worn], *self.poses.kept,
+                self.scale, self.mirrored, _OFFSETS, _PARENTS, OTHER,
             )  # fmt: skip
 
     def hashed(self) -> tuple[npt.NDArray[np.generic], ...]:
         """What belongs to the state of the show beyond what is seen."""
-        return (
-            self.rows,
-            self.share,
-            self.moved,
-            self.turned,
-            np.array([self.count, *self._spot]),
-            self._stamp,
-            *self._corrected(),
-        )
+        told = np.array([self.poses.count, *self._spot])
+        return self.rows, self.share, self.moved, self.turned, told, self.poses.stamp, *self._corrected()
 
     def _corrected(self) -> tuple[npt.NDArray[np.generic], ...]:
         """What belongs to the state of who has a tracker beside her suit."""

@@ -192,14 +192,14 @@ class Mocap:
     def _cast(self, captured: Captured, taken: set[int], time: float, danced: float) -> Bool:
         """Who shall wear her poses: new ones are added to her rows; returns for whom of these it is meant, (n,)."""
         wanted: dict[int, float] = {}
-        if captured.shown and captured.count:
+        if captured.shown and captured.poses.count:
             own = self._own(captured, taken)
             if own is not None:
                 wanted[own] = 0.0
             if captured.canon.strip() != NOBODY:
                 others = (row for row in self._there(captured.canon) if row != own and row not in taken)
                 wanted |= {row: captured.canon_beats * number for number, row in enumerate(others, start=1)}
-        captured.remember(captured.canon.strip() != NOBODY)
+        captured.poses.remember(captured.canon.strip() != NOBODY)
         taken |= set(wanted) | set(captured.rows.tolist())
         known = dict(zip(captured.rows.tolist(), captured.delay.tolist(), strict=True))
         new = {row: beats for row, beats in wanted.items() if row not in known}
@@ -279,7 +279,7 @@ class Mocap:
             told[name] = {
                 "dancers": (captured.rows + 1).tolist() or [captured.follower + 1] * (captured.follower >= 0),
                 "seen": np.round(captured.share, 3).tolist(),
-                "poses": captured.count,
+                "poses": captured.poses.count,
                 "last_s_ago": round(ago, 2) if np.isfinite(ago) else None,
                 **captured.tracker_facts(time),
             }
