@@ -6,6 +6,7 @@ from typing import Final
 
 from live.base.errors import PersonError, named
 from live.graph.library import StepLibrary
+from live.motion.example.found_holds import Near
 from live.motion.example.in_beats import in_beats
 from live.motion.example.partner import CONTINUITY, RATE, WALK_CONTINUITY, WALK_RATE
 from live.motion.example.sketched import sketched_pairs
@@ -18,6 +19,7 @@ from live.show.patch_file import find_beside
 from live.show.score_check import UNIT
 from live.show.sections.partner import PartnerSection
 from live.steps.pairs_file import read_pairs
+from live.steps.pairs_holds import with_holds
 
 SHOWN: Final = 20
 WALK: Final = "walk"
@@ -44,6 +46,8 @@ class AnswerBank:
             found.update(f"{lore.per_beat} {lore.unit_beats} {lore.stretch:g} {lore.units.count}".encode())
             for one in lore.units.examples:
                 found.update(one.name.encode())
+                if one.holds:
+                    found.update(repr(one.holds).encode())
                 for array in (one.cuts, one.control.floor, one.follower.rotation, one.follower.root_position):
                     found.update(array.tobytes())
         return found.hexdigest()
@@ -56,7 +60,7 @@ def answer_bank(patch: Patch, path: Path, library: StepLibrary) -> AnswerBank | 
     made: dict[tuple[object, ...], Lore] = {}
     lores = []
     for index, section in enumerate(patch.partner):
-        key = section.examples, section.steps, section.unit_beats, section.stretch, section.by_path
+        key = section.examples, section.steps, section.unit_beats, section.stretch, section.by_path, section.near
         if key not in made:
             with named(f"partner {section.name!r}", ("partner", index, "examples")):
                 made[key] = _lore(section, patch, path, library)
@@ -109,7 +113,7 @@ def _units(section: PartnerSection, path: Path, library: StepLibrary) -> tuple[U
         try:
             clips = _steps(section, library)
             if not section.by_path:
-                return sketched_pairs(clips, unit_beats=section.unit_beats), section.unit_beats
+                return sketched_pairs(clips, unit_beats=section.unit_beats, near=_near(section)), section.unit_beats
             return sketched_walks(clips, unit_beats=section.unit_beats), section.unit_beats
         except ValueError as error:
             raise PersonError(str(error), "fewer unit_beats, or other steps") from None
@@ -121,4 +125,10 @@ def _units(section: PartnerSection, path: Path, library: StepLibrary) -> tuple[U
     if walks != section.by_path:
         kind, remedy = ("walks", 'leader = "path"') if walks else ("pairs, which somebody leads", "leader")
         raise PersonError(f"{found} holds {kind}", remedy)
-    return known.units, 1 if walks else known.wanted.unit_beats
+    near = _near(section)
+    return known.units if near is None else with_holds(known, near), 1 if walks else known.wanted.unit_beats
+
+
+def _near(section: PartnerSection) -> Near | None:
+    """What counts as a hold where none is written down, None for nothing."""
+    return None if section.near is None else Near(*section.near)

@@ -30,6 +30,8 @@ class Asked:
     window: float = 0.04
     """How much beside the beat units may begin [s]."""
     place: str | None = None
+    hands: float = 1.0
+    """How far hands are held where the examples' are."""
 
     @property
     def by_path(self) -> bool:
@@ -52,7 +54,9 @@ class Pair:
 def asked_of(patch: Patch) -> list[Asked]:
     """What a patch asks."""
     return [
-        Asked(one.name, one.leader, one.follower, one.on, one.amount, min(one.window, one.stretch), one.place)
+        Asked(
+            one.name, one.leader, one.follower, one.on, one.amount, min(one.window, one.stretch), one.place, one.hands
+        )
         for one in patch.partner
     ]
 

@@ -16,11 +16,13 @@ import numpy.typing as npt
 
 from live.base.errors import PersonError
 from live.motion.example.cloud import END_JOINTS
+from live.motion.example.staged.holding import Holding
 from live.motion.example.staged.kernels import show_answers, turn_between
 from live.motion.example.staged.read_leader import ReadLeader
 from live.motion.example.staged.standing import Standing
 from live.motion.skeleton import SKELETON
 from live.show.answer_bank import AnswerBank
+from live.show.answer_holds import holds_of
 from live.show.answer_pairs import Asked, Pair, asked_of, check_pairs, in_order, pairs_of
 from live.show.casting import Casting
 from live.show.drawn_ways import DrawnWay
@@ -103,6 +105,8 @@ class Answering:
         self._turn: Float64 = np.zeros(count)  # from where she faces to where her answer does
         self.standing = Standing(count)
         """The feet of those who answer."""
+        self.holding = Holding(count)
+        """Whose hands they hold."""
         self._ways: dict[int, DrawnWay] = {}
         self._agents: Float32 = np.zeros((count, 2), np.float32)
         self._amount: Float64 = np.zeros(count)
@@ -223,6 +227,7 @@ class Answering:
             self._turn[row] = turn_between(faces[row], turned, float(self._turn[row]) if known else 0.0)
         self._leaving = [pair for pair in self._leaving if self.level[pair.follower] > 0.0]
         self._stand(see, dt)
+        self.holding.tick(holds_of(self._acting(), self.asked, self._read, self._share), see, dt)
         for index, way in list(self._ways.items()):
             if not way.tick(tracks[0], self.seeks, self.goal, float(passed.max())):
                 del self._ways[index]
@@ -369,6 +374,10 @@ class Answering:
     def stand(self, position: Float32, rotation: Float32, age: float) -> None:
         """Hold the feet of those who answer in poses (A, J, 3) and (A, J, 4), world, `age` [s] after the last tick."""
         self.standing.hold(np.flatnonzero(self._share > 0.0).astype(np.int32), position, rotation, age)
+
+    def reach(self, position: Float32, rotation: Float32, age: float) -> None:
+        """Bring hands that are held together in poses (A, J, 3) and (A, J, 4), world, `age` [s] after the last tick."""
+        self.holding.reach(position, rotation, self._share, age)
 
     def show(self, phase: Float64, position: Float32, rotation: Float32, rows: Int32 | None = None) -> None:
         """Change poses at `position` (A, J, 3) and `rotation` (A, J, 4), world, of dancers at `phase` (A,) of the

@@ -190,6 +190,8 @@ class Dancers:
             self.answering.show(self._phase, position, rotation)
             self.answering.stand(position, rotation, max(time - self._locked_at, 0.0))
         self.hands.pose(position, rotation, max(time - self._locked_at, 0.0))
+        if self.answering is not None:
+            self.answering.reach(position, rotation, max(time - self._locked_at, 0.0))
         return position, rotation
 
     def answer(self, there: Bool, tracks: Tracks, fraction: float, time: float, dt: float) -> Float64:

@@ -86,8 +86,8 @@ class Directions:
 
     def _set_partner(self, event: events.SetPartner) -> None:
         answering = self._answering()
-        if event.parameter not in ("on", "amount", "window"):
-            raise PersonError(f"nothing of a partner is called {event.parameter!r}", "one of on, amount, window")
+        if event.parameter not in ("on", "amount", "window", "hands"):
+            raise PersonError(f"nothing of a partner is called {event.parameter!r}", "one of on, amount, window, hands")
         value = event.value >= 0.5 if event.parameter == "on" else event.value
         answering.change(event.partner, event.parameter, value)
 

@@ -60,7 +60,7 @@ def fitted(new: Patch, running: Patch) -> tuple[Patch, tuple[str, ...]]:
 
 def _examples(patch: Patch) -> list[tuple[object, ...]]:
     """What each partner answers from: read when a show starts."""
-    keys = "name", "examples", "steps", "stretch", "unit_beats", "by_path"
+    keys = "name", "examples", "steps", "stretch", "unit_beats", "by_path", "near"
     return [tuple(getattr(one, key) for key in keys) for one in patch.partner]
 
 

@@ -80,9 +80,9 @@ class Readable:
         asked = [] if answering is None else answering.asked
         keys: dict[str, Callable[[Asked], Plain]] = {
             "on": lambda one: one.on, "amount": lambda one: _plain(one.amount),
-            "stretch": lambda one: _plain(one.window),
+            "stretch": lambda one: _plain(one.window), "hands": lambda one: _plain(one.hands),
         }  # fmt: skip
-        nobody: dict[str, Plain] = {"on": False, "amount": 0.0, "stretch": 0.0}
+        nobody: dict[str, Plain] = {"on": False, "amount": 0.0, "stretch": 0.0, "hands": 0.0}
         return {
             f"/dance/partner/{key}": tuple((one.name, (tell(one),)) for one in asked) or (("", (nobody[key],)),)
             for key, tell in keys.items()

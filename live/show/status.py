@@ -132,6 +132,7 @@ class Status:
             "behind": show.scheduler.behind(),
             "carried": show.scheduler.carrying.figures(),
             "interrupts": show.interrupts.figures(),
+            **({} if show.dancers.answering is None else {"hands": show.dancers.answering.holding.figures()}),
             "why": show.why(),
             **show.prompter.facts(),
             "agenda": show.prompter.agenda.figures(),

@@ -59,6 +59,10 @@ def every_control():
             events.SetPartner(parameter="amount", value=0.5, partner="duet", **STAMP),
         ),
         "/dance/partner/stretch": (["f", "0.125"], events.SetPartner(parameter="window", value=0.125, **STAMP)),
+        "/dance/partner/hands": (
+            ["fs", "0.25", "duet"],
+            events.SetPartner(parameter="hands", value=0.25, partner="duet", **STAMP),
+        ),
         "/dance/partner/path": (
             ["ffsi", "1.5", "-0.5", "walk", "1"],
             events.WalkOn(x=1.5, z=-0.5, partner="walk", anew=True, **STAMP),

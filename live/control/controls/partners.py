@@ -43,6 +43,11 @@ PARTNER_CONTROLS: Final = (
         "How much earlier or later than the beat units of an answer may begin and end.", "operator", "continuous", 1,
     ),
     Control(
+        "/dance/partner/hands", _set("hands"),
+        (Argument("value", "float", "from hands as they are danced to hands that are held", "", 0, 1), _PARTNER),
+        "How far hands are held where the examples' are, within reach.", "operator", "continuous", 1,
+    ),
+    Control(
         "/dance/partner/leader", _pair("leader"), (Argument("who", "text", f"{_WHO}; `path`: nobody"), _PARTNER),
         "Somebody else leads; who answered leaves her leader over a measure and answers the new one then.", "operator",
     ),

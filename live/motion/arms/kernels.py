@@ -36,7 +36,8 @@ _ONE: Any = np.float32(1.0)
 _TWO: Any = np.float32(2.0)
 _THREE: Any = np.float32(3.0)
 _TINY: Any = np.float32(1e-12)
-_UPPER, _LOWER, _HAND, _FORWARD, _PALM, _GOAL, _REACH, _SHARE, _ROWS = 0, 7, 14, 21, 24, 27, 30, 31, 32
+UPPER, LOWER, HAND, FORWARD, PALM_ROW, GOAL, REACH, SHARE, ROWS = 0, 7, 14, 21, 24, 27, 30, 31, 32
+"""Rows of an arm: where each part of it begins, and how many there are."""
 
 
 @part
@@ -47,7 +48,7 @@ def _smooth(t: Any) -> Any:
 
 
 @part
-def _between(ax: float, ay: float, az: float, bx: float, by: float, bz: float) -> Rotation:
+def turn_from(ax: float, ay: float, az: float, bx: float, by: float, bz: float) -> Rotation:
     """The shortest turn that brings direction a to direction b."""
     scale = _ONE / math.sqrt(max((ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz), _TINY))
     w = _ONE + (ax * bx + ay * by + az * bz) * scale
@@ -57,7 +58,7 @@ def _between(ax: float, ay: float, az: float, bx: float, by: float, bz: float) -
 
 
 @part
-def _times(q: Rotation, r: Rotation) -> Rotation:
+def after(q: Rotation, r: Rotation) -> Rotation:
     """First r, then q."""
     return (
         q[0] * r[0] - q[1] * r[1] - q[2] * r[2] - q[3] * r[3],
@@ -68,7 +69,7 @@ def _times(q: Rotation, r: Rotation) -> Rotation:
 
 
 @part
-def _turn(q: Rotation, x: float, y: float, z: float) -> Vector:
+def turn_by(q: Rotation, x: float, y: float, z: float) -> Vector:
     """The vector turned by q."""
     tx, ty, tz = _TWO * (q[2] * z - q[3] * y), _TWO * (q[3] * x - q[1] * z), _TWO * (q[1] * y - q[2] * x)
     return (
@@ -79,7 +80,7 @@ def _turn(q: Rotation, x: float, y: float, z: float) -> Vector:
 
 
 @part
-def _gather(
+def gather_arm(
     arm: Float32, position: Float32, rotation: Float32, who: Int32, hand: Int32, side: int, joints: Int32,
     start: int, stop: int,
 ) -> None:  # fmt: skip
@@ -99,125 +100,125 @@ def _gather(
             rotation[a, joints[6], 2],
             rotation[a, joints[6], 3],
         )
-        arm[_FORWARD, i] = _TWO * (x * z + w * y)
-        arm[_FORWARD + 1, i] = _TWO * (y * z - w * x)
-        arm[_FORWARD + 2, i] = _ONE - _TWO * (x * x + y * y)
-        arm[_SHARE, i] = PALM if left else -PALM
+        arm[FORWARD, i] = _TWO * (x * z + w * y)
+        arm[FORWARD + 1, i] = _TWO * (y * z - w * x)
+        arm[FORWARD + 2, i] = _ONE - _TWO * (x * x + y * y)
+        arm[SHARE, i] = PALM if left else -PALM
     for i in range(BLOCK):
-        q = arm[_HAND, i], arm[_HAND + 1, i], arm[_HAND + 2, i], arm[_HAND + 3, i]
-        dx, dy, dz = _turn(q, arm[_SHARE, i], _ZERO, _ZERO)
-        px, py, pz = arm[_HAND + 4, i] + dx, arm[_HAND + 5, i] + dy, arm[_HAND + 6, i] + dz
-        arm[_PALM, i], arm[_PALM + 1, i], arm[_PALM + 2, i] = px, py, pz
+        q = arm[HAND, i], arm[HAND + 1, i], arm[HAND + 2, i], arm[HAND + 3, i]
+        dx, dy, dz = turn_by(q, arm[SHARE, i], _ZERO, _ZERO)
+        px, py, pz = arm[HAND + 4, i] + dx, arm[HAND + 5, i] + dy, arm[HAND + 6, i] + dz
+        arm[PALM_ROW, i], arm[PALM_ROW + 1, i], arm[PALM_ROW + 2, i] = px, py, pz
         ux, uy, uz = (
-            arm[_LOWER + 4, i] - arm[_UPPER + 4, i],
-            arm[_LOWER + 5, i] - arm[_UPPER + 5, i],
-            arm[_LOWER + 6, i] - arm[_UPPER + 6, i],
+            arm[LOWER + 4, i] - arm[UPPER + 4, i],
+            arm[LOWER + 5, i] - arm[UPPER + 5, i],
+            arm[LOWER + 6, i] - arm[UPPER + 6, i],
         )
-        lx, ly, lz = px - arm[_LOWER + 4, i], py - arm[_LOWER + 5, i], pz - arm[_LOWER + 6, i]
-        arm[_REACH, i] = math.sqrt(ux * ux + uy * uy + uz * uz) + math.sqrt(lx * lx + ly * ly + lz * lz) - LENGTH_BUFFER
+        lx, ly, lz = px - arm[LOWER + 4, i], py - arm[LOWER + 5, i], pz - arm[LOWER + 6, i]
+        arm[REACH, i] = math.sqrt(ux * ux + uy * uy + uz * uz) + math.sqrt(lx * lx + ly * ly + lz * lz) - LENGTH_BUFFER
 
 
 @part
 def _meet(one: Float32, other: Float32, share: Float32, start: int, stop: int) -> None:
-    """Where the two palms of each hold go, rows _GOAL.. and _SHARE: one point that both reach, or their own places.
+    """Where the two palms of each hold go, rows GOAL.. and SHARE: one point that both reach, or their own places.
 
     The point is held within a ball that both arms reach, whose middle hangs under the line between the shoulders;
     how far within it follows where the clips have the palms.
     """
     for i in range(BLOCK):
-        sx, sy, sz = one[_UPPER + 4, i], one[_UPPER + 5, i], one[_UPPER + 6, i]
-        dx, dy, dz = other[_UPPER + 4, i] - sx, other[_UPPER + 5, i] - sy, other[_UPPER + 6, i] - sz
-        whole = one[_REACH, i] + other[_REACH, i]
+        sx, sy, sz = one[UPPER + 4, i], one[UPPER + 5, i], one[UPPER + 6, i]
+        dx, dy, dz = other[UPPER + 4, i] - sx, other[UPPER + 5, i] - sy, other[UPPER + 6, i] - sz
+        whole = one[REACH, i] + other[REACH, i]
         apart = math.sqrt(max(dx * dx + dy * dy + dz * dz, _TINY))
         q = apart / whole
         within = max(_ONE - q * q, _ZERO)
-        shorter = min(one[_REACH, i], other[_REACH, i])
+        shorter = min(one[REACH, i], other[REACH, i])
         low = LOW * shorter * math.sqrt(within)
         ball = shorter * (_ONE - math.sqrt(min(q * q + LOW * LOW * within, _ONE))) + _TINY
-        part_way, fall = one[_REACH, i] / whole, -dy / (apart * apart)
+        part_way, fall = one[REACH, i] / whole, -dy / (apart * apart)
         # straight down, but across the line between the shoulders
         cx = sx + part_way * dx - low * fall * dx
         cy = sy + part_way * dy - low * (_ONE + fall * dy)
         cz = sz + part_way * dz - low * fall * dz
-        mx = (one[_PALM, i] + other[_PALM, i]) / _TWO - cx
-        my = (one[_PALM + 1, i] + other[_PALM + 1, i]) / _TWO - cy
-        mz = (one[_PALM + 2, i] + other[_PALM + 2, i]) / _TWO - cz
+        mx = (one[PALM_ROW, i] + other[PALM_ROW, i]) / _TWO - cx
+        my = (one[PALM_ROW + 1, i] + other[PALM_ROW + 1, i]) / _TWO - cy
+        mz = (one[PALM_ROW + 2, i] + other[PALM_ROW + 2, i]) / _TWO - cz
         scale = ball / math.sqrt(ball * ball + mx * mx + my * my + mz * mz)
         cx, cy, cz = cx + mx * scale, cy + my * scale, cz + mz * scale
         ax, ay, az = cx - sx, cy - sy, cz - sz
         bx, by, bz = ax - dx, ay - dy, az - dz
-        front = (ax * one[_FORWARD, i] + ay * one[_FORWARD + 1, i] + az * one[_FORWARD + 2, i]) / math.sqrt(
+        front = (ax * one[FORWARD, i] + ay * one[FORWARD + 1, i] + az * one[FORWARD + 2, i]) / math.sqrt(
             max(ax * ax + ay * ay + az * az, _TINY)
         )
-        back = (bx * other[_FORWARD, i] + by * other[_FORWARD + 1, i] + bz * other[_FORWARD + 2, i]) / math.sqrt(
+        back = (bx * other[FORWARD, i] + by * other[FORWARD + 1, i] + bz * other[FORWARD + 2, i]) / math.sqrt(
             max(bx * bx + by * by + bz * bz, _TINY)
         )
         w = share[min(start + i, stop - 1)] * _smooth((_ONE - q) / FADE)
         w = w * _smooth((front - BEHIND) / (ASIDE - BEHIND)) * _smooth((back - BEHIND) / (ASIDE - BEHIND))
-        one[_SHARE, i], other[_SHARE, i] = w, w
-        one[_GOAL, i], one[_GOAL + 1, i], one[_GOAL + 2, i] = cx, cy, cz
-        other[_GOAL, i], other[_GOAL + 1, i], other[_GOAL + 2, i] = cx, cy, cz
+        one[SHARE, i], other[SHARE, i] = w, w
+        one[GOAL, i], one[GOAL + 1, i], one[GOAL + 2, i] = cx, cy, cz
+        other[GOAL, i], other[GOAL + 1, i], other[GOAL + 2, i] = cx, cy, cz
 
 
 @part
-def _bend(arm: Float32) -> None:
+def bend_arm(arm: Float32) -> None:
     """Two bones from the shoulder to the palm's goal: the arm swung as it is, then bent in its plane."""
     for i in range(BLOCK):
-        sx, sy, sz = arm[_UPPER + 4, i], arm[_UPPER + 5, i], arm[_UPPER + 6, i]
-        ux, uy, uz = arm[_LOWER + 4, i] - sx, arm[_LOWER + 5, i] - sy, arm[_LOWER + 6, i] - sz
-        ex, ey, ez = arm[_PALM, i] - sx, arm[_PALM + 1, i] - sy, arm[_PALM + 2, i] - sz
+        sx, sy, sz = arm[UPPER + 4, i], arm[UPPER + 5, i], arm[UPPER + 6, i]
+        ux, uy, uz = arm[LOWER + 4, i] - sx, arm[LOWER + 5, i] - sy, arm[LOWER + 6, i] - sz
+        ex, ey, ez = arm[PALM_ROW, i] - sx, arm[PALM_ROW + 1, i] - sy, arm[PALM_ROW + 2, i] - sz
         lx, ly, lz = ex - ux, ey - uy, ez - uz
         upper, lower = math.sqrt(ux * ux + uy * uy + uz * uz), math.sqrt(lx * lx + ly * ly + lz * lz)
-        w = arm[_SHARE, i]
-        gx = ex + w * (arm[_GOAL, i] - sx - ex)
-        gy = ey + w * (arm[_GOAL + 1, i] - sy - ey)
-        gz = ez + w * (arm[_GOAL + 2, i] - sz - ez)
+        w = arm[SHARE, i]
+        gx = ex + w * (arm[GOAL, i] - sx - ex)
+        gy = ey + w * (arm[GOAL + 1, i] - sy - ey)
+        gz = ez + w * (arm[GOAL + 2, i] - sz - ez)
         size = math.sqrt(max(gx * gx + gy * gy + gz * gz, _TINY))
         own = math.sqrt(max(ex * ex + ey * ey + ez * ez, _TINY))
-        length = min(max(size, abs(upper - lower)), max(arm[_REACH, i], own))
+        length = min(max(size, abs(upper - lower)), max(arm[REACH, i], own))
         nx, ny, nz = gx / size, gy / size, gz / size
         along = (upper * upper - lower * lower + length * length) / (_TWO * length)
         aside = math.sqrt(max(upper * upper - along * along, _ZERO))
         # the elbow points where it does in the clip, seen from the line shoulder to palm, and is swung with that line
         on = (ux * ex + uy * ey + uz * ez) / (own * own)
-        qw, qx, qy, qz = arm[_UPPER, i], arm[_UPPER + 1, i], arm[_UPPER + 2, i], arm[_UPPER + 3, i]
+        qw, qx, qy, qz = arm[UPPER, i], arm[UPPER + 1, i], arm[UPPER + 2, i], arm[UPPER + 3, i]
         px = ux - on * ex - w * BACK * _TWO * (qx * qz + qw * qy)
         py = uy - on * ey - w * BACK * _TWO * (qy * qz - qw * qx)
         pz = uz - on * ez - w * BACK * (_ONE - _TWO * (qx * qx + qy * qy))
-        swing = _between(ex, ey, ez, gx, gy, gz)
-        px, py, pz = _turn(swing, px, py, pz)
+        swing = turn_from(ex, ey, ez, gx, gy, gz)
+        px, py, pz = turn_by(swing, px, py, pz)
         dot = px * nx + py * ny + pz * nz
         px, py, pz = px - dot * nx, py - dot * ny, pz - dot * nz
         scale = aside / math.sqrt(max(px * px + py * py + pz * pz, _TINY))
         kx, ky, kz = along * nx + scale * px, along * ny + scale * py, along * nz + scale * pz
-        ux, uy, uz = _turn(swing, ux, uy, uz)
-        lx, ly, lz = _turn(swing, lx, ly, lz)
-        raised = _times(_between(ux, uy, uz, kx, ky, kz), swing)
-        bent = _times(_between(lx, ly, lz, length * nx - kx, length * ny - ky, length * nz - kz), swing)
+        ux, uy, uz = turn_by(swing, ux, uy, uz)
+        lx, ly, lz = turn_by(swing, lx, ly, lz)
+        raised = after(turn_from(ux, uy, uz, kx, ky, kz), swing)
+        bent = after(turn_from(lx, ly, lz, length * nx - kx, length * ny - ky, length * nz - kz), swing)
         wx, wy, wz = (
-            arm[_HAND + 4, i] - arm[_LOWER + 4, i],
-            arm[_HAND + 5, i] - arm[_LOWER + 5, i],
-            arm[_HAND + 6, i] - arm[_LOWER + 6, i],
+            arm[HAND + 4, i] - arm[LOWER + 4, i],
+            arm[HAND + 5, i] - arm[LOWER + 5, i],
+            arm[HAND + 6, i] - arm[LOWER + 6, i],
         )
-        wx, wy, wz = _turn(bent, wx, wy, wz)
-        r = _times(raised, (qw, qx, qy, qz))
-        arm[_UPPER, i], arm[_UPPER + 1, i], arm[_UPPER + 2, i], arm[_UPPER + 3, i] = r
-        r = _times(bent, (arm[_LOWER, i], arm[_LOWER + 1, i], arm[_LOWER + 2, i], arm[_LOWER + 3, i]))
-        arm[_LOWER, i], arm[_LOWER + 1, i], arm[_LOWER + 2, i], arm[_LOWER + 3, i] = r
-        r = _times(bent, (arm[_HAND, i], arm[_HAND + 1, i], arm[_HAND + 2, i], arm[_HAND + 3, i]))
-        arm[_HAND, i], arm[_HAND + 1, i], arm[_HAND + 2, i], arm[_HAND + 3, i] = r
-        arm[_LOWER + 4, i], arm[_LOWER + 5, i], arm[_LOWER + 6, i] = sx + kx, sy + ky, sz + kz
-        arm[_HAND + 4, i], arm[_HAND + 5, i], arm[_HAND + 6, i] = sx + kx + wx, sy + ky + wy, sz + kz + wz
+        wx, wy, wz = turn_by(bent, wx, wy, wz)
+        r = after(raised, (qw, qx, qy, qz))
+        arm[UPPER, i], arm[UPPER + 1, i], arm[UPPER + 2, i], arm[UPPER + 3, i] = r
+        r = after(bent, (arm[LOWER, i], arm[LOWER + 1, i], arm[LOWER + 2, i], arm[LOWER + 3, i]))
+        arm[LOWER, i], arm[LOWER + 1, i], arm[LOWER + 2, i], arm[LOWER + 3, i] = r
+        r = after(bent, (arm[HAND, i], arm[HAND + 1, i], arm[HAND + 2, i], arm[HAND + 3, i]))
+        arm[HAND, i], arm[HAND + 1, i], arm[HAND + 2, i], arm[HAND + 3, i] = r
+        arm[LOWER + 4, i], arm[LOWER + 5, i], arm[LOWER + 6, i] = sx + kx, sy + ky, sz + kz
+        arm[HAND + 4, i], arm[HAND + 5, i], arm[HAND + 6, i] = sx + kx + wx, sy + ky + wy, sz + kz + wz
 
 
 @part
-def _scatter(
+def scatter_arm(
     arm: Float32, position: Float32, rotation: Float32, who: Int32, hand: Int32, side: int, joints: Int32,
     start: int, stop: int,
 ) -> None:  # fmt: skip
     """The rows back; arms whose hands nobody holds are not touched."""
     for i in range(stop - start):
-        if arm[_SHARE, i] > _ZERO:
+        if arm[SHARE, i] > _ZERO:
             a, left = who[start + i, side], hand[start + i, side] == 0
             for k in range(3):
                 j = joints[k] if left else joints[3 + k]
@@ -236,13 +237,13 @@ def join_hands(position: Float32, rotation: Float32, who: Int32, hand: Int32, sh
     and the right arm, chest. Elbows point where the clips have them, wrists keep their rotation to the forearm.
     Shoulders out of reach fade the hold to nothing. Two-bone solution by the law of cosines, as for the legs.
     """
-    one, other = np.empty((_ROWS, BLOCK), np.float32), np.empty((_ROWS, BLOCK), np.float32)
+    one, other = np.empty((ROWS, BLOCK), np.float32), np.empty((ROWS, BLOCK), np.float32)
     for start in range(0, len(who), BLOCK):
         stop = min(start + BLOCK, len(who))
-        _gather(one, position, rotation, who, hand, 0, joints, start, stop)
-        _gather(other, position, rotation, who, hand, 1, joints, start, stop)
+        gather_arm(one, position, rotation, who, hand, 0, joints, start, stop)
+        gather_arm(other, position, rotation, who, hand, 1, joints, start, stop)
         _meet(one, other, share, start, stop)
-        _bend(one)
-        _bend(other)
-        _scatter(one, position, rotation, who, hand, 0, joints, start, stop)
-        _scatter(other, position, rotation, who, hand, 1, joints, start, stop)
+        bend_arm(one)
+        bend_arm(other)
+        scatter_arm(one, position, rotation, who, hand, 0, joints, start, stop)
+        scatter_arm(other, position, rotation, who, hand, 1, joints, start, stop)

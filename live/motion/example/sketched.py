@@ -16,6 +16,7 @@ from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.editing.sampling import read_clip
 from live.motion.example.cloud import END_JOINTS, Cloud, cloud_of
+from live.motion.example.found_holds import Near, found_holds
 from live.motion.example.units import Example, Units, cut_units
 from live.motion.forward import forward_kinematics
 from live.motion.step_clip import StepClip
@@ -50,8 +51,11 @@ class _Danced:
     """Heights of left and right foot, (M, 2) [m]."""
 
 
-def sketched_pairs(clips: Sequence[StepClip], *, unit_beats: int) -> Units:
-    """Units of `unit_beats` of all `clips`, which have one metre and tempo; ValueError if none is long enough."""
+def sketched_pairs(clips: Sequence[StepClip], *, unit_beats: int, near: Near | None = None) -> Units:
+    """Units of `unit_beats` of all `clips`, which have one metre and tempo; ValueError if none is long enough.
+
+    Whose hands are so `near` to each other hold them; without that nobody holds any.
+    """
     found: list[Example] = []
     for measures in sorted({clip.measures for clip in clips}):
         steps = [clip for clip in clips if clip.measures == measures and clip.beats % unit_beats == 0]
@@ -61,18 +65,20 @@ def sketched_pairs(clips: Sequence[StepClip], *, unit_beats: int) -> Units:
         follows += _danced(steps, [danced_again(step, back=True) for step in steps])
         best = np.argmin(_costs(follows, len(steps)), axis=1)
         pairs = zip(steps, follows[: len(steps)], best.tolist(), strict=True)
-        found += [_pair(step, lead, follows[n], unit_beats) for step, lead, n in pairs]
+        found += [_pair(step, lead, follows[n], unit_beats, near) for step, lead, n in pairs]
     if not found:
         raise ValueError(f"no step is a whole number of times {unit_beats} beats long")
     return cut_units(found)
 
 
-def _pair(step: StepClip, lead: _Danced, best: _Danced, unit_beats: int) -> Example:
+def _pair(step: StepClip, lead: _Danced, best: _Danced, unit_beats: int, near: Near | None) -> Example:
     beat = step.samples_per_measure / step.beats_per_measure
     cuts = np.asarray(np.arange(step.beats // unit_beats + 1) * beat * unit_beats, np.float64)
     beats = np.asarray(np.arange(PASSES * step.beats + 1) * beat, np.float64)
     target = best.ends.moved(complex(-1.0), complex(APART))
-    return Example(step.step, lead.ends, target, _opposite(best.clip), cuts, beats)
+    follower = _opposite(best.clip)
+    holds = () if near is None else found_holds(lead.clip, follower, near)
+    return Example(step.step, lead.ends, target, follower, cuts, beats, holds)
 
 
 def _costs(danced: Sequence[_Danced], count: int) -> Float64:

@@ -1,11 +1,13 @@
 """A partner on the stage: `[[partner]]`."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from live.show.sections.section import Name, Section, Share
+from live.show.sections.section import Amiss, Name, Section, Share
 
+LONG: Final = 0.4
+"""For how long [s] hands are near that count as held, where the patch does not say."""
 Who = Annotated[str, Field(min_length=1, max_length=400)]
 
 
@@ -37,6 +39,27 @@ class PartnerSection(Section):
     where she goes as the answer goes; left out: with the leader by who has one of her own."""
     unit_beats: Annotated[int, Field(ge=1, le=16)] = 2
     """Beats of a unit of the show's steps; a file of pairs says its own."""
+    hands: Share = 1.0
+    """How far hands are held where those of the examples are: 0 as they are danced, 1 held, as far as arms reach."""
+    hold_distance: Annotated[float, Field(ge=0.02, le=1)] | None = None
+    """Where a pair says no `holds`: hands count as held whose palms are within this of each other in the examples [m];
+    left out: only what is written down is held."""
+    hold_time: Annotated[float, Field(ge=0.05, le=60)] | None = None
+    """For how long they must be so near [s], 0.4 if left out; a hold lasts until they are half as far again apart."""
+
+    @model_validator(mode="after")
+    def _somebody_to_hold(self) -> Self:
+        if self.hold_distance is None and self.hold_time is not None:
+            raise Amiss("hold_time without hold_distance: no holds are looked for; say how near hands are", "hold_time")
+        if self.hold_distance is not None and (self.by_path or self.place == "own"):
+            why = "who is led by her own way" if self.by_path else 'who dances at her own place (place = "own")'
+            raise Amiss(f"{why} holds nobody's hands; leave hold_distance out", "hold_distance")
+        return self
+
+    @property
+    def near(self) -> tuple[float, float] | None:
+        """How near [m] for how long [s] hands are that count as held, None where nothing is looked for."""
+        return None if self.hold_distance is None else (self.hold_distance, self.hold_time or LONG)
 
     @property
     def by_path(self) -> bool:

@@ -83,6 +83,16 @@ class LivePartner:
         """Whether there is a pose yet."""
         return self.unit >= 0
 
+    @property
+    def place(self) -> float:
+        """Sample of her unit's recording that she dances at the latest frame; only where something is `known`."""
+        return self._source
+
+    @property
+    def pace(self) -> float:
+        """Samples of it that she dances in a second."""
+        return self._step * self.reader.rate
+
     def _guess(self) -> Guess | None:
         """What she goes over to now, if there is something.
 

@@ -1,0 +1,1 @@
+"""Reaching: an arm brought to a palm that is where it is."""

@@ -1,0 +1,166 @@
+"""Hands of those who answer on a stage: in their leaders', within reach, without a pop, the same again."""
+
+import numpy as np
+import pytest
+
+from live.base.errors import PersonError
+from live.clock.ticks import TICK
+from live.control import events
+from live.motion.arms.arms import ARM_JOINTS
+from live.motion.captured.packed_pose import pack_pose
+from live.motion.skeleton import JOINT_COUNT, SKELETON
+from live.show.core import Show
+from live.show.load import LoadedShow
+from live.show.patch_file import PatchError, parse_patch
+from live.show.snapshot import Snapshots, restore
+from tests.show.answering_show import FILE, FOLLOWER, LEADER
+from tests.show.holding_show import HELD, graph_of, held_bank, held_patch, holding_show, palms
+from tests.show.made_show import PATCH
+
+STAMP = {"time": 0.0, "source": "osc"}
+BODY = [j for j in range(JOINT_COUNT) if j not in ARM_JOINTS[[1, 2, 4, 5]]]
+LIVE = HELD + '[[mocap]]\nname = "live"\ndancer = "1"\ndelay_ms = 0.0\n'
+
+
+class Filmed:
+    """What is seen of a show at each tick, and what its hands do."""
+
+    def __init__(self, show: Show, seconds: float, *, captured: bool = False, drawn: bool = False) -> None:
+        (self.show, self.holding), view = (show, show.dancers.answering.holding), show.view()  # type: ignore[union-attr]
+        positions, rotations, closed, hand = [], [], [], []
+        first = round(show.time / TICK) + 1
+        for tick in range(first, first + round(seconds / TICK)):
+            if captured and tick % 2 == 0:
+                _captured(show, tick * TICK)
+            show.tick(tick * TICK)
+            if drawn:
+                show.fill(show.view(), (tick + 0.6) * TICK)
+            show.fill(view, tick * TICK)
+            positions.append(view.joint_position.copy())
+            rotations.append(view.joint_rotation.copy())
+            share = show.dancers.answering._share[FOLLOWER]  # type: ignore[union-attr]
+            closed.append(self.holding.closed[0, FOLLOWER] * share)
+            hand.append(self.holding.hand[FOLLOWER].copy())
+        self.position, self.rotation = np.array(positions), np.array(rotations)
+        self.closed, self.hand = np.array(closed), np.array(hand)
+
+    def gaps(self, side: int) -> np.ndarray:
+        """From the follower's palm to the one that she holds with it, while the hold is closed, (n,) [m]."""
+        lead, own = (palms(self.position[:, row], self.rotation[:, row]) for row in (LEADER, FOLLOWER))
+        gap = np.linalg.norm(lead[np.arange(len(lead)), self.hand[:, side]] - own[:, side], axis=-1)
+        return np.asarray(gap[self.closed[:, side] > 0.98])
+
+    def bones(self) -> np.ndarray:
+        """Lengths of the follower's upper arms, forearms (n, 4) [m]."""
+        at, joints = self.position[:, FOLLOWER], ARM_JOINTS[[1, 2, 4, 5]]
+        return np.linalg.norm(at[:, joints] - at[:, np.asarray(SKELETON.parents)[joints]], axis=-1)
+
+    def kinks(self) -> np.ndarray:
+        """The largest change of a joint's velocity of the follower from tick to tick, (n,) [m/s]."""
+        return np.asarray(np.linalg.norm(np.diff(self.position[:, FOLLOWER], 2, axis=0), axis=-1).max(axis=1) / TICK)
+
+
+def _captured(show: Show, time: float) -> None:
+    """A leader of live motion who dances one of the examples' steps, arms in front."""
+    clip = graph_of().library.clips[2].clip
+    at = round(time * 16.0) % 64
+    pose = pack_pose(np.array((-1.0, 0.93, 0.6), np.float32), np.array(clip.rotation[at], np.float32))
+    assert show.apply(events.MocapFrame(time=time, source="vmc", performer="live", pose=pose))
+
+
+def faded(show: Show, value: float) -> Show:
+    assert show.apply(events.SetPartner(parameter="hands", value=value, **STAMP))
+    return show
+
+
+@pytest.mark.parametrize("captured", [False, True])
+def test_hands_are_held_within_reach_and_nothing_else_of_her_moves(captured: bool) -> None:
+    extra = LIVE if captured else HELD
+    held = Filmed(holding_show(extra), 14.0, captured=captured)
+    free = Filmed(faded(holding_show(extra), 0.0), 14.0, captured=captured)
+    for side in range(2):
+        assert len(held.gaps(side)) > 64 * 2
+        assert held.gaps(side).max() < 0.03
+    assert np.array_equal(held.position[:, LEADER], free.position[:, LEADER])
+    assert np.array_equal(held.position[:, FOLLOWER][:, BODY], free.position[:, FOLLOWER][:, BODY])
+    assert np.abs(held.position - free.position).max() > 0.1
+    assert held.bones() == pytest.approx(free.bones(), abs=1e-4)
+    assert held.kinks().max() < 2.0 * free.kinks().max() + 0.25
+    speed, usual = (np.linalg.norm(np.diff(one.position[:, FOLLOWER], axis=0), axis=-1).max() for one in (held, free))
+    assert speed < 1.5 * usual + 1.0 * TICK
+
+
+def test_out_of_reach_arms_are_as_they_were_and_it_is_counted() -> None:
+    far = HELD.replace("hold_distance = 0.4", "hold_distance = 1.0")
+    held = Filmed(holding_show(far, apart=1.7), 9.0)
+    free = Filmed(faded(holding_show(far, apart=1.7), 0.0), 9.0)
+    assert any(example.holds for example in held_bank(far, 1.7).lores[0].units.examples)  # type: ignore[union-attr]
+    late = round(6.0 / TICK)
+    assert held.show.dancers.answering.level[FOLLOWER] == 1.0  # type: ignore[union-attr]
+    assert held.holding.missed > 0
+    assert np.array_equal(held.position[late:], free.position[late:])
+    assert held.bones() == pytest.approx(free.bones(), abs=1e-4)
+
+
+def test_the_fader_brings_hands_half_of_the_way_and_drawing_changes_nothing() -> None:
+    one, other = holding_show(), holding_show()
+    drawn = Filmed(other, 12.0, drawn=True)
+    assert np.array_equal(Filmed(one, 12.0).position, drawn.position)
+    assert one.state_hash() == other.state_hash()
+    faded(one, 0.0)
+    gone = Filmed(one, 2.0)
+    assert np.linalg.norm(np.diff(gone.position[:, FOLLOWER], axis=0), axis=-1).max() / TICK < 6.0
+    gaps = gone.gaps(1)
+    assert gaps[0] < 0.03
+    assert gaps[-1] > 0.05
+
+
+def test_a_snapshot_goes_on_bit_by_bit_while_hands_are_held() -> None:
+    show = holding_show()
+    Filmed(show, 12.0)
+    tick = round(show.time / TICK)
+    source = Snapshots(show)
+    while (taken := source.take(tick)) is None:
+        tick += 1
+        show.tick(tick * TICK)
+    again = restore(LoadedShow(FILE, held_patch(), graph_of(), answers=held_bank()), taken.seal())
+    assert again.dancers.answering.holding.held  # type: ignore[union-attr]
+    one, other = Filmed(again, 2.0), Filmed(show, 2.0)
+    assert np.array_equal(one.position, other.position)
+    assert again.state_hash() == show.state_hash()
+
+
+def test_where_nothing_is_written_or_looked_for_nobody_holds_hands() -> None:
+    plain = HELD.replace("hold_distance = 0.4\n", "")
+    bank = held_bank(plain)
+    assert bank is not None
+    assert not any(example.holds for example in bank.lores[0].units.examples)
+    show = holding_show(plain)
+    Filmed(show, 5.0)
+    assert show.dancers.answering.holding.held == 0  # type: ignore[union-attr]
+    assert bank.digest() != held_bank().digest()  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        ("hold_time = 0.5", "hold_time without hold_distance"),
+        ('hold_distance = 0.2\nplace = "own"', "at her own place"),
+        ("hold_distance = 0.0", "greater than or equal to 0.02"),
+        ("hands = 1.5", "less than or equal to 1"),
+    ],
+)
+def test_what_cannot_be_is_told_with_its_line(lines: str, words: str) -> None:
+    with pytest.raises(PatchError, match=words) as told:
+        parse_patch(f"{PATCH}{HELD.replace('hold_distance = 0.4', lines)}", "test.toml")
+    assert "line 29" in str(told.value)
+
+
+def test_over_the_network_nonsense_of_hands_is_refused() -> None:
+    show = holding_show()
+    assert not show.apply(events.SetPartner(parameter="hands", value=0.5, partner="nobody", **STAMP))
+    assert show.apply(events.SetPartner(parameter="hands", value=0.5, **STAMP))
+    assert show.dancers.answering is not None
+    assert show.dancers.answering.asked[0].hands == 0.5
+    with pytest.raises(PersonError):
+        show.dancers.answering.find("nobody")
