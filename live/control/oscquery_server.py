@@ -147,7 +147,7 @@ class Server:
         if not isinstance(path, str) or command not in ("LISTEN", "IGNORE"):
             return False
         address = path.rstrip("/")
-        if REGISTRY.kept_at(address)[0] not in READABLE:
+        if REGISTRY.kept_at(address)[0] not in READABLE or not self._tree.has(address):
             return False
         if command == "LISTEN":
             listener.paths.add(address)

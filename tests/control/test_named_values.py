@@ -9,7 +9,10 @@ from live.control.midi_map import present
 from live.control.oscquery import Namespace
 from live.control.registry import REGISTRY
 from live.control.values import READABLE, Values
+from live.show.patch_file import parse_patch
+from live.show.said_names import names_of
 from tests.control.test_osc_asking import ME, YOU, Asked
+from tests.show.made_show import PATCH
 
 MIRRORED, PLACE, ATTRACT = (f"/dance/mocap/{what}" for what in ("mirrored", "place", "attract"))
 ROWS = {
@@ -107,6 +110,12 @@ def test_a_fader_of_a_performer_is_picked_up_where_hers_is():
     values.take(ROWS)
     for name, strength in (("anna", 0.5), ("ben", 0.0), ("nobody", None)):
         assert present(Binding("cc", 7, ATTRACT, values={"performer": name}), values) == strength
+
+
+def test_the_page_is_told_the_performers_of_a_patch():
+    patch = parse_patch(PATCH + '[[mocap]]\nname = "anna"\n[[mocap]]\nname = "ben"\n', "test.toml")
+    names = names_of(patch, ())
+    assert [names[control.address] for control in NAMED] == [["anna", "ben"]] * len(NAMED)
 
 
 def test_performers_of_a_patch_have_switches_and_a_fader_that_leaves_the_rest_alone():

@@ -18,7 +18,7 @@ from live.control.rejections import Rejection
 from live.control.values import Values
 from tests.control.waiting import wait_for
 
-LIGHT, LARGER = "/dance/light/key", "/dance/motion/larger"
+LIGHT, LARGER, MIRRORED = "/dance/light/key", "/dance/motion/larger", "/dance/mocap/mirrored"
 
 NONSENSE = ("{", "[]", '{"COMMAND": "LISTEN"}', '{"COMMAND": "LISTEN", "DATA": "/nothing"}', "[" * 900)
 
@@ -82,6 +82,7 @@ def test_programs_ask_and_listen_and_pages_of_other_sites_may_not():
 
     part = OscQueryPart(("127.0.0.1", 0), ("127.0.0.1", 9010), "Live test", SystemClock())
     part.tell({LIGHT: (("", (1.5,)),), LARGER: (("a", (0.25,)), ("b", (0.5,)))})
+    part.tell({MIRRORED: (("anna", (True,)), ("ben", (False,)))})
 
     async def ask(client, path, status=200, **headers):
         async with client.get(f"http://127.0.0.1:{part.port}{path}", headers=headers) as answer:
@@ -94,7 +95,7 @@ def test_programs_ask_and_listen_and_pages_of_other_sites_may_not():
 
     async def everything():
         async with aiohttp.ClientSession() as client:
-            while "VALUE" not in await ask(client, LIGHT):
+            while "anna" not in (await ask(client, "/dance/mocap"))["CONTENTS"]:
                 part.frame()
                 await asyncio.sleep(0.01)
             assert (await ask(client, "/?HOST_INFO"))["OSC_PORT"] == 9010
@@ -110,6 +111,7 @@ def test_programs_ask_and_listen_and_pages_of_other_sites_may_not():
                     "[]",
                     '{"COMMAND": "LISTEN"}',
                     '{"COMMAND": "LISTEN", "DATA": "/nothing"}',
+                    '{"COMMAND": "LISTEN", "DATA": "/dance/mocap/nobody/mirrored"}',
                     "[" * 900,
                 ):
                     await ws.send_str(nonsense)
@@ -125,9 +127,14 @@ def test_programs_ask_and_listen_and_pages_of_other_sites_may_not():
                 part.tell({LIGHT: (("", (0.5,)),)})
                 part.frame()
                 assert await heard(ws) == [(LIGHT, 0.5)]
+                await ws.send_str(json.dumps({"COMMAND": "LISTEN", "DATA": "/dance/mocap/ben/mirrored"}))
+                assert await heard(ws) == [("/dance/mocap/ben/mirrored", False)]
+                part.tell({MIRRORED: (("anna", (False,)), ("ben", (True,)))})
+                part.frame()
+                assert await heard(ws) == [("/dance/mocap/ben/mirrored", True)]
                 await ws.send_str("x" * 5000)
                 assert (await ws.receive(timeout=20.0)).type is aiohttp.WSMsgType.CLOSE
-            assert wait_for(lambda: part.frame() or part.status().get("refused", 0) >= 7, 10.0)
+            assert wait_for(lambda: part.frame() or part.status().get("refused", 0) >= 8, 10.0)
 
     part.start()
     try:
