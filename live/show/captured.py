@@ -219,7 +219,8 @@ class Captured(Directed):
         """A tick: whoever repeats her stays on the stage. What is asked of the remembered poses then, (n, ASKED)."""
         asked, repeats = self._asked(time, beat), self.delay > 0.0
         if repeats.any():
-            way = self.edges.settle(self._places(asked), time, (*self.origin, self.scale, self.mirrored), repeats)
+            there, floor = self._places(asked), (*self.origin, self.scale)
+            way = self.edges.settle(there, time, floor, repeats, mirrored=self.mirrored)
             self.moved += way
             asked[:, PLACE_X : PLACE_X + 2] += way
         return asked

@@ -30,6 +30,7 @@ class Edges:
         """Where each of her dancers stood [m], (n, 2)."""
         self._time = 0.0
         self._floor: tuple[float, ...] = ()
+        self._mirrored = False
 
     def bent(self, there: Float64, time: float) -> Float64:
         """How far dancers whom their ways would take `there` (n, 2) [m] at `time` [s] are to be moved, (n, 2) [m]."""
@@ -42,15 +43,20 @@ class Edges:
         kept = np.minimum(np.maximum(speed, np.minimum(least, BACK)), np.maximum(most, -BACK))
         return np.asarray((kept - speed) * passed)
 
-    def settle(self, there: Float64, time: float, floor: tuple[float, ...], repeats: Bool) -> Float64:
+    def settle(
+        self, there: Float64, time: float, floor: tuple[float, ...], repeats: Bool, *, mirrored: bool = False
+    ) -> Float64:
         """A tick: as `bent`, and that is where they stand; only those who `repeats` (n,) are moved. `floor`: how her
-        floor lies on the stage; where that is another than before they are only put inside, for it acts at once."""
+        floor lies on the stage; where that is another than before they are only put inside, for it acts at once.
+        `mirrored`: whether her ways are; where they are turned over just now they go on from where they stood."""
         if floor != self._floor:
             way = np.clip(there, -self._half, self._half) - there
+        elif mirrored != self._mirrored:
+            way = self.place - there
         else:
             way = self.bent(there, time)
         way[~repeats] = 0.0
-        self.place, self._time, self._floor = there + way, time, floor
+        self.place, self._time, self._floor, self._mirrored = there + way, time, floor, mirrored
         return way
 
     def add(self, place: Float64) -> None:

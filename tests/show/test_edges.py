@@ -12,7 +12,7 @@ from live.motion.captured.packed_pose import pack_pose
 from live.motion.skeleton import JOINT_COUNT
 from live.show.edges import BACK, Edges
 from tests.show.made_show import made_show
-from tests.show.test_mocap import MEASURE, performer
+from tests.show.test_mocap import MEASURE, performer, run
 
 ALL = np.ones(1, np.bool_)
 FLOOR = (0.0,)
@@ -131,3 +131,13 @@ def test_her_floor_laid_elsewhere_acts_at_once_and_leaves_nobody_outside():
             np.testing.assert_allclose(show.state.position[:2] - before, [[0.0, 1.0]] * 2, atol=1e-4)
             show.apply(events.PlaceMocap(time=tick * TICK, source="osc", performer="anna", x=90.0, z=1.0))
     assert (np.abs(show.state.position[:2]) <= show.motion.floor.half + 1e-5).all()
+
+
+def test_ways_that_are_turned_over_go_on_from_where_they_were():
+    show = made_show(performer('dancer = "back & 6"\ncanon = "front & 1-2"\ncanon_beats = 1.0'))
+    seen = [run(show, 1, 4 * MEASURE, name="anna")]
+    show.apply(events.MirrorMocap(time=show.time, source="osc", performer="anna", mirrored=True))
+    seen.append(run(show, 4 * MEASURE + 1, 5 * MEASURE, name="anna"))
+    hips = np.concatenate(seen)[3 * MEASURE :, :2, 0, ::2]
+    step = np.hypot(*np.moveaxis(np.diff(hips, axis=0), 2, 0))
+    assert step.max() < 0.52 * TICK  # she goes round at 0.5 m/s
