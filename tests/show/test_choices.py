@@ -62,8 +62,8 @@ def test_planning_is_spread_over_the_ticks_before_the_decision():
     left, heaviest = [], [0]
 
     def look():
-        left.append(scheduler._pieces.left)
-        heaviest.extend(scheduler._pieces.weights())
+        left.append(scheduler._planning.pieces.left)
+        heaviest.extend(scheduler._planning.pieces.weights())
 
     run(show, 7.0, look)
     left = np.array(left)

@@ -13,7 +13,7 @@ def drafted(seconds=6.0):
     show = made_show()
     for tick in range(1, int(seconds / TICK)):
         if show.tick(tick * TICK):
-            yield show, show.scheduler._drafting.draft
+            yield show, show.scheduler._planning.draft
 
 
 def test_turns_and_mixtures_keep_their_limits():
