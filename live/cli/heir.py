@@ -114,7 +114,7 @@ def open_picture(
     if played.headless or not list_monitors():
         return None
     from live.cli.stage import find_screen
-    from live.cli.window_show import Picture
+    from live.cli.window_picture import Picture
 
     scene = loaded.scene(whole=False)
     picture = Picture.opened(

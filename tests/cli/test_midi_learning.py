@@ -8,7 +8,7 @@ import pytest
 
 from live.base.inbox import Inbox
 from live.cli.midi_part import OnMidi
-from live.cli.window_show import Operator
+from live.cli.window_operator import Operator
 from live.clock.note_energy import NoteEnergy
 from live.clock.source import ManualClock
 from live.control import events

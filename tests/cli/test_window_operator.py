@@ -6,7 +6,7 @@ import pytest
 
 from live.base.inbox import Inbox
 from live.base.stage_view import Camera, Look, Scene
-from live.cli.window_show import Operator
+from live.cli.window_operator import Operator
 from live.control import events
 from live.render.camera import pixel_of
 from live.render.window_input import (
