@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.example.staged.holding import Held, hands_of
+from live.motion.example.staged.held import Held, hands_of
 from live.motion.example.staged.read_leader import ReadLeader
 from live.show.answer_pairs import Asked, Pair
 

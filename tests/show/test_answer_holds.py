@@ -156,6 +156,14 @@ def test_what_cannot_be_is_told_with_its_line(lines: str, words: str) -> None:
     assert "line 29" in str(told.value)
 
 
+def test_who_dances_at_her_own_place_holds_nobody() -> None:
+    show = holding_show(HELD.replace('"back & 6"', '"back"'))
+    Filmed(show, 5.0)
+    assert show.dancers.answering is not None
+    assert show.dancers.answering.level[FOLLOWER] == 1.0
+    assert show.dancers.answering.holding.figures() == {"held": 0, "out_of_reach": 0}
+
+
 def test_over_the_network_nonsense_of_hands_is_refused() -> None:
     show = holding_show()
     assert not show.apply(events.SetPartner(parameter="hands", value=0.5, partner="nobody", **STAMP))

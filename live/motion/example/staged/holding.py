@@ -1,13 +1,10 @@
-"""Holding: which hands the units hold that answer a leader now, and how far each hold is closed (H014).
+"""Holding: how far hands are closed that the answers to leaders hold (H014).
 
-A hold goes on as long as the units danced have it: where the next one is not clear yet, as at the end of the last one.
-It is taken a little before it begins, for the recording says so ahead; where the leader's palm is out of reach it is
-let go, or not taken. All is advanced at ticks; what is drawn reads it.
+Where the leader's palm is out of reach a hold is let go, or not taken. All is advanced at ticks; drawing reads it.
 """
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -15,7 +12,7 @@ import numpy.typing as npt
 
 from live.motion.arms.arms import ARM_JOINTS
 from live.motion.arms.reaching.kernels import reach_palms, see_palms
-from live.motion.example.online.player import LivePartner
+from live.motion.example.staged.held import NOBODY, Held
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -23,19 +20,19 @@ Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 See = Callable[[Int32], tuple[Float32, Float32]]
 
-NOBODY: Final = -1
-HALFLIFE: Final = 0.08
+HALFLIFE: Final = 0.06
 """Half-life [s] in which palms meet and part, ..."""
 SLOWER: Final = 0.12
 """... and by how much it is longer for each metre that is between them [s/m]."""
-AHEAD: Final = 0.25
-"""So long [s] before a hold begins hands go to it."""
+WAITS: Final = 0.12
+"""A hold is taken once it has been within reach and wanted for so long [s]: who goes over to another unit at once
+would only twitch."""
 OPEN: Final = 0.03
 """A hold less closed than this is open, and one as near to 1 is closed: the way between is eased at both ends."""
 TAKES: Final = -0.03
 """A palm that is so much farther from the shoulder than the arm reaches [m] is taken ..."""
-LEAVES: Final = 0.03
-"""... and one that is so much farther is let go."""
+LEAVES: Final = 0.1
+"""... and one that is so much farther is let go: till then fingers hold on."""
 BEFORE: Final = 0.0
 """A palm is taken whose cosine to where the chest faces is above this ..."""
 BEHIND: Final = -0.25
@@ -46,35 +43,6 @@ EVERY: Final = 2
 """Ticks from one look at what is in reach to the next."""
 FADE_HALFLIFE: Final = 0.15
 """Half-life [s] of the way to where the fader is."""
-
-
-@dataclass(frozen=True, slots=True)
-class Held:
-    """What one follower is to hold."""
-
-    leader: int
-    follower: int
-    hands: tuple[int, int]
-    """Which of the leader's hands (0 left, 1 right) her left and her right hold, NOBODY for none."""
-    amount: float
-    """Where the fader is, 0 to 1."""
-
-
-def hands_of(partner: LivePartner) -> tuple[int, int]:
-    """Which of the leader's hands the unit that is danced holds now, by left and right hand; NOBODY for none."""
-    found = [NOBODY, NOBODY]
-    if not partner.known:
-        return NOBODY, NOBODY
-    units, unit = partner.reader.units, partner.unit
-    holds = units.examples[int(units.example[unit])].holds
-    if holds:
-        end = float(units.start[unit] + units.length[unit])
-        now = min(partner.place, end)
-        soon = min(partner.place + AHEAD * partner.pace, end)
-        for hold in holds:  # one that is held already goes before the next one
-            if hold.begin <= soon and hold.end >= now and found[hold.follower_hand] == NOBODY:
-                found[hold.follower_hand] = hold.leader_hand
-    return found[0], found[1]
 
 
 class Holding:
@@ -93,6 +61,7 @@ class Holding:
         """How far the palms would be from each other if nobody reached [m], (A, 2)."""
         self.missed = 0
         """How often a hold was let go, or not taken, because the other hand was out of reach."""
+        self._wanted: Float64 = np.zeros((count, 2))  # for how long each has been, within reach [s]
         self._told: Bool = np.zeros((count, 2), np.bool_)
         self._amount: Float64 = np.ones(count)
         self._ticks = 0
@@ -126,7 +95,9 @@ class Holding:
         if self._ticks % EVERY == 0:
             self._look(asked, see, dt)
         for row in self._rows:
-            self._advance(*row, 1.0 if asked.get(row, False) and self.within[row] else 0.0, dt)
+            takes = asked.get(row, False) and bool(self.within[row])
+            self._wanted[row] = self._wanted[row] + dt if takes else 0.0
+            self._advance(*row, 1.0 if takes and self._wanted[row] >= WAITS else 0.0, dt)
             if not (asked.get(row, False) or self.closed[0, row[0], row[1]]):
                 self.leader[row] = NOBODY
                 self._last.pop(row, None)

@@ -5,7 +5,8 @@ import pickle
 import numpy as np
 
 from live.motion.arms.arms import LEFT, RIGHT
-from live.motion.example.staged.holding import NOBODY, Held, Holding
+from live.motion.example.staged.held import NOBODY, Held
+from live.motion.example.staged.holding import Holding
 from tests.motion.arms.test_arms import facing
 
 TICK = 1.0 / 64.0
