@@ -102,10 +102,10 @@ class Taking:
     def _answer(self, rows: npt.NDArray[np.bool_]) -> str | None:
         """What most of these dancers answer their leaders with at the moment; None if they dance steps of their own."""
         answering = self.show.dancers.answering
-        if answering is None or 2 * np.count_nonzero(answering.carried & rows) <= np.count_nonzero(rows):
+        if answering is None or 2 * np.count_nonzero(answering.along.carried & rows) <= np.count_nonzero(rows):
             return None
         partners = {answering.asked[pair.partner].name for pair in answering.pairs if rows[pair.follower]}
-        labels = (label for _, partner, label in reversed(answering.news) if partner in partners)
+        labels = (label for _, partner, label in reversed(answering.leaders.news) if partner in partners)
         return next(labels, None)
 
 

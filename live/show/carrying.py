@@ -168,9 +168,9 @@ class Carrying:
         """Where everybody is on the way in and out, as `Entrances.state`; who is taken along by what she answers is in
         nobody's way: she goes where her leader is, and agents see her."""
         state, answering = self._motion.entrances.state, self._dancers.answering
-        if answering is None or not answering.following.any():
+        if answering is None or not answering.along.following.any():
             return state
-        return np.where(answering.following, WAITING, state).astype(np.int8)
+        return np.where(answering.along.following, WAITING, state).astype(np.int8)
 
     # -- what it costs -------------------------------------------------------------------------------------------
 

@@ -75,7 +75,7 @@ class Show(Dispatch):
         rows = np.flatnonzero(moved.any(axis=1))
         if len(rows):
             self.scheduler.carrying.take_along(rows, moved[rows])
-        for label in answering.take_fresh():
+        for label in answering.leaders.take_fresh():
             self.reactions.unit(label)
             self.prompter.take_reactions(self.danced, time)
 

@@ -16,7 +16,8 @@ from live.motion.posing.foot_lock import LEG_JOINTS, FootLock
 from live.motion.posing.pipeline import PosePipeline, PoseSkeleton
 from live.motion.skeleton import JOINT_COUNT, SOLE_BELOW_ANKLE
 from live.motion.texture.bank import TextureBank
-from live.show.answering import Answering, Tracks
+from live.show.answer_leaders import Tracks
+from live.show.answering import Answering
 from live.show.captured import Captured
 from live.show.danced import UNDECIDED, Danced, turn_vectors
 from live.show.texturing import Texturing
@@ -157,7 +158,7 @@ class Dancers:
         contact = self.contact(fraction)
         hold_where_wanted(contact, self.variation.lock)
         if self.answering is not None:
-            contact &= ~self.answering.carried[:, None]
+            contact &= ~self.answering.along.carried[:, None]
         position, rotation = self._legs.run(self.graph.library.leg_store)
         self.texturing.tick(self._phase, position, rotation, dt)
         if self.inertia.any_settles:
@@ -204,7 +205,7 @@ class Dancers:
         for captured in self.captured.values():
             self.answering.live[captured.rows[captured.share > 0.0]] = True
         self.answering.tick(phase, self.shown, faces, there, tracks, lambda rows: self.seen(rows, fraction, time), dt)
-        return self.answering.moved
+        return self.answering.along.moved
 
     def seen(self, rows: Int32, fraction: float, time: float) -> tuple[Float32, Float32]:
         """World positions (n, J, 3) and rotations (n, J, 4) of the dancers `rows` (n,) as the audience sees them, but

@@ -157,12 +157,12 @@ class GroupMotion:
         """The agents of those who answer others are where they are `shown` (A, 2) [m], so that others avoid them; not
         so near to their leaders that these would."""
         self._answering = answering
-        if answering is None or not answering.following.any():
+        if answering is None or not answering.along.following.any():
             return
         state, radius = self.state, self.model.radius
         for pair in answering.pairs:
             lead, follow = pair.leader, pair.follower
-            if not answering.following[follow]:
+            if not answering.along.following[follow]:
                 continue
             between = (shown[follow] - state.position[lead]).astype(np.float64)
             apart = max(float(np.hypot(*between)), 1e-6)
@@ -175,10 +175,10 @@ class GroupMotion:
         answering = self._answering
         if answering is None:
             return
-        near = answering.led | answering.following
+        near = answering.along.led | answering.along.following
         wants.separation[near] = np.minimum(wants.separation[near], 2.0 * AGENT_RADIUS + BESIDE)
-        for row in np.flatnonzero(answering.seeks).tolist():
-            way = answering.goal[row] - state.position[row]
+        for row in np.flatnonzero(answering.along.seeks).tolist():
+            way = answering.along.goal[row] - state.position[row]
             size = max(float(np.hypot(*way)), 1e-6)
             wants.velocity[row] = way * (min(size / CLOSING_S, float(wants.speed[row])) / size)
             wants.alignment[row] = wants.cohesion[row] = wants.firm[row] = 0.0

@@ -76,12 +76,12 @@ class Outgoing:
     def _note_units(self) -> None:
         """What who answers a leader dances."""
         answering = self._show.dancers.answering
-        if answering is None or answering.told == self._units:
+        if answering is None or answering.leaders.told == self._units:
             return
-        for number, partner, label in answering.news:
+        for number, partner, label in answering.leaders.news:
             if number > self._units:
                 self._waiting.append(("unit", (partner, label, label.rpartition("/")[0])))
-        self._units = answering.told
+        self._units = answering.leaders.told
 
     def _note_steps(self, view: StageView) -> None:
         """Who begins another step."""

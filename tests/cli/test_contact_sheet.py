@@ -47,9 +47,9 @@ def test_who_answers_a_leader_dances_what_she_answers(loaded: LoadedShow) -> Non
         if found is not None and found[1] is not None:
             told = {group: step for _, group, step in found[1].steps}
             assert told["leader"] in show.graph.library.steps
-            answer = [answering.news[-1][2]] if answering.carried.any() else show.graph.library.steps
+            answer = [answering.leaders.news[-1][2]] if answering.along.carried.any() else show.graph.library.steps
             assert told["answer"] in answer
-            answers += bool(answering.carried.any())
+            answers += bool(answering.along.carried.any())
     assert answers >= 3
 
 

@@ -96,7 +96,7 @@ def test_out_of_reach_arms_are_as_they_were_and_it_is_counted() -> None:
     free = Filmed(faded(holding_show(far, apart=1.7), 0.0), 9.0)
     assert any(example.holds for example in held_bank(far, 1.7).lores[0].units.examples)  # type: ignore[union-attr]
     late = round(6.0 / TICK)
-    assert held.show.dancers.answering.level[FOLLOWER] == 1.0  # type: ignore[union-attr]
+    assert held.show.dancers.answering.along.level[FOLLOWER] == 1.0  # type: ignore[union-attr]
     assert held.holding.missed > 0
     assert np.array_equal(held.position[late:], free.position[late:])
     assert held.bones() == pytest.approx(free.bones(), abs=1e-4)
@@ -160,7 +160,7 @@ def test_who_dances_at_her_own_place_holds_nobody() -> None:
     show = holding_show(HELD.replace('"back & 6"', '"back"'))
     Filmed(show, 5.0)
     assert show.dancers.answering is not None
-    assert show.dancers.answering.level[FOLLOWER] == 1.0
+    assert show.dancers.answering.along.level[FOLLOWER] == 1.0
     assert show.dancers.answering.holding.figures() == {"held": 0, "out_of_reach": 0}
 
 

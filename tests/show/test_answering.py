@@ -8,7 +8,6 @@ from live.clock.ticks import TICK
 from live.control import events
 from live.motion.captured.packed_pose import pack_pose
 from live.motion.skeleton import SKELETON
-from live.show.answering import FASTEST
 from live.show.core import Show
 from live.show.edit import fitted, version_of
 from live.show.load import LoadedShow
@@ -16,6 +15,7 @@ from live.show.outgoing import Outgoing
 from live.show.patch_file import PatchError, parse_patch
 from live.show.reloading import prepare
 from live.show.snapshot import Snapshots, restore
+from live.show.taken_along import FASTEST
 from tests.show.answering_show import (
     DUET,
     FILE,
@@ -49,7 +49,7 @@ def test_she_goes_to_her_leader_and_dances_what_goes_along_with_her_on_the_beat(
     answering = show.dancers.answering
     assert answering is not None
     begun, parts = [], []
-    (read,) = answering._read.values()
+    (read,) = answering.leaders.read.values()
     for _ in range(round(8.5 / TICK)):
         parts.append(run(show, TICK))
         if read.line is not None and read.partner.known:
@@ -58,9 +58,9 @@ def test_she_goes_to_her_leader_and_dances_what_goes_along_with_her_on_the_beat(
     lines, start = np.unique(begun)[1:], np.concatenate(parts)
     assert len(lines) > 5
     assert np.abs(lines / 2.0 - np.round(lines / 2.0)).max() * 2.0 * 0.5 <= 0.04 + 1e-9  # two beats, of 0.5 s
-    assert answering.level[FOLLOWER] == 1.0
+    assert answering.along.level[FOLLOWER] == 1.0
     assert apart(start)[0] > 2.5
-    before = answering.told
+    before = answering.leaders.told
     position = run(show, 6.0)
     assert np.abs(apart(position)[192:] - 1.0).max() < 0.2  # as in the examples, however far the two go
     assert np.ptp(position[:, FOLLOWER, 0, ::2], axis=0).max() > 0.2
@@ -68,7 +68,7 @@ def test_she_goes_to_her_leader_and_dances_what_goes_along_with_her_on_the_beat(
     legs = np.array([name.endswith(("Leg", "Foot", "Toes")) for name in SKELETON.names[1:]])
     assert amiss[~legs].max() < 1e-4
     assert amiss[legs].max() < 0.005  # legs whose feet are held give a little, as everybody's
-    assert answering.told - before in (5, 6, 7)  # each unit is told once: 12 beats hold six of two
+    assert answering.leaders.told - before in (5, 6, 7)  # each unit is told once: 12 beats hold six of two
     # others see her where she is
     assert np.hypot(*(show.state.position[FOLLOWER] - position[-1, FOLLOWER, 0, ::2])) < 0.05
 
@@ -89,7 +89,7 @@ def test_nothing_pops_however_it_is_switched() -> None:
     parts.append(run(show, 4.5))
     position = np.concatenate(parts)
     assert show.dancers.answering is not None
-    assert show.dancers.answering.level[FOLLOWER] == 1.0
+    assert show.dancers.answering.along.level[FOLLOWER] == 1.0
     turn = np.pi / 2.0 * 1.5 * 0.8  # half a turn within a measure of 2 s, smoothly, at arm's length
     assert fastest(position, FOLLOWER) < 2.0 * usual + FASTEST + turn
     assert np.isfinite(position).all()
@@ -110,7 +110,7 @@ def test_drawing_changes_nothing_and_a_snapshot_goes_on_bit_by_bit() -> None:
     assert again.state_hash() == one.state_hash()
     bank = again.dancers.answering.bank  # type: ignore[union-attr]
     assert bank is bank_of(ON_PLACE)
-    assert next(iter(again.dancers.answering._read.values())).partner.reader.units is bank.lores[0].units  # type: ignore[union-attr]
+    assert next(iter(again.dancers.answering.leaders.read.values())).partner.reader.units is bank.lores[0].units  # type: ignore[union-attr]
     assert len(data) < 150_000
 
 
@@ -119,11 +119,11 @@ def test_a_leader_who_leaves_is_followed_no_more_and_her_partner_dances_on() -> 
     run(show, 3.5)
     answering = show.dancers.answering
     assert answering is not None
-    assert answering.level[FOLLOWER] == 1.0
+    assert answering.along.level[FOLLOWER] == 1.0
     assert show.apply(events.Leave(dancers="1", **STAMP))
     run(show, 4.5)
-    assert answering.level[FOLLOWER] == 0.0
-    assert not answering.following.any()
+    assert answering.along.level[FOLLOWER] == 0.0
+    assert not answering.along.following.any()
     mine, bare = show.dancers.pose(0.4, show.time)[0][FOLLOWER].copy(), answering
     show.dancers.answering = None
     assert np.array_equal(mine, show.dancers.pose(0.4, show.time)[0][FOLLOWER])
@@ -139,8 +139,8 @@ def test_several_answer_one_leader_each_at_her_own_place_and_chains_hold() -> No
     position = run(show, 4.0)
     answering = show.dancers.answering
     assert answering is not None
-    assert np.all(answering.level[[1, 5, 6, 7, 8]] == 1.0)
-    assert len(answering._read) == 2  # a search for each leader
+    assert np.all(answering.along.level[[1, 5, 6, 7, 8]] == 1.0)
+    assert len(answering.leaders.read) == 2  # a search for each leader
     moved = np.diff(position[-128:, 5:9, 0, ::2], axis=0)
     assert np.allclose(moved, moved[:, :1], atol=1e-5)  # all go as one
     gaps = np.linalg.norm(position[-1, 5:9, None, 0, ::2] - position[-1, None, 5:9, 0, ::2], axis=-1)
@@ -162,7 +162,7 @@ def test_what_is_danced_is_told_and_calls_what_reacts_to_it() -> None:
         for what, values in outgoing.frame(view):
             told += [one for name, one in values if name == "unit"] if what == "news" else []
     assert show.dancers.answering is not None
-    assert [label for _, label, _ in told] == [label for _, _, label in show.dancers.answering.news]
+    assert [label for _, label, _ in told] == [label for _, _, label in show.dancers.answering.leaders.news]
     assert {partner for partner, _, _ in told} == {"duet"}
     assert any(name == "glide" and label.startswith("glide/") for _, label, name in told)
     assert any(isinstance(event, events.SetFacing) for event in heard)
@@ -247,7 +247,7 @@ def test_walkers_go_along_a_way_that_is_drawn_and_stop_where_it_ends() -> None:
     for n, (x, z) in enumerate(drawn.tolist()):
         assert show.apply(events.WalkOn(x=x, z=z, partner="walk", anew=n == 0, **STAMP))
     position = run(show, 8.0)
-    assert np.all(answering.level[rows] == 1.0)
+    assert np.all(answering.along.level[rows] == 1.0)
     hips, ends = position[:, rows, 0, ::2], drawn[-1] + begin - begin.mean(axis=0)
     assert np.hypot(*(hips[-1] - ends).T).max() < 0.25  # each beside the other, as when it began
     past = (hips - ends) @ (drawn[-1] - drawn[-2]) / np.hypot(*(drawn[-1] - drawn[-2]))
@@ -274,7 +274,7 @@ def test_an_edited_patch_is_taken_but_for_what_is_answered_from() -> None:
     assert show.patch is not patch_of(ON_PLACE)
     assert answering.asked[0].amount == 0.5
     assert answering.pairs[0].leader == 1
-    assert answering.level[FOLLOWER] == 1.0
+    assert answering.along.level[FOLLOWER] == 1.0
     assert np.isfinite(position).all()
     other = parse_patch(PATCH + ON_PLACE + 'unit_beats = 4\n[[partner]]\nname = "b"\nleader="1"\nfollower="2"\n', "t")
     assert fitted(other, patch_of(ON_PLACE))[1] == ("partner",)
@@ -297,7 +297,7 @@ def test_a_dancer_of_live_motion_leads_and_when_she_stops_or_leaves_it_goes_on()
         show.tick(time)
         show.fill(view, time)
         held.append(bool(answering.live[LEADER]))
-        levels.append(answering.level[FOLLOWER])
+        levels.append(answering.along.level[FOLLOWER])
         hands.append(view.joint_position[FOLLOWER].copy())
     assert held[round(4.0 / TICK)]
     assert not held[round(6.8 / TICK)]  # nothing has come for two seconds: she dances on by herself
@@ -312,14 +312,14 @@ def test_a_leader_who_cannot_be_seen_is_held_then_left_and_answered_again() -> N
     run(show, 3.2)
     answering = show.dancers.answering
     assert answering is not None
-    assert answering.level[FOLLOWER] == 1.0
+    assert answering.along.level[FOLLOWER] == 1.0
     seen = show.dancers.seen
     show.dancers.seen = lambda rows, *at: tuple(np.full_like(one, np.nan) for one in seen(rows, *at))  # type: ignore[method-assign,assignment]
     position = [run(show, 0.2)]
-    assert answering.level[FOLLOWER] > 0.9  # held
+    assert answering.along.level[FOLLOWER] > 0.9  # held
     position.append(run(show, 3.8))  # two beats, as a dancer of the show may stand, and a measure
-    assert answering.level[FOLLOWER] == 0.0
+    assert answering.along.level[FOLLOWER] == 0.0
     del show.dancers.seen
     position.append(run(show, 4.0))
-    assert answering.level[FOLLOWER] == 1.0
+    assert answering.along.level[FOLLOWER] == 1.0
     assert np.isfinite(np.concatenate(position)).all()
