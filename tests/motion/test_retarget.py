@@ -8,9 +8,10 @@ import pytest
 from live.motion import quaternion
 from live.motion.bvh import MotionFileError, parse_bvh, source_of_bvh
 from live.motion.clip import Clip
+from live.motion.feet_on_floor import find_floor
 from live.motion.forward import forward_kinematics
 from live.motion.joint_map import find_body
-from live.motion.retarget import find_floor, retarget
+from live.motion.retarget import retarget
 from live.motion.skeleton import SKELETON
 from live.motion.source_axes import standing_pose
 from live.motion.source_motion import SourceMotion
