@@ -8,7 +8,6 @@ import pytest
 from live.motion import quaternion
 from live.motion.bvh import MotionFileError, parse_bvh, source_of_bvh
 from live.motion.clip import Clip
-from live.motion.feet_on_floor import find_floor
 from live.motion.forward import forward_kinematics
 from live.motion.joint_map import find_body
 from live.motion.retarget import retarget
@@ -201,17 +200,6 @@ def test_the_floor_comes_to_zero_wherever_it_was() -> None:
     positions = positions_of(here)
     soles = positions[:, SKELETON.index("leftFoot"), 1] - 0.085, positions[:, SKELETON.index("rightFoot"), 1] - 0.085
     assert np.percentile(np.minimum(*soles), 5) > -0.06
-
-
-def test_a_jump_stays_a_jump_and_a_drift_does_not() -> None:
-    """Jumps leave the floor alone; a recording that floats for half of its time is brought down slowly."""
-    time = np.arange(600) / 60.0
-    jump = np.where((time > 3.0) & (time < 3.6), 0.3 * np.sin((time - 3.0) / 0.6 * np.pi), 0.0)
-    np.testing.assert_allclose(find_floor(jump, 60.0), 0.0, atol=1e-9)
-    drift = 0.5 * time / 10.0
-    followed = drift + jump - find_floor(drift + jump, 60.0)
-    assert np.abs(followed[(time < 2.0) | (time > 5.0)]).max() < 0.08
-    assert followed.max() > 0.25
 
 
 @pytest.mark.parametrize(

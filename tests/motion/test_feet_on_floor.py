@@ -1,0 +1,16 @@
+"""The floor of a recording, under one that jumps and one that drifts."""
+
+import numpy as np
+
+from live.motion.feet_on_floor import find_floor
+
+
+def test_a_jump_stays_a_jump_and_a_drift_does_not() -> None:
+    """Jumps leave the floor alone; a recording that floats for half of its time is brought down slowly."""
+    time = np.arange(600) / 60.0
+    jump = np.where((time > 3.0) & (time < 3.6), 0.3 * np.sin((time - 3.0) / 0.6 * np.pi), 0.0)
+    np.testing.assert_allclose(find_floor(jump, 60.0), 0.0, atol=1e-9)
+    drift = 0.5 * time / 10.0
+    followed = drift + jump - find_floor(drift + jump, 60.0)
+    assert np.abs(followed[(time < 2.0) | (time > 5.0)]).max() < 0.08
+    assert followed.max() > 0.25
