@@ -38,7 +38,7 @@ class Filmed:
             show.fill(view, tick * TICK)
             positions.append(view.joint_position.copy())
             rotations.append(view.joint_rotation.copy())
-            share = show.dancers.answering._share[FOLLOWER]  # type: ignore[union-attr]
+            share = show.dancers.answering.along.share[FOLLOWER]  # type: ignore[union-attr]
             closed.append(self.holding.closed[0, FOLLOWER] * share)
             hand.append(self.holding.hand[FOLLOWER].copy())
         self.position, self.rotation = np.array(positions), np.array(rotations)
