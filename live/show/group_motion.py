@@ -4,7 +4,6 @@ Each dancer is led by an agent. Per tick: what the plan asks of her (`agents/evo
 (`agents/procedural`), what makes it safe (`agents/crowd`). Nothing here knows steps or poses.
 """
 
-import math
 from typing import Final
 
 import numpy as np
@@ -12,17 +11,18 @@ import numpy.typing as npt
 
 from live.agents.asking.kernels import hold_on_leash, hurry_firm, rest_wants
 from live.agents.crowd.advance import Advance
-from live.agents.crowd.model import AgentModel, AgentState, Steering
+from live.agents.crowd.model import AgentModel, AgentState
 from live.agents.crowd.surroundings import Surroundings
 from live.agents.look_ahead import LookAhead
 from live.agents.parting.parting import Parting
 from live.agents.wants import Wants
 from live.agents.wings.entrances import ENTERING, ON, WAITING, Entrances
-from live.agents.wings.gate import Gate, wings
 from live.base.stage_view import StageView
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
+from live.show.agents_ahead import TAKEN, AgentsAhead
 from live.show.answering import Answering
+from live.show.answering_agents import AnsweringAgents
 from live.show.casting import Casting
 from live.show.elements import Elements
 from live.show.evolutions import Evolutions
@@ -33,7 +33,9 @@ from live.show.partners import Partners
 from live.show.patch import Patch
 from live.show.performers import Performers
 from live.show.score import Score
-from live.show.stage_set import furnish, refurnish
+from live.show.stage_set import furnish, refurnish, show_set
+from live.show.stage_steering import gates_of, steering_of
+from live.show.starting_places import starting_places
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -49,37 +51,8 @@ LONG_LEASH: Final = 0.9
 """... or than this [m] on the way in or out; in an evolution she is where the plan has her."""
 HURRY: Final = 1.6
 """In an evolution agents may be faster than the steps reach on the average: they gather speed and lose it again."""
-TAKEN: Final = 0.5
-"""An element whose influence has come this far takes a dancer out of her evolution for good."""
-BESIDE: Final = 0.02
-"""So much farther [m] than bodies are wide the agent of who answers stays from her leader's."""
-CLOSING_S: Final = 0.6
-"""Who goes to her leader would be there in this time [s], if she were fast enough."""
 STANDING: Final = 0.9
 """Distance [m] under which dancers whom nothing moves make room for each other."""
-
-
-def gates_of(patch: Patch, half_width: float, half_depth: float) -> tuple[Gate, ...]:
-    """The gates of a patch on a stage of these half sizes [m]; the usual wings if it names none."""
-    named = tuple(
-        Gate.at_edge(gate.name, gate.at, gate.width, half_width=half_width, half_depth=half_depth)
-        for gate in patch.gate
-    )
-    return named or wings(half_width, half_depth)
-
-
-def steering_of(patch: Patch) -> Steering:
-    """The parameters of a patch's steering."""
-    section = patch.steering
-    return Steering(
-        half_width=patch.stage.width / 2,
-        half_depth=patch.stage.depth / 2,
-        avoidance=section.avoidance,
-        acceleration=section.acceleration,
-        turn_rate=math.radians(section.turn_deg_s),
-        d_s=section.near,
-        d_f=section.far,
-    )
 
 
 class GroupMotion:
@@ -111,33 +84,20 @@ class GroupMotion:
         self.partners = Partners(patch, casting)
         self.starting_heading: Float64 = np.zeros(count)
         """Where everybody faces at first [rad], shape (A,)."""
-        self.state = AgentState.at(self._starting_places(patch))
+        places = starting_places(
+            self.evolutions, self.partners, self.part, self.gates[0], self.entrances.present, self._half,
+            self.starting_heading,
+        )  # fmt: skip
+        self.state = AgentState.at(places)
         self._spare = AgentState.at(self.state.position)
         self._advance = PairSteering(Advance(self.model), self.partners)
         self.wants = Wants(count)
-        self._look = LookAhead(count, self._advance, self.surroundings, self._ask_ahead)
+        self._along = AnsweringAgents(self.model.radius, AGENT_RADIUS)
+        look = LookAhead(count, self._advance, self.surroundings, self._ask_ahead)
+        self._ahead = AgentsAhead(look, self.evolutions, self.elements, self.entrances, self.floor, count, self._beats)
         self._now: tuple[Timeline, MeasureSpan] | None = None
         self._speed: Float32 = np.zeros(count, np.float32)
-        self._late: Float64 = np.zeros(count)
         self._leash: Float32 = np.zeros(count, np.float32)
-        self._answering: Answering | None = None
-
-    def _starting_places(self, patch: Patch) -> Float32:
-        position = np.zeros((len(self.casting.group), 2), np.float32)
-        position[: patch.dancer_count] = self.evolutions.starting_places()
-        position[patch.dancer_count :] = self.gates[0].places(patch.reserve)
-        edge = self._half - np.float32(0.3)
-        on = self.entrances.present
-        self.partners.pair(on)
-        self.partners.begin(position, self.starting_heading)
-        position[on] = np.clip(position[on], -edge, edge)
-        wanted = position.copy()
-        for _ in range(8):  # formations of two groups may lie on each other
-            self.part(position, wanted, float(edge.max()))
-            position[on] = np.clip(position[on], -edge, edge)
-            self.partners.gather(position, self.starting_heading)
-        position[~on] = wanted[~on]
-        return position
 
     def begin_measure(self, span: MeasureSpan, beat: float, timeline: Timeline, heading: Float64) -> Rows:
         """The measure `span` begins at `beat`; dancers face `heading` (A,) [rad].
@@ -156,32 +116,7 @@ class GroupMotion:
     def go_along(self, answering: Answering | None, shown: Float32) -> None:
         """The agents of those who answer others are where they are `shown` (A, 2) [m], so that others avoid them; not
         so near to their leaders that these would."""
-        self._answering = answering
-        if answering is None or not answering.along.following.any():
-            return
-        state, radius = self.state, self.model.radius
-        for pair in answering.pairs:
-            lead, follow = pair.leader, pair.follower
-            if not answering.along.following[follow]:
-                continue
-            between = (shown[follow] - state.position[lead]).astype(np.float64)
-            apart = max(float(np.hypot(*between)), 1e-6)
-            least = float(radius[lead] + radius[follow]) + BESIDE
-            state.position[follow] = state.position[lead] + between * (max(apart, least) / apart)
-            state.velocity[follow] = state.velocity[lead]
-
-    def _ask_along(self, wants: Wants, state: AgentState) -> None:
-        """Who answers goes to where her answer is; nobody is pushed off by who answers her."""
-        answering = self._answering
-        if answering is None:
-            return
-        near = answering.along.led | answering.along.following
-        wants.separation[near] = np.minimum(wants.separation[near], 2.0 * AGENT_RADIUS + BESIDE)
-        for row in np.flatnonzero(answering.along.seeks).tolist():
-            way = answering.along.goal[row] - state.position[row]
-            size = max(float(np.hypot(*way)), 1e-6)
-            wants.velocity[row] = way * (min(size / CLOSING_S, float(wants.speed[row])) / size)
-            wants.alignment[row] = wants.cohesion[row] = wants.firm[row] = 0.0
+        self._along.go_along(answering, shown, self.state)
 
     @property
     def staying(self) -> Bool:
@@ -236,7 +171,7 @@ class GroupMotion:
         if not ahead:
             self.elements.refresh(beat, wants, state)
         self.elements.wish(wants, state, time=time, beat=beat, ahead=ahead)
-        self._ask_along(wants, state)
+        self._along.ask(wants, state)
         self.entrances.write(wants, state.position)
 
     # -- what is ahead -------------------------------------------------------------------------------------------
@@ -244,9 +179,8 @@ class GroupMotion:
     def look(self, time: float, seconds: float, heading: Float64, late: Float64) -> None:
         """Begin to look `seconds` [s] ahead of `time` [s], and to work out what begins with the next measure, for
         dancers who will face `heading` (A,) [rad] then and are `late` (A,) [beats] on purpose."""
-        self._late = late
         tempo = 120.0 if self._now is None else self._now[0].tempo
-        self._look.begin(self.state, time=time, seconds=[seconds + beats * 60.0 / tempo for beats in np.unique(late)])
+        self._ahead.begin(self.state, time, seconds, late, tempo)
         if self._now is None:
             return
         timeline, span = self._now
@@ -261,26 +195,12 @@ class GroupMotion:
 
     def work(self, steps: int) -> None:
         """Do at most so many coarse steps of looking ahead."""
-        self._look.work(steps)
+        self._ahead.work(steps)
 
     def ahead(self) -> tuple[Float64, Bool, Float64]:
         """Where everybody will be when her next measure ends, (A, 2) [m]; who is in an evolution then, (A,), and with
         which heading, (A,) [rad]. The look ahead must be finished. Measures of those who are late end later."""
-        count = len(self.casting.group)
-        place, heading, held = np.zeros((count, 2)), np.zeros(count), np.zeros(count, np.bool_)
-        for beats, position in zip(np.unique(self._late), self._look.positions, strict=True):
-            rows = self._late == beats
-            place[rows] = position[rows]
-            if self._now is None:
-                continue
-            _, span = self._now
-            known, planned, facing = self.evolutions.target((span.number + 2) * self._beats + beats)
-            rows &= known & (self.elements.influence < TAKEN) & ~self.entrances.passing
-            place[rows], heading[rows], held[rows] = planned[rows], facing[rows], True
-        if self.floor.fitting is not None:  # plans may have been made for a larger stage
-            on = self.entrances.state == ON
-            place[on] = np.clip(place[on], -self.floor.half, self.floor.half)
-        return place, held, heading
+        return self._ahead.ends(None if self._now is None else self._now[1])
 
     # -- live ----------------------------------------------------------------------------------------------------
 
@@ -318,12 +238,5 @@ class GroupMotion:
         np.greater_equal(self.entrances.state, ENTERING, out=view.present)
         view.stage_size = float(2.0 * self.floor.border[0]), float(2.0 * self.floor.border[1])
         self.elements.show(view)
-        around = self.surroundings
-        view.wall_count = min(around.wall_count, len(view.wall))
-        if view.wall_count:
-            view.wall[: view.wall_count] = around.walls[: view.wall_count]
-        view.obstacle_count = min(around.obstacle_count, len(view.obstacle))
-        if view.obstacle_count:
-            view.obstacle[: view.obstacle_count, :3] = around.obstacles[: view.obstacle_count, :3]
-            view.obstacle[: view.obstacle_count, 3] = 1.0
+        show_set(self.surroundings, view)
         self.performers.show(view)

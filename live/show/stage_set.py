@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 
 from live.agents.crowd.surroundings import Surroundings
+from live.base.stage_view import StageView
 from live.show.sections.stage import ObstacleSection
 
 
@@ -25,3 +26,14 @@ def refurnish(surroundings: Surroundings, old: Iterable[ObstacleSection], new: I
             furnish(surroundings, item)
     for name in kept:
         surroundings.remove(name)
+
+
+def show_set(surroundings: Surroundings, view: StageView) -> None:
+    """Copy what stands on the stage into the snapshot."""
+    view.wall_count = min(surroundings.wall_count, len(view.wall))
+    if view.wall_count:
+        view.wall[: view.wall_count] = surroundings.walls[: view.wall_count]
+    view.obstacle_count = min(surroundings.obstacle_count, len(view.obstacle))
+    if view.obstacle_count:
+        view.obstacle[: view.obstacle_count, :3] = surroundings.obstacles[: view.obstacle_count, :3]
+        view.obstacle[: view.obstacle_count, 3] = 1.0
