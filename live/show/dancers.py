@@ -1,4 +1,4 @@
-"""Dancers: which measure each dancer is in, and her pose at any moment of it."""
+"""Dancers: the pose of each dancer at any moment of her measure, as the audience sees it."""
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +11,7 @@ from live.motion.inertia.inertia import Inertia
 from live.motion.inertia.kernels import LONGEST
 from live.motion.legs.landing import Landing
 from live.motion.legs.placing.kernels import hold_where_wanted
-from live.motion.posing.asking.kernels import ask_dancers, clear_feet, clip_hips, standing_feet
+from live.motion.posing.asking.kernels import clear_feet
 from live.motion.posing.foot_lock import LEG_JOINTS, FootLock
 from live.motion.posing.pipeline import PosePipeline, PoseSkeleton
 from live.motion.skeleton import JOINT_COUNT, SOLE_BELOW_ANKLE
@@ -19,7 +19,8 @@ from live.motion.texture.bank import TextureBank
 from live.show.answer_leaders import Tracks
 from live.show.answering import Answering
 from live.show.captured import Captured
-from live.show.danced import UNDECIDED, Danced, turn_vectors
+from live.show.danced import UNDECIDED, turn_vectors
+from live.show.dancing import Dancing
 from live.show.texturing import Texturing
 from live.show.variation import Variation
 
@@ -36,17 +37,14 @@ LANDED = 0.03
 held farther from there, it would soon have to let go and slide."""
 
 
-class Dancers:
-    """The dancing state of A dancers: the measure before, the present and the next one; and which feet are held."""
+class Dancers(Dancing):
+    """The dancing state of A dancers: their measures, which feet are held, what they wear and whom they answer."""
 
     def __init__(self, graph: MotionGraph, variation: Variation, dancer_count: int) -> None:
-        self.graph = graph
-        self.variation = variation
-        self.past, self.present, self.coming = (Danced(graph, dancer_count) for _ in range(3))
+        super().__init__(graph, variation, dancer_count)
         self.lock = FootLock(dancer_count)
         self.hands = Hands(dancer_count)
         self._locked_at = 0.0
-        self._pipeline = PosePipeline(dancer_count)
         self._aside = PosePipeline(1)
         self._legs = PosePipeline(dancer_count, PoseSkeleton.legs_only()[0])
         for name in ("sample", "placement", "share"):  # one question, asked of the legs alone at every tick
@@ -66,26 +64,8 @@ class Dancers:
         """Who answers whom live, None for nobody (H024)."""
         self._settled = np.full(dancer_count, LONGEST, np.float32)
         self._bare_legs = np.zeros_like(self._legs.position), np.zeros_like(self._legs.rotation)
-        self._everybody = np.arange(dancer_count)
-        self._phase = np.zeros(dancer_count)
         self.shown: Float32 = np.zeros((dancer_count, 2), np.float32)
         """Where the hips of each dancer were at the last tick [m], shape (A, 2): what the audience sees."""
-
-    def take_graph(self, graph: MotionGraph) -> None:
-        """Go on in a graph in which all nodes of the old one keep their indices."""
-        self.graph = graph
-        for danced in (self.past, self.present, self.coming):
-            danced.graph = graph
-
-    @property
-    def node(self) -> Int32:
-        """Node danced now, shape (A,)."""
-        return self.present.node
-
-    @property
-    def decided(self) -> bool:
-        """Whether the next measure of every dancer is chosen."""
-        return self.coming.decided
 
     def start(self, node: Int32, position: Float64, heading: Float64) -> None:
         """Put every dancer at the beginning of a node: hips at `position` (A, 2) [m], body facing `heading` (A,)."""
@@ -108,25 +88,6 @@ class Dancers:
         self.inertia.forget(rows)
         self.shown[rows] = position
 
-    def hips(self, fraction: float) -> Float32:
-        """Where the hips of each dancer are at the share `fraction` of the measure [m], float32, shape (A, 2)."""
-        library, danced = self.graph.library, self.present
-        first = library.node_first[danced.node]
-        sample = np.floor(first + fraction * (library.node_last[danced.node] - first)).astype(np.int64)
-        root = library.clip_root[sample][:, (0, 2)].astype(np.float64)
-        place = np.empty((len(root), 4))
-        danced.turned(np.full(len(root), fraction), place)
-        return np.ascontiguousarray(place[:, :2] + turn_vectors(root, place[:, 2]), np.float32)
-
-    def ahead(self, fraction: float, rows: Rows | None = None) -> Float64:
-        """Where the clips take hips at `fraction` of the measure [m], time warps and transitions in: of all dancers,
-        (A, 2), or of those in `rows` (n,) alone, (n, 2)."""
-        self._ask(fraction, rows)
-        rows = self._everybody if rows is None else rows
-        pipeline, out = self._pipeline, np.empty((len(rows), 2))
-        clip_hips(out, rows, pipeline.sample, pipeline.placement, pipeline.share, self.graph.library.clip_root)
-        return out
-
     def wearers(self) -> Rows:
         """Dancers who mostly wear captured poses, (n,)."""
         worn = [each.rows[each.share > 0.5] for each in self.captured.values()]
@@ -136,21 +97,6 @@ class Dancers:
     def leg_rotation(self) -> Float32:
         """How hips and legs of the dancers' own dance were turned at the last tick, in the world, (A, 9, 4)."""
         return self._legs.rotation
-
-    def contact(self, fraction: float) -> Bool:
-        """Whether the left and right foot are annotated as on the floor in the clips that are danced, shape (A, 2).
-
-        While two clips are blended a foot counts only if both have it on the floor.
-        """
-        self._ask(fraction)
-        out = np.empty((len(self._everybody), 2), np.bool_)
-        standing_feet(out, self._pipeline.sample, self._pipeline.share, self.graph.library.clip_contact)
-        return out
-
-    def cross_measure_line(self) -> None:
-        """The next measure becomes the present one, the present one the past: they change places, nothing is copied."""
-        self.past, self.present, self.coming = self.present, self.coming, self.past
-        self.coming.undecide()
 
     def tick(self, fraction: float, time: float, dt: float) -> None:
         """Follow the feet to the tick at `time` [s], `dt` [s] after the last one (foot lock)."""
@@ -251,53 +197,3 @@ class Dancers:
         aside.age[:] = np.clip(time - self.inertia.began[rows], 0.0, LONGEST)
         out = np.empty((len(rows), joints, 3), np.float32), np.empty((len(rows), joints, 4), np.float32)
         return aside.run(self.graph.library.store, out)
-
-    def measures(self) -> tuple[Danced, Danced, Danced]:
-        """The measure before, the present and the next one: what the rows of `whose` mean."""
-        return self.past, self.present, self.coming
-
-    def whose(self, fraction: float) -> tuple[Int32, Float64]:
-        """Which of `measures` each dancer is in, (A,), and how far she is in it, (A,)."""
-        phase = self.phases(fraction)
-        which = 1 - ((phase < 0.0) & (self.past.node >= 0)) + ((phase > 1.0) & self.decided)
-        return which.astype(np.int32), np.clip(phase - (which - 1.0), 0.0, 1.0)
-
-    # -- the question asked of the pose pipeline ---------------------------------------------------------------
-
-    def _ask(self, fraction: float, rows: Rows | None = None) -> None:
-        """Which samples of which clips, where, how much of each, at `fraction` of the measure: for everybody, or for
-        the dancers `rows` (n,) alone."""
-        present, phase = self.present, self._phase if rows is None else np.empty(len(rows))
-        lowest, highest = self.variation.phases(phase, fraction, present.warp, rows)
-        rows = self._everybody if rows is None else rows
-        if lowest >= 0.0 and highest <= 1.0:
-            self._fill(rows, present, self.coming, phase, fraction)
-            return
-        late = (phase < 0.0) & (self.past.node[rows] >= 0)
-        early = (phase > 1.0) & self.decided
-        self._fill(rows, present, self.coming, np.clip(phase, 0.0, 1.0), fraction)
-        if late.any():
-            self._fill(rows[late], self.past, present, phase[late] + 1.0, 1.0)
-        if early.any():
-            self._fill(rows[early], self.coming, None, phase[early] - 1.0, 0.0)
-
-    def phases(self, fraction: float) -> Float64:
-        """How far each dancer is in the present measure, below 0 in the one before, above 1 in the next one, (A,)."""
-        phase = np.empty(len(self._everybody))
-        self.variation.phases(phase, fraction, self.present.warp)
-        return phase
-
-    def _fill(
-        self, rows: npt.NDArray[np.int64], own: Danced, then: Danced | None, phase: Float64, fraction: float
-    ) -> None:
-        """The rows of those dancers who are at `phase` (n,) of the measure `own`, with `then` after it."""
-        graph, pipeline, after = self.graph, self._pipeline, own if then is None else then
-        library = graph.library
-        ask_dancers(
-            rows, phase, fraction, graph.window, then is not None,
-            own.node, own.placement, own.correction, own.aimed, own.on_support, own.take, own.take_share, own.amplitude,
-            after.node, after.placement, after.take, after.take_share, after.amplitude,
-            library.node_first, library.node_last, library.node_lead, graph.node_start, graph.node_facing_start,
-            graph.node_turns, graph.node_rise,
-            pipeline.sample, pipeline.placement, pipeline.share, pipeline.mean, pipeline.amplitude,
-        )  # fmt: skip
