@@ -19,6 +19,7 @@ from live.show.load import load_show
 from live.show.patch_places import find_patch
 from live.show.status import Status
 from tests.cli.command import run_live
+from tests.show.disk import settled
 
 TEMPO = 120.0
 SCRIPT = {
@@ -44,6 +45,8 @@ def night(tmp_path_factory):
         if frame in SCRIPT:
             inbox.put(SCRIPT[frame])
         engine.frame(lambda view: None)
+        if frame % 30 == 0:
+            settled(journal)
     journal.close(engine.ticks.index)
     return path
 

@@ -12,6 +12,7 @@ from live.show.library_watch import LibraryWatch
 from live.show.load import load_show
 from live.show.patch_places import PATCHES
 from live.show.status import Status
+from tests.show.disk import settled
 
 STEPS = PATCHES / "steps"
 
@@ -49,6 +50,8 @@ class Night:
             self._frame += 1
             self.clock.set(self._frame / 50)
             self.engine.frame(lambda view: None)
+            if self._frame % 50 == 0:
+                settled(self.writer)
             danced.setdefault(self.show.span.number + 1, set()).update(self.names())
         return danced
 

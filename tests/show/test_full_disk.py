@@ -11,12 +11,11 @@ import pytest
 from live.clock.ticks import TICK
 from live.control import events
 from live.show.journal import JournalWriter, read_journal
-from live.show.journal_file import JournalFile
 from live.show.load import LoadedShow
 from live.show.patch_file import parse_patch
 from live.show.replay import run_from
 from live.show.replay_start import first_start
-from tests.control.waiting import wait_for
+from tests.show.disk import settled
 from tests.show.made_show import GRAPH, PATCH
 
 MADE = LoadedShow(Path("test.toml"), parse_patch(PATCH, "test.toml"), GRAPH)
@@ -60,10 +59,7 @@ class Dance:
         self.settled()
 
     def settled(self):
-        sink = self.writer.sink
-        assert isinstance(sink, JournalFile)
-        snapshots = sink._snapshots
-        assert wait_for(lambda: sink._lines.behind == 0 and (snapshots is None or snapshots.behind == 0), 10)
+        settled(self.writer)
 
     def end(self):
         self.writer.close(self.tick)

@@ -23,6 +23,7 @@ from live.show.replay import Replaying, run_from
 from live.show.replay_start import first_start, start_before
 from live.show.snapshot import Snapshots, facts_of
 from live.show.status import Status
+from tests.show.disk import settled
 from tests.show.made_show import GRAPH, PATCH
 
 MADE = LoadedShow(Path("test.toml"), parse_patch(PATCH, "test.toml"), GRAPH)
@@ -50,6 +51,8 @@ def record(path, seconds=18.0, fps=50, sink=None):
         if frame in SCRIPT:
             inbox.put(SCRIPT[frame])
         engine.frame(lambda view: None)
+        if frame % fps == 0:
+            settled(writer)
     writer.close(engine.ticks.index)
     return engine
 
@@ -285,6 +288,8 @@ def test_a_snapshot_after_an_edit_of_the_patch_is_found_again(tmp_path):
         if frame == 100:
             inbox.put(events.PatchChanged(time=3.3, source="patch", patch=text, version=version_of(text)))
         engine.frame(lambda view: None)
+        if frame % 30 == 0:
+            settled(writer)
     writer.close(engine.ticks.index)
     assert show.patch.group[1].steps == ("spin",)
     journal, problems = read_journal(path), []
