@@ -100,12 +100,31 @@ def _follow(lead: Float32, own: Float32, share: Float32, start: int, stop: int) 
         own[SHARE, i] = w
 
 
-@kernel("void(f4[:,:,::1], f4[:,:,::1], i4[:,::1], i4[:,::1], f4[::1], i4[::1])")
-def reach_palms(position: Float32, rotation: Float32, who: Int32, hand: Int32, share: Float32, joints: Int32) -> None:
+@part
+def _keep(
+    lead: Float32, own: Float32, rotation: Float32, kept: Float32, who: Int32, joints: Int32, start: int, stop: int
+) -> None:
+    """Bring leaders' palms of the block as far as `kept` says to where they were seen from their followers' chests."""
+    for n in range(start, stop):
+        w, i, a, j = kept[n, 3], n - start, who[n, 1], joints[6]
+        if w > _ZERO:
+            chest = rotation[a, j, 0], rotation[a, j, 1], rotation[a, j, 2], rotation[a, j, 3]
+            x, y, z = turn_by(chest, kept[n, 0], kept[n, 1], kept[n, 2])
+            lead[PALM_ROW, i] += w * (own[UPPER + 4, i] + x - lead[PALM_ROW, i])
+            lead[PALM_ROW + 1, i] += w * (own[UPPER + 5, i] + y - lead[PALM_ROW + 1, i])
+            lead[PALM_ROW + 2, i] += w * (own[UPPER + 6, i] + z - lead[PALM_ROW + 2, i])
+
+
+@kernel("void(f4[:,:,::1], f4[:,:,::1], i4[:,::1], i4[:,::1], f4[::1], f4[:,::1], i4[::1])")
+def reach_palms(
+    position: Float32, rotation: Float32, who: Int32, hand: Int32, share: Float32, kept: Float32, joints: Int32
+) -> None:
     """Bring followers' palms to their leaders' in the poses `position` (A, J, 3) [m], `rotation` (A, J, 4), in place.
 
     `who` (H, 2): leader and follower of each hold, `hand` (H, 2): whose left (0) or right (1) hand; `share` (H,): how
-    far the hold is closed, 0 to 1; `joints` as for `join_hands`. Only the follower's arm moves. A follower's arm is in
+    far the hold is closed, 0 to 1; `joints` as for `join_hands`. `kept` (H, 4): where the
+    leader's palm was from the follower's shoulder as her chest sees it [m], and how far that counts instead of where
+    it is, 0 to 1: a hand that is let go is followed no more. Only the follower's arm moves. A follower's arm is in
     one hold; who leads comes after what she herself reaches for. Beyond its reach an arm is straight, never longer.
     """
     lead, own = np.empty((ROWS, BLOCK), np.float32), np.empty((ROWS, BLOCK), np.float32)
@@ -121,6 +140,7 @@ def reach_palms(position: Float32, rotation: Float32, who: Int32, hand: Int32, s
             stop += 1
         gather_arm(lead, position, rotation, who, hand, 0, joints, start, stop)
         gather_arm(own, position, rotation, who, hand, 1, joints, start, stop)
+        _keep(lead, own, rotation, kept, who, joints, start, stop)
         _follow(lead, own, share, start, stop)
         bend_arm(own)
         scatter_arm(own, position, rotation, who, hand, 1, joints, start, stop)
@@ -129,9 +149,9 @@ def reach_palms(position: Float32, rotation: Float32, who: Int32, hand: Int32, s
 
 @kernel("void(f4[:,:,::1], f4[:,:,::1], i4[:,::1], i4[:,::1], i4[::1], f4[:,::1])")
 def see_palms(position: Float32, rotation: Float32, who: Int32, hand: Int32, joints: Int32, out: Float32) -> None:
-    """What followers would have to reach, as in `reach_palms`, into `out` (H, 3): how much farther from her shoulder
+    """What followers would have to reach, as in `reach_palms`, into `out` (H, 6): how much farther from her shoulder
     than her arm reaches the leader's palm is [m], below 0 within reach; the cosine between where her chest faces and
-    where it is; and how far it is from her own palm [m]."""
+    where it is; how far it is from her own palm [m]; and where it is from her shoulder as her chest sees it [m]."""
     lead, own = np.empty((ROWS, BLOCK), np.float32), np.empty((ROWS, BLOCK), np.float32)
     for start in range(0, len(who), BLOCK):
         stop = min(start + BLOCK, len(who))
@@ -147,4 +167,7 @@ def see_palms(position: Float32, rotation: Float32, who: Int32, hand: Int32, joi
             dx = lead[PALM_ROW, i] - own[PALM_ROW, i]
             dy = lead[PALM_ROW + 1, i] - own[PALM_ROW + 1, i]
             dz = lead[PALM_ROW + 2, i] - own[PALM_ROW + 2, i]
+            a, j = who[start + i, 1], joints[6]
+            back = rotation[a, j, 0], -rotation[a, j, 1], -rotation[a, j, 2], -rotation[a, j, 3]
+            out[start + i, 3], out[start + i, 4], out[start + i, 5] = turn_by(back, gx, gy, gz)
             out[start + i, 2] = math.sqrt(dx * dx + dy * dy + dz * dz)

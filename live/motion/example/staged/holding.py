@@ -37,8 +37,14 @@ BEFORE: Final = 0.0
 """A palm is taken whose cosine to where the chest faces is above this ..."""
 BEHIND: Final = -0.25
 """... and let go below this: hands are not held behind the back."""
+CLOSE: Final = 0.2
+"""A palm that is nearer to the shoulder than this [m] is let go ..."""
+CLOSER: Final = 0.05
+"""... and taken if it is so much farther off."""
 SOON: Final = 0.1
 """Where palms will be so much later [s], as they go now, counts as well."""
+LEFT: Final = 0.1
+"""So long [s] after it is let go a hand is followed no more, wherever it goes, behind the back or past the shoulder."""
 EVERY: Final = 2
 """Ticks from one look at what is in reach to the next."""
 FADE_HALFLIFE: Final = 0.15
@@ -61,12 +67,16 @@ class Holding:
         """How far the palms would be from each other if nobody reached [m], (A, 2)."""
         self.missed = 0
         """How often a hold was let go, or not taken, because the other hand was out of reach."""
+        self._left: Float64 = np.zeros((count, 2))  # for how long each is being let go: it opens wholly first [s]
+        self._place: Float32 = np.zeros((count, 2, 3), np.float32)  # of palms, seen from the own chest and shoulder [m]
         self._wanted: Float64 = np.zeros((count, 2))  # for how long each has been, within reach [s]
         self._told: Bool = np.zeros((count, 2), np.bool_)
         self._amount: Float64 = np.ones(count)
         self._ticks = 0
         self._rows: list[tuple[int, int]] = []  # who holds, by which hand; leaders first
-        self._last: dict[tuple[int, int], tuple[float, float]] = {}  # how far and where palms were at the last look
+        self._last: dict[
+            tuple[int, int], tuple[float, float, float]
+        ] = {}  # how far and where palms were at the last look
         self._laid: list[tuple[int, int, int, int]] = []
         self._lay()
 
@@ -95,8 +105,10 @@ class Holding:
         if self._ticks % EVERY == 0:
             self._look(asked, see, dt)
         for row in self._rows:
-            takes = asked.get(row, False) and bool(self.within[row])
+            takes = asked.get(row, False) and bool(self.within[row]) and not self._left[row]
             self._wanted[row] = self._wanted[row] + dt if takes else 0.0
+            if not takes and self.closed[0, row[0], row[1]]:
+                self._left[row] += dt
             self._advance(*row, 1.0 if takes and self._wanted[row] >= WAITS else 0.0, dt)
             if not (asked.get(row, False) or self.closed[0, row[0], row[1]]):
                 self.leader[row] = NOBODY
@@ -130,21 +142,25 @@ class Holding:
         self._who, self._hands = table[:, :2].copy(), table[:, 2:].copy()
         self._looked, where = np.unique(self._who, return_inverse=True)
         self._where = np.array(where.reshape(-1, 2), np.int32)
-        self._far: Float32 = np.zeros((len(laid), 3), np.float32)
+        self._far: Float32 = np.zeros((len(laid), 6), np.float32)
 
     def _look(self, asked: dict[tuple[int, int], bool], see: See, dt: float) -> None:
         """What is within reach now, and soon."""
         position, rotation = see(self._looked)
         see_palms(position, rotation, self._where, self._hands, ARM_JOINTS, self._far)
         looks = SOON / (EVERY * dt)
-        for row, (over, ahead, apart) in zip(self._rows, self._far.tolist(), strict=True):
-            was_over, was_ahead = self._last.get(row, (over, ahead))
-            self._last[row] = over, ahead
+        for row, (over, ahead, apart, *place) in zip(self._rows, self._far.tolist(), strict=True):
+            size = math.hypot(*place)
+            was_over, was_ahead, was_size = self._last.get(row, (over, ahead, size))
+            self._last[row] = over, ahead, size
             over = max(over, over + looks * (over - was_over))
             ahead = min(ahead, ahead + looks * (ahead - was_ahead))
-            limits = (LEAVES, BEHIND) if self.within[row] else (TAKES, BEFORE)
-            near = over < limits[0] and ahead > limits[1]
+            size = min(size, size + looks * (size - was_size))
+            limits = (LEAVES, BEHIND, CLOSE) if self.within[row] else (TAKES, BEFORE, CLOSE + CLOSER)
+            near = over < limits[0] and ahead > limits[1] and size > limits[2]
             self.apart[row], self.within[row] = apart, near
+            if not self._left[row]:
+                self._place[row] = place
             if near:
                 self._told[row] = False
             elif asked.get(row, False) and not self._told[row] and self._amount[row[0]] > OPEN:
@@ -159,7 +175,7 @@ class Holding:
         fall, bend = math.exp(-rate * dt), speed + away * rate
         closed, speed = goal + fall * (away + bend * dt), fall * (speed - bend * rate * dt)
         if goal == 0.0 and closed < OPEN and speed <= 0.0:
-            closed = speed = 0.0
+            closed = speed = self._left[row, side] = 0.0
         self.closed[0, row, side], self.closed[1, row, side] = closed, speed
 
     def reach(self, position: Float32, rotation: Float32, share: Float64, age: float) -> None:
@@ -167,10 +183,13 @@ class Holding:
         tick; of each dancer's answer so much is in, `share` (A,)."""
         if not self._laid:
             return
-        parts = np.empty(len(self._laid), np.float32)
+        parts, kept = np.empty(len(self._laid), np.float32), np.zeros((len(self._laid), 4), np.float32)
         for n, (_, row, _, side) in enumerate(self._laid):
             closed = self.closed[0, row, side] + age * self.closed[1, row, side]
             t = min(max((closed - OPEN) / (1.0 - 2.0 * OPEN), 0.0), 1.0)
+            if self._left[row, side]:
+                left = min((self._left[row, side] + age) / LEFT, 1.0)
+                kept[n, :3], kept[n, 3] = self._place[row, side], left * left * (3.0 - 2.0 * left)
             parts[n] = t * t * (3.0 - 2.0 * t) * self._amount[row] * share[row]
         if parts.any():
-            reach_palms(position, rotation, self._who, self._hands, parts, ARM_JOINTS)
+            reach_palms(position, rotation, self._who, self._hands, parts, kept, ARM_JOINTS)

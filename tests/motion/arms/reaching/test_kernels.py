@@ -18,7 +18,8 @@ BOTH = np.array([[0, 1], [0, 1]], np.int32), np.array([[LEFT, RIGHT], [RIGHT, LE
 def reach(position, rotation, share=1.0, who=BOTH[0], hand=BOTH[1]):
     """The same poses with dancer 1 holding both hands of dancer 0."""
     position, rotation = position.copy(), rotation.copy()
-    reach_palms(position, rotation, who, hand, np.full(len(who), share, np.float32), ARM_JOINTS)
+    kept = np.zeros((len(who), 4), np.float32)
+    reach_palms(position, rotation, who, hand, np.full(len(who), share, np.float32), kept, ARM_JOINTS)
     return position, rotation
 
 
@@ -120,17 +121,18 @@ def test_who_leads_others_comes_first_and_many_are_held_as_one_is():
     chain = np.array([[0, 1], [1, 2]], np.int32), np.array([[LEFT, RIGHT], [RIGHT, LEFT]], np.int32)
     who = (3 * np.arange(40)[:, None, None] + chain[0]).reshape(-1, 2).astype(np.int32)
     hand = np.tile(chain[1], (40, 1))
-    reach_palms(position, rotation, who, hand, np.ones(80, np.float32), ARM_JOINTS)
+    reach_palms(position, rotation, who, hand, np.ones(80, np.float32), np.zeros((80, 4), np.float32), ARM_JOINTS)
     for n, (p, r) in enumerate(trios):
         for k in range(2):
-            reach_palms(p, r, chain[0][k : k + 1], chain[1][k : k + 1], np.ones(1, np.float32), ARM_JOINTS)
+            one = np.ones(1, np.float32), np.zeros((1, 4), np.float32)
+            reach_palms(p, r, chain[0][k : k + 1], chain[1][k : k + 1], *one, ARM_JOINTS)
         assert (position[3 * n : 3 * n + 3] == p).all()
         assert (rotation[3 * n : 3 * n + 3] == r).all()
 
 
 def test_what_is_seen_is_what_there_is_to_reach():
     position, rotation = facing(0.7, seed=4)
-    out = np.zeros((2, 3), np.float32)
+    out = np.zeros((2, 6), np.float32)
     see_palms(position, rotation, *BOTH, ARM_JOINTS, out)
     for n, hand in enumerate((RIGHT, LEFT)):
         target, own = palms(position, rotation, 1 - hand)[0], palms(position, rotation, hand)[1]
@@ -140,3 +142,20 @@ def test_what_is_seen_is_what_there_is_to_reach():
         assert out[n, 0] == pytest.approx(over + float(LENGTH_BUFFER), abs=1e-5)
         assert out[n, 1] == pytest.approx(float(way @ chest) / np.linalg.norm(way), abs=1e-5)
         assert out[n, 2] == pytest.approx(np.linalg.norm(target - own), abs=1e-5)
+        assert rotate(rotation[1, ARM_JOINTS[6]].astype(float), out[n, 3:].astype(float)) == pytest.approx(
+            way, abs=1e-5
+        )
+
+
+def test_a_palm_that_is_kept_counts_where_it_was_and_not_where_it_goes():
+    before = facing(0.5)
+    kept, who, hand = np.array([[-0.05, -0.1, 0.4, 1.0]], np.float32), BOTH[0][:1], np.array([[LEFT, RIGHT]], np.int32)
+    ways = []
+    for away in (0.0, 5.0):
+        position, rotation = before[0].copy(), before[1].copy()
+        position[0] += np.float32(away)
+        reach_palms(position, rotation, who, hand, np.ones(1, np.float32), kept, ARM_JOINTS)
+        ways.append(position[1])
+    assert ways[0] == pytest.approx(ways[1], abs=1e-6)
+    chest = rotate(before[1][1, ARM_JOINTS[6]].astype(float), kept[0, :3].astype(float))
+    assert palms(position, rotation, RIGHT)[1] == pytest.approx(before[0][1, ARM_JOINTS[3]] + chest, abs=1e-4)

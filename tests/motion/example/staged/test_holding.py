@@ -3,6 +3,7 @@
 import pickle
 
 import numpy as np
+import pytest
 
 from live.motion.arms.arms import LEFT, RIGHT
 from live.motion.example.staged.held import NOBODY, Held
@@ -72,6 +73,26 @@ def test_out_of_reach_nobody_reaches_it_is_counted_once_and_taken_when_near() ->
     assert holding.missed == 4
     run(holding, held(), far, 1.0)
     assert holding.figures() == {"held": 0, "out_of_reach": 4}
+
+
+@pytest.mark.parametrize(("aside", "higher"), [(-0.1, 0.4), (-0.1, 0.5), (0.0, 0.5), (0.2, 0.5)])
+def test_a_hand_that_goes_past_the_shoulder_is_let_go_without_a_snap(aside: float, higher: float) -> None:
+    """The leader goes past her, or through her, at 1.5 m/s: no joint of hers is jerked as by an arm that turns over."""
+    holding, see = Holding(2), Two(higher=higher)
+    see.poses[0][0, :, 0] += np.float32(aside)
+    run(holding, held(RIGHT, LEFT), see, 1.5)
+    ways = []
+    for _ in range(64):
+        see.poses[0][0, :, 2] += np.float32(1.5 * TICK)
+        holding.tick(held(RIGHT, LEFT), see, TICK)
+        position, rotation = (one.copy() for one in see.poses)
+        holding.reach(position, rotation, ALL, 0.0)
+        ways.append(position[1])
+    way = np.array(ways)
+    assert np.abs(way[0] - way[-1]).max() > 0.1
+    assert np.array_equal(way[-1], see.poses[0][1])
+    kinks = np.linalg.norm(np.diff(way, n=2, axis=0), axis=-1) / TICK
+    assert kinks.max() < 1.5  # [m/s] from tick to tick, as the leader's own when she starts; turned over it is 3 to 18
 
 
 def test_the_fader_goes_smoothly_and_none_means_as_danced() -> None:
