@@ -129,6 +129,7 @@ def main() -> None:
                 app.command({"do": "enable", "on": False})
                 app = App(command["bpm"], command.get("mode", "follow"))
             app.command(command)
+            app.tick()  # what comes of it is in the answer
             at = command.get("at", time.perf_counter()) - app.clock.origin
             print(json.dumps(app.answer(at)), flush=True)
     if app.session is not None:
