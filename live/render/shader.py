@@ -128,7 +128,7 @@ def _problem(log: str, places: list[str]) -> str:
 
 def set_uniform(linked: moderngl.Program, name: str, value: object) -> None:
     """Set a uniform if the program kept it: compilers drop what a variant does not use."""
-    if name in linked:
-        uniform = linked[name]
+    uniform = linked.get(name, None)  # `in` would look through all members
+    if uniform is not None:
         assert isinstance(uniform, moderngl.Uniform)
         uniform.value = value
