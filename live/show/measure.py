@@ -13,11 +13,13 @@ class MeasureSpan:
     idea: re-time to the measure).
     """
 
-    def __init__(self, number: int, begin: float, end: float) -> None:
+    def __init__(self, number: int, begin: float, end: float, beats: int | None = None) -> None:
+        """`beats`: how many the measures after it have; left out, as many as this one."""
         self.number = number
         """Number of the measure, from 0."""
         self.end = end
         """The beat at which it ends."""
+        self._beats: float = end - begin if beats is None else beats
         self._anchor_beat = begin
         self._anchor_fraction = 0.0
 
@@ -27,7 +29,7 @@ class MeasureSpan:
         size = timeline.beats_per_measure
         number = math.floor((beat - timeline.measure_origin) / size)
         begin = timeline.measure_origin + number * size
-        return MeasureSpan(number, begin, begin + size)
+        return MeasureSpan(number, begin, begin + size, size)
 
     def fraction(self, beat: float) -> float:
         """How far the measure is at `beat`, clamped to [0, 1]."""
@@ -36,21 +38,22 @@ class MeasureSpan:
         return min(max(self._anchor_fraction + (1.0 - self._anchor_fraction) * share, 0.0), 1.0)
 
     def danced(self, beat: float, size: int) -> float:
-        """Beats danced at `beat` since measure 0 began, each measure counting as `size`; after this one they run even.
+        """Beats danced at `beat` since measure 0 began, each measure counting as `size`, those after this one as well:
+        after a stall several lines are crossed one after the other, and nothing that is danced may go back with them.
 
         Where "this is the one" stretches or shortens a measure, danced beats go slower or faster: whoever plans in them
         arrives on the danced line.
         """
         if beat <= self.end:
             return (self.number + self.fraction(beat)) * size
-        return (self.number + 1) * size + (beat - self.end)
+        return (self.number + 1) * size + (beat - self.end) * (size / self._beats)
 
     def follow(self, timeline: Timeline, beat: float, *, shortest: float) -> bool:
         """Re-time to the measure lines of `timeline` if they have moved; True if they had.
 
         Of the next lines the one is taken that changes the speed least, but none nearer than `shortest` beats.
         """
-        size = timeline.beats_per_measure
+        size = self._beats = timeline.beats_per_measure
         offset = math.fmod(abs(self.end - timeline.measure_origin), size)
         if min(offset, size - offset) < 1e-6:
             return False
@@ -76,4 +79,4 @@ class MeasureSpan:
         end = next_phase_match(self.end + 1e-6, timeline.measure_origin, timeline.beats_per_measure)
         if end - self.end < 0.5:  # lines moved by a hair: that is the line just reached
             end += timeline.beats_per_measure
-        return MeasureSpan(self.number + 1, self.end, end)
+        return MeasureSpan(self.number + 1, self.end, end, timeline.beats_per_measure)

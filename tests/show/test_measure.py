@@ -63,3 +63,18 @@ def test_a_leap_over_the_line_ends_the_measure_there():
     following = span.next(timeline)
     assert following.fraction(4.6) == 0.0
     assert following.end == 8.0
+
+
+@given(st.floats(0.0, 6.9), st.floats(0.0, 500.0), st.integers(2, 16), st.integers(2, 7))
+def test_after_a_stall_lines_are_crossed_and_nothing_danced_goes_back(begin, far, metre, size):
+    """The music's measures may have other beats than the dance's: seven are danced in the time of four."""
+    timeline = Timeline(tempo=120, beats_per_measure=metre)
+    span, beat = MeasureSpan.at(timeline, begin), begin + far
+    danced = span.danced(begin, size)
+    while True:
+        assert span.danced(beat, size) >= danced - 1e-9
+        danced = span.danced(beat, size)
+        if beat < span.end:
+            break
+        span = span.next(timeline)
+    assert danced == pytest.approx(size * beat / metre, abs=1e-6)
