@@ -19,6 +19,8 @@ from live.show.state_hash import hash_of
 
 Int32 = npt.NDArray[np.int32]
 
+AHEAD: Final = 2.0 * TICK
+"""A picture lies at most a tick after the last one [s]; twice that is danced on beyond a measure line."""
 NEVER_STILL: Final = ("brightness", "flashes", "overlay", "guide", "guide_count")
 """What of a view goes on changing while the picture is frozen."""
 
@@ -60,8 +62,9 @@ class Seen:
         view.filled = True
         beat = timeline.beat_at(time)
         fraction = span.fraction(beat)
-        # a picture beyond the line, which the next tick crosses, is danced on: bodies do not wait for the tick
-        on = max(beat - span.end, 0.0) / timeline.beats_per_measure
+        # a picture beyond the line, which the next tick crosses, is danced on: bodies do not wait for the tick; but
+        # after a stall more lines lie behind than a tick crosses, and nobody has a pose many measures on
+        on = min(max(beat - span.end, 0.0), AHEAD * timeline.tempo / 60.0) / timeline.beats_per_measure
         self._dancers.pose(fraction + on, time, out=(view.joint_position, view.joint_rotation))
         self._motion.show(view)
         self._audience.show(view)

@@ -294,6 +294,20 @@ def test_a_wild_tempo_and_many_elements_leave_everything_finite():
     assert (np.abs(show.state.position) <= np.array([6.0, 4.0]) + 1e-4).all()
 
 
+def test_after_a_long_stall_nobody_is_drawn_many_measures_beyond_her_step():
+    show, view = made_show(), made_show().view()
+    run(show, 5.0)
+    count = 64 * 60
+    show.apply(at(events.TicksSkipped, show, count=count))
+    show.tick(show.time + TICK)
+    behind = (show.timeline.beat_at(show.time) - show.span.end) / show.timeline.beats_per_measure
+    assert behind > 10.0  # lines are crossed a few in each tick
+    show.fill(view, show.time)
+    on = 2.0 * TICK * show.timeline.tempo / 60.0 / show.timeline.beats_per_measure
+    np.testing.assert_array_equal(view.joint_position, show.dancers.pose(1.0 + on, show.time)[0])
+    assert not np.allclose(view.joint_position, show.dancers.pose(1.0 + behind, show.time)[0], atol=0.01)
+
+
 def test_groups_that_begin_on_one_place_stand_apart():
     patch = "".join(f'[[group]]\nname = "g{k}"\ndancers = 5\nsteps = ["sway"]\n' for k in range(2))
     show = Show(parse_patch('name = "x"\n' + patch, "x"), GRAPH)
