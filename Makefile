@@ -1,12 +1,12 @@
 # The house's front door. `make help` lists what there is; ARGS goes to the command behind a target:
 #   make play ARGS="--audio song.wav --monitor 1 --fullscreen"
 .DEFAULT_GOAL := help
-.PHONY: help play test test-long check format soak clean
+.PHONY: help play test test-long test-bounds check format soak clean
 BIN := .venv/bin
 ARGS ?=
 
 help: ## list these targets
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-11s %s\n", $$1, $$2 }' Makefile
 
 play: ## install what is missing and start the default show (ARGS="--help": its options)
 	@tools/setup.sh play
@@ -19,6 +19,10 @@ test: ## install what the tests need too and run them (ARGS="tests/clock -x": so
 test-long: ## the tests that `make test` leaves out: long ones, about what changes seldom
 	@tools/setup.sh test
 	@$(BIN)/python -m pytest -m long $(ARGS)
+
+test-bounds: ## the tests with kernels that refuse to read or write beyond an array (they run at half the speed)
+	@tools/setup.sh test
+	@NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest $(ARGS)
 
 check: ## format, lint, types, layers, all tests: what a change has to pass
 	@tools/setup.sh test

@@ -64,8 +64,10 @@ def cache_root() -> Path:
 
 @cache
 def cache_name(path: Path) -> str:
-    """The folder for the kernels of one file: it changes with its sources and with Python."""
+    """The folder for the kernels of one file: it changes with its sources, with Python and with checked bounds."""
     digest = hashlib.sha256(sys.version.encode())
+    if BOUNDS_CHECKED:
+        digest.update(b"bounds")
     for source in sources_of(path):
         digest.update(source.read_bytes())
     return f"{path.parent.name}-{digest.hexdigest()[:16]}"
@@ -90,13 +92,16 @@ os.environ["NUMBA_CACHE_DIR"] = str(KERNELS)
 import numba  # noqa: E402 - its cache directory had to be named first
 
 JIT_DISABLED = bool(numba.config.DISABLE_JIT)
+BOUNDS_CHECKED = bool(numba.config.BOUNDSCHECK)
+"""Set by `NUMBA_BOUNDSCHECK=1`: a kernel that reads or writes beyond an array raises IndexError."""
 
 
 def kernel(signature: str, **options: Any) -> Callable[[Function], Function]:
     """Compile a function for one signature, e.g. ``"void(f4[:,::1], f4)"``; nogil, cached, IEEE division.
 
     The caller owns every array; a kernel allocates nothing that outlives it and raises nothing.
-    With `NUMBA_DISABLE_JIT=1` the plain Python function remains, so that indices are checked.
+    With `NUMBA_DISABLE_JIT=1` the plain Python function remains; with `NUMBA_BOUNDSCHECK=1` (`make test-bounds`) the
+    compiled one checks its indices.
     """
 
     def compile_(function: Function) -> Function:

@@ -100,7 +100,7 @@ class Dancing:
             return
         late = (phase < 0.0) & (self.past.node[rows] >= 0)
         early = (phase > 1.0) & self.decided
-        self._fill(rows, present, self.coming, np.clip(phase, 0.0, 1.0), fraction)
+        self._fill(rows, present, self.coming, phase, fraction)
         if late.any():
             self._fill(rows[late], self.past, present, phase[late] + 1.0, 1.0)
         if early.any():

@@ -153,7 +153,8 @@ def ask_dancers(
     mean: Int32,
     loudness: Float32,
 ) -> None:
-    """Fill the pipeline's arrays for the dancers `rows` (n,) who are at `phase` (n,) of their measures.
+    """Fill the pipeline's arrays for the dancers `rows` (n,) who are at `phase` (n,) of their measures: 0 to 1, and what
+    lies beyond stands at the line.
 
     Their measures: `node`, `where` (A, 3) their clips lie, `correction` and `aimed` (A, 3), `on_support`, `take`,
     `take_share` (2, A) and `amplitude` (2, A), which is eased by `fraction`; of the measures after them, if the dance
@@ -163,7 +164,7 @@ def ask_dancers(
     amplitude `loudness` (A,).
     """
     for i in range(rows.shape[0]):
-        n, at = rows[i], phase[i]
+        n, at = rows[i], min(max(phase[i], 0.0), 1.0)  # whatever is asked for, no clip is read beyond its measure
         own = max(node[n], 0)
         x, z, path, body = placed(where[n], correction[n], aimed[n], at, turns[own], rise[own], on_support[n])
         sample[PRESENT, n] = first[own] + at * (last[own] - first[own])

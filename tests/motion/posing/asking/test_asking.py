@@ -73,6 +73,24 @@ def test_what_is_asked_is_what_the_measures_say(fraction, goes_on):
     _same(pipeline, then, phase - 1.0, lies, NEXT, NEXT_TAKE, NEXT_LOWER, blends)
 
 
+@pytest.mark.parametrize("beyond", [-30.0, -0.2, 1.2, 27.0])
+def test_beyond_its_measure_no_clip_is_read(beyond):
+    """After a stall a picture may be asked for many measures late: what lies there is no clip, and may be no number."""
+    own, pipeline = danced(1), PosePipeline(COUNT)
+    library = GRAPH.library
+    ask_dancers(
+        np.arange(COUNT), np.full(COUNT, beyond), 1.0, GRAPH.window, False,
+        own.node, own.placement, own.correction, own.aimed, own.on_support, own.take, own.take_share, own.amplitude,
+        own.node, own.placement, own.take, own.take_share, own.amplitude,
+        library.node_first, library.node_last, library.node_lead, GRAPH.node_start, GRAPH.node_facing_start,
+        GRAPH.node_turns, GRAPH.node_rise,
+        pipeline.sample, pipeline.placement, pipeline.share, pipeline.mean, pipeline.amplitude,
+    )  # fmt: skip
+    line = library.node_first if beyond < 0.0 else library.node_last
+    np.testing.assert_array_equal(pipeline.sample[PRESENT], line[own.node])
+    assert 0.0 <= pipeline.sample.min() <= pipeline.sample.max() < len(library.clip_root)
+
+
 def _same(pipeline, measures, phase, placement, row, take_row, share_row, rows):
     library = GRAPH.library
 
