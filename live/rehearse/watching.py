@@ -87,7 +87,11 @@ class Watching(JournalWriter):
         for name in PICTURED:
             array = getattr(view, name)
             if array is not None and not np.isfinite(array).all():
-                self.add(f"tick {tick}: the picture's {name} is no number")
+                rows = np.unique(np.argwhere(~np.isfinite(array))[:, 0])
+                where = f"in rows {', '.join(map(str, rows[:8]))} of {len(array)}, {len(rows)} in all"
+                self.add(
+                    f"tick {tick}: the picture's {name} is no number {where}; {view.phase:.3f} beats of its measure"
+                )
 
     def add(self, words: str) -> None:
         """Note a problem."""

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from live.base.stage_view import StageView
 from live.control.events import TicksSkipped
 from live.rehearse.faults import KINDS, Fault, faults
 from live.rehearse.mishaps import FAULTS
@@ -117,3 +118,15 @@ def test_what_is_no_number_is_seen(watched):
     show.state.velocity[1, 0] = np.nan
     watching.keep(show, 2, begins=False)
     assert "velocity" in watching.problems[0]
+
+
+def test_a_picture_that_is_no_number_names_its_dancers_and_its_moment(watched):
+    watching, _ = watched
+    view = StageView.allocate(4, 2)
+    view.phase = 1.25
+    watching.look(view, 2)
+    assert watching.count == 0
+    view.joint_position[(1, 3), 0, 2] = np.nan, np.inf
+    watching.look(view, 3)
+    assert watching.count == 1
+    assert "joint_position is no number in rows 1, 3 of 4, 2 in all; 1.250 beats" in watching.problems[0]

@@ -153,7 +153,7 @@ def ask_dancers(
     mean: Int32,
     loudness: Float32,
 ) -> None:
-    """Fill the pipeline's arrays for the dancers `rows` (n,) who are at `phase` (n,) of their measures: 0 to 1, and what
+    """Fill the pipeline's arrays for the dancers `rows` (n,) who are at `phase` (n,) of their measures, 0 to 1: what
     lies beyond stands at the line.
 
     Their measures: `node`, `where` (A, 3) their clips lie, `correction` and `aimed` (A, 3), `on_support`, `take`,
