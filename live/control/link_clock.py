@@ -18,6 +18,9 @@ WIDE: Final = 200e-6
 OLD: Final = 2.0
 """... these seconds."""
 
+COUNTED: Final = 1e-6
+"""Link counts whole microseconds: two readings may be this much nearer or farther apart than they say [s]."""
+
 RATE_LIMIT: Final = 2e-3
 """The two clocks run apart by at most 500 ppm (what NTP may slew) and two crystals; more is a mistake."""
 
@@ -68,7 +71,7 @@ class LinkClock:
         if len(self._readings) > 1:
             first = self._readings[0]
             span = link - first[0]
-            slack = first[2] + half  # a slope that the brackets could have made alone is none
+            slack = first[2] + half + COUNTED  # a slope that brackets and counting could have made alone is none
             rise = self._readings[-1][1] - first[1]
             rise = math.copysign(max(abs(rise) - slack, 0.0), rise)
             self._rate = min(max(rise / span, -RATE_LIMIT), RATE_LIMIT) if span > 0.0 else 0.0

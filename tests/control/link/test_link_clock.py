@@ -52,6 +52,14 @@ def test_a_rate_that_ntp_bends_is_followed_at_once() -> None:
     assert errors.max() < 0.4e-3
 
 
+def test_counting_whole_microseconds_alone_makes_no_rate() -> None:
+    """Readings in quick succession, exactly bracketed, of clocks that run alike: up to a microsecond is cut off."""
+    line, rng = LinkClock(), np.random.default_rng(9)
+    for at in np.cumsum(rng.uniform(10e-6, 400e-6, 500)):
+        line.observe(at, int(at * 1e6), at)
+        assert line.rate == 0.0
+
+
 def test_raw_and_slewed_clocks_of_this_machine() -> None:
     """CLOCK_MONOTONIC_RAW, as Link counts it, against perf_counter, for a second."""
     raw = getattr(time, "CLOCK_MONOTONIC_RAW", None)
