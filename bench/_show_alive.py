@@ -43,7 +43,7 @@ class Observer:
 
     def pause(self, since: float) -> float:
         """The longest [s] from shortly before `since` on, once it is over."""
-        _until(lambda: bool(self.times) and self.times[-1] - self._last(since) > AFTER, "the show to go on")
+        until(lambda: bool(self.times) and self.times[-1] - self._last(since) > AFTER, "the show to go on")
         times = [self._last(since), *(one for one in list(self.times) if one > since)]
         return max(b - a for a, b in itertools.pairwise(times))
 
@@ -67,26 +67,26 @@ def rows(full: bool) -> list[Row]:
     """Pauses; `full`: the longest of three engines that were killed, else of one."""
     with tempfile.TemporaryDirectory() as name, contextlib.ExitStack() as stack:
         folder, leads, stands = Path(name), _free(), _free()
-        leader = stack.enter_context(_playing(folder / "leader", "--lead", str(leads)))
+        leader = stack.enter_context(playing(folder / "leader", "--lead", str(leads)))
         killed: list[float] = []
         for _ in range(3 if full else 1):
-            _until(lambda: _alive(folder / "leader").get("spare", False), "an engine that waits")
-            killed.append(_pause(leads, lambda: os.kill(_engines(leader)[0].pid, signal.SIGKILL)))
+            until(lambda: alive(folder / "leader").get("spare", False), "an engine that waits")
+            killed.append(_pause(leads, lambda: os.kill(engines(leader)[0].pid, signal.SIGKILL)))
         how = ("--standby", f"127.0.0.1:{leads}", "--lead", str(stands))
-        stack.enter_context(_playing(folder / "standby", *how))
-        _until(lambda: _alive(folder / "leader").get("followers") == 1, "a machine that stands by")
-        _until(lambda: READY in _said(folder / "standby"), "a machine that follows")
+        stack.enter_context(playing(folder / "standby", *how))
+        until(lambda: alive(folder / "leader").get("followers") == 1, "a machine that stands by")
+        until(lambda: READY in _said(folder / "standby"), "a machine that follows")
         silent = _pause(stands, lambda: _stop(leader))
         return [
-            Row("alive: kill of an engine to the next picture", max(killed), "s", 3.0),
-            Row("alive: silence of the leader to the next picture of a machine that stands by", silent, "s", 0.5),
+            Row("alive: kill of an engine to the next tick of another, no window", max(killed), "s", 3.0),
+            Row("alive: silence of the leader to the next tick of a machine that stands by", silent, "s", 0.5),
         ]
 
 
 def _pause(port: int, end: Callable[[], None]) -> float:
     observer = Observer(port)
     try:
-        _until(lambda: len(observer.times) > 100, "ticks")
+        until(lambda: len(observer.times) > 100, "ticks")
         since = time.monotonic()
         end()
         return observer.pause(since)
@@ -95,11 +95,14 @@ def _pause(port: int, end: Callable[[], None]) -> float:
 
 
 @contextlib.contextmanager
-def _playing(status: Path, *how: str) -> Iterator[subprocess.Popen[bytes]]:
-    options = ["--headless", "--bpm", "120", "--osc", "127.0.0.1:0", "--status-json", str(status), *how]
+def playing(status: Path, *how: str, display: str | None = None) -> Iterator[subprocess.Popen[bytes]]:
+    """`live play` without a picture, or full screen on `display`; its status lines go to the file `status`."""
+    options = ["--headless"] if display is None else ["--fullscreen"]
+    options += ["--bpm", "120", "--osc", "127.0.0.1:0", "--status-json", str(status), *how]
+    there = os.environ if display is None else {**os.environ, "DISPLAY": display}
     with status.with_suffix(".said").open("wb") as said:
         process = subprocess.Popen(
-            [sys.executable, "-m", "live", "play", *options], stdout=subprocess.DEVNULL, stderr=said
+            [sys.executable, "-m", "live", "play", *options], stdout=subprocess.DEVNULL, stderr=said, env=there
         )
     try:
         yield process
@@ -119,21 +122,23 @@ def _playing(status: Path, *how: str) -> Iterator[subprocess.Popen[bytes]]:
             process.wait()
 
 
-def _engines(process: subprocess.Popen[bytes]) -> list[psutil.Process]:
+def engines(process: subprocess.Popen[bytes]) -> list[psutil.Process]:
     """Those of a show, the oldest first: that one dances."""
-    found = psutil.Process(process.pid).children()
-    return sorted(
-        (one for one in found if "live.cli.engine_process" in one.cmdline()), key=lambda one: one.create_time()
-    )
+    found = []
+    for one in psutil.Process(process.pid).children():
+        with contextlib.suppress(psutil.NoSuchProcess):  # who was killed is a zombie until the supervisor looks
+            if "live.cli.engine_process" in one.cmdline():
+                found.append((one.create_time(), one))
+    return [one for _, one in sorted(found, key=lambda each: each[0])]
 
 
 def _stop(process: subprocess.Popen[bytes]) -> None:
     process.send_signal(signal.SIGSTOP)
-    for one in _engines(process):
+    for one in engines(process):
         one.send_signal(signal.SIGSTOP)
 
 
-def _alive(status: Path) -> dict[str, Any]:
+def alive(status: Path) -> dict[str, Any]:
     """What the last whole status line says of the processes."""
     whole = status.read_bytes().rpartition(b"\n")[0].splitlines() if status.exists() else []
     found: dict[str, Any] = json.loads(whole[-1])["alive"] if whole else {}
@@ -144,7 +149,8 @@ def _said(status: Path) -> str:
     return status.with_suffix(".said").read_text()
 
 
-def _until(what: Callable[[], bool], named: str) -> None:
+def until(what: Callable[[], bool], named: str) -> None:
+    """Wait for a condition; TimeoutError, with what it is `named`, after `PATIENCE`."""
     deadline = time.monotonic() + PATIENCE
     while not what():
         if time.monotonic() > deadline:

@@ -20,7 +20,7 @@ ENDED_WELL: Final = (0, 2, 130, 128 + signal.SIGTERM, 128 + signal.SIGHUP)
 STEPS: Final = ('"StepsAdded"', '"StepsChanged"')
 """Events that only an engine can act on that has read the steps since."""
 CALM_APART: Final = 5.0
-"""Seconds between two starts once there were too many."""
+"""Seconds between two starts once engines crash that are calm already."""
 READY: Final = "this machine stands by: it dances what the other one dances"
 """Said to the person; before that a machine that is to take over has to begin first, which takes seconds."""
 GIVE_UP: Final = 50
@@ -54,6 +54,7 @@ class Engines:
         self._start_at = self._spare_at = self._begun_at = 0.0
         self._died: float | None = None
         self._dead: list[Child] = []  # which the system has not cleared away yet
+        self._anew = False  # calm already, and crashed all the same
         self._undanced = 0.0  # seconds without a dance: engines that begin slowly shall not seem to crash seldom
 
     def take(self, line: str) -> None:
@@ -151,8 +152,8 @@ class Engines:
         return child
 
     def _born(self, role: str, hear: Callable[[str], None]) -> Child | None:
-        """One out of the nursery, if there is one. Where everything crashes it may be the nursery's fault."""
-        if role in ("spare", "heir") and self.nursery.ready and not self._report.calm:
+        """One out of the nursery, if there is one. Where calm engines crash, too, it may be the nursery's fault."""
+        if role in ("spare", "heir") and self.nursery.ready and not self._anew:
             with contextlib.suppress(OSError):
                 return self._starter.start(role, (), hear, born=self.nursery.bear)
         return None
@@ -190,6 +191,7 @@ class Engines:
     def _go_on(self, code: int, now: float) -> None:
         """The engine died: let another one go on."""
         self._died, self.since = self._died or now, None
+        self._anew = self._report.calm
         self._report.calm = self._limit.note(self._died - self._undanced) or self._report.calm
         words = "without sound and other clocks, for it has happened too often" if self._report.calm else "in its place"
         self._say(f"the engine ended ({how(code)}); another one goes on {words}")
@@ -200,7 +202,7 @@ class Engines:
             self._bury(self.engine, dead)
             self.engine = None
         if self.engine is None:
-            self._start_at = max(now, self._begun_at + CALM_APART) if self._report.calm else now
+            self._start_at = max(now, self._begun_at + CALM_APART) if self._anew else now
         else:
             if self.engine.phase is Phase.STARTING:
                 bring_forward(self.engine.process.pid)
@@ -227,7 +229,7 @@ class Engines:
 
     def _ready_for_a_spare(self, now: float) -> bool:
         """Whether one may begin now. The nursery goes before: what it bears is ready sooner than what begins now."""
-        leads = self.role != "standby" and self.since is not None and not self._report.calm
+        leads = self.role != "standby" and self.since is not None
         if not (self._orders.spare and leads and now >= self._spare_at and self.log.header) or self.engine is None:
             return False
         brief, engine = {"show": self._orders.show}, self.engine.memory

@@ -112,6 +112,23 @@ def test_engines_killed_again_and_again_before_a_spare_is_ready_come_out_of_the_
     assert supervisor.report.restarts == 3
 
 
+def test_a_show_that_becomes_calmer_is_not_dark_for_longer(tmp_path, monkeypatch):
+    """The first calm engine comes out of the nursery like those before it, and is not waited for; a spare waits for it,
+    too. Only where calm engines crash as well does one begin without the nursery, some seconds after the last."""
+    monkeypatch.setattr("live.alive.engines.CALM_APART", 0.2)
+    kills = [300, 302, 304, 306, 700, 702, 704]
+    code, lines, supervisor, _ = supervised(tmp_path, {"kills": kills, "ticks": 720})
+    assert code == 0
+    assert numbers(lines) == list(range(1, 721))
+    went = [line for line in lines if "went" in line]
+    assert [line["calm"] for line in went] == [False, False, False, True, True, True, True]
+    assert len({line["nursery"] for line in went[:5]} | {None}) == 2
+    assert all(line["nursery"] for line in went[:4])
+    assert went[4]["went"] == "spare"
+    assert went[-1]["nursery"] is None
+    assert supervisor.report.restarts == 7
+
+
 def test_a_nursery_that_is_killed_is_begun_again_and_engines_begin_without_it_meanwhile(tmp_path):
     code, lines, supervisor, _ = supervised(tmp_path, {"kills": [300, 400], "ticks": 420, "nursery_dies": True})
     assert code == 0

@@ -1,6 +1,5 @@
 """Shows whose processes are killed in the middle: the same measure, the same states, never a desktop."""
 
-import ctypes
 import json
 import os
 import signal
@@ -8,7 +7,6 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +17,7 @@ from tests.cli.command import run_live
 from tests.control.waiting import BUSY, wait_for
 from tests.end_to_end.conftest import Running, children
 from tests.end_to_end.test_window_show import _needs
+from tests.screen_eye import Eye
 from tests.two_monitor_x import FIRST, TwoMonitorX
 
 RED = "c00000"
@@ -112,42 +111,6 @@ def test_a_machine_that_stands_by_dances_the_same_and_goes_on_when_the_other_is_
 
 def _hashes(journal: Path) -> int:
     return journal.read_text().count('"hash"') if journal.exists() else 0
-
-
-class Eye:
-    """Looks at one pixel of a screen, some hundred times a second."""
-
-    def __init__(self, display: str, x: int, y: int) -> None:
-        self._x11 = ctypes.CDLL("libX11.so.6")
-        for name in ("XOpenDisplay", "XGetImage"):
-            getattr(self._x11, name).restype = ctypes.c_void_p
-        for name in ("XDefaultRootWindow", "XGetPixel"):
-            getattr(self._x11, name).restype = ctypes.c_ulong
-        self._display = ctypes.c_void_p(self._x11.XOpenDisplay(display.encode()))
-        self._root = ctypes.c_ulong(self._x11.XDefaultRootWindow(self._display))
-        self._place = x, y
-
-    def see(self) -> str:
-        """Its colour, as in ff8000."""
-        planes = ctypes.c_ulong(0xFFFFFFFF)
-        image = ctypes.c_void_p(self._x11.XGetImage(self._display, self._root, *self._place, 1, 1, planes, 2))
-        pixel = self._x11.XGetPixel(image, 0, 0) & 0xFFFFFF
-        self._x11.XDestroyImage(image)
-        return f"{pixel:06x}"
-
-    def watch(self, until: Callable[[str], bool], seconds: float) -> tuple[set[str], float]:
-        """All colours seen until one is what is waited for, and how long that took [s]."""
-        seen: set[str] = set()
-        begin = time.monotonic()
-        while (now := time.monotonic()) - begin < seconds:
-            colour = self.see()
-            seen.add(colour)
-            if until(colour):
-                return seen, now - begin
-        raise AssertionError(f"not within {seconds} s; seen {seen}")
-
-    def close(self) -> None:
-        self._x11.XCloseDisplay(self._display)
 
 
 @pytest.mark.long
