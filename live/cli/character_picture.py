@@ -13,7 +13,7 @@ from live.motion import quaternion
 from live.motion.forward import forward_kinematics
 from live.motion.skeleton import JOINT_COUNT
 from live.motion.step_clip import StepClip
-from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context
+from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context, release_headless_context
 from live.render.quality import CARD
 from live.render.renderer import Renderer
 
@@ -44,8 +44,9 @@ def draw_character(said: CharacterFile, out: Path, step: str | None, size: tuple
     renderer.draw(view, target.framebuffer)
     png = BytesIO()
     Image.fromarray(target.read()).save(png, "PNG")
-    for thing in (renderer, target, ctx):
+    for thing in (renderer, target):
         thing.release()
+    release_headless_context(ctx)
     write_whole(png.getvalue(), out, "--out")
 
 

@@ -25,7 +25,7 @@ from live.control.events import ControlEvent
 from live.control.music_file import OfflineMusic
 from live.render.film import FilmError
 from live.render.film_sound import FilmSound
-from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context
+from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context, release_headless_context
 from live.render.quality import CARD
 from live.render.renderer import Renderer
 from live.show.core import Show
@@ -141,7 +141,7 @@ def canvas(
         ctx = create_headless_context()
     except NoOpenGL as error:
         raise PersonError(str(error)) from None
-    stack.callback(ctx.release)
+    stack.callback(release_headless_context, ctx)
     try:
         target = OffscreenTarget(ctx, wish.size, alpha=alpha)
         stack.callback(target.release)

@@ -27,7 +27,7 @@ def play_headless(session: Session, scene: Scene, console: Console) -> None:
     from live.cli.recording import live_rate
     from live.cli.shader_watch import watch_shaders
     from live.cli.takers import Takers
-    from live.render.headless import NoOpenGL, create_headless_context
+    from live.render.headless import NoOpenGL, create_headless_context, release_headless_context
     from live.render.outputs.flash_meter import FlashGuard
     from live.render.outputs.pictures import Pictures
     from live.render.outputs.shown import Shown
@@ -72,7 +72,7 @@ def play_headless(session: Session, scene: Scene, console: Console) -> None:
         takers.close(console)
         for thing in (renderer, shown, flashes, pictures):
             thing.release()
-        ctx.release()
+        release_headless_context(ctx)
 
 
 def _loop(

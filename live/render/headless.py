@@ -30,6 +30,14 @@ def create_headless_context() -> moderngl.Context:
         ) from error
 
 
+def release_headless_context(ctx: moderngl.Context) -> None:
+    """Give it back, and let no context be the current one: while one of EGL is, this thread can open no window with
+    GLX, and Xlib ends the whole process over it."""
+    with ctx:  # what was current before it is so again
+        pass
+    ctx.release()
+
+
 def is_software(ctx: moderngl.Context) -> bool:
     """Whether the processor does the drawing: passes that are dear there can be left out."""
     renderer = str(ctx.info["GL_RENDERER"]).casefold()

@@ -19,10 +19,10 @@ NO_SCREEN = {"DISPLAY": "", "WAYLAND_DISPLAY": ""}
 
 
 def gl_or_skip():
-    from live.render.headless import NoOpenGL, create_headless_context
+    from live.render.headless import NoOpenGL, create_headless_context, release_headless_context
 
     try:
-        create_headless_context().release()
+        release_headless_context(create_headless_context())
     except NoOpenGL as reason:
         pytest.skip(str(reason))
 

@@ -252,10 +252,10 @@ def test_poses_and_weight_do_not_keep_a_step_from_following_itself() -> None:
 
 
 def test_a_film_of_many_variations_shows_the_first_of_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    from live.render.headless import NoOpenGL, create_headless_context
+    from live.render.headless import NoOpenGL, create_headless_context, release_headless_context
 
     try:
-        create_headless_context().release()
+        release_headless_context(create_headless_context())
     except NoOpenGL as reason:
         pytest.skip(str(reason))
     film = tmp_path / "samba.mp4"

@@ -117,7 +117,7 @@ def test_a_phone_joins_by_the_link_and_its_drag_is_an_attractor_in_show_and_pict
 
 def pictures(stage):
     """The projector's picture now, with the phones' lights and without, each (180, 320, 3)."""
-    from live.render.headless import create_headless_context
+    from live.render.headless import create_headless_context, release_headless_context
     from live.render.renderer import Renderer
 
     view = stage.show.view()
@@ -132,8 +132,9 @@ def pictures(stage):
         view.light_count = count
         renderer.draw(view, target)
         seen.append(np.frombuffer(texture.read(), np.uint8).reshape(size[1], size[0], 4)[..., :3].astype(float))
-    for each in (renderer, target, texture, ctx):
+    for each in (renderer, target, texture):
         each.release()
+    release_headless_context(ctx)
     return seen
 
 

@@ -1,5 +1,7 @@
 """Drawing and reading back without a screen."""
 
+import ctypes
+import ctypes.util
 from types import SimpleNamespace
 from typing import Any
 
@@ -7,7 +9,13 @@ import moderngl
 import numpy as np
 import pytest
 
-from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context, is_software
+from live.render.headless import (
+    NoOpenGL,
+    OffscreenTarget,
+    create_headless_context,
+    is_software,
+    release_headless_context,
+)
 from live.render.readback import FrameReader
 
 SIZE = (61, 34)  # no multiple of four: rows of pixels are not aligned
@@ -124,3 +132,21 @@ def test_without_egl_the_error_names_the_packages(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(moderngl, "create_context", missing)
     with pytest.raises(NoOpenGL, match=r"libEGL\.so not loaded.*apt-get install .*libegl1 libgl1"):
         create_headless_context()
+
+
+@pytest.mark.gl
+def test_a_context_that_is_given_back_is_not_the_current_one() -> None:
+    """While one of EGL is, GLX opens no window: BadAccess, and Xlib ends the process."""
+    name = ctypes.util.find_library("EGL")
+    if name is None:
+        pytest.skip("there is no EGL here")
+    egl = ctypes.CDLL(name)
+    egl.eglGetCurrentContext.restype = ctypes.c_void_p
+    before = egl.eglGetCurrentContext()
+    try:
+        ctx = create_headless_context()
+    except NoOpenGL as reason:
+        pytest.skip(str(reason))
+    assert egl.eglGetCurrentContext() not in (None, before)
+    release_headless_context(ctx)
+    assert egl.eglGetCurrentContext() == before
