@@ -3,18 +3,21 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from live.base.printable import printable
+
 
 class PersonError(Exception):
     """What the command line shows in place of a traceback (exit code 2).
 
     `message` is one line: what was read and what is allowed. `remedy`, if there is one, is what to type or change.
+    What a terminal would obey is spelled out in both.
     `place` are the keys under which it stands in what was read, ("segment", 3, "formation"), for whoever knows lines.
     """
 
     def __init__(self, message: str, remedy: str | None = None, place: tuple[str | int, ...] = ()) -> None:
         super().__init__(message)
-        self.message = message
-        self.remedy = remedy
+        self.message = printable(message)
+        self.remedy = None if remedy is None else printable(remedy)
         self.place = place
 
     def __str__(self) -> str:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from live.base.toml_lines import KeyPath, error_line, line_of, toml_lines
+from live.base.toml_text import toml_values
 from live.motion.sketch_attributes import ATTRIBUTES, read_attributes
 from live.motion.sketch_takes import Take, read_directions, read_takes
 from live.motion.sketch_words import PAIRS, PARTS, WordError, Words, read_counts, read_phrases
@@ -100,7 +101,7 @@ def parse_sketch(text: str, file: str) -> Sketch:
     if len(text) > MAX_TEXT:
         raise SketchError(file, 1, "file", f"{len(text)} characters are too many", f"at most {MAX_TEXT}")
     try:
-        table = tomllib.loads(text)
+        table = toml_values(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         problem, remedy = str(error).split("(at ")[0].strip(), "a line is word = value"
         if "overwrite" in problem or "twice" in problem:

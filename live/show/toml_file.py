@@ -10,6 +10,7 @@ from pydantic import BaseModel, ValidationError
 from live.base.errors import PersonError
 from live.show.sections.section import Amiss
 from live.show.toml_sources import TomlSources, parse_text
+from live.steps.plain_file import read_plain
 
 MAX_BYTES: Final = 4_000_000
 SHOWN_PROBLEMS: Final = 8
@@ -20,12 +21,15 @@ Model = TypeVar("Model", bound=BaseModel)
 def read_text(path: Path, what: str) -> str:
     """The text of a file; `what` it is in words, as in "patch". PersonError if it cannot be read."""
     try:
-        if path.stat().st_size > MAX_BYTES:
+        data = read_plain(path, MAX_BYTES)
+        if len(data) > MAX_BYTES:
             raise PersonError(f"{path}: {path.stat().st_size} bytes; a {what} has at most {MAX_BYTES}")
-        return path.read_bytes().decode("utf-8-sig")  # some editors begin a file with a mark of its encoding
+        return data.decode("utf-8-sig")  # some editors begin a file with a mark of its encoding
     except OSError as error:
         raise PersonError(f"cannot read the {what} {path}: {error.strerror}") from None
-    except UnicodeDecodeError as error:
+    except ValueError as error:
+        if not isinstance(error, UnicodeDecodeError):  # a zero byte in the name
+            raise PersonError(f"cannot read the {what} {path}: no file can be called so") from None
         raise PersonError(f"{path}: not a text in UTF-8 (byte {error.start})") from None
 
 
@@ -52,14 +56,15 @@ def model_of(
 
 def _explain(error: ValidationError, sources: TomlSources, model: type[BaseModel], what: str) -> str:
     problems = []
-    for problem in error.errors(include_url=False):
+    found = error.errors(include_url=False)
+    for problem in found[:SHOWN_PROBLEMS]:
         where = tuple(problem["loc"])
         fault = problem.get("ctx", {}).get("error")
         if isinstance(fault, Amiss):
             where += fault.place
         problems.append(f"{sources.told(where)}: {field_words(where) or f'the {what}'}: {_words(problem, model)}")
-    more = len(problems) - SHOWN_PROBLEMS
-    return "; ".join(problems[:SHOWN_PROBLEMS]) + (f"; and {more} more" if more > 0 else "")
+    more = len(found) - SHOWN_PROBLEMS
+    return "; ".join(problems) + (f"; and {more} more" if more > 0 else "")
 
 
 def field_words(where: tuple[str | int, ...]) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 from live.base.errors import PersonError
 from live.base.toml_lines import KeyPath, error_line, line_of, toml_lines
 from live.base.toml_remedy import toml_remedy
+from live.base.toml_text import toml_values
 
 
 @dataclass(eq=False)
@@ -32,7 +33,7 @@ class TomlText:
 def parse_text(text: str, file: str, what: str) -> TomlText:
     """What a text says; PersonError with file and line if it is not TOML. `what` it is in words, as in "patch"."""
     try:
-        return TomlText(file, text, tomllib.loads(text))
+        return TomlText(file, text, toml_values(text))
     except tomllib.TOMLDecodeError as error:
         line = error_line(str(error), text)
         raise PersonError(

@@ -13,6 +13,7 @@ from pydantic import ValidationError
 
 from live.base.errors import PersonError
 from live.base.toml_lines import KeyPath, error_line, line_of, toml_lines
+from live.base.toml_text import toml_values
 from live.motion.body_tracks import body_tracks
 from live.motion.clip import Clip
 from live.motion.example.cloud import ends_cloud, path_cloud
@@ -26,6 +27,7 @@ from live.motion.tempo_guess import guess_tempo
 from live.motion.two_beats import CLEAR, two_beat_lines
 from live.steps.motion_file import read_motion
 from live.steps.pairs import Pair, PairsFile, Side
+from live.steps.plain_file import read_plain
 
 MAX_BYTES: Final = 1_000_000
 SHOWN: Final = 8
@@ -87,15 +89,16 @@ def read_pairs(toml: Path, progress: Callable[[str], None] | None = None) -> Exa
 
 def _parsed(toml: Path) -> tuple[PairsFile, Callable[[KeyPath, str], PersonError]]:
     try:
-        if toml.stat().st_size > MAX_BYTES:
+        held = read_plain(toml, MAX_BYTES)
+        if len(held) > MAX_BYTES:
             raise PersonError(f"{toml}: more than {MAX_BYTES} bytes")
-        text = toml.read_bytes().decode("utf-8-sig")
+        text = held.decode("utf-8-sig")
     except OSError as error:
         raise PersonError(f"cannot read the pairs {toml}: {error.strerror}", "--examples PAIRS.toml") from None
     except UnicodeDecodeError as error:
         raise PersonError(f"{toml}: not a text in UTF-8 (byte {error.start})") from None
     try:
-        data = tomllib.loads(text)
+        data = toml_values(text)
     except tomllib.TOMLDecodeError as error:
         raise PersonError(f"{toml}, line {error_line(str(error), text)}: not valid TOML: {error}") from None
     except RecursionError:

@@ -9,9 +9,11 @@ from pydantic import ValidationError
 
 from live.base.toml_lines import KeyPath, error_line, toml_lines
 from live.base.toml_remedy import toml_remedy
+from live.base.toml_text import toml_values
 from live.motion.sketch_words import PAIRS, PARTS
 from live.motion.step_clip import DIRECTIONS
 from live.steps.motion_file import MOTION_ENDINGS
+from live.steps.plain_file import read_plain
 from live.steps.recording import Problem, Recording, RecordingEntry, RecordingError, error_of, problem_at
 from live.steps.recording_words import EXAMPLE, problem_words
 
@@ -78,7 +80,7 @@ def _text_of(toml: Path, problems: list[Problem]) -> str | None:
         if not toml.is_file() or toml.stat().st_size > MAX_BYTES:
             problems.append(Problem(toml, None, "", f"not a file of at most {MAX_BYTES} bytes"))
             return None
-        return toml.read_bytes().decode("utf-8")
+        return read_plain(toml, MAX_BYTES).decode("utf-8")
     except OSError as error:
         problems.append(Problem(toml, None, "", f"cannot be read: {error.strerror}"))
     except UnicodeDecodeError as error:
@@ -89,7 +91,7 @@ def _text_of(toml: Path, problems: list[Problem]) -> str | None:
 def parse_step_file(text: str, toml: Path, files: StepFiles) -> None:
     """Add what the text of one file holds to `files`."""
     try:
-        data = tomllib.loads(text)
+        data = toml_values(text)
     except tomllib.TOMLDecodeError as error:
         line = error_line(str(error), text)
         words = f"not valid TOML: {str(error).split(' (at ')[0]}: {toml_remedy(str(error), text, line)}"

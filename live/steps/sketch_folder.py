@@ -6,6 +6,7 @@ from typing import Final
 from live.base.errors import PersonError
 from live.motion.step_clip import StepClip
 from live.steps.clip_cache import ClipCache
+from live.steps.plain_file import read_plain
 
 MAX_STEP_BYTES: Final = 200_000
 CACHE: Final = ClipCache("steps", kept=8)
@@ -21,9 +22,10 @@ def load_steps(folder: Path) -> list[StepClip]:
     texts: dict[str, str] = {}
     for path in sorted(folder.glob("*.toml")):
         try:
-            if path.stat().st_size > MAX_STEP_BYTES:
+            data = read_plain(path, MAX_STEP_BYTES)
+            if len(data) > MAX_STEP_BYTES:
                 raise StepsError(f"{path}: a step has at most {MAX_STEP_BYTES} bytes")
-            texts[str(path)] = path.read_bytes().decode("utf-8")
+            texts[str(path)] = data.decode("utf-8")
         except OSError as error:
             raise StepsError(f"cannot read the step {path}: {error.strerror}") from None
         except UnicodeDecodeError as error:

@@ -2,6 +2,7 @@
 
 import pytest
 
+from live.show import toml_file
 from live.show.patch_file import find_beside, parse_patch, read_patch
 from live.show.patch_places import DEFAULT_PATCH, PatchError, find_patch
 from tests.show.made_show import PATCH
@@ -121,3 +122,11 @@ def test_files_that_are_no_text_or_too_large(tmp_path):
         read_patch(tmp_path / "b.toml")
     with pytest.raises(PatchError, match="cannot read"):
         read_patch(tmp_path / "c.toml")
+
+
+def test_of_many_problems_only_those_told_are_put_in_words(monkeypatch):
+    asked = []
+    monkeypatch.setattr(toml_file.difflib, "get_close_matches", lambda *words, n: asked.append(words) or [])
+    with pytest.raises(PatchError, match="and 4994 more"):  # 5,000, name and group; of eight the words are here
+        parse_patch("\n".join(f"k{number} = 1" for number in range(5000)), "test.toml")
+    assert len(asked) <= 8
