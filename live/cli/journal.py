@@ -74,7 +74,7 @@ def _facts(found: "Survey") -> dict[str, Any]:
         "journal": str(found.journal.path),
         "format": header.get("journal"),
         "version": header.get("version"),
-        "show": header.get("patch", {}).get("name"),
+        "show": found.journal.patch.get("name"),
         "seed": header.get("seed"),
         "complete": found.journal.complete,
         "seconds": found.seconds,

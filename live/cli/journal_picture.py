@@ -28,7 +28,7 @@ def draw_journal(survey: Survey, canvas: Canvas) -> None:
     def x(tick: int) -> float:
         return LEFT + scale * tick
 
-    name = survey.journal.header.get("patch", {}).get("name", survey.journal.path.name)
+    name = str(survey.journal.patch.get("name", survey.journal.path.name))
     many = sum(survey.counts.values())
     words = f"{name}: {survey.seconds / 60:.1f} min, {len(survey.measure)} measures, {many} events"
     canvas.text((12, 24), words + (f", {survey.damaged} damaged lines" if survey.damaged else ""), 16, INK)

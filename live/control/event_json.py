@@ -65,17 +65,22 @@ def event_from_json(data: dict[str, Any] | list[Any], columns: dict[str, list[st
     for key, value in values.items():
         kind = kinds.get(key)
         good = (
-            (kind is float and isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value))
+            (kind is float and isinstance(value, int | float) and not isinstance(value, bool) and _is_small(value))
             or (kind is bool and isinstance(value, bool))
-            or (kind is int and isinstance(value, int) and not isinstance(value, bool))
+            or (kind is int and isinstance(value, int) and not isinstance(value, bool) and _is_small(value))
             or (kind is str and isinstance(value, str))
         )
         if not good:
-            raise ValueError(f"event {name}: field {key!r} cannot be {value!r}")
+            raise ValueError(f"event {name}: field {key!r} cannot be {value!r:.80}")
     try:
         return cls(**values)
     except TypeError as error:
         raise ValueError(f"event {name}: {error}") from None
+
+
+def _is_small(value: float) -> bool:
+    """Whether a number can be counted with: a float that is one, a whole number of 64 bits."""
+    return math.isfinite(value) if isinstance(value, float) else -(1 << 63) <= value < 1 << 63
 
 
 def _values_of(row: list[Any], columns: dict[str, list[str]]) -> dict[str, Any]:

@@ -57,6 +57,12 @@ class Journal:
     header: dict[str, Any]
 
     @property
+    def patch(self) -> dict[str, Any]:
+        """What the header holds of the patch; nothing if it is damaged."""
+        patch = self.header.get("patch")
+        return patch if isinstance(patch, dict) else {}
+
+    @property
     def _columns(self) -> Columns:
         columns = self.header.get("columns")
         return columns if isinstance(columns, dict) else {}
@@ -83,7 +89,7 @@ class Journal:
             while (row := _row(file)) is not None:
                 number += 1
                 if any(word in row for word in words):
-                    with contextlib.suppress(JournalError):
+                    with contextlib.suppress(JournalError, ValueError, TypeError, OverflowError):
                         value = _parse(row, self.path, number)
                         yield _line(value, self.path, number, min(int(value.get("tick", 0)), 1 << 40), self._columns)
 
@@ -195,7 +201,7 @@ def _line(
         return JournalLine(tick, event=event, number=number)
     if "measure" in value:
         measure = value["measure"]
-        if not isinstance(measure, int) or isinstance(measure, bool):
-            raise JournalError(f"{path}, line {number}: 'measure' must be a whole number, found {measure!r}")
+        if not isinstance(measure, int) or isinstance(measure, bool) or not 0 <= measure <= 1 << 40:
+            raise JournalError(f"{path}, line {number}: 'measure' must be a whole number, found {measure!r:.80}")
         return JournalLine(tick, measure=measure, state=str(value.get("hash")), number=number)
     return JournalLine(tick, end=bool(value.get("end")), number=number)

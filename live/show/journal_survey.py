@@ -42,7 +42,9 @@ class Survey:
 
     def tempo(self) -> list[tuple[int, float]]:
         """Tick and mean tempo [bpm] of each whole measure, in the patch's metre."""
-        beats = self.journal.header.get("patch", {}).get("clock", {}).get("beats_per_measure", 4)
+        clock = self.journal.patch.get("clock")
+        beats = clock.get("beats_per_measure") if isinstance(clock, dict) else None
+        beats = beats if isinstance(beats, int) and 2 <= beats <= 12 else 4
         rows = zip(self.measure_tick, self.measure_tick[1:], self.measure, self.measure[1:], strict=False)
         return [
             (begin, 60.0 * beats * (number - first) / ((end - begin) * TICK))

@@ -54,14 +54,16 @@ def loaded_of(header: dict[str, Any], added: Iterable[list[str]], changed: Itera
         path = Path(header["patch_path"])
         recordings = None if header["recordings"] is None else Path(header["recordings"])
         wanted = header["steps_hash"]
-        header["seed"], header["tempo"]
+        seed, tempo = header["seed"], header["tempo"]
+        if not isinstance(seed, int) or not isinstance(tempo, int | float | None):
+            raise TypeError("'seed' is a whole number, 'tempo' a number or null")
     except (KeyError, TypeError, ValueError) as error:
         raise ReplayError(f"the journal's first line does not hold a whole show: {error}") from None
     try:
         later = frozenset(key for keys in added for key in keys)
         names, was = [str(name) for name in header.get("steps", ())], _as_they_were(changed)
         loaded = show_of(patch, path, recordings=recordings, later=later, names=names, was=was)
-    except (PersonError, ValueError, TypeError) as error:
+    except (PersonError, ValueError, TypeError, OSError) as error:
         raise ReplayError(str(error)) from None
     found = library_hash(loaded.graph.library)
     if found != wanted:
