@@ -1,8 +1,12 @@
 """MeasureSpan: the measure that is being danced, and how far it is, whatever the measure lines do meanwhile."""
 
 import math
+from typing import Final
 
 from live.clock.timeline import Timeline, next_phase_match
+
+BEHIND: Final = 0.25
+"""Beats after its end, more than a tick has, from which on a measure is taken as one of several a stall left out."""
 
 
 class MeasureSpan:
@@ -53,19 +57,35 @@ class MeasureSpan:
 
         Of the next lines the one is taken that changes the speed least, but none nearer than `shortest` beats.
         """
-        size = self._beats = timeline.beats_per_measure
+        size = timeline.beats_per_measure
         offset = math.fmod(abs(self.end - timeline.measure_origin), size)
-        if min(offset, size - offset) < 1e-6:
+        aligned = min(offset, size - offset) < 1e-6
+        if beat > self.end + BEHIND:
+            if not aligned or size != self._beats:
+                self._catch_up(timeline, beat, beat)
+            return not aligned
+        self._beats = size
+        if aligned:
             return False
         self._retime(timeline, beat, self.fraction(beat), shortest)
         return True
 
     def leap(self, timeline: Timeline, before: float, after: float, *, shortest: float) -> None:
         """The beat has jumped from `before` to `after`: what was danced stays danced, the rest is re-timed."""
-        if before >= self.end:  # the line is crossed in this very tick
+        if before > self.end + BEHIND:
+            self._catch_up(timeline, before, after)
+        elif before >= self.end:  # the line is crossed in this very tick
             self.end = after
         else:
             self._retime(timeline, after, self.fraction(before), shortest)
+
+    def _catch_up(self, timeline: Timeline, before: float, after: float) -> None:
+        """Lines are still to be crossed after a stall and lie elsewhere now: as much stays danced at `after` as was at
+        `before`, and what is missing to a whole measure."""
+        size = timeline.beats_per_measure
+        late = after - (before - self.end) * (size / self._beats)
+        line = next_phase_match(late, timeline.measure_origin, size)
+        self.end, self._beats = (line - size if line > late + 1e-6 else line), size
 
     def _retime(self, timeline: Timeline, beat: float, fraction: float, shortest: float) -> None:
         size = timeline.beats_per_measure

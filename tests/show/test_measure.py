@@ -78,3 +78,20 @@ def test_after_a_stall_lines_are_crossed_and_nothing_danced_goes_back(begin, far
             break
         span = span.next(timeline)
     assert danced == pytest.approx(size * beat / metre, abs=1e-6)
+
+
+@given(
+    st.floats(5.5, 2000.0), st.sampled_from((-3.7, -0.2, 0.0, 0.4, 7.3)), st.floats(0.0, 7.0), st.integers(2, 7),
+    st.integers(2, 7),
+)  # fmt: skip
+def test_nothing_danced_goes_back_when_beats_leap_while_a_stall_is_made_up_for(late, leap, origin, size, other):
+    span = MeasureSpan.at(Timeline(tempo=120, beats_per_measure=size), 0.0)
+    before, after = size + late, size + late + leap
+    danced = span.danced(before, 4)
+    moved = Timeline(tempo=120, beats_per_measure=other, measure_origin=origin)
+    span.leap(moved, before, after, shortest=0.5)
+    span.follow(moved, after, shortest=0.5)
+    assert danced - 1e-6 <= span.danced(after, 4) <= danced + 4 + 1e-6
+    while span.end < after:
+        now, span = span.danced(after, 4), span.next(moved)
+        assert span.danced(after, 4) == pytest.approx(now, abs=1e-4)
