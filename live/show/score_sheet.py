@@ -101,7 +101,9 @@ def _length(show: Show) -> int:
 def _sections(show: Show, length: int) -> tuple[Box, ...]:
     boxes, first = [], 0
     for section in show.patch.section:
-        again = "until GO" if section.wait or not section.repeat else f"x{section.repeat}" if section.repeat > 1 else ""
+        again = f"x{section.repeat}" if section.repeat > 1 else ""
+        if section.wait or not section.repeat:  # GO gives a cue, and does not lead out of it
+            again = "until advance"
         after = f"then {section.then}" if section.then is not None else ""
         words = ", ".join(word for word in (section.name, again, after) if word)
         boxes.append(Box(first, first + section.measures - 1, words, "section"))

@@ -25,7 +25,7 @@ def test_everything_stands_where_it_is_written():
     sheet = sheet_of(made_show(SCORE))
     tracks = {track.name: [(box.first, box.last, box.words, box.kind) for box in track.boxes] for track in sheet.tracks}
     assert sheet.measures == 6
-    assert tracks["section"] == [(0, 3, "verse, x2", "section"), (4, 5, "solo, until GO", "section")]
+    assert tracks["section"] == [(0, 3, "verse, x2", "section"), (4, 5, "solo, until advance", "section")]
     assert tracks["signals"] == [(2, 2, "hit @2.5", "signal")]
     assert tracks["front"][:3] == [(0, 0, "sway", "own"), (1, 1, "spin", "sequence"), (2, 3, "phrase", "sequence")]
     assert {kind for first, _, _, kind in tracks["front"] if first >= 4} == {"improvised"}
