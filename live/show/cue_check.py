@@ -140,16 +140,18 @@ def _check_named_cues(patch: Recalled) -> None:
 
 def _check_scenes(patch: Recalled) -> None:
     groups = {_folded(group.name) for group in patch.group}
+    known = ", ".join(group.name for group in patch.group)
     named = {VIEW: {_folded(view.name) for view in patch.view} | set(standing_views(patch))}
     named |= {LOOK: {_folded(look.name) for look in patch.looks} | {START}}
     for number, scene in enumerate(patch.scene):
         for key, value in scene.set.items():
             address, group = split(key)
             if group != "*" and _folded(group) not in groups:
-                words = f"scene {scene.name!r}: {key!r}: no group is called {group!r}"
+                words = f"scene {scene.name!r}: {key!r}: no group is called {group!r}; there are: {known}"
                 raise Amiss(words, "scene", number, "set", key)
             if address in named and _folded(str(value)) not in named[address]:
-                words = f"scene {scene.name!r}: {key!r}: nothing is called {value!r}"
+                there = ", ".join(sorted(named[address]))
+                words = f"scene {scene.name!r}: {key!r}: nothing is called {value!r}; there are: {there}"
                 raise Amiss(words, "scene", number, "set", key)
 
 

@@ -42,14 +42,16 @@ class GroupProgramme:
         self._seed = (seed, index)
         self._random = group.choose == "random"
         entries = [parse_entry(entry) for entry in group.steps]
+        key = "steps"
         try:
             self.steps = [find_step(graph, name) for name, _ in entries]
             """The steps it names."""
+            key = "travel_step"
             self.travel_step = None if group.travel_step is None else find_step(graph, group.travel_step)
             """The step for ways too far for the step in turn, or None."""
         except UnknownStep as error:
             unknown = UnknownStep(f"group {group.name!r}: {error}")
-            unknown.place = ("group", index, "steps")
+            unknown.place = ("group", index, key)
             raise unknown from None
         self._own = [
             Wanted(step, self._length(step))

@@ -132,6 +132,7 @@ def test_who_is_in_a_formation_goes_to_its_new_places(patch):
     ("old", "new", "where"),
     [
         ('["groove"]', '["grove"]', "show.toml, line 9: group.1.steps"),
+        ('["groove"]', '["groove"]\ntravel_step = "wlak"', "show.toml, line 10: group.1.travel_step"),
         ('["groove"]', "[3]", "show.toml, line 9: group.1.steps.1"),
         ("bpm = 120", "bpm = = 3", "show.toml, line 5: not valid TOML"),
         ('["groove"]', '["groove"]\n[[segment]]\nmeasure = 1\nformation = "rnig"', "show.toml, line 10: segment.1"),
