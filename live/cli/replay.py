@@ -112,7 +112,7 @@ def _tell(journal: "Journal", result: "Replayed", speed: float) -> None:
     end = "" if journal.complete else " (the journal was cut off)"
     console.print(
         f"{(result.ticks - result.begun) * TICK:.1f} s, {result.measures} measures compared, {result.different} "
-        f"differ{end}; {speed:.0f} times as fast as life"
+        f"differ{end}; {speed:.{0 if speed >= 10 else 2}f} times as fast as life"
     )
     for measure, tick, then, now in result.differences[:10]:
         console.print(f"  measure {measure}, tick {tick}: {then} then, {now} now")
