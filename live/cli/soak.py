@@ -111,7 +111,10 @@ def _tell(facts: dict[str, Any]) -> None:
         "memory: " + ("not long enough to say" if grown is None else f"within {grown:.1f} MB after the beginning"),
     ]
     if replay:
-        lines.append(f"replay: {replay['measures']} measures compared, {replay['different']} differ")
+        lines.append(
+            f"replay: {replay['measures']} measures compared, {replay['different']} differ (the whole of it, and "
+            f"{replay['stretches']} stretches from snapshots)"
+        )
         lines += replay["problems"][:5]
     for words in lines:
         console.print(words, soft_wrap=True, markup=False)

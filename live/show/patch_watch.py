@@ -128,8 +128,10 @@ class PatchWatch:
         patch, self.waits = fitted(patch, self._patch)
         text = written_text(patch)
         if text == self._text:  # only what has to wait, comments, or back to what it was
-            self.problem = ""
+            mended, self.problem = bool(self.problem), ""
             self._tell((), sources)
+            if mended and not self.told:
+                self.told = "patch: mended; it says what is danced already"
             return False
         if len(packed(text)) > LONGEST:
             raise PersonError("the patch is too long to be taken while the show runs")

@@ -102,7 +102,7 @@ def _sections(show: Show, length: int) -> tuple[Box, ...]:
     boxes, first = [], 0
     for section in show.patch.section:
         again = f"x{section.repeat}" if section.repeat > 1 else ""
-        if section.wait or not section.repeat:  # GO gives a cue, and does not lead out of it
+        if section.wait or not section.repeat:  # GO leads out of it only if the cue that stands by leads elsewhere
             again = "until advance"
         after = f"then {section.then}" if section.then is not None else ""
         words = ", ".join(word for word in (section.name, again, after) if word)
