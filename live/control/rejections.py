@@ -60,7 +60,8 @@ class Rejection:
         text = f"{_shortened(self.address)}: {self.reason}"
         if self.expected:
             received = _kind(self.received) if self.reason is Reason.WRONG_TYPE else _shortened(self.received)
-            text += f": expected {self.expected}, received {received}"
+            found = "the next one is" if self.reason is Reason.EXTRA else "received"
+            text += f": expected {self.expected}, {found} {received}"
         return text
 
 

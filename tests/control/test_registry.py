@@ -111,6 +111,11 @@ def test_what_is_not_declared_is_refused_with_its_reason(address, values, expect
     assert reason(address, *values) == expected
 
 
+def test_who_sends_too_much_reads_which_value_was_too_much():
+    words = "'/dance/background': extra argument: expected at most 2 values, the next one is 7"
+    assert str(call("/dance/background", "sea", 1.0, 7)) == words
+
+
 anything = st.one_of(
     st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=80), st.binary(max_size=8), st.just((1, 2))
 )
