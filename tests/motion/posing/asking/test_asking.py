@@ -44,11 +44,8 @@ def danced(seed):
     return result
 
 
-@pytest.mark.parametrize("fraction", [0.0, 0.4, 0.81, 0.93, 1.0])
-@pytest.mark.parametrize("goes_on", [True, False])
-def test_what_is_asked_is_what_the_measures_say(fraction, goes_on):
-    own, then, pipeline = danced(1), danced(2), PosePipeline(COUNT)
-    phase = np.clip(fraction + np.random.default_rng(3).uniform(-0.1, 0.1, COUNT), 0.0, 1.0)
+def ask(pipeline, own, then, phase, fraction, *, goes_on):
+    """The question about everybody who is at `phase` of `own`, with `then` after it."""
     library, window = GRAPH.library, GRAPH.window
     ask_dancers(
         np.arange(COUNT), phase, fraction, window, goes_on,
@@ -58,6 +55,15 @@ def test_what_is_asked_is_what_the_measures_say(fraction, goes_on):
         GRAPH.node_turns, GRAPH.node_rise,
         pipeline.sample, pipeline.placement, pipeline.share, pipeline.mean, pipeline.amplitude,
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("fraction", [0.0, 0.4, 0.81, 0.93, 1.0])
+@pytest.mark.parametrize("goes_on", [True, False])
+def test_what_is_asked_is_what_the_measures_say(fraction, goes_on):
+    own, then, pipeline = danced(1), danced(2), PosePipeline(COUNT)
+    phase = np.clip(fraction + np.random.default_rng(3).uniform(-0.1, 0.1, COUNT), 0.0, 1.0)
+    window = GRAPH.window
+    ask(pipeline, own, then, phase, fraction, goes_on=goes_on)
     into = transition_weight((phase - (1.0 - window)) / window) * goes_on
     np.testing.assert_allclose(pipeline.share[INTO_NEXT], into, atol=1e-6)
     placement = np.empty((COUNT, 4))
@@ -78,14 +84,7 @@ def test_beyond_its_measure_no_clip_is_read(beyond):
     """After a stall a picture may be asked for many measures late: what lies there is no clip, and may be no number."""
     own, pipeline = danced(1), PosePipeline(COUNT)
     library = GRAPH.library
-    ask_dancers(
-        np.arange(COUNT), np.full(COUNT, beyond), 1.0, GRAPH.window, False,
-        own.node, own.placement, own.correction, own.aimed, own.on_support, own.take, own.take_share, own.amplitude,
-        own.node, own.placement, own.take, own.take_share, own.amplitude,
-        library.node_first, library.node_last, library.node_lead, GRAPH.node_start, GRAPH.node_facing_start,
-        GRAPH.node_turns, GRAPH.node_rise,
-        pipeline.sample, pipeline.placement, pipeline.share, pipeline.mean, pipeline.amplitude,
-    )  # fmt: skip
+    ask(pipeline, own, own, np.full(COUNT, beyond), 1.0, goes_on=False)
     line = library.node_first if beyond < 0.0 else library.node_last
     np.testing.assert_array_equal(pipeline.sample[PRESENT], line[own.node])
     assert 0.0 <= pipeline.sample.min() <= pipeline.sample.max() < len(library.clip_root)
