@@ -20,7 +20,7 @@ test-long: ## the tests that `make test` leaves out: long ones, about what chang
 	@tools/setup.sh test
 	@$(BIN)/python -m pytest -m long $(ARGS)
 
-test-bounds: ## the tests with kernels that refuse to read or write beyond an array (they run at half the speed)
+test-bounds: ## the tests with kernels that refuse to read or write beyond an array (compiled anew the first time)
 	@tools/setup.sh test
 	@NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest $(ARGS)
 

@@ -1,7 +1,7 @@
 """Rows of the show bench: how long a screen shows no new picture of the dance when engines are killed.
 
-A real X server (Xorg with its dummy driver), a show full screen on it, and an eye that compares what stands there some
-dozen times a second. The black window under the picture, and the last picture of the dead, are no new pictures.
+A real X server (Xorg with its dummy driver), a show full screen on it, and an eye that compares what stands there a
+hundred times a second. The black window under the picture, and the last picture of the dead, are no new pictures.
 """
 
 import contextlib

@@ -77,10 +77,11 @@ def read_step_files(directory: Path) -> StepFiles:
 
 def _text_of(toml: Path, problems: list[Problem]) -> str | None:
     try:
-        if not toml.is_file() or toml.stat().st_size > MAX_BYTES:
+        data = read_plain(toml, MAX_BYTES) if toml.is_file() else None
+        if data is None or len(data) > MAX_BYTES:  # it may have grown since anybody looked
             problems.append(Problem(toml, None, "", f"not a file of at most {MAX_BYTES} bytes"))
             return None
-        return read_plain(toml, MAX_BYTES).decode("utf-8")
+        return data.decode("utf-8")
     except OSError as error:
         problems.append(Problem(toml, None, "", f"cannot be read: {error.strerror}"))
     except UnicodeDecodeError as error:
