@@ -29,6 +29,37 @@ class _Call:
     done: int = 0
 
 
+@dataclass(slots=True)
+class _Place:
+    """Where a group is in what it dances."""
+
+    drawn: int
+    """The step that was drawn last."""
+    drawn_left: int = 0
+    """Measures of it that are still to come."""
+    slot: int = 0
+    into: int = 0
+    """The entry of the sequence, and how many of its measures are over."""
+    call: _Call | None = None
+
+    def copy(self) -> "_Place":
+        """One that changes by itself."""
+        return replace(self, call=None if self.call is None else replace(self.call))
+
+    def begin_anew(self) -> None:
+        """Back to the first entry."""
+        self.slot, self.into, self.drawn_left = 0, 0, 0
+
+
+@dataclass(frozen=True, slots=True)
+class _Before:
+    """What was so before a measure was asked for."""
+
+    asked: tuple[int, int] | None
+    place: _Place
+    kept: Kept | None
+
+
 class GroupProgramme:
     """The wishes of one group, measure after measure. Seeded: the same seed and calls give the same dance.
 
@@ -60,10 +91,8 @@ class GroupProgramme:
         ]
         self._live: list[Wanted] = []
         self._asked: tuple[int, int] | None = None
-        self._slot, self._into = 0, 0
-        self._drawn, self._drawn_left = self.steps[0], 0
-        self._call: _Call | None = None
-        self._before: tuple[tuple[int, int] | None, int, int, int, int, _Call | None, Kept | None] | None = None
+        self._place = _Place(self.steps[0])
+        self._before: _Before | None = None
         self.coming: tuple[Wanted, ...] = ()
         """What is to be danced from the measure on that was last asked for, at least as far as a search looks."""
         self.into = 0
@@ -76,11 +105,11 @@ class GroupProgramme:
     def take_patch(self, fresh: "GroupProgramme") -> None:
         """Dance what another programme of this group says; a sequence that was the same so far goes on."""
         if (fresh._own, fresh._random, fresh.steps) != (self._own, self._random, self.steps):
-            same = (
-                not self._random and not fresh._random and fresh._own[: self._slot + 1] == self._own[: self._slot + 1]
-            )
-            if not self._live and not (same and self._slot < len(fresh._own)):
-                self._slot, self._into, self._drawn_left = 0, 0, 0
+            drawn = self._random or fresh._random
+            for place in () if self._live else self._places:
+                here = place.slot + 1
+                if drawn or here > len(fresh._own) or fresh._own[:here] != self._own[:here]:
+                    place.begin_anew()
             self._own, self._random, self.steps = fresh._own, fresh._random, fresh.steps
         self.travel_step = fresh.travel_step
         if self.part is not None and fresh.part is not None:
@@ -88,7 +117,8 @@ class GroupProgramme:
 
     def call(self, step: int, *, measures: float) -> None:
         """Dance `step` from the next measure on that is not chosen yet, for a number of measures (rounded up)."""
-        self._call = _Call(step, max(1, int(np.ceil(measures))))
+        for place in self._places:
+            place.call = _Call(step, max(1, int(np.ceil(measures))))
 
     def take_graph(self, graph: MotionGraph) -> None:
         """Choose in a graph that has all nodes and steps of the old one; who drew from all steps draws the new, too."""
@@ -102,8 +132,9 @@ class GroupProgramme:
 
     def dance(self, wanted: list[Wanted]) -> None:
         """Dance these in order, again and again, from the next measure on that is not chosen yet."""
-        self._call, self._live = None, list(wanted)
-        self._slot, self._into = 0, 0
+        self._live = list(wanted)
+        for place in self._places:
+            place.call, place.slot, place.into = None, 0, 0
 
     @property
     def live(self) -> tuple[Wanted, ...]:
@@ -112,11 +143,13 @@ class GroupProgramme:
 
     def release(self) -> None:
         """Forget a called step and a sequence set live: the patch's own begins anew."""
-        self._call = None
+        for place in self._places:
+            place.call = None
         self.improvise(False)
         if self._live:
             self._live = []
-            self._slot, self._into, self._drawn_left = 0, 0, 0
+            for place in self._places:
+                place.begin_anew()
 
     def improvise(self, on: bool) -> None:
         """Choose its steps itself from the next measure on that is not chosen yet, or dance what the score has."""
@@ -130,10 +163,16 @@ class GroupProgramme:
     def take_back(self, measure: int) -> None:
         """What was said of `measure`, which has not begun, shall not have been: it will be asked for again."""
         if self._asked is not None and self._asked[0] == measure and self._before is not None:
-            self._asked, self._slot, self._into, self._drawn, self._drawn_left, self._call, kept = self._before
-            self._before = None
-            if self.part is not None and kept is not None:
-                self.part.kept = kept
+            before, self._before = self._before, None
+            self._asked, self._place = before.asked, before.place
+            if self.part is not None and before.kept is not None:
+                self.part.kept = before.kept
+
+    @property
+    def _places(self) -> list[_Place]:
+        """Where the group is, and where it will be again if the last measure is taken back: what somebody asks for
+        meanwhile concerns both, for that is not taken back, and another sequence has other entries."""
+        return [self._place] if self._before is None else [self._place, self._before.place]
 
     @property
     def _slots(self) -> list[Wanted]:
@@ -152,9 +191,7 @@ class GroupProgramme:
         """
         if self._asked is not None and self._asked[0] == measure:
             return self._asked[1]
-        call = None if self._call is None else replace(self._call)
-        kept = None if self.part is None else self.part.kept
-        self._before = (self._asked, self._slot, self._into, self._drawn, self._drawn_left, call, kept)
+        self._before = _Before(self._asked, self._place.copy(), None if self.part is None else self.part.kept)
         if measure < 0 and not self._draws:
             step = _step_of(self._slots[0])
             self.into, self.coming = 0, (self._slots[0],)
@@ -169,49 +206,49 @@ class GroupProgramme:
         library = self._graph.library
         # whoever is within a step of several measures finishes it: a call waits until somebody is free to follow it
         within = library.node_measure[nodes] < library.node_measures[nodes] - 1
-        if self._call is not None and not (len(nodes) and within.all()):
-            step = self._call.step
+        if self._place.call is not None and not (len(nodes) and within.all()):
+            step = self._place.call.step
             length = self._length(step)
-            again = -(-(self._call.left + self._call.done % length) // length)
+            again = -(-(self._place.call.left + self._place.call.done % length) // length)
             self.into, self.coming = (
-                self._call.done % length,
-                (*[Wanted(step, length)] * again, *self._slots_from(self._slot)),
+                self._place.call.done % length,
+                (*[Wanted(step, length)] * again, *self._slots_from(self._place.slot)),
             )
-            self._call.left -= 1
-            self._call.done += 1
-            if self._call.left <= 0:
-                self._call = None
-            self._into = 0
-            self._drawn_left = 0
+            self._place.call.left -= 1
+            self._place.call.done += 1
+            if self._place.call.left <= 0:
+                self._place.call = None
+            self._place.into = 0
+            self._place.drawn_left = 0
             return step
         if self.part is not None and not self._live:
-            told = self.part.told(measure, nodes, self._slots_from(self._slot), stands=self.stands)
+            told = self.part.told(measure, nodes, self._slots_from(self._place.slot), stands=self.stands)
             if told is not None:
                 step, self.coming, self.into = told
-                self._into = self._drawn_left = 0
+                self._place.into = self._place.drawn_left = 0
                 return step
         return self._draw_next(measure, nodes) if self._draws else self._sequence_next()
 
     def _sequence_next(self) -> int:
         """The slot's step, and one measure further."""
-        entry = self._slots[self._slot]
-        self.into, self.coming = self._into, self._slots_from(self._slot)
-        self._into += 1
-        if self._into >= entry.measures:
-            self._slot, self._into = (self._slot + 1) % len(self._slots), 0
+        entry = self._slots[self._place.slot]
+        self.into, self.coming = self._place.into, self._slots_from(self._place.slot)
+        self._place.into += 1
+        if self._place.into >= entry.measures:
+            self._place.slot, self._place.into = (self._place.slot + 1) % len(self._slots), 0
         return _step_of(entry)
 
     def _draw_next(self, measure: int, nodes: Nodes) -> int:
         """The drawn step until its measures are over, then another."""
-        if self._drawn_left <= 0:
-            self._drawn = self._draw(measure, nodes)
-            length = self._length(self._drawn)
-            self._drawn_left = length * -(-HOLD_MEASURES // length)
-        length = self._length(self._drawn)
-        self.into = -self._drawn_left % length
-        self.coming = (Wanted(self._drawn, length),) * -(-self._drawn_left // length)
-        self._drawn_left -= 1
-        return self._drawn
+        if self._place.drawn_left <= 0:
+            self._place.drawn = self._draw(measure, nodes)
+            length = self._length(self._place.drawn)
+            self._place.drawn_left = length * -(-HOLD_MEASURES // length)
+        length = self._length(self._place.drawn)
+        self.into = -self._place.drawn_left % length
+        self.coming = (Wanted(self._place.drawn, length),) * -(-self._place.drawn_left // length)
+        self._place.drawn_left -= 1
+        return self._place.drawn
 
     def _slots_from(self, slot: int) -> tuple[Wanted, ...]:
         """The next steps of the sequence, one for each measure of the horizon at least; none where chance draws."""
@@ -232,10 +269,10 @@ class GroupProgramme:
         if self.stands and (still := [step for step in near if in_place(self._graph, step)]):
             near = still
         for choice in (near, far, self.steps):
-            fresh = [step for step in choice if step != self._drawn]
+            fresh = [step for step in choice if step != self._place.drawn]
             if fresh:
                 return int(fresh[int(chance.integers(len(fresh)))])
-        return self._drawn
+        return self._place.drawn
 
 
 def _step_of(entry: Wanted) -> int:

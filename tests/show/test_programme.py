@@ -5,6 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
+from live.graph.specification import Wanted
 from live.show.programme import GroupProgramme
 from live.show.programme_steps import UnknownStep, find_step
 from live.show.sections.group import GroupSection, parse_entry
@@ -96,3 +97,35 @@ def test_before_the_first_downbeat_it_is_the_first_step():
 def test_an_unknown_step_names_its_neighbours():
     with pytest.raises(UnknownStep, match=r"did you mean 'glide'.*sway, glide, spin, phrase"):
         made(["glied"])
+
+
+def live(*steps):
+    return [Wanted(find_step(GRAPH, step), 1) for step in steps]
+
+
+@pytest.mark.parametrize(
+    ("change", "danced"),
+    [
+        (lambda programme: programme.release(), ["sway", "sway"]),
+        (lambda programme: programme.dance(live("spin")), ["spin", "spin"]),
+        (lambda programme: programme.call(find_step(GRAPH, "spin"), measures=1), ["spin", "glide"]),
+        (lambda programme: programme.take_patch(made(["spin"])), ["glide", "glide"]),
+    ],
+    ids=["release", "dance", "call", "patch"],
+)
+def test_what_is_asked_for_while_a_measure_is_planned_outlives_that_plan(change, danced):
+    """`/dance/clear` and `/dance/practice` in one bundle, a beat before the line, ended the show by an IndexError."""
+    programme = made(["sway"])
+    programme.dance(live("glide", "glide", "glide", "glide", "glide"))
+    names(programme, 4)
+    change(programme)
+    programme.take_back(3)
+    assert [GRAPH.library.steps[programme.wanted(m, NOBODY)] for m in range(3, 5)] == danced
+
+
+def test_a_shorter_sequence_of_the_patch_is_taken_while_a_measure_is_planned():
+    programme = made(["sway", "sway", "sway", "glide"])
+    names(programme, 4)  # the next one is the first again, and the last one may be taken back
+    programme.take_patch(made(["sway", "spin"]))
+    programme.take_back(3)
+    assert [GRAPH.library.steps[programme.wanted(m, NOBODY)] for m in range(3, 6)] == ["sway", "spin", "sway"]
