@@ -51,7 +51,7 @@ from live.control.group_events import (
     SetStage,
     Travel,
 )
-from live.control.machine_events import TakeOver
+from live.control.machine_events import BreakerTripped, ResetBreaker, TakeOver
 from live.control.midi_events import ForgetMidi, LearnMidi, NotesHeard
 from live.control.mocap_events import (
     BlockMocap,
@@ -95,6 +95,7 @@ __all__ = [
     "BeatHeard",
     "Blackout",
     "BlockMocap",
+    "BreakerTripped",
     "CallStep",
     "CanonMocap",
     "CastMocap",
@@ -149,6 +150,7 @@ __all__ = [
     "Release",
     "RemoveObstacle",
     "Repel",
+    "ResetBreaker",
     "RestartAudio",
     "ScaleTempo",
     "SetAudienceGain",
@@ -220,6 +222,7 @@ EVENT_TYPES: dict[str, type[ControlEvent]] = {
         AudienceHeard, OpenAudience, SetAudienceGain, MuteAudience, WeighRegion, GiveTurn, BanPhone, AskVote, DropVote,
         AllowShaking,
         TakeOver, LearnMidi, ForgetMidi, NotesHeard, FadePicture, FreezePicture, AllowFlashes, ShowCard, HoldQuality,
+        BreakerTripped, ResetBreaker,
     )
 }  # fmt: skip
 """Every kind of event by its name in the journal."""

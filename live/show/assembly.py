@@ -7,6 +7,7 @@ import numpy as np
 
 from live.agents.crowd.model import AgentState
 from live.clock.following.seed import Seed
+from live.clock.ticks import TICK
 from live.graph.choosing.choosing import Choosing
 from live.graph.motion_graph import MotionGraph
 from live.motion.step_clip import StepClip
@@ -15,6 +16,7 @@ from live.show.answer_bank import AnswerBank
 from live.show.answer_pairs import check_partners
 from live.show.answering import Answering
 from live.show.audience import Audience
+from live.show.breakers import Breakers
 from live.show.casting import Casting
 from live.show.clock_events import first_seeds, follower_of
 from live.show.dancers import Dancers
@@ -98,6 +100,9 @@ class Assembly(ABC):
         self.brightness = 1.0
         self.time = 0.0
         self.refusals = Refusals()
+        self.breakers = Breakers()
+        """Which stages of a tick are in service."""
+        self._beat, self._beats_per_tick = self.timeline.beat_at(0.0), self.timeline.tempo * TICK / 60.0
         self.directions = Directions(
             patch, self.casting, self.dancers, self.variation, self.scheduler, self.interrupts, self.refusals
         )

@@ -3,16 +3,24 @@
 The same patch, library, seed and (tick, event) list give bit-identical states, live or replayed.
 """
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from live.base.errors import PersonError
 from live.base.kernels import damper
 from live.base.stage_view import StageView
 from live.clock.moment import Moment
 from live.clock.ticks import TICK
+from live.control.event import ControlEvent
+from live.show.breakers import SIMPLER, Stage
+from live.show.dancing import Dancing
 from live.show.dispatch import Dispatch
+from live.show.measure import MeasureSpan
+from live.show.nearest_steps import repeat_measure
+from live.show.scheduler import DECIDE_BEATS
 
 FADE_HALFLIFE = 0.06
 """Half-life of a blackout's fade [s]: dark within a fifth of a second, without a flash."""
@@ -27,17 +35,87 @@ LINES_PER_TICK = 4
 
 
 class Show(Dispatch):
-    """One show. Call `apply` for events, then `tick` for each due tick, and `fill` for each frame."""
+    """One show. Call `apply` for events, then `tick` for each due tick, and `fill` for each frame.
+
+    A tick is a row of stages. Each asks its breaker first: what a stage does that is out of service, and what others
+    need of it, is worked out from what is at hand, so that the show goes on whichever fails.
+    """
 
     def tick(self, time: float) -> bool:
-        """Advance to the tick at `time` [s]; True if a measure line was crossed."""
+        """Advance to the tick at `time` [s]; True if a measure line was crossed.
+
+        Where it ends in an error the state is of no use any more; `breakers.running` says in which stage that was.
+        """
         self.time = time
-        expected = self.timeline.beat_at(time)
-        self.timeline = self.follower.advance(time)
-        beat = self.timeline.beat_at(time)
-        if abs(beat - expected) > LEAP:
-            self.span.leap(self.timeline, expected, beat, shortest=SHORTEST_RETIME)
-        self.span.follow(self.timeline, beat, shortest=SHORTEST_RETIME)
+        crossed = self._tick(time) if self.breakers.closed(Stage.TICK) else self._stand(time)
+        self.breakers.leave()
+        return crossed
+
+    def _tick(self, time: float) -> bool:
+        closed = self.breakers.closed
+        beat = self._advance_clock(time)
+        crossed = self._cross_lines(beat, time)
+        if closed(Stage.DESK):
+            self.desk.tick(self.timeline)
+        if closed(Stage.AUDIENCE):
+            self.audience.tick()
+        self._fire()
+        self._take_edit(time)
+        self._select(beat, time)
+        if closed(Stage.INTERRUPTS):
+            self.interrupts.tick(self.span, self.timeline, time)
+        self._move(self._fraction(beat), time)
+        level = self.breakers.level(Stage.LIGHT)
+        goal = 0.0 if self.blackout else 1.0
+        self.brightness = goal if level else damper(self.brightness, goal, FADE_HALFLIFE, TICK)
+        return crossed
+
+    def _move(self, fraction: float, time: float) -> None:
+        """Agents and dancers, at `fraction` of the measure."""
+        closed, carrying = self.breakers.closed, self.scheduler.carrying
+        if closed(Stage.STEERING):
+            speed, dancer = self.scheduler.speed, carrying.reference
+            self.motion.tick(time, self.timeline, self.span, speed=speed, dancer=dancer, pace=carrying.pace)
+        if closed(Stage.PARTNERS):
+            self.motion.go_along(self.dancers.answering, self.dancers.shown)
+        if closed(Stage.CORRECTION):
+            carrying.tick(fraction, self.timeline.tempo / (60.0 * self.timeline.beats_per_measure))
+        if closed(Stage.DANCERS):
+            self.dancers.tick(fraction, time, TICK)
+        if closed(Stage.CAPTURE):
+            self.mocap.tick(time, self.danced, self.timeline, self.span.end)
+        if closed(Stage.PARTNERS):
+            self._answer(fraction, time)
+            partners = self.motion.partners
+            if len(partners.leader) or self.dancers.hands.held:
+                self.dancers.hands.tick(partners.other, partners.hand, TICK, self.timeline.tempo)
+
+    # -- the clock and its lines -----------------------------------------------------------------------------------
+
+    def _advance_clock(self, time: float) -> float:
+        """The beat at `time` [s]; the measure that is danced follows a clock that has moved."""
+        level, leapt = self.breakers.level(Stage.CLOCK), False
+        if not level:
+            expected = self.timeline.beat_at(time)
+            self.timeline = self.follower.advance(time)
+            beat = self.timeline.beat_at(time)
+            leapt = abs(beat - expected) > LEAP
+        else:
+            beat = self.timeline.beat_at(time) if level == SIMPLER else self._beat + self._beats_per_tick
+        if self.breakers.closed(Stage.MEASURE):
+            if leapt:
+                self.span.leap(self.timeline, expected, beat, shortest=SHORTEST_RETIME)
+            self.span.follow(self.timeline, beat, shortest=SHORTEST_RETIME)
+        self._beat, self._beats_per_tick = beat, self.timeline.tempo * TICK / 60.0
+        return beat
+
+    def _fraction(self, beat: float) -> float:
+        """How far the measure is at `beat`."""
+        if self.breakers.closed(Stage.MEASURE):
+            return self.span.fraction(beat)
+        return min(max(1.0 - (self.span.end - beat) / self.patch.clock.beats_per_measure, 0.0), 1.0)
+
+    def _cross_lines(self, beat: float, time: float) -> bool:
         crossed = False
         for _ in range(LINES_PER_TICK):
             if beat < self.span.end:
@@ -45,26 +123,119 @@ class Show(Dispatch):
             self._fire((self.span.number + 1) * self.patch.clock.beats_per_measure)
             self._cross_measure_line(time)
             crossed = True
-        self.desk.tick(self.timeline)
-        self.audience.tick()
-        self._fire(self.danced)
+        return crossed
+
+    def _stand(self, time: float) -> bool:
+        """A tick in which nobody moves; measures are counted all the same."""
+        self._beat += self._beats_per_tick
+        crossed = self._beat >= self.span.end
+        if crossed:
+            self.span = self._next_plain()
+        return crossed
+
+    def _next_plain(self) -> MeasureSpan:
+        """A measure as long as all, after this one."""
+        end, beats = self.span.end, self.patch.clock.beats_per_measure
+        return MeasureSpan(self.span.number + 1, end, end + beats, beats)
+
+    def _cross_measure_line(self, time: float) -> None:
+        closed = self.breakers.closed
+        if not self.dancers.decided:
+            self._decide(time)
+        line = self.span.end
+        if closed(Stage.CORRECTION):
+            self.scheduler.carrying.cross_measure_line()
+        if closed(Stage.DANCERS):
+            self.dancers.cross_measure_line()
+        elif self.dancers.decided:
+            Dancing.cross_measure_line(self.dancers)
+        if closed(Stage.EDITS):
+            self._take_graph()
+            self._take_patch()
+        self.span = self.span.next(self.timeline) if closed(Stage.MEASURE) else self._next_plain()
+        self._begin_measure(line)
+        if closed(Stage.REACTIONS):
+            self._give(self.reactions.cross_measure_line(time))
+        if closed(Stage.DESK):
+            self._give(self.desk.begin_measure(self.danced))
+        if closed(Stage.AUDIENCE):
+            self._give(self.audience.begin_measure(self.span.number, time))
+
+    def _begin_measure(self, beat: float) -> None:
+        closed, number = self.breakers.closed, self.span.number
+        if closed(Stage.SCORE):
+            self.prompter.begin_measure(number, self.time)
+        if closed(Stage.PARTNERS) and self.dancers.answering is not None:
+            self.dancers.answering.begin_measure()
+        if closed(Stage.DESK):
+            self._controls.cross_measure_line(number)
+        if closed(Stage.VARIATION):
+            self.variation.begin_measure(number)
+            timing = self.motion.partners.timing()
+            self.variation.delay(timing, self.state.position, self.motion.present, self.dancers.present)
+        if closed(Stage.SELECTION):
+            self.scheduler.set_speed(number, self.timeline)
+        entered = self._enter(beat) if closed(Stage.STEERING) else np.zeros(0, np.intp)
+        if closed(Stage.CORRECTION):
+            self.scheduler.carrying.begin_measure(anew=bool(len(entered)))
+
+    def _enter(self, beat: float) -> npt.NDArray[np.intp]:
+        """Who comes onto the stage with the measure that begins at `beat`."""
+        heading = self.dancers.present.begin_heading()
+        try:
+            entered = self.motion.begin_measure(self.span, beat, self.timeline, heading)
+        except PersonError as error:  # a score that asks for the impossible in measure 200 stops no show
+            self.refusals.add(f"score: {error}")
+            return np.zeros(0, np.intp)
+        if len(entered):
+            place = self.state.position[entered].astype(np.float64)
+            way = self.motion.entrances.goal[entered] - place
+            self.dancers.place(entered, place, np.arctan2(way[:, 0], way[:, 1]))
+        return entered
+
+    # -- what the show itself does ---------------------------------------------------------------------------------
+
+    def _fire(self, line: float | None = None) -> None:
+        """What waits for a danced beat up to `line` (None: that of now) happens, and what that calls at once."""
+        for _ in range(CALLS_IN_TURN):
+            due: list[ControlEvent] = []
+            if self.breakers.closed(Stage.SCORE):
+                due += self.prompter.agenda.fire(self.danced if line is None else line)
+            if self.breakers.closed(Stage.DESK):
+                due += self.desk.fire(self.danced if line is None else line, self.time)
+            if not due:
+                return
+            self._give(due)
+
+    def _give(self, calls: Iterable[ControlEvent]) -> None:
+        """Let events act that the show gives itself."""
+        for event in calls:
+            if self.breakers.calls(type(event).__name__):
+                self._act_on(event)
+
+    def _take_edit(self, time: float) -> None:
+        if not self.breakers.closed(Stage.EDITS):
+            return
         if self.reloading.due(self.span.number) and self.scheduler.plan_anew(self.span, self.timeline, time):
             self._take_patch()
-        self.scheduler.work(self.span, self.timeline, time)
-        self.interrupts.tick(self.span, self.timeline, time)
-        carrying, fraction = self.scheduler.carrying, self.span.fraction(beat)
-        speed, dancer = self.scheduler.speed, carrying.reference
-        self.motion.tick(time, self.timeline, self.span, speed=speed, dancer=dancer, pace=carrying.pace)
-        self.motion.go_along(self.dancers.answering, self.dancers.shown)
-        carrying.tick(fraction, self.timeline.tempo / (60.0 * self.timeline.beats_per_measure))
-        self.dancers.tick(fraction, time, TICK)
-        self.mocap.tick(time, self.danced, self.timeline, self.span.end)
-        self._answer(fraction, time)
-        partners = self.motion.partners
-        if len(partners.leader) or self.dancers.hands.held:
-            self.dancers.hands.tick(partners.other, partners.hand, TICK, self.timeline.tempo)
-        self.brightness = damper(self.brightness, 0.0 if self.blackout else 1.0, FADE_HALFLIFE, TICK)
-        return crossed
+
+    def _select(self, beat: float, time: float) -> None:
+        """This tick's share of choosing what comes next."""
+        level = self.breakers.level(Stage.SELECTION)
+        if not level:
+            self.scheduler.work(self.span, self.timeline, time)
+        elif level == SIMPLER and not self.dancers.decided and self.span.end - beat <= DECIDE_BEATS:
+            self.scheduler.decide_nearest(self.motion.floor.half)
+
+    def _decide(self, time: float) -> None:
+        """The line is here, and nobody's next measure is chosen."""
+        level = self.breakers.level(Stage.SELECTION)
+        if not level:
+            self.scheduler.decide(self.span, self.timeline, time)
+        elif level == SIMPLER:
+            self.scheduler.decide_nearest(self.motion.floor.half)
+        else:
+            repeat_measure(self.dancers)
 
     def _answer(self, fraction: float, time: float) -> None:
         """Who answers others is taken along; what she dances is told whoever reacts to it."""
@@ -78,51 +249,6 @@ class Show(Dispatch):
         for label in answering.leaders.take_fresh():
             self.reactions.unit(label)
             self.prompter.take_reactions(self.danced, time)
-
-    def _fire(self, danced: float) -> None:
-        """What waits for a beat up to `danced` happens, and what that calls at once."""
-        for _ in range(CALLS_IN_TURN):
-            due = [*self.prompter.agenda.fire(danced), *self.desk.fire(danced, self.time)]
-            for event in due:
-                self._act_on(event)
-            if not due:
-                return
-
-    def _cross_measure_line(self, time: float) -> None:
-        if not self.dancers.decided:
-            self.scheduler.decide(self.span, self.timeline, time)
-        line = self.span.end
-        self.scheduler.carrying.cross_measure_line()
-        self.dancers.cross_measure_line()
-        self._take_graph()
-        self._take_patch()
-        self.span = self.span.next(self.timeline)
-        self._begin_measure(line)
-        for change in (*self.reactions.cross_measure_line(time), *self.desk.begin_measure(self.danced)):
-            self._act_on(change)
-        for change in self.audience.begin_measure(self.span.number, time):
-            self._act_on(change)
-
-    def _begin_measure(self, beat: float) -> None:
-        self.prompter.begin_measure(self.span.number, self.time)
-        if self.dancers.answering is not None:
-            self.dancers.answering.begin_measure()
-        self._controls.cross_measure_line(self.span.number)
-        self.variation.begin_measure(self.span.number)
-        timing = self.motion.partners.timing()
-        self.variation.delay(timing, self.state.position, self.motion.present, self.dancers.present)
-        self.scheduler.set_speed(self.span.number, self.timeline)
-        heading = self.dancers.present.begin_heading()
-        try:
-            entered = self.motion.begin_measure(self.span, beat, self.timeline, heading)
-        except PersonError as error:  # a score that asks for the impossible in measure 200 stops no show
-            self.refusals.add(f"score: {error}")
-            entered = np.zeros(0, np.intp)
-        if len(entered):
-            place = self.state.position[entered].astype(np.float64)
-            way = self.motion.entrances.goal[entered] - place
-            self.dancers.place(entered, place, np.arctan2(way[:, 0], way[:, 1]))
-        self.scheduler.carrying.begin_measure(anew=bool(len(entered)))
 
     def moment(self, time: float) -> Moment:
         """Musical time at `time` [s]."""

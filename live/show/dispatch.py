@@ -7,6 +7,7 @@ from live.clock.ticks import TICK
 from live.control import events
 from live.control.events import ControlEvent
 from live.show.audience import AUDIENCE_EVENTS
+from live.show.breakers import Stage, out_of_service
 from live.show.changeover import Changeover
 from live.show.clock_events import CLOCK_EVENTS, tell
 from live.show.desk import DESK_EVENTS
@@ -71,6 +72,30 @@ class Dispatch(Changeover):
             case events.TicksSkipped():
                 self.time += event.count * TICK
                 self.desk.tick(self.timeline, event.count)
+            case events.BreakerTripped():
+                self._trip(event)
+            case events.ResetBreaker():
+                self._reset(event)
+
+    def _trip(self, event: events.BreakerTripped) -> None:
+        """A stage goes out of service: what it had begun is dropped, for nobody would end it."""
+        try:
+            self.breakers.trip(event.name, event.why)
+        except ValueError as error:
+            self.refusals.add(f"{event.source}: {error}")
+            return
+        self.refusals.add(out_of_service(event.name, event.why))
+        if event.name == Stage.SELECTION.name.lower():
+            self.scheduler.drop_plan()
+        elif event.name == Stage.EDITS.name.lower():
+            self.reloading.drop()
+            self._new_steps.drop()
+
+    def _reset(self, event: events.ResetBreaker) -> None:
+        try:
+            self.breakers.reset(event.name)
+        except ValueError as error:
+            self.refusals.add(f"{event.source}: {error}")
 
     def _control(self, event: ControlEvent) -> None:
         """What groups do on the floor, and what the desk says."""

@@ -96,6 +96,10 @@ class NewSteps:
             offered = grown, Choosing.of(grown)
         self._next = offered
 
+    def drop(self) -> None:
+        """The graph that waits is given up."""
+        self._next = None
+
     @property
     def coming(self) -> MotionGraph | None:
         """The graph that waits for the next measure line; None if there is none."""

@@ -116,10 +116,14 @@ class Planning:
 
     def give_up(self) -> None:
         """Forget what is planned: the measure will be another one."""
-        self.pieces.clear()
-        self._searching.forget()
+        self.drop()
         if self._looked:
             self._aims.headings.take_back()
+
+    def drop(self) -> None:
+        """Forget what is planned, and ask nobody to take anything back."""
+        self.pieces.clear()
+        self._searching.forget()
 
     def finish(self, measure: int) -> None:
         """Do all that is left of the planning of `measure`, and anew what is not true any more."""

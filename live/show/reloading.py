@@ -121,6 +121,10 @@ class Reloading:
                 return
         self.waiting, self._tried = prepared, None
 
+    def drop(self) -> None:
+        """The edit that waits is given up: its file has to be saved again."""
+        self.waiting = None
+
     def due(self, measure: int) -> bool:
         """Whether a patch waits that was not tried yet in this `measure`; once in each."""
         tried, self._tried = self._tried == measure, measure

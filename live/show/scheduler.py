@@ -24,6 +24,7 @@ from live.show.dancers import Dancers
 from live.show.echo import Programme
 from live.show.group_motion import GroupMotion
 from live.show.measure import MeasureSpan
+from live.show.nearest_steps import decide_nearest
 from live.show.patch import Patch
 from live.show.planning import Planning
 from live.show.programmes import take_programmes
@@ -137,6 +138,10 @@ class Scheduler:
             programme.take_back(span.number + 1)
         return True
 
+    def drop_plan(self) -> None:
+        """Forget what is half planned, for nobody will finish it; what was decided stays."""
+        self._planning.drop()
+
     # -- the decision --------------------------------------------------------------------------------------------
 
     def decide(self, span: MeasureSpan, timeline: Timeline, time: float) -> None:
@@ -163,6 +168,12 @@ class Scheduler:
             np.count_nonzero((choices.step >= 0) & (graph.library.node_step[coming.node] != choices.step))
         )
         self.carrying.decided(hips, choices.target, choices.wish)
+
+    def decide_nearest(self, half: npt.NDArray[np.floating]) -> None:
+        """Choose without any plan, of what may follow what is nearest; `half` (2,) [m]: of the stage."""
+        begin = decide_nearest(self._dancers, half)
+        end = self._dancers.coming.end_position()
+        self.carrying.decided(begin, end, end)
 
     # -- what there is to say ------------------------------------------------------------------------------------
 

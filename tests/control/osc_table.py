@@ -101,6 +101,7 @@ def every_control():
             events.DrawMocap(performer="anna", strength=-1.0, group="mist", **STAMP),
         ),
         "/dance/takeover": ([], events.TakeOver(**STAMP)),
+        "/dance/breaker/reset": (["s", "steering"], events.ResetBreaker(name="steering", **STAMP)),
         "/dance/midi/learn": (
             ["sss", "/dance/motion/larger", "ember", "scale=1"],
             events.LearnMidi(address="/dance/motion/larger", given="ember\nscale=1", **STAMP),
