@@ -86,8 +86,11 @@ class Child:
         return self.heart.phase
 
     def hangs(self, now: float, since: float) -> bool:
-        """Whether it has given no sign of life for too long; `since` [s]: the supervisor itself slept until then."""
-        if self.phase is not Phase.RUNNING:
+        """Whether it has given no sign of life for too long; `since` [s]: the supervisor itself slept until then.
+
+        Who prepares itself need not beat, but within a tick everybody does.
+        """
+        if self.phase is not Phase.RUNNING and not self.heart.running[1]:
             return False
         return self.watch.judge(now - max(self.heart.last, since))
 

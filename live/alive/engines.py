@@ -7,16 +7,15 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from live.alive.child import Child
+from live.alive.deaths import Deaths
 from live.alive.heartbeat import Phase
-from live.alive.limits import LEAVES_WITHIN, RestartLimit
+from live.alive.limits import LEAVES_WITHIN
 from live.alive.log import Log
 from live.alive.nursery import Nursery
 from live.alive.orders import Orders, Report
 from live.alive.priority import bring_forward
 from live.alive.starter import Starter
 
-ENDED_WELL: Final = (0, 2, 130, 128 + signal.SIGTERM, 128 + signal.SIGHUP)
-"""Exit codes that somebody wanted; any other one of a running engine is a crash."""
 STEPS: Final = ('"StepsAdded"', '"StepsChanged"')
 """Events that only an engine can act on that has read the steps since."""
 CALM_APART: Final = 5.0
@@ -50,7 +49,9 @@ class Engines:
         """What the next engine begins as: engine, heir (there is a show to go on with), standby."""
         self.since: float | None = None
         """Since when the engine has been running [s, monotonic]."""
-        self._limit = RestartLimit()
+        self._deaths = Deaths()
+        self._death: dict[str, Any] = {}  # what the next engine has to know of the last one's end
+        self._ended: dict[int, int] = {}  # codes of ends that were told, by process
         self._start_at = self._spare_at = self._begun_at = 0.0
         self._died: float | None = None
         self._dead: list[Child] = []  # which the system has not cleared away yet
@@ -85,7 +86,7 @@ class Engines:
 
     def facts(self) -> dict[str, Any]:
         """What every engine is told of the others."""
-        self._report.restarts = self._limit.count
+        self._report.restarts = self._deaths.count
         self._report.late = 0 if self.engine is None else self.engine.watch.late
         self._report.spare = self.spare is not None and self.spare.phase is Phase.WAITING
         return self._report.facts()
@@ -93,7 +94,7 @@ class Engines:
     def go(self, **more: Any) -> None:
         """Tell the engine that follows to go on by itself."""
         if self.engine is not None:
-            order = {"calm": self._report.calm, "screen": self.screen, "facts": self.facts()}
+            order = {"calm": self._report.calm, "screen": self.screen, "facts": self.facts(), "death": self._death}
             self.engine.wire.tell(alive="go", **order, **more)
 
     def leave(self, number: int) -> int:
@@ -102,6 +103,7 @@ class Engines:
         if engine is None:
             return 128 + number
         starting = engine.phase is Phase.STARTING
+        engine.wire.tell(alive="leave")
         engine.signal(signal.SIGTERM if starting else number)  # an interpreter that begins knows only this one
         self._starter.hear_rest(engine.wire, LEAVES_WITHIN)
         code, self.engine = engine.end(within=LEAVES_WITHIN), None
@@ -140,7 +142,8 @@ class Engines:
     def _start(self, role: str) -> Child:
         def hear(line: str) -> None:
             if line.startswith('{"alive"'):
-                self.on_asked(json.loads(line))
+                if child is not None:
+                    self._hear(child, json.loads(line))
             elif child is self.engine:
                 self._report.lines += 1
                 self.take(line)
@@ -178,21 +181,32 @@ class Engines:
         if not engine.wire.ended and code is None:
             return
         self._starter.hear_rest(engine.wire, LEAVES_WITHIN, dead=code is not None)
-        phase, code = engine.phase, self._bury(engine, code)
-        begun = phase is Phase.RUNNING or self._died is not None
-        well = code in ENDED_WELL and phase is not Phase.STARTING
-        if well or not begun or self._limit.count >= GIVE_UP:
+        ended, running = self._ended.pop(engine.process.pid, None), engine.heart.running
+        code = self._bury(engine, code)
+        if ended is not None:
+            self.code = ended
+        elif not self.log.header or self._deaths.count >= GIVE_UP:
             self.code = code if code >= 0 else 1
-            if code not in ENDED_WELL:
-                self._say(f"the engine ended while it was {phase.name.lower()}: {how(code)}")
-            return
-        self._go_on(code, now)
+            self._say(f"the engine ended before it could begin: {how(code)}")
+        else:
+            self._go_on(code, now, *running)
 
-    def _go_on(self, code: int, now: float) -> None:
+    def _hear(self, child: Child, told: dict[str, Any]) -> None:
+        """What an engine says that is no line of the show."""
+        if told["alive"] == "end":  # nothing else makes the end of an engine one that somebody wanted
+            if child is self.engine and isinstance(told.get("code"), int):
+                self._ended[child.process.pid] = told["code"]
+        elif told["alive"] == "note":
+            self._say(str(told.get("words")))
+        else:
+            self.on_asked(told)
+
+    def _go_on(self, code: int, now: float, tick: int, stage: int) -> None:
         """The engine died: let another one go on."""
         self._died, self.since = self._died or now, None
         self._anew = self._report.calm
-        self._report.calm = self._limit.note(self._died - self._undanced) or self._report.calm
+        self._death, calm = self._deaths.note(self._died - self._undanced, tick, stage)
+        self._report.calm = calm or self._report.calm
         words = "without sound and other clocks, for it has happened too often" if self._report.calm else "in its place"
         self._say(f"the engine ended ({how(code)}); another one goes on {words}")
         self.engine, self.spare = self.spare, None

@@ -3,18 +3,22 @@
 import base64
 import json
 import time
+import traceback
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
+from live.alive.heartbeat import Heartbeat
+from live.alive.log import Log
 from live.base.packed import unpacked
 from live.clock.ticks import TICK
 from live.control.event_json import event_from_json
 from live.control.events import ControlEvent, PatchChanged, SetLatency, StepsAdded, StepsChanged, TicksSkipped
 from live.show.acting import act
 from live.show.core import Show
-from live.show.left_out import can_be_left_out
+from live.show.left_out import LEFT_OUT, can_be_left_out
 from live.show.library_hash import library_hash
 from live.show.load import LoadedShow
 from live.show.patch import Patch
@@ -23,23 +27,32 @@ from live.show.snapshot import SnapshotError, restore
 
 ARRIVALS: Final = 256
 """Lines whose delay is remembered: some seconds, in which clocks do not drift apart."""
-UNSAFE: Final = 128
-"""Ticks before a crash whose events are left out when nothing else has helped: one may be the cause."""
+LONGEST: Final = 200
+"""Characters of an error's own words."""
 
 Line = dict[str, Any]
+
+
+class TickFailed(Exception):
+    """A tick ended in an error: the show's state is of no use any more."""
+
+    def __init__(self, tick: int, stage: int, error: Exception) -> None:
+        super().__init__(f"tick {tick}: {in_words(error)}")
+        self.tick, self.stage, self.why = tick, stage, in_words(error)
 
 
 class Following:
     """Takes the lines of a show (`Log.since`, and those that follow) and runs the same show.
 
-    `advance` leaves what came after the last measure line for `finish`: an event that ends one engine shall not end
-    the one that waits as well. A state that differs from the other show's is counted, and the next snapshot puts it
-    right. Thread: one.
+    `advance` leaves what came after the last measure line for `recover` (`recovery.py`): an event that ends one engine
+    shall not end the one that waits as well. A state that differs from the other show's is counted, and the next
+    snapshot puts it right. Thread: one.
     """
 
-    def __init__(self, loaded: LoadedShow, *, alive: Callable[[int], None] = lambda tick: None) -> None:
-        """`alive` is told the tick from time to time while much is run."""
-        self._loaded, self._alive = loaded, alive
+    def __init__(self, loaded: LoadedShow, *, heart: Heartbeat | None = None) -> None:
+        """`heart`: of this process; it beats, and says which stage of which tick runs, while much is run."""
+        self._first = self._loaded = loaded
+        self._heart, self._log = heart, Log()
         self._waiting: deque[Line] = deque()
         self._since: deque[Line] = deque()  # what came since the last snapshot, should this one have to be repaired
         self._measures = 0
@@ -49,15 +62,13 @@ class Following:
         """Where the show stands."""
         self.compared = self.differences = self.repaired = self.refused = 0
         """Measures compared; those whose state differed; how often a snapshot put that right; events that failed."""
-        self.left_out = 0
-        """Events, the last that were told, that `finish` left out."""
         self.problem = ""
         """Why the last snapshot could not be used."""
         self.latencies: dict[str, float] = {}
         """Delays that were changed by hand."""
         self._arrivals: deque[float] = deque(maxlen=ARRIVALS)
         self._hash: tuple[int, str] = (0, "")
-        self._astray = False
+        self._astray = self._stuck = False
 
     @property
     def origin(self) -> float:
@@ -83,6 +94,7 @@ class Following:
     def take(self, line: str, *, arrived: float | None = None) -> None:
         """Take a line; nothing is run yet. `arrived` [s of perf_counter]: when it came from another machine."""
         value = json.loads(line)
+        self._log.take(line)
         if "journal" in value:
             self.header = value
             return
@@ -92,30 +104,83 @@ class Following:
             if self._waiting and len(self._waiting[-1]) == 1:
                 self._waiting[-1] = value
                 return
+        if LEFT_OUT in value:
+            self._leave_out(value[LEFT_OUT])
         self._measures += "measure" in value
         self._waiting.append(value)
+        if self._stuck and "snapshot" in value:
+            self._begin_again(stuck=False)
+
+    def _leave_out(self, count: int) -> None:
+        """The last so many events are in quarantine; who has let one act already is astray until the next snapshot."""
+        for value in [value for value in reversed(self._waiting) if is_event(value)][:count]:
+            self._waiting.remove(value)
+            count -= 1
+        self._astray = self._astray or count > 0
+
+    @property
+    def loaded(self) -> LoadedShow:
+        """Patch and steps as they are danced now."""
+        if self.show is None:
+            return self._loaded
+        return replace(self._loaded, patch=self.show.patch, graph=self.show.graph)
+
+    @property
+    def waiting(self) -> list[Line]:
+        """What was told and is not run yet, in order."""
+        return list(self._waiting)
 
     def advance(self, *, lines: int = 64) -> bool:
         """Run on by so many lines at most, not beyond the last measure line; whether there is more to run."""
-        for _ in range(lines):
-            if not self._measures:
-                return False
-            self._run(self._waiting.popleft())
+        try:
+            for _ in range(lines):
+                if not self._measures or self._stuck:
+                    return False
+                self._run(self._waiting.popleft())
+        except TickFailed:  # what the other one dances cannot be danced here: `recover` has to find out why
+            self._begin_again(stuck=True)
+            return False
         return self._measures > 0
 
-    def finish(self, *, careful: bool = False) -> Show:
-        """Run to the end of what was told. `careful`: without the last events, should one of them be poison.
+    def _begin_again(self, *, stuck: bool) -> None:
+        """Back to the last snapshot, of which nothing is run yet."""
+        self.stand(None, 0)
+        self._waiting = deque(self.whole())
+        self._measures = sum("measure" in value for value in self._waiting)
+        self._stuck = stuck
 
-        Ticks that were skipped stay so: that is no cause, and all later ones are counted from there.
+    def run(self, lines: Iterable[Line], until: int) -> None:
+        """Run these instead of all that waits, and every tick up to `until`; TickFailed if one ends in an error.
+
+        Nothing waits any more then.
         """
-        last = max((value["tick"] for value in self._waiting), default=self.tick)
-        while self._waiting:
-            value = self._waiting.popleft()
-            if careful and "event" in value and value["tick"] > last - UNSAFE and can_be_left_out(value["event"]):
-                self.left_out += 1
-                continue
+        self._waiting.clear()
+        self._measures = 0
+        for value in lines:
+            self._measures += "measure" in value
             self._run(value)
-        return self._begun()
+        self._run_to(self._begun(), until)
+
+    def stand(self, show: Show | None, tick: int) -> None:
+        """Go on from `show` as it was after `tick`; None: nothing is run of it yet."""
+        self._take_show(show)
+        self.tick = tick
+        self._astray = False
+        self._since.clear()
+        if show is None:
+            self._loaded = self._first
+
+    def whole(self) -> list[Line]:
+        """All that is needed to run the show again from its last snapshot."""
+        again = Following(self._first)
+        for line in self._log.since():
+            again.take(line)
+        return again.waiting
+
+    @property
+    def crossed(self) -> tuple[int, str]:
+        """The tick of the last measure line and the hash of the state there."""
+        return self._hash
 
     def follow(self) -> None:
         """Run all that was told, in lockstep with who tells it."""
@@ -141,10 +206,13 @@ class Following:
     def _run_to(self, show: Show, until: int) -> None:
         while self.tick < until:
             self.tick += 1
-            if show.tick(self.tick * TICK):
-                self._hash = (self.tick, show.state_hash())
-            if self.tick % 64 == 0:
-                self._alive(self.tick)
+            if self._heart is not None:
+                self._heart.begin_tick(self.tick)
+            try:
+                if show.tick(self.tick * TICK):
+                    self._hash = (self.tick, show.state_hash())
+            except Exception as error:
+                raise TickFailed(self.tick, show.breakers.running, error) from error
 
     def _apply(self, show: Show, event: ControlEvent) -> None:
         self.refused += act(show, event) is None
@@ -161,10 +229,11 @@ class Following:
             return
         try:
             self._began_with(self._needed())
-            self.show = restore(self._loaded, base64.b64decode(value["snapshot"]))
+            self._take_show(restore(self._loaded, base64.b64decode(value["snapshot"])))
         except (SnapshotError, ReplayError, ValueError) as error:
             self.problem = str(error)
             return
+        assert self.show is not None
         self.repaired += self._astray
         stood, self.tick, self._astray = self.tick, tick, False
         for kept in self._since:
@@ -176,8 +245,14 @@ class Following:
     def _begun(self) -> Show:
         if self.show is None:
             self._began_with(self._needed())
-            self.show = self._loaded.start(seed=self.header["seed"], tempo=self.header["tempo"])
+            self._take_show(self._loaded.start(seed=self.header["seed"], tempo=self.header["tempo"]))
+        assert self.show is not None
         return self.show
+
+    def _take_show(self, show: Show | None) -> None:
+        self.show = show
+        if show is not None and self._heart is not None:
+            show.breakers.publish(self._heart.stage)
 
     def other_show(self) -> str | None:
         """In what the show that is told of differs from the one that is loaded here; None if it is the same, or before
@@ -221,6 +296,19 @@ class Following:
         added = (event.clips.split("\n") for event in later if isinstance(event, StepsAdded))
         changed = (event for event in later if isinstance(event, StepsChanged))
         self._loaded = loaded_of(header | {"patch_path": str(loaded.path)}, added, changed)
+
+
+def is_event(value: Line) -> bool:
+    """Whether a line tells of an event that could be left out."""
+    return "event" in value and can_be_left_out(value["event"])
+
+
+def in_words(error: BaseException) -> str:
+    """An error of the program in one short line, with the place it came from."""
+    place = traceback.extract_tb(error.__traceback__)[-1:]
+    where = "".join(f" in {'/'.join(Path(frame.filename).parts[-2:])}, line {frame.lineno}" for frame in place)
+    words = " ".join(str(error).split())
+    return "".join(mark if mark.isprintable() else " " for mark in f"{type(error).__name__}: {words[:LONGEST]}{where}")
 
 
 def belongs_after(value: Line, tick: int) -> bool:

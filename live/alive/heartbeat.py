@@ -23,7 +23,7 @@ class Phase(IntEnum):
 
 
 class Heartbeat:
-    """Three aligned words in a page of memory that two processes share: when, tick, phase.
+    """Aligned words in a page of memory that two processes share: when, tick, phase, and the stage of which tick runs.
 
     Each word is written at once; a reader may see a new tick with an old time, which does no harm. Thread: any, one
     writer.
@@ -59,6 +59,21 @@ class Heartbeat:
     def last(self) -> float:
         """When the last beat was [s, monotonic]; 0 before the first."""
         return self._words[0] / 1e9
+
+    @property
+    def stage(self) -> memoryview:
+        """The word for the stage that runs now: a show writes it by itself (`Breakers.publish`)."""
+        return self._words[3:4]
+
+    def begin_tick(self, tick: int) -> None:
+        """The tick `tick` is run now, which is a beat as well."""
+        self._words[4] = tick
+        self._words[0] = time.monotonic_ns()
+
+    @property
+    def running(self) -> tuple[int, int]:
+        """The tick that was begun last, and the stage in which it is; 0: it is over."""
+        return self._words[4], self._words[3]
 
     def close(self) -> None:
         """Give the memory back."""

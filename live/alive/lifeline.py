@@ -1,13 +1,19 @@
 """Lifeline: an engine's end of what joins it to its supervisor; without a supervisor there is none."""
 
+import contextlib
 import json
 import os
 import socket
+import sys
+import traceback
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final, NoReturn
 
 from live.alive.heartbeat import Heartbeat, Phase
 from live.alive.wire import Wire
+
+CRASHED: Final = 70
+"""The exit code of an engine that ended in an error of the program (EX_SOFTWARE of sysexits.h)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,6 +119,30 @@ class Lifeline:
         if facts != self._told_following:
             self._told_following = facts
             self.wire.tell(alive="following", **facts)
+
+    def tell_end(self, code: int) -> None:
+        """Somebody wanted this show to end, with this exit code: without this word the end of a process is a crash."""
+        self.wire.tell(alive="end", code=code)
+        self.wire.flush()
+
+    def crash(self, error: BaseException) -> NoReturn:
+        """End this process at once, for an error that nobody asked for: another engine goes on."""
+        traceback.print_exception(error)
+        with contextlib.suppress(OSError, ValueError):
+            self.wire.flush()
+            sys.stderr.flush()
+        os._exit(CRASHED)
+
+    def tell_note(self, words: str) -> None:
+        """Something the person has to know."""
+        self.wire.tell(alive="note", words=words)
+
+    @property
+    def may_leave(self) -> bool:
+        """Whether a signal to end is meant for the show, and not only for this process: the supervisor has said so, or
+        there is none."""
+        self.listen()
+        return self.alone or self.order("leave") is not None
 
     @property
     def fenced(self) -> bool:

@@ -4,7 +4,7 @@ import json
 from collections.abc import Iterator
 from typing import Any, Final
 
-from live.show.left_out import LEFT_OUT, without_the_last
+from live.show.left_out import LEFT_OUT, SINCE, without_the_last
 
 CHANGES: Final = ("PatchChanged", "StepsAdded", "StepsChanged")
 """Events after which a snapshot can be read only by who has seen them."""
@@ -54,6 +54,12 @@ class Log:
                 self._lines = [one for one in self._lines if one[0] > tick or (one[0] == tick and '"event"' in one[1])]
             return True
         self.tick = max(self.tick, tick)
+        if isinstance(since := value.get(SINCE), int):  # who goes on from here dances anew what came since
+            self._lines = [one for one in self._lines if one[0] <= since or '"measure"' not in one[1]]
+            value = {key: each for key, each in value.items() if key != SINCE} | {"tick": since}
+            place = sum(one[0] <= since for one in self._lines)
+            self._lines.insert(place, (since, json.dumps(value, separators=(",", ":"))))
+            return True
         if LEFT_OUT in value:  # who goes on from here leaves them out as well
             self._lines = without_the_last(self._lines, value[LEFT_OUT])
             return True

@@ -1,7 +1,7 @@
 """An engine as a process of its own: it begins a show, or waits until it goes on with one. See `live.alive`."""
 
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from rich.console import Console
 
@@ -10,6 +10,9 @@ from live.alive.priority import ENGINE_NICE, come_forward
 from live.base.errors import PersonError
 from live.cli.main import EXIT_INTERRUPTED, EXIT_PERSON_ERROR, end_cleanly, show_person_error
 from live.cli.played import Played
+
+BEGINNERS: Final = ("engine", "standby")
+"""Who begins something, and does not go on with it."""
 
 if TYPE_CHECKING:
     from live.show.core import Show
@@ -20,7 +23,28 @@ def play(lifeline: Lifeline, loaded: "LoadedShow | None" = None, show: "Show | N
     """Do what the supervisor says first. `loaded`, `show`: what this process was born with, if it was."""
     brief = lifeline.brief()
     played = Played.unpacked(brief.show)
-    if brief.role == "engine":
+    console = Console(stderr=True, highlight=False)
+    if brief.role == "nursery":
+        from live.cli.born import be_born
+
+        here, loaded, show = be_born(played, lifeline, console)
+        if here is not None:
+            end_cleanly()
+            play(here, loaded, show)
+        return
+    try:
+        _play(brief.role, played, lifeline, loaded, show, console)
+    except PersonError:
+        if brief.role in BEGINNERS:  # what this machine was asked for cannot be; it is no fault of a running show
+            lifeline.tell_end(EXIT_PERSON_ERROR)
+        raise
+    lifeline.tell_end(0)
+
+
+def _play(
+    role: str, played: Played, lifeline: Lifeline, loaded: "LoadedShow | None", show: "Show | None", console: Console
+) -> None:
+    if role == "engine":
         from live.cli.stage import play_show
 
         come_forward(ENGINE_NICE)
@@ -31,24 +55,14 @@ def play(lifeline: Lifeline, loaded: "LoadedShow | None" = None, show: "Show | N
             headless=played.headless,
             lifeline=lifeline,
         )
-        return
-    console = Console(stderr=True, highlight=False)
-    if brief.role == "nursery":
-        from live.cli.born import be_born
-
-        here, loaded, show = be_born(played, lifeline, console)
-        if here is not None:
-            end_cleanly()
-            play(here, loaded, show)
-        return
-    if brief.role == "standby":
+    elif role == "standby":
         from live.cli.standby import stand_by
 
         stand_by(played, lifeline, console)
-        return
-    from live.cli.heir import take_over
+    else:
+        from live.cli.heir import take_over
 
-    take_over(played, lifeline, loaded, show, waits=brief.role == "spare", console=console)
+        take_over(played, lifeline, loaded, show, waits=role == "spare", console=console)
 
 
 def main() -> None:

@@ -8,6 +8,7 @@ from live.alive.following import Following
 from live.alive.heartbeat import Phase
 from live.alive.lifeline import Lifeline, nobody_left
 from live.alive.priority import ENGINE_NICE, come_forward, stand_back
+from live.alive.recovery import Death, Recovery
 from live.base.errors import PersonError
 from live.cli.played import Played
 from live.cli.resumed import Resumed
@@ -16,7 +17,6 @@ from live.cli.session_sound import Sound, choose_sound
 from live.cli.warm import warm_kernels
 from live.control.events import ChooseSource
 from live.show.core import Show
-from live.show.left_out import left_out_line
 from live.show.load import LoadedShow
 from live.show.venue import Venue
 from live.show.venue_latency import Latencies
@@ -55,9 +55,13 @@ def go_on(
 ) -> None:  # fmt: skip
     """Play on where what was followed ended; `elsewhere`: that was another machine."""
     calm = bool(order["calm"])
-    show = following.finish(careful=calm)
-    if following.left_out:
-        lifeline.wire.tell(**left_out_line(following.tick, following.left_out))
+    recovered = Recovery(following, Death.of(order.get("death"))).run()
+    show = recovered.show
+    for line in recovered.lines:
+        lifeline.wire.put(line)
+    for words in recovered.notes:
+        lifeline.tell_note(words)
+        show.refusals.add(words)
     lead = Latencies.of(venue).lead
     origin = following.origin_here(lead) if elsewhere else following.origin
     resumed = Resumed(
@@ -80,7 +84,7 @@ def go_on(
 
 def _follow(loaded: LoadedShow, lifeline: Lifeline) -> tuple[dict[str, Any] | None, Following]:
     """Follow the show until the word comes; None if it never will."""
-    following = Following(loaded, alive=lambda tick: lifeline.beat(tick))
+    following = Following(loaded, heart=lifeline.heart)
     while True:
         lifeline.listen()
         for line in lifeline.lines:
@@ -117,9 +121,12 @@ def open_picture(
     from live.cli.window_picture import Picture
 
     scene = loaded.scene(whole=False)
+    try:
+        monitor = find_screen(played.monitor)
+    except PersonError:  # unplugged since: any other is better than none
+        monitor = None
     picture = Picture.opened(
-        played.wish, scene, monitor=find_screen(played.monitor), fullscreen=played.fullscreen, hidden=hidden,
-        venue=venue,
+        played.wish, scene, monitor=monitor, fullscreen=played.fullscreen, hidden=hidden, venue=venue,
     )  # fmt: skip
     picture.rehearse(show or loaded.start(seed=played.wish.seed))
     return picture

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from live.alive.heartbeat import Phase
 from live.alive.lifeline import Lifeline
+from live.base.errors import PersonError
 from live.base.inbox import Inbox
 from live.cli.audience_part import AudiencePart
 from live.cli.beside import Beside
@@ -76,10 +77,15 @@ class Session:
             show, clock=self.clock, inbox=self.inbox, status=self.status, lead=self.latencies.lead, stall=stall
         )
         self.engine.forgiving = True
+        if lifeline is not None:
+            self.engine.progress = lifeline.heart
+            show.breakers.publish(lifeline.heart.stage)
         self.engine.outward.append(self._tell_devices)
         self.pressure = Pressure()
         """How hard it is to keep up, for whoever can draw less."""
         self.status.more["pressure"] = lambda: round(self.pressure.value, 3)
+        self.status.more["out_of_service"] = lambda: dict(show.breakers.why)
+        self.status.notes.append(lambda: "   ".join(show.breakers.words()))
         self.status.more["failed_events"] = lambda: self.engine.failed
         self.status.more["latency"] = self.latencies.facts
         self.status.more["music"] = show.reactions.facts
@@ -113,7 +119,12 @@ class Session:
 
     @contextlib.contextmanager
     def running(self) -> Iterator["Session"]:
-        """Start everything; stop it again whatever happens. Automatic garbage collection rests meanwhile."""
+        """Start everything, and stop it again. Automatic garbage collection rests meanwhile.
+
+        Where a supervisor watches, an end that nobody asked for is a crash: nothing is closed, for another engine goes
+        on at once. Everything here is such that a process may end at any moment.
+        """
+        wished = False
         try:
             if self._resumed is None:
                 self.clock.origin = SystemClock().origin  # the show's time begins now
@@ -133,12 +144,19 @@ class Session:
             if self._resumed is not None:
                 self._catch_up(self._resumed)
             yield self
+            wished = True
+        except BaseException as error:
+            refused = isinstance(error, PersonError) and not self.status.frames  # what was asked for cannot be
+            wished = self.lifeline is None or self.lifeline.may_leave
+            if self.lifeline is not None and not wished and not refused:
+                self.lifeline.crash(error)
+            raise
         finally:
             if self.lifeline is not None:
                 self.lifeline.beat(self.engine.ticks.index, Phase.LEAVING)
             gc.enable()
             gc.unfreeze()
-            self._stop()
+            self._stop(ended=wished)
 
     def _catch_up(self, resumed: Resumed) -> None:
         """Dance what fell into the time in which nobody did: the show comes out where it would have been."""
@@ -161,13 +179,13 @@ class Session:
         self.osc.frame()
         self._parts.before_frame()
 
-    def _stop(self) -> None:
+    def _stop(self, *, ended: bool) -> None:
         self._audio.stop()
         self._parts.stop()
         self.osc.stop()
         self._watch.stop()
         self.news.stop()
-        self._records.close(self.engine.ticks.index, self.clock.now())
+        self._records.close(self.engine.ticks.index, self.clock.now(), ended=ended)
         self._records.tell()
 
     def after_frame(self, started: float, previous: float) -> None:

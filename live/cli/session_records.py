@@ -76,10 +76,10 @@ class Records:
         if self._relay is not None:
             self._relay.flush()
 
-    def close(self, tick: int, time: float) -> None:
-        """Write what waits: the last `tick`, and the figures of `time` [s]."""
+    def close(self, tick: int, time: float, *, ended: bool = True) -> None:
+        """Write what waits: the last `tick`, and the figures of `time` [s]. `ended`: the show has, as it should."""
         if self._journal is not None:
-            self._journal.close(tick)
+            self._journal.close(tick, ended=ended)
         if self._status_file is not None:
             self._status_file.close(time)
 

@@ -35,7 +35,7 @@ def stand_by(played: Played, lifeline: Lifeline, console: Console) -> None:
     sound = sound_of(played, loaded, venue)
     picture = open_picture(played, loaded, venue, hidden=False)
     try:
-        order, following = _follow(Following(loaded), lifeline, played, picture)
+        order, following = _follow(Following(loaded, heart=lifeline.heart), lifeline, played, picture)
         if order is None:
             return
         come_forward(ENGINE_NICE)

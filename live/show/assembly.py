@@ -56,10 +56,11 @@ class Assembly(ABC):
         choosing: Choosing | None = None,
         bank: TextureBank | None = None,
         answers: AnswerBank | None = None,
+        begin: bool = True,
     ) -> None:
         """`seed` and `tempo` [bpm] override the patch's; `reserve` holds clips that events may add, by name;
         `choosing` is what is prepared of the graph, if it is known; `bank` what upper bodies may be textured with;
-        `answers` what partners answer from.
+        `answers` what partners answer from. Without `begin` no measure begins: the state will be another one.
 
         Raises UnknownStep for a step the library lacks.
         """
@@ -109,7 +110,8 @@ class Assembly(ABC):
         self._seen = Seen(self.dancers, self.motion, self.group, self.desk, self.audience)
         self._new_steps = NewSteps(reserve, self.refusals)
         self.reloading = Reloading(self.refusals)
-        self._begin_measure(self.span.end - self.timeline.beats_per_measure)
+        if begin:
+            self._begin_measure(self.span.end - self.timeline.beats_per_measure)
 
     @abstractmethod
     def _begin_measure(self, beat: float) -> None:

@@ -76,6 +76,13 @@ def name_of(number: int) -> str:
     return _NUMBERS.get(number, "")
 
 
+def escalation(stage: int) -> tuple[str, ...]:
+    """The breakers that help where `stage` ends in an error, one after the other: its own, and that of all."""
+    name = name_of(stage)
+    own = () if not name else (name,) if stage >= FIRST_CALL else (name, name)
+    return (*own, Stage.TICK.name.lower())
+
+
 class Breakers:
     """The breakers of one show: part of its state, changed by events alone. Thread: the show's."""
 
@@ -116,10 +123,9 @@ class Breakers:
 
     # -- what trips them -----------------------------------------------------------------------------------------
 
-    def next_to_trip(self, stage: int) -> str:
-        """The breaker that helps where `stage` has ended in an error: its own, then that of the whole tick."""
-        worst = SIMPLER if stage >= FIRST_CALL else NOTHING
-        return name_of(stage) if name_of(stage) and self._level.get(stage, 0) < worst else name_of(Stage.TICK)
+    def tripped(self, stage: int) -> int:
+        """How often a stage was tripped: 0 if it is in service."""
+        return self._level.get(stage, 0)
 
     def trip(self, name: str, why: str) -> None:
         """Put a stage out of service; one that is out already does nothing at all from now on. ValueError for a name

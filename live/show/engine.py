@@ -1,6 +1,7 @@
 """Engine: the frame loop's body. Live and offline differ only in the clock and in who calls `frame`."""
 
 from collections.abc import Callable, Iterable
+from typing import Protocol
 
 from live.base.inbox import Inbox
 from live.base.stage_view import StageView
@@ -40,6 +41,14 @@ Picture = Callable[[StageView], None]
 
 def _nobody(part: str) -> None:
     """Nobody measures."""
+
+
+class Progress(Protocol):
+    """Who has to know what is run, should it never end: a page of memory that another process reads."""
+
+    def begin_tick(self, tick: int) -> None:
+        """This tick is run now."""
+        ...
 
 
 class Engine:
@@ -91,6 +100,8 @@ class Engine:
         """Whether an event that ends in an error is refused, as by who replays or goes on; else the error is raised."""
         self.failed = 0
         """Events that ended in an error, since the start."""
+        self.progress: Progress | None = None
+        """Told each tick before it is run."""
         self.mark: Callable[[str], None] = _nobody
         """Told what has just been done in a frame, for whoever measures: "events", "simulation", "poses"."""
         self.on_error: Callable[[Exception], None] | None = None
@@ -163,6 +174,8 @@ class Engine:
     def run_to(self, target: float) -> None:
         """Run every tick up to `target` [s], however many there are."""
         for time in self.ticks.due(target):
+            if self.progress is not None:
+                self.progress.begin_tick(self.ticks.index)
             crossed = self.show.tick(time)
             self._status.ticks += 1
             if self.journal is not None:

@@ -129,9 +129,10 @@ class JournalWriter:
             return f"journal: {self._keeping.problem}"
         return ""
 
-    def close(self, tick: int) -> None:
-        """Note the last tick, write what waits and close."""
-        self._put({"tick": tick, "end": True})
+    def close(self, tick: int, *, ended: bool = True) -> None:
+        """Note the last tick if the show has `ended`, write what waits and close."""
+        if ended:
+            self._put({"tick": tick, "end": True})
         self.sink.close()
 
     def _put(self, line: dict[str, Any]) -> None:

@@ -167,13 +167,26 @@ def _lines(file: TextIO, path: Path, columns: Columns, gaps: Sequence[Gap]) -> I
         if missing:
             words = f"{path}, line {number}: before it {missing} lines are missing that could not be written"
             yield JournalLine(last, number=number, damaged=words)
+        for gap in gaps:
+            if gap.anew and number == gap.first:
+                yield _anew(gap, path, last, columns)
         last = line.tick
-        gap = next((gap for gap in gaps if gap.first <= number < gap.mark), None)
-        if gap is not None:
-            line = replace(line, left_out=number in gap.events, state=None)
+        over = [gap for gap in gaps if gap.first <= number <= gap.mark]
+        if over:
+            state = None if any(number < gap.mark for gap in over) else line.state
+            line = replace(line, left_out=any(number in gap.events for gap in over), state=state)
         yield line
         if isinstance(line.event, TicksSkipped):
             last += line.event.count
+
+
+def _anew(gap: Gap, path: Path, last: int, columns: Columns) -> JournalLine:
+    """The event that acts before what was danced anew."""
+    try:
+        value = _parse(gap.anew, path, gap.mark) | {"tick": max(gap.ticks[0], last)}
+        return _line(value, path, gap.mark, last, columns)
+    except JournalError as error:
+        return JournalLine(last, number=gap.mark, damaged=str(error))
 
 
 def _missing(value: dict[str, Any]) -> int:

@@ -15,10 +15,14 @@ from pathlib import Path
 from typing import Any, Final
 
 LEFT_OUT: Final = "left_out"
+SINCE: Final = "since"
+"""Of an event that acted at an earlier tick than that of its line: what was danced since was danced anew."""
 LONGEST: Final = 1 << 26
 """Characters of a line at most, as for who reads the journal."""
 MOST: Final = 65536
 """Events that one such line can mean; two seconds have far fewer."""
+MOST_ANEW: Final = 256
+"""Stages that were put out of service so; each takes three engines."""
 TICK_OF: Final = re.compile(r'"tick":\s*(\d{1,13})')
 KEPT: Final = "TicksSkipped"
 """Never left out: it only says how ticks are counted."""
@@ -35,6 +39,8 @@ class Gap:
     events: frozenset[int]
     ticks: tuple[int, int]
     """Of the first of them and of that line."""
+    anew: str = ""
+    """The line of an event that acts at the first of these ticks, whose own line it is that says so."""
 
     def holds(self, tick: int) -> bool:
         """Whether a state taken after that tick is one that no longer holds."""
@@ -65,17 +71,31 @@ def without_the_last(lines: Sequence[tuple[int, str]], count: int) -> list[tuple
 
 def left_out(path: Path) -> list[Gap]:
     """All that a journal says of events that do not count; quick: only the lines that say so are looked into."""
-    most = max((_count(row) for _, row in _rows(path) if f'"{LEFT_OUT}"' in row), default=0)
+    most, anew = 0, list[tuple[int, int, str]]()
+    for number, row in _rows(path):
+        if f'"{LEFT_OUT}"' in row:
+            most = max(most, _count(row, LEFT_OUT))
+        elif f'"{SINCE}":' in row and _is_event(row) and len(anew) < MOST_ANEW:
+            anew.append((number, _count(row, SINCE), row))
+    if not most and not anew:
+        return []
     gaps: list[Gap] = []
     events: deque[tuple[int, int]] = deque(maxlen=min(most, MOST))
-    for number, row in _rows(path) if most > 0 else ():
-        if _is_event(row):
-            events.append((number, _tick(row)))
-        elif f'"{LEFT_OUT}"' in row and (count := _count(row)) > 0:
+    first: dict[int, int] = {}
+    for number, row in _rows(path):
+        tick = _tick(row)
+        for mark, since, _ in anew:
+            if number <= mark and tick > since:
+                first.setdefault(mark, number)
+        if f'"{LEFT_OUT}"' in row and (count := _count(row, LEFT_OUT)) > 0:
             last = [events.pop() for _ in range(min(count, len(events)))]
             if last:
-                ticks = last[-1][1], _tick(row)
+                ticks = last[-1][1], tick
                 gaps.append(Gap(last[-1][0], number, frozenset(line for line, _ in last), ticks))
+        elif _is_event(row) and f'"{SINCE}":' not in row:
+            events.append((number, tick))
+    for mark, since, row in anew:
+        gaps.append(Gap(first.get(mark, mark), mark, frozenset([mark]), (since, _tick(row)), row))
     return gaps
 
 
@@ -96,10 +116,10 @@ def _tick(row: str) -> int:
     return 0 if found is None else int(found[1])
 
 
-def _count(row: str) -> int:
+def _count(row: str, key: str) -> int:
     try:
         value = json.loads(row)
     except (ValueError, RecursionError):
         return 0
-    count = value.get(LEFT_OUT) if isinstance(value, dict) else None
-    return count if isinstance(count, int) and not isinstance(count, bool) else 0
+    count = value.get(key) if isinstance(value, dict) else None
+    return count if isinstance(count, int) and not isinstance(count, bool) and 0 <= count < 1 << 40 else 0

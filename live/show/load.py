@@ -60,12 +60,12 @@ class LoadedShow:
         """The same where a hall has that projector; PersonError if it cannot see this show's stage so."""
         return replace(self, patch=in_hall(self.patch, projector), projector=projector)
 
-    def start(self, *, seed: int | None = None, tempo: float | None = None) -> Show:
-        """A fresh show at its first moment; PersonError for a step that is not there."""
+    def start(self, *, seed: int | None = None, tempo: float | None = None, begin: bool = True) -> Show:
+        """A fresh show at its first moment; PersonError for a step that is not there. `begin`: see `Assembly`."""
         try:
             return Show(
                 self.patch, self.graph, seed=seed, tempo=tempo, reserve=self.reserve, bank=self.bank,
-                answers=self.answers,
+                answers=self.answers, begin=begin,
             )  # fmt: skip
         except UnknownStep as error:
             raise PersonError(f"{self._where(error.place)}: {error}") from None

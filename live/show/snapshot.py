@@ -169,7 +169,7 @@ def restore(loaded: LoadedShow, data: bytes, *, fresh: Show | None = None) -> Sh
     ):
         if facts.get(key) != found:
             raise SnapshotError(f"the snapshot is of other {words} ({facts.get(key)}) than there are ({found})")
-    root = loaded.start(seed=facts["seed"]) if fresh is None else fresh
+    root = loaded.start(seed=facts["seed"], begin=False) if fresh is None else fresh
     try:
         unpacker = zlib.decompressobj()
         payload = unpacker.decompress(data.partition(b"\n")[2], facts["size"] + 1)

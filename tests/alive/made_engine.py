@@ -27,6 +27,7 @@ def follow(lifeline: Lifeline, role: str, nursery: int | None, plan: dict[str, A
             tick = max(tick, told.get("tick", 0))
         if role == "standby" and "cannot" in plan and lifeline.lines:
             lifeline.wire.tell(alive="cannot", why=plan["cannot"])
+            lifeline.tell_end(2)
             sys.exit(2)
         lifeline.lines.clear()
         if (order := lifeline.order("go")) is not None:
@@ -76,10 +77,12 @@ def main() -> None:
         lifeline.frame(tick)
         if lifeline.fenced:
             lifeline.wire.put(json.dumps({"tick": tick, "event": {"type": "dark"}}))
+            lifeline.tell_end(0)
             sys.exit(0)
         if tick >= plan.get("ticks", 1 << 40):
             lifeline.beat(tick, Phase.LEAVING)
             lifeline.wire.put(json.dumps({"tick": tick, "end": True}))
+            lifeline.tell_end(plan.get("ends", 0))
             sys.exit(plan.get("ends", 0))
         if lifeline.alone:
             sys.exit(0)  # the test that began this has gone

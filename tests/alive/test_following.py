@@ -8,14 +8,13 @@ import pytest
 
 from live.alive.following import Following
 from live.alive.log import Log
+from live.alive.recovery import Recovery
 from live.clock.ticks import TICK
 from live.control.events import Attract, ControlEvent, SetLatency, SetTempo, TicksSkipped
 from live.show.core import Show
-from live.show.journal import line_of, read_journal
-from live.show.left_out import left_out_line
+from live.show.journal import line_of
 from live.show.load import LoadedShow
 from live.show.patch_file import parse_patch
-from live.show.replay import replay
 from live.show.snapshot import snapshot
 from tests.show.made_show import GRAPH, PATCH
 
@@ -70,7 +69,7 @@ def follow(loaded: LoadedShow, lines: list[str]) -> tuple[Following, Show]:
     following = Following(loaded)
     for line in lines:
         following.take(line)
-    return following, following.finish()
+    return following, Recovery(following).run().show
 
 
 @pytest.mark.parametrize("end", [90, 405, 720, 1100, 1430])
@@ -103,7 +102,7 @@ def test_the_one_that_waits_stays_behind_the_last_measure_line_until_it_is_neede
         pass
     measures = [json.loads(line)["tick"] for line in leading.lines[:600] if "hash" in json.loads(line) and "me" in line]
     assert following.tick == measures[-1]
-    following.finish()
+    Recovery(following).run()
     assert following.tick == json.loads(leading.lines[599])["tick"]
 
 
@@ -136,45 +135,6 @@ def test_an_event_that_ends_one_engine_does_not_end_the_next(loaded, leading, mo
     assert following.tick == LAST
     assert following.refused == 2
     assert following.latencies == {"projector": 0.05}
-
-
-def test_carefully_the_last_events_are_left_out(loaded, leading):
-    following = Following(loaded)
-    for line in leading.lines:
-        following.take(line)
-    show = following.finish(careful=True)
-    assert (following.tick, following.left_out) == (LAST, 1)  # the tempo at tick 1400
-    assert show.follower.tempo == pytest.approx(131.0, abs=0.5)
-
-
-@pytest.mark.long
-def test_what_was_left_out_is_left_out_by_replays_and_by_whoever_goes_on_once_more(loaded, leading, tmp_path):
-    """The line that says so does it: without it the same journal is another dance."""
-    following = Following(loaded)
-    for line in leading.lines:
-        following.take(line)
-    show = following.finish(careful=True)
-    mark = json.dumps(left_out_line(LAST, following.left_out))
-    after = []
-    for tick in range(LAST + 1, LAST + 400):
-        if show.tick(tick * TICK):
-            after.append(json.dumps({"tick": tick, "measure": show.span.number + 1, "hash": show.state_hash()}))
-    after.append(json.dumps({"tick": LAST + 399}))
-    told = [line for line in leading.lines if '"snapshot"' not in line and len(json.loads(line)) > 1]
-    assert any(json.loads(line).get("measure") and json.loads(line)["tick"] > 1400 for line in told)
-    found = {}
-    for name, marks in (("marked", [mark]), ("not", [])):
-        path = tmp_path / name
-        path.write_text("\n".join([*told, *marks, *after]) + "\n")
-        found[name] = replay(loaded.start(seed=5), read_journal(path))
-    assert (found["marked"].different, found["marked"].problems) == (0, [])
-    assert found["marked"].measures > 5
-    assert found["not"].different > 0
-    log = Log()
-    for line in [*leading.lines, mark, *after]:
-        log.take(line)
-    again, other = follow(loaded, list(log.since()))
-    assert (again.differences, other.state_hash()) == (0, show.state_hash())
 
 
 def test_the_clock_of_another_machine_is_that_of_the_tick_that_came_soonest(loaded):

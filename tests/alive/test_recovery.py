@@ -1,0 +1,329 @@
+"""Recovery: whatever ends an engine, another one goes on in the same measure, and a replay comes to the same states."""
+
+import base64
+import json
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from live.agents.evolutions.plan import Plan
+from live.alive.following import Following
+from live.alive.heartbeat import Heartbeat
+from live.alive.log import Log
+from live.alive.recovery import Death, Recovery
+from live.base.inbox import Inbox
+from live.clock.follow import TimelineFollower
+from live.clock.source import ManualClock
+from live.clock.ticks import TICK
+from live.control.events import Attract, BreakerTripped, ControlEvent, ResetBreaker, SetTempo
+from live.show.agenda import Agenda
+from live.show.audience import Audience
+from live.show.breakers import NAMES, Stage
+from live.show.carrying import Carrying
+from live.show.core import Show
+from live.show.dancers import Dancers
+from live.show.desk import Desk
+from live.show.engine import Engine
+from live.show.group_motion import GroupMotion
+from live.show.interrupts import Interrupts
+from live.show.journal import JournalWriter, read_journal
+from live.show.load import LoadedShow
+from live.show.measure import MeasureSpan
+from live.show.mocap import Mocap
+from live.show.patch_file import parse_patch
+from live.show.prompter import Prompter
+from live.show.reactions import Reactions
+from live.show.reloading import Reloading
+from live.show.replay import replay
+from live.show.scheduler import Scheduler
+from live.show.snapshot import Taken
+from live.show.status import Status
+from live.show.variation import Variation
+from tests.show.made_show import GRAPH, PATCH
+
+EVENTS: dict[int, ControlEvent] = {
+    100: Attract(time=1.5, source="osc", x=2.0, z=-1.0, strength=1.0),
+    301: SetTempo(time=4.7, source="osc", tempo=126.0),
+}
+LAST = 900
+
+
+class Lines:
+    """A `JournalSink` that keeps what an engine tells."""
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+
+    def put(self, line: str) -> None:
+        self.lines.append(line)
+
+    def snapshot(self, taken: Taken) -> None:
+        state = base64.b64encode(taken.seal()).decode()
+        self.lines.append(json.dumps({"tick": taken.tick, "snapshot": state}))
+
+    def facts(self) -> dict[str, int]:
+        return {"dropped": 0}
+
+    def close(self) -> None:
+        pass
+
+
+class Night:
+    """Engines one after the other that dance one show, as the supervisor would have them do; no process is needed."""
+
+    def __init__(self, loaded: LoadedShow, events: dict[int, ControlEvent] = EVENTS) -> None:
+        self.loaded, self.events = loaded, dict(events)
+        self.sink = Lines()
+        self.show, self.tick = loaded.start(seed=5), 0
+        header = loaded.header(self.show, tempo=None) | {"origin": 0.0}
+        JournalWriter(Path(), header, sink=self.sink)
+        self.heart = Heartbeat()
+        self.deaths: list[tuple[int, int]] = []
+        self.notes: list[str] = []
+
+    def play(self, until: int) -> None:
+        """Dance up to a tick, with as many engines as it takes."""
+        while self.tick < until:
+            assert len(self.deaths) < 8
+            try:
+                self._dance(until)
+            except Exception:
+                self._recover()
+
+    def _dance(self, until: int) -> None:
+        journal = JournalWriter(Path(), None, sink=self.sink)
+        status = Status(self.show, rejected=Counter, memory=lambda: 0.0)
+        engine = Engine(self.show, clock=ManualClock(), inbox=Inbox(), status=status, journal=journal)
+        engine.ticks.index, engine.progress = self.tick, self.heart
+        self.show.breakers.publish(self.heart.stage)
+        while self.tick < until:
+            if (event := self.events.pop(self.tick, None)) is not None:
+                engine.apply(event)
+            engine.run_to((self.tick + 1) * TICK)
+            self.tick += 1
+            self.sink.put(json.dumps({"tick": self.tick}))
+
+    def _recover(self) -> None:
+        times = 1 + self.deaths[-1:].count(running := self.heart.running)
+        self.deaths.append(running)
+        log = Log()
+        for line in self.sink.lines:
+            log.take(line)
+        following = Following(self.loaded, heart=self.heart)
+        for line in log.since():
+            following.take(line)
+        while following.advance():
+            pass
+        recovered = Recovery(following, Death(*running, times)).run()
+        self.sink.lines += recovered.lines
+        self.notes += recovered.notes
+        self.show, self.tick = recovered.show, following.tick
+
+    def replayed(self, tmp_path: Path) -> Any:
+        """What a replay of it finds."""
+        path = tmp_path / "night.jsonl"
+        lines = [line for line in self.sink.lines if '"snapshot"' not in line and len(json.loads(line)) > 1]
+        path.write_text("\n".join(lines) + "\n")
+        return replay(self.loaded.start(seed=5), read_journal(path))
+
+    def told(self, kind: type[ControlEvent]) -> list[dict[str, Any]]:
+        """The events of a kind in the journal."""
+        found = [json.loads(line).get("event") for line in self.sink.lines]
+        return [event for event in found if isinstance(event, dict) and event["type"] == kind.__name__]
+
+
+@pytest.fixture(scope="module")
+def loaded() -> LoadedShow:
+    return LoadedShow(Path("test.toml"), parse_patch(PATCH, "test.toml"), GRAPH)
+
+
+@pytest.fixture(scope="module")
+def undisturbed(loaded: LoadedShow) -> Show:
+    night = Night(loaded)
+    night.play(LAST)
+    return night.show
+
+
+def broken(
+    monkeypatch: Any, kind: type, name: str, when: Callable[..., bool], times: float = float("inf")
+) -> list[int]:
+    """Let a method raise `times` from when on; how often it did."""
+    usual, raised = getattr(kind, name), [0]
+
+    def method(*arguments: Any, **options: Any) -> Any:
+        if when(*arguments) and raised[0] < times:
+            raised[0] += 1
+            raise RuntimeError("injected")
+        return usual(*arguments, **options)
+
+    monkeypatch.setattr(kind, name, method)
+    return raised
+
+
+def test_an_error_that_comes_once_costs_an_engine_and_nothing_else(loaded, undisturbed, monkeypatch, tmp_path):
+    night = Night(loaded)
+    raised = broken(monkeypatch, GroupMotion, "tick", lambda *_: night.heart.running[0] > 320, times=1)
+    night.play(LAST)
+    assert (raised, len(night.deaths), night.notes) == ([1], 1, [])
+    assert night.show.state_hash() == undisturbed.state_hash()
+    monkeypatch.undo()
+    assert night.replayed(tmp_path).different == 0
+
+
+def test_an_event_that_ends_its_tick_twice_is_in_quarantine(loaded, monkeypatch, tmp_path):
+    """It is journalled as refused with the reason, and the show is that of a night without it."""
+    night = Night(loaded)
+    raised = broken(monkeypatch, Interrupts, "tick", lambda *of: night.heart.running[0] == 302 and of[2].tempo > 120.5)
+    night.play(LAST)
+    assert (len(night.deaths), raised) == (1, [2])
+    marks = [json.loads(line) for line in night.sink.lines if '"left_out"' in line]
+    assert [(mark["tick"], mark["left_out"]) for mark in marks] == [(301, 1)]
+    assert "injected" in marks[0]["why"]
+    assert "SetTempo ended the engine twice and is refused" in night.notes[0]
+    assert night.told(BreakerTripped) == []
+    without = Night(loaded, {100: EVENTS[100]})
+    without.play(LAST)
+    assert night.show.state_hash() == without.show.state_hash()
+    monkeypatch.undo()
+    found = night.replayed(tmp_path)
+    assert (found.different, found.problems) == (0, [])
+    assert found.measures > 5
+
+
+def test_an_error_without_an_event_puts_its_stage_out_of_service_until_a_person_resets_it(
+    loaded, monkeypatch, tmp_path
+):
+    night = Night(loaded)
+    raised = broken(monkeypatch, GroupMotion, "tick", lambda *_: 320 < night.heart.running[0] < 450)
+    night.play(500)
+    assert (len(night.deaths), raised) == (1, [2])  # tried once more by who goes on, and not a third time
+    assert [(event["name"], "injected" in event["why"]) for event in night.told(BreakerTripped)] == [("steering", True)]
+    assert "the group stays where it is" in night.show.breakers.words()[0]
+    assert "steering is out of service" in night.show.refusals.words
+    before = night.show.state.position.copy()
+    night.play(520)
+    assert (night.show.state.position == before).all()
+    night.events[520] = ResetBreaker(time=8.1, source="osc", name="steering")
+    night.play(LAST)
+    assert night.show.breakers.words() == ()
+    assert (night.show.state.position != before).any()
+    monkeypatch.undo()
+    found = night.replayed(tmp_path)
+    assert (found.different, found.problems) == (0, [])
+
+
+def test_who_resets_what_is_not_there_is_told_what_there_is(loaded):
+    show = loaded.start(seed=5)
+    assert not show.apply(ResetBreaker(time=0.0, source="osc", name="steerin"))
+    assert "there is no breaker 'steerin'; there are clock, measure" in show.refusals.words
+    assert not show.apply(BreakerTripped(time=0.0, source="osc", name="call Nothing"))
+    assert show.breakers.words() == ()
+
+
+STAGES: dict[str, list[tuple[type, str]]] = {
+    "clock": [(TimelineFollower, "advance")],
+    "measure": [(MeasureSpan, "follow"), (MeasureSpan, "next")],
+    "score": [(Prompter, "begin_measure"), (Agenda, "fire")],
+    "desk": [(Desk, "tick"), (Desk, "fire"), (Desk, "begin_measure")],
+    "audience": [(Audience, "tick"), (Audience, "begin_measure")],
+    "edits": [(Reloading, "due"), (Reloading, "take")],
+    "selection": [(Scheduler, "work"), (Scheduler, "decide"), (Scheduler, "set_speed")],
+    "interrupts": [(Interrupts, "tick")],
+    "steering": [(GroupMotion, "tick"), (GroupMotion, "begin_measure"), (Plan, "work")],
+    "correction": [(Carrying, "tick"), (Carrying, "cross_measure_line"), (Carrying, "begin_measure")],
+    "dancers": [(Dancers, "tick"), (Dancers, "cross_measure_line")],
+    "capture": [(Mocap, "tick")],
+    "partners": [(GroupMotion, "go_along")],
+    "variation": [(Variation, "begin_measure"), (Variation, "delay")],
+    "reactions": [(Reactions, "cross_measure_line")],
+}
+
+
+@pytest.mark.parametrize(
+    ("stage", "kind", "name"), [(stage, *row) for stage, rows in STAGES.items() for row in rows],
+    ids=lambda value: getattr(value, "__name__", value),
+)  # fmt: skip
+@pytest.mark.parametrize("in_ticks", [True, False], ids=["from-a-tick-on", "everywhere"])
+def test_whatever_fails_for_good_is_left_out_and_measures_go_on(
+    loaded, monkeypatch, tmp_path, stage, kind, name, in_ticks
+):
+    """One engine dies, the next one finds out and goes on in the same measure; no measure is missed or danced twice.
+    "Everywhere": nothing that was danced well before can be run again by who goes on."""
+    night = Night(loaded)
+    raised = broken(monkeypatch, kind, name, lambda *_: (night.heart.running[0] if in_ticks else night.tick) > 330)
+    night.play(720)
+    assert len(night.deaths) == 1
+    assert raised[0] == 2 if in_ticks else raised[0] <= 5
+    assert [event["name"] for event in night.told(BreakerTripped)] == [stage]
+    began = [json.loads(line)["measure"] for line in night.sink.lines if '"measure":' in line]
+    assert began == list(range(began[0], began[0] + len(began)))
+    assert len(began) >= 5
+    monkeypatch.undo()
+    found = night.replayed(tmp_path)
+    assert (found.different, found.problems) == (0, [])
+    assert found.measures == len(began)
+
+
+def test_where_what_stands_in_fails_too_the_stage_does_nothing_and_at_last_the_dance_stands(
+    loaded, monkeypatch, tmp_path
+):
+    night = Night(loaded)
+    for name in ("work", "decide", "decide_nearest", "set_speed"):
+        broken(monkeypatch, Scheduler, name, lambda *_: night.tick > 330)
+    night.play(500)
+    assert [event["name"] for event in night.told(BreakerTripped)] == ["selection", "selection"]
+    broken(monkeypatch, Show, "_tick", lambda *_: night.tick > 520)
+    night.play(720)
+    assert night.told(BreakerTripped)[-1]["name"] == "tick"
+    assert len(night.deaths) == 3
+    monkeypatch.undo()
+    found = night.replayed(tmp_path)
+    assert (found.different, found.problems) == (0, [])
+    assert found.measures >= 5
+
+
+def test_what_ends_engines_without_a_word_is_left_out_after_two_and_after_three(loaded):
+    """A signal or a hang: nothing is known but where it was. The next engine is told how many ended there."""
+    night = Night(loaded)
+    night.play(301)
+    night.sink.put(
+        '{"tick":301,"event":{"type":"SetMotion","time":4.7,"source":"osc","parameter":"larger","value":1.1}}'
+    )
+    for times, left_out, tripped in ((1, 0, []), (2, 1, []), (3, 1, ["steering"]), (4, 1, ["steering"] * 2)):
+        following = Following(loaded)
+        for line in night.sink.lines:
+            following.take(line)
+        recovered = Recovery(following, Death(302, int(Stage.STEERING), times)).run()
+        lines = [json.loads(line) for line in recovered.lines]
+        assert sum(line.get("left_out", 0) for line in lines) == left_out
+        assert [line["event"]["name"] for line in lines if "event" in line] == tripped
+        assert following.tick == 302
+    assert NAMES["steering"] == Stage.STEERING
+
+
+def test_a_tick_that_another_engine_ran_well_is_tried_again(loaded, monkeypatch):
+    """It was chance, and the journal stays as it is."""
+    night = Night(loaded)
+    night.play(400)
+    usual, raised = Interrupts.tick, [0]
+
+    def tick(*arguments: Any) -> None:
+        raised[0] += arguments[-1] == 350 * TICK
+        if arguments[-1] == 350 * TICK and raised[0] <= 2:
+            raise RuntimeError("injected")
+        usual(*arguments)
+
+    monkeypatch.setattr(Interrupts, "tick", tick)
+    following = Following(loaded)
+    for line in night.sink.lines:
+        following.take(line)
+    recovered = Recovery(following).run()
+    assert (recovered.lines, recovered.show.state_hash(), raised) == ((), night.show.state_hash(), [3])
+
+
+def test_what_the_supervisor_says_of_a_death_may_make_no_sense():
+    assert Death.of(None) == Death.of({"tick": "x"}) == Death.of({}) == Death()
+    assert Death.of({"tick": 3, "stage": 9, "times": 2, "trip": True}) == Death(3, 9, 2, trip=True)
