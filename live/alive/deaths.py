@@ -5,13 +5,37 @@ error, a signal, a hang that was ended, or for want of memory. It needs no array
 """
 
 from collections import deque
+from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 from live.alive.limits import RestartLimit
 
-IN_ROW: Final = 3
+IN_A_ROW: Final = 3
 """So many engines that ended in one stage within `SECONDS` put it out of service, in whatever ticks that was."""
 SECONDS: Final = 30.0
+DRAWING: Final = 32
+"""The number of `Stage.DRAWING`; those below are stages of a tick, as are those above."""
+
+
+@dataclass(slots=True)
+class Lesson:
+    """What an engine that goes on is told of the ones before it."""
+
+    tick: int = 0
+    stage: int = 0
+    """The stage of that tick which ran; 0: none."""
+    times: int = 1
+    """So many engines in a row ended there."""
+    trip: bool = False
+    """Whether the stage has ended so many, in whatever ticks, that it is put out of service."""
+    calm: bool = False
+    """Whether devices, of which no tick knows, are left alone from now on (stage.md 4.7: three in thirty seconds)."""
+    plain: bool = False
+    """Whether pictures are drawn as simply as can be from now on."""
+
+    def told(self) -> dict[str, Any]:
+        """As plain values."""
+        return asdict(self)
 
 
 class Deaths:
@@ -23,18 +47,24 @@ class Deaths:
         self._outside = RestartLimit()
         self._last: tuple[int, int] | None = None
         self._times = 0
-        self._stages: deque[tuple[float, int]] = deque(maxlen=IN_ROW - 1)
+        self._stages: deque[tuple[float, int]] = deque(maxlen=IN_A_ROW - 1)
+        self._calm = self._plain = False
 
-    def note(self, now: float, tick: int, stage: int) -> tuple[dict[str, Any], bool]:
-        """An engine ended at `now` [s] in `stage` of `tick`, 0: in none; what the next one is told of it, and whether
-        devices, of which no tick knows, have to be left alone from now on (stage.md 4.7: three in thirty seconds)."""
+    def note(self, now: float, tick: int, stage: int) -> Lesson:
+        """An engine ended at `now` [s] in `stage` of `tick`, or outside of all ticks (0), or drawing."""
         self.count += 1
         if not stage:
+            self._calm = self._outside.note(now) or self._calm
+        again = bool(stage) and self._ended_often(now, stage)
+        self._plain = self._plain or (again and stage == DRAWING)
+        if stage in (0, DRAWING):
             self._last, self._times = None, 0
-            return {"tick": tick, "stage": 0, "times": 1, "trip": False}, self._outside.note(now)
+            return Lesson(tick, calm=self._calm, plain=self._plain)
         self._times = self._times + 1 if self._last == (tick, stage) else 1
         self._last = tick, stage
+        return Lesson(tick, stage, self._times, again, self._calm, self._plain)
+
+    def _ended_often(self, now: float, stage: int) -> bool:
         before = [one for when, one in self._stages if now - when < SECONDS]
-        trip = len(before) == IN_ROW - 1 and all(one == stage for one in before)
         self._stages.append((now, stage))
-        return {"tick": tick, "stage": stage, "times": self._times, "trip": trip}, False
+        return len(before) == IN_A_ROW - 1 and all(one == stage for one in before)

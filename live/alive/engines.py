@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from live.alive.child import Child
-from live.alive.deaths import Deaths
+from live.alive.deaths import Deaths, Lesson
 from live.alive.heartbeat import Phase
 from live.alive.limits import LEAVES_WITHIN
 from live.alive.log import Log
@@ -50,7 +50,8 @@ class Engines:
         self.since: float | None = None
         """Since when the engine has been running [s, monotonic]."""
         self._deaths = Deaths()
-        self._death: dict[str, Any] = {}  # what the next engine has to know of the last one's end
+        self._lesson = Lesson()
+        self._why = ""  # what the last engine said of the error that ended it
         self._ended: dict[int, int] = {}  # codes of ends that were told, by process
         self._start_at = self._spare_at = self._begun_at = 0.0
         self._died: float | None = None
@@ -94,7 +95,8 @@ class Engines:
     def go(self, **more: Any) -> None:
         """Tell the engine that follows to go on by itself."""
         if self.engine is not None:
-            order = {"calm": self._report.calm, "screen": self.screen, "facts": self.facts(), "death": self._death}
+            order = {"calm": self._report.calm, "screen": self.screen, "facts": self.facts()}
+            order["death"] = self._lesson.told()
             self.engine.wire.tell(alive="go", **order, **more)
 
     def leave(self, number: int) -> int:
@@ -196,6 +198,8 @@ class Engines:
         if told["alive"] == "end":  # nothing else makes the end of an engine one that somebody wanted
             if child is self.engine and isinstance(told.get("code"), int):
                 self._ended[child.process.pid] = told["code"]
+        elif told["alive"] == "crash":
+            self._why = str(told.get("why"))
         elif told["alive"] == "note":
             self._say(str(told.get("words")))
         else:
@@ -205,10 +209,11 @@ class Engines:
         """The engine died: let another one go on."""
         self._died, self.since = self._died or now, None
         self._anew = self._report.calm
-        self._death, calm = self._deaths.note(self._died - self._undanced, tick, stage)
-        self._report.calm = calm or self._report.calm
+        self._lesson = self._deaths.note(self._died - self._undanced, tick, stage)
+        self._report.calm = self._lesson.calm
         words = "without sound and other clocks, for it has happened too often" if self._report.calm else "in its place"
-        self._say(f"the engine ended ({how(code)}); another one goes on {words}")
+        why, self._why = self._why or how(code), ""
+        self._say(f"the engine ended ({why}); another one goes on {words}")
         self.engine, self.spare = self.spare, None
         if self.role == "engine":
             self.role = "heir"

@@ -3,7 +3,6 @@
 import base64
 import json
 import time
-import traceback
 from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from live.alive.heartbeat import Heartbeat
+from live.alive.lifeline import in_words
 from live.alive.log import Log
 from live.base.packed import unpacked
 from live.clock.ticks import TICK
@@ -27,9 +27,6 @@ from live.show.snapshot import SnapshotError, restore
 
 ARRIVALS: Final = 256
 """Lines whose delay is remembered: some seconds, in which clocks do not drift apart."""
-LONGEST: Final = 200
-"""Characters of an error's own words."""
-
 Line = dict[str, Any]
 
 
@@ -301,14 +298,6 @@ class Following:
 def is_event(value: Line) -> bool:
     """Whether a line tells of an event that could be left out."""
     return "event" in value and can_be_left_out(value["event"])
-
-
-def in_words(error: BaseException) -> str:
-    """An error of the program in one short line, with the place it came from."""
-    place = traceback.extract_tb(error.__traceback__)[-1:]
-    where = "".join(f" in {'/'.join(Path(frame.filename).parts[-2:])}, line {frame.lineno}" for frame in place)
-    words = " ".join(str(error).split())
-    return "".join(mark if mark.isprintable() else " " for mark in f"{type(error).__name__}: {words[:LONGEST]}{where}")
 
 
 def belongs_after(value: Line, tick: int) -> bool:

@@ -7,11 +7,14 @@ import socket
 import sys
 import traceback
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Final, NoReturn
 
 from live.alive.heartbeat import Heartbeat, Phase
 from live.alive.wire import Wire
 
+LONGEST: Final = 200
+"""Characters of an error's own words."""
 CRASHED: Final = 70
 """The exit code of an engine that ended in an error of the program (EX_SOFTWARE of sysexits.h)."""
 
@@ -127,6 +130,7 @@ class Lifeline:
 
     def crash(self, error: BaseException) -> NoReturn:
         """End this process at once, for an error that nobody asked for: another engine goes on."""
+        self.wire.tell(alive="crash", why=in_words(error))
         traceback.print_exception(error)
         with contextlib.suppress(OSError, ValueError):
             self.wire.flush()
@@ -152,6 +156,14 @@ class Lifeline:
     def status(self) -> dict[str, Any]:
         """For the status line."""
         return {"supervised": not self.alone, "dropped": self.wire.dropped, **self.facts}
+
+
+def in_words(error: BaseException) -> str:
+    """An error of the program in one short line, with the place it came from."""
+    place = traceback.extract_tb(error.__traceback__)[-1:]
+    where = "".join(f" in {'/'.join(Path(frame.filename).parts[-2:])}, line {frame.lineno}" for frame in place)
+    words = " ".join(str(error).split())
+    return "".join(mark if mark.isprintable() else " " for mark in f"{type(error).__name__}: {words[:LONGEST]}{where}")
 
 
 def nobody_left(lifeline: Lifeline) -> bool:

@@ -4,10 +4,20 @@ from live.base.errors import PersonError
 from live.base.stage_view import StageView
 from live.cli.session import Session
 from live.control.event import ControlEvent
-from live.control.events import HoldQuality
+from live.control.events import HoldQuality, ResetBreaker
 from live.render.affordance import Affordance
 from live.render.renderer import Renderer
 from live.show.patch import Patch
+
+
+def watch_passes(session: Session, renderer: Renderer) -> None:
+    """Let a person put passes back into the picture that were left out because they could not be drawn."""
+
+    def hear(event: ControlEvent) -> None:
+        if isinstance(event, ResetBreaker):
+            renderer.reset_pass(event.name)
+
+    session.engine.outward.append(hear)
 
 
 class DrawingWatch(Affordance):
@@ -18,6 +28,7 @@ class DrawingWatch(Affordance):
         self.ladder.hold(session.wish.quality)
         session.engine.mark = self.times.mark
         session.engine.outward.append(self.hear)
+        watch_passes(session, renderer)
         session.engine.patched.append(self.take_patch)
         session.status.more["quality"] = self.facts
         session.status.more["frame_parts"] = self.times.facts

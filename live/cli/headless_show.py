@@ -13,12 +13,16 @@ from live.cli.session import Session
 from live.render.pacing import Pacer
 
 if TYPE_CHECKING:
-    from live.cli.drawing_watch import DrawingWatch
+    from live.cli.drawing_watch import DrawingWatch, watch_passes
     from live.show.patch import Patch
 
 
 def play_headless(session: Session, scene: Scene, console: Console) -> None:
     """Run until the seconds are over or Ctrl-C; draws only if somebody takes the picture."""
+    if session.lifeline is not None:
+        session.engine.on_error = lambda error: console.print(
+            f"a frame could not be drawn: {error}", style="red", markup=False
+        )
     if session.wish.record is None and not session.wish.share:
         with session.running():
             _loop(session, lambda view: None, session.wish.film_fps)
@@ -45,6 +49,9 @@ def play_headless(session: Session, scene: Scene, console: Console) -> None:
     watch = None if wish.quality is None else DrawingWatch(session, renderer)  # whoever films asks for the best
     if watch is not None:
         watch.period = 1.0 / rate
+    if watch is None:
+        watch_passes(session, renderer)
+        session.status.notes.append(lambda: "; ".join(renderer.problems))
     takers = Takers(session, ctx, wish.size)
     shaders = watch_shaders(session, renderer.take_shaders)
 

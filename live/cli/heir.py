@@ -1,12 +1,13 @@
 """Heir: everything that can be ready is ready before it is needed; then it goes on where the other engine ended."""
 
+from dataclasses import replace
 from typing import Any
 
 from rich.console import Console
 
 from live.alive.following import Following
 from live.alive.heartbeat import Phase
-from live.alive.lifeline import Lifeline, nobody_left
+from live.alive.lifeline import Lifeline, in_words, nobody_left
 from live.alive.priority import ENGINE_NICE, come_forward, stand_back
 from live.alive.recovery import Death, Recovery
 from live.base.errors import PersonError
@@ -21,6 +22,8 @@ from live.show.load import LoadedShow
 from live.show.venue import Venue
 from live.show.venue_latency import Latencies
 
+LOWEST = 99
+"""A step of quality that is lower than all: the lowest there is."""
 PATIENCE = 0.5
 """Seconds between two looks whether anybody is left, while nothing comes."""
 
@@ -37,7 +40,11 @@ def take_over(
         loaded = played.wish.load(whole=False)
     venue = played.wish.read_venue()
     sound = sound_of(played, loaded, venue)
-    picture = open_picture(played, loaded, venue, hidden=True, show=show)
+    picture = None
+    try:
+        picture = open_picture(played, loaded, venue, hidden=True, show=show)
+    except Exception as error:  # a driver that is lost: the show goes on, and lights and sound with it
+        lifeline.tell_note(f"there is no picture now: {in_words(error)}")
     try:
         order, following = _follow(loaded, lifeline)
         if order is None:
@@ -54,8 +61,10 @@ def go_on(
     picture: Any, order: dict[str, Any], console: Console, *, elsewhere: bool = False,
 ) -> None:  # fmt: skip
     """Play on where what was followed ended; `elsewhere`: that was another machine."""
-    calm = bool(order["calm"])
-    recovered = Recovery(following, Death.of(order.get("death"))).run()
+    calm, death = bool(order["calm"]), order["death"]
+    if death.get("plain"):
+        played = replace(played, wish=replace(played.wish, quality=LOWEST))
+    recovered = Recovery(following, Death.of(death)).run()
     show = recovered.show
     for line in recovered.lines:
         lifeline.wire.put(line)

@@ -79,6 +79,7 @@ class Session:
         self.engine.forgiving = True
         if lifeline is not None:
             self.engine.progress = lifeline.heart
+            self.engine.gives_up = True
             show.breakers.publish(lifeline.heart.stage)
         self.engine.outward.append(self._tell_devices)
         self.pressure = Pressure()

@@ -7,6 +7,7 @@ import moderngl
 
 from live.base.own_pass import OwnPass
 from live.render.moment import HDR, Making, Moment, PicturePass, Surfaces
+from live.render.pass_faults import PassFaults
 from live.render.passes.bloom_pass import BloomPass
 from live.render.passes.final_pass import FinalPass
 from live.render.passes.grade_pass import GradePass
@@ -44,6 +45,7 @@ class Chain:
                 self._passes.append((name, self._own[name]))
             elif name in PICTURE_PASSES and not (name == AT_END and self.vignette_at_end):
                 self._passes.append((name, PICTURE_PASSES[name](making)))
+        self._names = {one: name for name, one in self._passes}
         self._final = FinalPass(making.ctx)
         self._make(making.size)
 
@@ -77,19 +79,26 @@ class Chain:
         target: moderngl.Framebuffer,
         surfaces: Surfaces | None,
         moment: Moment,
+        faults: PassFaults,
     ) -> None:
-        """Draw `source`, compressed light, through the passes that are `active` onto `target`."""
+        """Draw `source`, compressed light, through the passes that are `active` onto `target`; `faults` is told which
+        is drawn."""
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
         last = active[-1] if active else None
         bloom = last if isinstance(last, BloomPass) else None
         turn = 0
         for one in active if bloom is None else active[:-1]:
+            faults.may(self._names[one])
             one.draw(source, self._targets[turn], surfaces, moment)
             source, turn = self._textures[turn], 1 - turn
         if bloom is None:
+            faults.essential()
             self._final.draw(source, target)
         else:
-            self._final.draw(source, target, bloom.gather(source), bloom.strength(moment))
+            faults.may(self._names[bloom])
+            gathered, strength = bloom.gather(source), bloom.strength(moment)
+            faults.essential()
+            self._final.draw(source, target, gathered, strength)
 
     def resize(self, size: tuple[int, int]) -> None:
         """New size of the picture [pixels]."""

@@ -19,6 +19,7 @@ from live.render.camera import covered, rays, world_to_clip
 from live.render.chain import Chain
 from live.render.frame import WALL_BEHIND
 from live.render.moment import Making, Moment, PicturePass, ScenePass, Surfaces
+from live.render.pass_faults import PassFaults, name_of
 from live.render.passes.backdrop_pass import BackdropPass
 from live.render.passes.background_pass import BackgroundPass
 from live.render.passes.beam_pass import BeamPass
@@ -60,6 +61,8 @@ class Pipeline:
         self._mirror = MirrorPass(ctx, size, quality.mirror_divisor, worn=worn)
         self._backdrop = BackdropPass(ctx, size, coarse=quality.samples == 0)
         self.chain = Chain(making)
+        self.faults = PassFaults()
+        """Which passes are left out because they cannot be drawn."""
         self._lit = quality.samples > 0
         self._surface = SurfacePass(ctx, quality, size, worn=worn)
         self._stages = {hdr: StagePass(ctx, hdr=hdr) for hdr in ((True,) if self._lit else (False, True))}
@@ -93,7 +96,8 @@ class Pipeline:
     @property
     def problems(self) -> list[str]:
         """What could not go on, in words: of it the last good state is drawn."""
-        return [words for one in self._scene_passes if isinstance(one, BackgroundPass) for words in one.problems]
+        of_files = [words for one in self._scene_passes if isinstance(one, BackgroundPass) for words in one.problems]
+        return of_files + self.faults.words()
 
     def look_from(self, camera: Camera) -> None:
         """What depends on the camera beside the block of uniforms."""
@@ -113,24 +117,33 @@ class Pipeline:
         self._backdrop.forget()
 
     def draw(self, moment: Moment, target: moderngl.Framebuffer) -> None:
-        """Draw the moment as it is shown into `target`."""
-        frame, crowd = moment.frame, moment.crowd
-        here = [one for one in self._scene_passes if one.active(moment)]
-        active = self.chain.active(moment, self._quality.left_out)
+        """Draw the moment as it is shown into `target`; what a pass raises is raised, and noted as its fault."""
+        try:
+            self._draw(moment, target)
+        except Exception as error:
+            self.faults.failed(error)
+            raise
+
+    def _draw(self, moment: Moment, target: moderngl.Framebuffer) -> None:
+        frame, crowd, faults = moment.frame, moment.crowd, self.faults
+        here = [one for one in self._scene_passes if faults.may(name_of(one)) and one.active(moment)]
+        faults.essential()
+        active = self.chain.active(moment, (*self._quality.left_out, *faults.out))
         self._backdrop.draw(moving=frame.relit)
         self.floor.draw(crowd, moment.view, shadows=self._has("shadow") and frame.shadows)
-        self._mirror.draw(crowd, seen=self._has("mirror") and frame.mirrors, rows=self._floor_rows)
-        for one in here:
+        seen = faults.may("mirror") and self._has("mirror") and frame.mirrors
+        self._mirror.draw(crowd, seen=seen, rows=self._floor_rows)
+        for one in faults.each(here):
             one.prepare(moment)
         if self._lit:
             self._draw_lit(moment, here)
             surfaces = self._draw_surfaces(moment, here) if _needs_surfaces(active) else None
             matte = self._matte
             if matte is None:
-                self.chain.draw(active, self._target.resolve(), target, surfaces, moment)
+                self.chain.draw(active, self._target.resolve(), target, surfaces, moment, faults)
             else:
                 light = matte.straighten(self._target.resolve())
-                self.chain.draw(active, light, matte.target, surfaces, moment)
+                self.chain.draw(active, light, matte.target, surfaces, moment, faults)
                 matte.draw(target, moment.view.brightness)
             return
         where = self._where_dancers_are(moment)
@@ -143,10 +156,10 @@ class Pipeline:
         into.scissor = where
         self._surface.shade(moment.floor, hdr=hdr, beside=moment.frame.beside)
         self._draw_stage(into, moment, hdr=hdr)
-        for one in overs:
+        for one in faults.each(overs):
             one.over(moment)
         if hdr:
-            self.chain.draw(active, smooth.soften(where), target, surfaces, moment)
+            self.chain.draw(active, smooth.soften(where), target, surfaces, moment, faults)
         else:
             smooth.draw(target, where)
 
@@ -156,7 +169,7 @@ class Pipeline:
     def _draw_lit(self, moment: Moment, here: list[ScenePass]) -> None:
         into = self._target.begin()
         self._dancer.draw(moment.crowd, moment.floor)
-        for one in here:
+        for one in self.faults.each(here):
             one.lit(moment)
         overs = [one for one in here if one.over_active(moment)]
         if self._matte is None:
@@ -164,13 +177,13 @@ class Pipeline:
         else:
             self._matte.keep(into)
             into.color_mask = (True, True, True, False)  # light covers nothing
-        for one in overs:
+        for one in self.faults.each(overs):
             one.over(moment)
         into.color_mask = (True, True, True, True)
 
     def _draw_surfaces(self, moment: Moment, here: list[ScenePass], *, named: bool = True) -> Surfaces:
         self._surface.draw(moment.crowd, named=named)
-        for one in here:
+        for one in self.faults.each(here):
             one.surfaces(moment)
         return self._surface.surfaces
 

@@ -133,13 +133,21 @@ class Renderer:
                 self._draw_small(moment, target, self._small)
         moment.cut = frame.level <= 0.0
         self.annotate(view, target)
+        self._pipeline.faults.drawn()
 
     def annotate(self, view: StageView, target: moderngl.Framebuffer) -> None:
         """Draw what is the operator's alone over a picture that `draw` has drawn: guides and overlay, if shown."""
-        if view.overlay:
-            self.graph.draw(target, self._size)
-        self._guide.draw(view, target, self._size)
-        self._overlay.draw(view.overlay, target, self._size)
+        faults = self._pipeline.faults
+        try:
+            if view.overlay and faults.may("graph"):
+                self.graph.draw(target, self._size)
+            if faults.may("guide"):
+                self._guide.draw(view, target, self._size)
+            if faults.may("overlay"):
+                self._overlay.draw(view.overlay, target, self._size)
+        except Exception as error:
+            faults.failed(error)
+            raise
 
     def resize(self, size: tuple[int, int]) -> None:
         """New size of the picture [pixels]; a minimised window's (0, 0) is taken as 1 x 1."""
@@ -155,6 +163,10 @@ class Renderer:
     def problems(self) -> list[str]:
         """What could not go on while the show runs, in words; the last good state of it is drawn."""
         return self._pipeline.problems
+
+    def reset_pass(self, name: str) -> None:
+        """Draw a pass again that was left out because it could not be drawn; empty: all."""
+        self._pipeline.faults.reset(name)
 
     def take_own(self, passes: tuple[OwnPass, ...]) -> None:
         """Other texts for the patch's own passes; PersonError if one does not compile: its last one goes on."""

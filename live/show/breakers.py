@@ -34,6 +34,8 @@ class Stage(IntEnum):
     LIGHT = 16
     TICK = 17
     """The tick as a whole: tripped last, when nothing else has helped. The show stands still, its clock runs."""
+    DRAWING = 32
+    """No tick runs, but a picture is drawn: what is done about that is the supervisor's business."""
 
 
 WORDS: Final = {
@@ -59,9 +61,11 @@ WORDS: Final = {
 
 CALL: Final = "call "
 """Before the kind of an event that the score, a cue or a reaction gives: each kind has a breaker of its own."""
+PASS: Final = "pass "
+"""Before the name of a pass of the picture, which breaks by itself (`live/render/pass_faults.py`)."""
 FIRST_CALL: Final = 64
 KINDS: Final = tuple(sorted(EVENT_TYPES))
-NAMES: Final = {stage.name.lower(): int(stage) for stage in Stage if stage} | {
+NAMES: Final = {stage.name.lower(): int(stage) for stage in WORDS} | {
     CALL + kind: FIRST_CALL + index for index, kind in enumerate(KINDS)
 }
 """Every breaker by its name."""
@@ -139,6 +143,8 @@ class Breakers:
         if not name:
             self._level.clear()
             self.why.clear()
+            return
+        if name.startswith(PASS):  # a pass of the picture: whoever draws it hears of it as well
             return
         self._level.pop(_number(name), None)
         self.why.pop(name, None)

@@ -20,6 +20,7 @@ from live.control.events import (
     TrackerMoved,
 )
 from live.show.acting import act
+from live.show.breakers import Stage
 from live.show.core import Show
 from live.show.guides import draw_guides
 from live.show.journal import JournalWriter
@@ -31,6 +32,9 @@ EVENTS_PER_FRAME = 512
 EVENTS_AT_ONCE = 8
 EVENT_SECONDS = 0.003
 """... and no more once so much time has gone by: a flood waits, it does not stall a frame."""
+
+UNDRAWN = 30
+"""Frames in a row that could not be drawn: the driver is lost."""
 
 FROM_SOURCES = (TicksSkipped, BeatHeard, SourceChanged, MusicHeard, NotesHeard, MocapFrame, TrackerMoved, AudienceHeard)
 """Events that nobody's hand makes: they do not count as accepted."""
@@ -106,6 +110,9 @@ class Engine:
         """Told what has just been done in a frame, for whoever measures: "events", "simulation", "poses"."""
         self.on_error: Callable[[Exception], None] | None = None
         """Told once when drawing fails; the show goes on. None (in tests and offline): the error is raised."""
+        self.gives_up = False
+        """Whether the error is raised where nothing could be drawn for UNDRAWN frames: another engine draws then."""
+        self._undrawn = 0
 
     def frame(self, picture: Picture, *, at: float | None = None) -> None:
         """One frame: events, ticks that are due, drawing.
@@ -128,23 +135,44 @@ class Engine:
             for tell in self.patched:
                 tell(self._patch)
         self.mark("simulation")
-        self.show.fill(self.view, max(target, self.ticks.time))
-        self.view.overlay = self._status.overlay(now) if self.overlay else ()
-        if self.dark:
-            self.view.brightness = 0.0
-        self.view.guide_count = 0
-        if self.guides:
-            draw_guides(self.show, self.view)
+        self._fill(max(target, self.ticks.time), now)
         self.mark("poses")
         self._status.frames += 1
+        self._draw(picture)
+
+    def _fill(self, time: float, now: float) -> None:
+        """What is seen at `time` [s]; if that cannot be worked out, what was seen last."""
+        try:
+            self.show.fill(self.view, time)
+            self.view.guide_count = 0
+            if self.guides:
+                draw_guides(self.show, self.view)
+            self.view.overlay = self._status.overlay(now) if self.overlay else ()
+        except Exception as error:
+            self._fail(error)
+        if self.dark:
+            self.view.brightness = 0.0
+
+    def _draw(self, picture: Picture) -> None:
+        self.show.breakers.level(Stage.DRAWING)
         try:
             picture(self.view)
         except Exception as error:
-            if self.on_error is None:
+            self._fail(error)
+            self._undrawn += 1
+            if self.gives_up and self._undrawn >= UNDRAWN:
                 raise
-            if not self._status.faults:
-                self.on_error(error)
-            self._status.faults += 1
+        else:
+            self._undrawn = 0
+        self.show.breakers.leave()
+
+    def _fail(self, error: Exception) -> None:
+        """A frame is not as it should be; the show goes on."""
+        if self.on_error is None:
+            raise error
+        if not self._status.faults:
+            self.on_error(error)
+        self._status.faults += 1
 
     def apply(self, event: ControlEvent) -> None:
         """Write an event to the journal and let it act from the next tick on; the show counts what it refuses.

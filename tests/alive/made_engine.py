@@ -1,8 +1,9 @@
 """An engine without a show, as a process: it counts ticks, and ends as its brief says.
 
 The brief's `show` is a JSON object: `ends` (exit code when it has counted to `ticks`), `kills` (ticks at which engines
-that began or took over kill themselves, one after another), `hangs` (tick at which it stops beating), `cannot` (why it
-cannot stand by).
+that began or took over kill themselves, one after another), `crashes` (tick and exit code of one engine after the
+other, in the stage of the tick that `stage` says), `hangs` (tick at which it stops beating), `hangs_again` (so does the
+first one that goes on), `cannot` (why it cannot stand by).
 """
 
 import json
@@ -32,7 +33,12 @@ def follow(lifeline: Lifeline, role: str, nursery: int | None, plan: dict[str, A
         lifeline.lines.clear()
         if (order := lifeline.order("go")) is not None:
             origin = {"parent": os.getppid(), "nursery": nursery}
-            lifeline.wire.put(json.dumps({"tick": tick, "went": role, "calm": order["calm"], **origin}))
+            went = {"tick": tick, "went": role, "calm": order["calm"], "death": order["death"], **origin}
+            lifeline.wire.put(json.dumps(went))
+            if plan.get("hangs_again") and order["death"]["times"] == 1:
+                lifeline.heart.stage[0] = plan["stage"]
+                lifeline.heart.begin_tick(tick + 1)
+                time.sleep(600)
             return tick
         lifeline.beat(tick, Phase.RUNNING if role == "standby" else Phase.WAITING)
         lifeline.wait(0.02)
@@ -66,9 +72,14 @@ def main() -> None:
         tick = follow(lifeline, brief.role, nursery, plan)
     if brief.role != "engine":
         time.sleep(plan.get("slow", 0.0))
+    crashes = plan.get("crashes", [])[lifeline.facts.get("restarts", 0) :]
     kills = [at for at in plan.get("kills", []) if at > tick]
     while True:
         tick += 1
+        lifeline.heart.begin_tick(tick)
+        if crashes and tick == crashes[0][0]:
+            lifeline.heart.stage[0] = plan.get("stage", 0)
+            os._exit(crashes[0][1])
         lifeline.wire.put(json.dumps({"tick": tick, "event": {"type": "made", "number": tick}}))
         if kills and tick >= kills[0]:
             os.kill(os.getpid(), signal.SIGKILL)

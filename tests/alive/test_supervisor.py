@@ -47,6 +47,37 @@ def test_an_engine_that_ends_before_it_runs_is_not_started_again(tmp_path, code)
     assert (found, lines, supervisor.report.restarts) == (code, [], 0)
 
 
+@pytest.mark.parametrize("code", [0, 1, 2, 70, 130, 143])
+def test_an_end_that_nobody_told_of_is_a_crash_whatever_its_code(tmp_path, code):
+    """An uncaught exception in the engine ended the show for good: it had left the loop and seemed to be leaving."""
+    found, lines, supervisor, said = supervised(tmp_path, {"crashes": [[20, code]], "ticks": 40}, spare=False)
+    assert found == 0
+    assert numbers(lines) == list(range(1, 41))
+    assert [line for line in lines if line.get("end")] == [lines[-1]]
+    assert supervisor.report.restarts == 1
+    assert "another one goes on in its place" in said[0]
+
+
+def test_the_next_engine_is_told_in_which_stage_of_which_tick_others_ended(tmp_path):
+    plan = {"stage": 9, "crashes": [[20, 1], [20, 1], [20, 1], [30, 1]], "ticks": 40}
+    _, lines, supervisor, _ = supervised(tmp_path, plan, spare=False)
+    deaths = [line["death"] for line in lines if "death" in line]
+    assert [(death["tick"], death["stage"], death["times"], death["trip"]) for death in deaths] == [
+        (20, 9, 1, False), (20, 9, 2, False), (20, 9, 3, True), (30, 9, 1, True),
+    ]  # fmt: skip
+    assert not supervisor.report.calm  # devices are not to blame
+
+
+def test_who_hangs_before_it_dances_is_ended_as_well(tmp_path):
+    """A tick without end that is run again by who goes on: it says nothing, and it does not dance yet."""
+    plan = {"stage": 9, "crashes": [[20, 1]], "hangs_again": True, "ticks": 40}
+    code, lines, supervisor, said = supervised(tmp_path, plan, spare=False)
+    assert code == 0
+    assert numbers(lines) == list(range(1, 41))
+    assert supervisor.report.restarts == 2
+    assert any("no sign of life" in line for line in said)
+
+
 def test_a_killed_engine_has_lost_no_line_and_the_spare_goes_on_from_the_last_one(tmp_path):
     """Every line was with the supervisor before the engine killed itself right after it."""
     code, lines, supervisor, said = supervised(tmp_path, {"kills": [200], "ticks": 260})
