@@ -10,7 +10,8 @@ from collections.abc import Callable, Sequence
 from typing import Final, Protocol
 
 from live.alive.heartbeat import Heartbeat, Phase
-from live.alive.limits import Watch
+from live.alive.procfs import stat_of, usage_of
+from live.alive.watchdog import Verdict, Watchdog
 from live.alive.wire import Wire
 
 CODE: Final = 49
@@ -56,7 +57,7 @@ class Child:
         """
         self.role = role
         self.heart = Heartbeat()
-        self.watch = Watch()
+        self.watch = Watchdog()
         mine, theirs = socket.socketpair()
         self.wire = Wire(mine)
         self.process: Process
@@ -85,14 +86,15 @@ class Child:
         """What it says that it is doing."""
         return self.heart.phase
 
-    def hangs(self, now: float, since: float) -> bool:
-        """Whether it has given no sign of life for too long; `since` [s]: the supervisor itself slept until then.
+    def hangs(self, now: float, slowdown: float) -> bool:
+        """Whether it has given no sign of life for too long; `slowdown`: how many times slower the machine is.
 
         Who prepares itself need not beat, but within a tick everybody does.
         """
         if self.phase is not Phase.RUNNING and not self.heart.running[1]:
             return False
-        return self.watch.judge(now - max(self.heart.last, since))
+        process = self.process.pid
+        return self.watch.look(now, self.heart.last, lambda: usage_of(process), slowdown) is Verdict.HUNG
 
     def memory(self) -> int:
         """Resident bytes; 0 where the system does not say."""
@@ -111,10 +113,9 @@ class Child:
         code = self.process.poll()
         if code is not None:
             return code
-        with contextlib.suppress(OSError, ValueError, IndexError):
-            with open(f"/proc/{self.process.pid}/stat", encoding="utf-8", errors="replace") as file:
-                words = file.read().rpartition(")")[2].split()
-            if words[0] == "Z":
+        with contextlib.suppress(ValueError, IndexError):
+            words = stat_of(self.process.pid)
+            if words and words[0] == "Z":
                 return os.waitstatus_to_exitcode(int(words[CODE]))
         return None
 

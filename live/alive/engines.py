@@ -9,21 +9,26 @@ from typing import Any, Final
 from live.alive.child import Child
 from live.alive.deaths import Deaths, Lesson
 from live.alive.heartbeat import Phase
-from live.alive.limits import LEAVES_WITHIN
+from live.alive.limits import HANGS_AFTER, LEAVES_WITHIN, SETTLED, Backoff
 from live.alive.log import Log
 from live.alive.nursery import Nursery
 from live.alive.orders import Orders, Report
 from live.alive.priority import bring_forward
 from live.alive.starter import Starter
+from live.alive.watchdog import overload
 
 STEPS: Final = ('"StepsAdded"', '"StepsChanged"')
 """Events that only an engine can act on that has read the steps since."""
 CALM_APART: Final = 5.0
-"""Seconds between two starts once engines crash that are calm already."""
+"""Seconds between two starts once engines crash that are calm already; they double, up to a minute."""
+STANDS_BACK: Final = 60.0
+"""Seconds for which an overload keeps a spare from being prepared; then it is needed more than it costs."""
+PATIENT: Final = 8.0
+"""So many times as long as the first engine the last one may be silent, if the machine was overloaded each time."""
 READY: Final = "this machine stands by: it dances what the other one dances"
 """Said to the person; before that a machine that is to take over has to begin first, which takes seconds."""
 GIVE_UP: Final = 50
-"""Engines that ended in crashes; a show whose engines cannot even begin any more is over then."""
+"""Engines that ended in crashes, none of them settled; a show whose engines cannot even begin any more is over then."""
 
 
 class Engines:
@@ -53,6 +58,10 @@ class Engines:
         self._lesson = Lesson()
         self._why = ""  # what the last engine said of the error that ended it
         self._ended: dict[int, int] = {}  # codes of ends that were told, by process
+        self._apart, self._spare_backoff = Backoff(free=0, first=CALM_APART), Backoff()
+        self._patience = 1.0  # how long silence lasts before it is death, in the usual limits
+        self._blamed = True  # whether an engine that ended did so by its own fault
+        self._overloaded_since: float | None = None
         self._start_at = self._spare_at = self._begun_at = 0.0
         self._died: float | None = None
         self._dead: list[Child] = []  # which the system has not cleared away yet
@@ -78,7 +87,7 @@ class Engines:
             self._dead.remove(child)
             child.end()
         if self.engine is None and now >= self._start_at:
-            self._begin()
+            self._begin(now)
         engine = self.engine
         if engine is not None:
             engine.wire.flush()
@@ -89,8 +98,16 @@ class Engines:
         """What every engine is told of the others."""
         self._report.restarts = self._deaths.count
         self._report.late = 0 if self.engine is None else self.engine.watch.late
+        self._report.spared = 0 if self.engine is None else self.engine.watch.spared
+        self._report.overload = round(self.overload, 2)
         self._report.spare = self.spare is not None and self.spare.phase is Phase.WAITING
         return self._report.facts()
+
+    @property
+    def overload(self) -> float:
+        """How much too much the machine has to do, 0 to 1, as far as the engine or this process feel it."""
+        dances = self.code is None and self.engine is not None and self.engine.phase is Phase.RUNNING
+        return overload(self._starter.load, self.engine.watch if self.engine is not None and dances else None)
 
     def go(self, **more: Any) -> None:
         """Tell the engine that follows to go on by itself."""
@@ -132,9 +149,15 @@ class Engines:
         self._dead.append(child)
         return code
 
-    def _begin(self) -> None:
+    def _begin(self, now: float) -> None:
+        try:
+            self.engine = self._start(self.role)
+        except OSError:  # the system has no room for one now
+            if not self.log.header:
+                raise
+            self._start_at = now + max(1.0, self._apart.after(now))
+            return
         self._begun_at = self._start_at  # or a little later
-        self.engine = self._start(self.role)
         if self.role == "heir":
             self._brief(self.engine)
             self.go()
@@ -176,9 +199,11 @@ class Engines:
                 self._taken_over(engine, self._died)
             if self.role == "standby":
                 self._say(READY)
-        if engine.hangs(now, self._starter.awake) and not engine.killed:
-            self._say(f"the engine has given no sign of life for {now - engine.heart.last:.1f} s")
-            engine.kill()
+        if self.since is not None and now - self.since > SETTLED:
+            self._patience = 1.0
+        engine.watch.patience = self._patience
+        if not engine.killed and engine.hangs(now, self._starter.load.slowdown):
+            self._end_hung(engine, now)
         code = engine.gone()
         if not engine.wire.ended and code is None:
             return
@@ -187,7 +212,7 @@ class Engines:
         code = self._bury(engine, code)
         if ended is not None:
             self.code = ended
-        elif not self.log.header or self._deaths.count >= GIVE_UP:
+        elif not self.log.header or self._deaths.unsettled >= GIVE_UP:
             self.code = code if code >= 0 else 1
             self._say(f"the engine ended before it could begin: {how(code)}")
         else:
@@ -209,8 +234,8 @@ class Engines:
         """The engine died: let another one go on."""
         self._died, self.since = self._died or now, None
         self._anew = self._report.calm
-        self._lesson = self._deaths.note(self._died - self._undanced, tick, stage)
-        self._report.calm = self._lesson.calm
+        self._lesson = self._deaths.note(self._died - self._undanced, tick, stage, blamed=self._blamed)
+        self._report.calm, self._blamed = self._lesson.calm, True
         words = "without sound and other clocks, for it has happened too often" if self._report.calm else "in its place"
         why, self._why = self._why or how(code), ""
         self._say(f"the engine ended ({why}); another one goes on {words}")
@@ -221,11 +246,20 @@ class Engines:
             self._bury(self.engine, dead)
             self.engine = None
         if self.engine is None:
-            self._start_at = max(now, self._begun_at + CALM_APART) if self._anew else now
+            self._start_at = max(now, self._begun_at + self._apart.after(now)) if self._anew else now
         else:
             if self.engine.phase is Phase.STARTING:
                 bring_forward(self.engine.process.pid)
             self.go()
+
+    def _end_hung(self, engine: Child, now: float) -> None:
+        """End an engine that gives no sign of life. On an overloaded machine the next one is given longer."""
+        words = f"the engine has given no sign of life for {now - engine.heart.last:.1f} s"
+        if self.overload > 0.0:
+            self._patience, self._blamed = min(2.0 * self._patience, PATIENT), False
+            words += f", and the machine is {self._starter.load.slowdown:.1f} times slower than it should be"
+        self._say(words)
+        engine.kill()
 
     def _taken_over(self, engine: Child, died: float) -> None:
         self._report.takeover_s = round(engine.heart.last - died, 3)
@@ -241,9 +275,14 @@ class Engines:
             spare.wire.flush()
             if (code := spare.gone()) is not None:
                 self._bury(spare, code)
-                self.spare, self._spare_at = None, now + 5.0 * self._orders.spare_after
+                wait = max(5.0 * self._orders.spare_after, self._spare_backoff.after(now))
+                self.spare, self._spare_at = None, now + wait
         elif ready:
-            self.spare = self._start("spare")
+            try:
+                self.spare = self._start("spare")
+            except OSError:  # the system has no room for one now
+                self._spare_at = now + max(1.0, self._spare_backoff.after(now))
+                return
             self._brief(self.spare)
 
     def _ready_for_a_spare(self, now: float) -> bool:
@@ -251,8 +290,20 @@ class Engines:
         leads = self.role != "standby" and self.since is not None
         if not (self._orders.spare and leads and now >= self._spare_at and self.log.header) or self.engine is None:
             return False
+        if self._stands_back(now):
+            return False
         brief, engine = {"show": self._orders.show}, self.engine.memory
         return self.nursery.ready or not self.nursery.begin(self._orders.engine, brief, self._inherit, engine)
+
+    def _stands_back(self, now: float) -> bool:
+        """Whether nothing is prepared now, for the machine has too much to do; but for an engine that seems to die."""
+        if self.overload == 0.0:
+            self._overloaded_since = None
+            return False
+        if self._overloaded_since is None:
+            self._overloaded_since = now
+        dying = self.engine is not None and self.engine.watch.own > 0.5 * HANGS_AFTER
+        return now - self._overloaded_since < STANDS_BACK and not dying
 
 
 def how(code: int) -> str:

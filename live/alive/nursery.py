@@ -19,13 +19,16 @@ from typing import Any, Final
 from live.alive.child import Child
 from live.alive.heartbeat import Heartbeat, Phase
 from live.alive.lifeline import Lifeline, nobody_left
+from live.alive.limits import Backoff
 from live.alive.starter import Starter
 from live.alive.wire import Wire
 
 ADOPT: Final = 36
 """PR_SET_CHILD_SUBREAPER."""
 WITHIN: Final = 1.0
-"""Seconds in which one is born; forking takes some hundredths."""
+"""Seconds in which one is born; forking takes some hundredths ..."""
+WITHIN_MOST: Final = 4.0
+"""... or as many times longer as the machine is slower, but not more than this: the supervisor waits for it."""
 ROOM: Final = 2.5
 """So many times an engine's memory has to be free for a nursery: it needs about as much as an engine itself."""
 PAUSE: Final = 0.002
@@ -90,6 +93,7 @@ class Nursery:
         self._able = adopts()
         self._stopped: list[Child] = []
         self._deaths = 0
+        self._backoff, self._begin_at = Backoff(first=5.0), 0.0
         self.child: Child | None = None
 
     def begin(
@@ -99,9 +103,14 @@ class Nursery:
         one."""
         if self.child is not None:
             return True
-        if not self._able or self._deaths >= TIRED or free_memory() < ROOM * engine():
+        early = time.monotonic() < self._begin_at
+        if early or not self._able or self._deaths >= TIRED or free_memory() < ROOM * engine():
             return False
-        self.child = self._starter.start("nursery", command, lambda line: None, *inherit.values())
+        try:
+            self.child = self._starter.start("nursery", command, lambda line: None, *inherit.values())
+        except OSError:  # the system has no room for one now
+            self._stand_back()
+            return False
         self.child.wire.tell(alive="nursery", **brief, **inherit)
         return True
 
@@ -121,6 +130,12 @@ class Nursery:
                 self._stopped = [other for other in self._stopped if other is not child]
                 if child is self.child:
                     self.child, self._deaths = None, self._deaths + 1
+                    self._stand_back()
+
+    def _stand_back(self) -> None:
+        """Begin no other one for a while."""
+        now = time.monotonic()
+        self._begin_at = now + self._backoff.after(now)
 
     def bear(self, wire: int, heart: int) -> Born:
         """One more engine, which gets these two descriptors; OSError if none comes."""
@@ -129,11 +144,13 @@ class Nursery:
             raise OSError("there is no nursery")
         try:
             socket.send_fds(child.wire.socket, [b"+"], [wire, heart])
-            select.select([child.wire.socket], [], [], WITHIN)
+            patience = min(WITHIN * self._starter.load.slowdown, WITHIN_MOST)
+            select.select([child.wire.socket], [], [], patience)
             lines = child.wire.lines()
             return Born(int(lines[0]))
         except (OSError, ValueError, IndexError):
             self.stop()
+            self._stand_back()
             raise OSError("the nursery does not answer") from None
 
     def stop(self) -> None:

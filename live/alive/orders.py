@@ -42,6 +42,15 @@ class Report:
 
     restarts: int = 0
     late: int = 0
+    """How often the engine's heart was late, ..."""
+    spared: int = 0
+    """... and how often so late that it would have been ended on a machine with less to do."""
+    slowdown: float = 1.0
+    """How many times slower the machine is than a quiet one."""
+    overload: float = 0.0
+    """How much too much the machine has to do for the show, 0 to 1; 0 while nothing of it is felt."""
+    reaped: int = 0
+    """Processes that had lost who started them, and were cleared away when they had ended."""
     calm: bool = False
     takeover_s: float | None = None
     """From the last engine's end to the first picture of the one that took over."""

@@ -6,12 +6,17 @@ from collections.abc import Callable, Sequence
 from typing import Final
 
 from live.alive.child import Child, Process
+from live.alive.procfs import machine
+from live.alive.watchdog import MachineLoad
 from live.alive.wire import Wire, WireBroken
 
 ROUND: Final = 0.02
 """Seconds between two looks at the hearts."""
 SLEPT: Final = 0.5
 """A round that took so long [s] was one in which this process itself did not run."""
+
+READ_EVERY: Final = 0.25
+"""Seconds between two readings of how loaded the machine is."""
 
 Hear = Callable[[str], None]
 
@@ -22,16 +27,25 @@ class Starter:
     def __init__(self) -> None:
         self.selector = selectors.DefaultSelector()
         self.awake = time.monotonic()
-        """When this process itself was last found to have slept: nobody's heart is to blame for the time before."""
+        """When this process itself was last found to have slept: nobody's silence before that means death."""
+        self.load = MachineLoad(ROUND)
+        """How loaded the machine is."""
+        self._read_at = 0.0
 
     def turn(self) -> float:
         """Hear what comes within a round; the time [s, monotonic]."""
         before = time.monotonic()
-        for key, _ in self.selector.select(ROUND):
+        ready = self.selector.select(ROUND)
+        woken = time.monotonic()
+        self.load.woke(max(woken - before - ROUND, 0.0), woken - before)
+        for key, _ in ready:
             key.data()
         now = time.monotonic()
         if now - before > SLEPT:
             self.awake = now
+        if now >= self._read_at:
+            self._read_at = now + READ_EVERY
+            self.load.read(now, machine())
         return now
 
     def start(

@@ -13,6 +13,7 @@ from live.alive.child import Child
 from live.alive.disk import Disk
 from live.alive.engines import Engines
 from live.alive.orders import Orders, Report
+from live.alive.reaper import Reaper
 from live.alive.remote import Remote
 from live.alive.side import Side
 from live.alive.starter import Starter
@@ -30,6 +31,7 @@ class Supervisor:
         self._orders, self._say = orders, say
         self.report = Report()
         self._starter = Starter()
+        self._reaper = Reaper()
         self._disk = Disk(orders.journal, say)
         self._sound = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) if orders.audio else None
         inherit = {} if orders.osc is None else {"osc": orders.osc.fileno()}
@@ -62,8 +64,10 @@ class Supervisor:
     def _turn(self) -> None:
         now = self._starter.turn()
         self.engines.look(now)
-        self.audio.look(now, self._starter.awake)
-        self.guard.look(now, self._starter.awake)
+        slowdown = self._starter.load.slowdown
+        self.audio.look(now, slowdown)
+        self.guard.look(now, slowdown)
+        self._reaper.look(now)
         self._remote.look(now)
         if now >= self._tell_at:
             self._tell_at = now + TELL_EVERY
@@ -104,6 +108,7 @@ class Supervisor:
         children = (engine, self.engines.spare, self.engines.nursery.child, self.audio.child, self.guard.child)
         self.report.memory_mb = {one.role: round(one.memory() / 1e6, 1) for one in children if one is not None}
         self.report.disk = self._disk.facts()
+        self.report.slowdown, self.report.reaped = round(self._starter.load.slowdown, 2), self._reaper.count
         self.report.audio_restarts, self.report.guard = self.audio.restarts, self.guard.child is not None
         if engine is None or since is None:
             return

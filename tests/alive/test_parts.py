@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from live.alive.heartbeat import Heartbeat, Phase
-from live.alive.limits import RestartLimit, Watch
+from live.alive.limits import SETTLED, Backoff, RestartLimit
 from live.alive.log import Log
 from live.alive.wire import Wire, WireBroken
 from live.show.pressure import FULL, HALFLIFE, Pressure
@@ -32,12 +32,6 @@ def test_another_mapping_of_the_page_sees_the_beat():
     theirs.close()
 
 
-def test_a_heart_is_late_once_however_often_it_is_looked_at():
-    watch = Watch()
-    assert [watch.judge(age) for age in (0.1, 0.6, 0.9, 1.9, 0.0, 0.7, 2.1)] == [False] * 6 + [True]
-    assert watch.late == 2
-
-
 @given(st.lists(st.floats(0.0, 40.0), min_size=1, max_size=40))
 def test_a_restart_is_one_too_many_exactly_if_three_others_lie_within_thirty_seconds(gaps):
     limit, times = RestartLimit(), []
@@ -46,6 +40,32 @@ def test_a_restart_is_one_too_many_exactly_if_three_others_lie_within_thirty_sec
         assert limit.note(now) == (sum(now - earlier < 30.0 for earlier in times) >= 3)
         times.append(now)
     assert limit.count == len(times)
+
+
+def test_a_restart_that_nobody_is_blamed_for_is_counted_and_makes_none_the_one_too_many():
+    limit = RestartLimit()
+    assert [limit.note(now, blamed=False) for now in range(10)] == [False] * 10
+    assert (limit.count, limit.unsettled) == (10, 0)
+    assert [limit.note(now) for now in range(10, 14)] == [False, False, False, True]
+
+
+def test_restarts_of_a_long_night_do_not_add_up_to_the_end_of_a_show():
+    limit = RestartLimit()
+    for hour in range(100):
+        limit.note(3600.0 * hour)
+        limit.note(3600.0 * hour + 1.0)
+    assert (limit.count, limit.unsettled) == (200, 2)
+
+
+@given(st.lists(st.floats(0.0, 50.0), min_size=1, max_size=40))
+def test_starts_back_off_up_to_a_ceiling_and_begin_anew_once_one_has_settled(lives):
+    backoff, now, waits = Backoff(free=2, first=1.0, most=30.0), 0.0, []
+    for seconds in lives:
+        now += seconds  # it ran for so long
+        waits.append(backoff.after(now))
+        now += waits[-1]
+    assert waits == [0.0, 0.0, 1.0, 2.0, 4.0, 8.0, 16.0, *[30.0] * len(lives)][: len(lives)]
+    assert backoff.after(now + SETTLED + 1.0) == 0.0
 
 
 def _wires(**how: int) -> tuple[Wire, Wire]:
