@@ -25,6 +25,7 @@ class DrawingWatch(Affordance):
 
     def __init__(self, session: Session, renderer: Renderer) -> None:
         super().__init__(renderer, session.clock.now)
+        self.overload = lambda: session.overload
         self.ladder.hold(session.wish.quality)
         session.engine.mark = self.times.mark
         session.engine.outward.append(self.hear)

@@ -22,7 +22,7 @@ from live.cli.starting_tempo import start_tempo
 from live.cli.telling import Telling
 from live.cli.watches import make_watches
 from live.cli.wish import Wish
-from live.clock.source import SystemClock
+from live.clock.source import Clock, ProcessorClock, SystemClock
 from live.clock.ticks import STALL
 from live.control.events import ControlEvent, SetLatency
 from live.show.core import Show
@@ -56,6 +56,9 @@ class Session:
         self.sound = sound
         self.show: Show = show
         self.clock = SystemClock(None if resumed is None else resumed.origin)
+        self.processor: Clock = ProcessorClock()
+        """What this thread uses of the processor."""
+        self._processor_at = 0.0
         self.inbox: Inbox[ControlEvent] = Inbox()
         for event in practice_events(wish, show) if resumed is None else ():
             self.inbox.put(event)
@@ -175,7 +178,8 @@ class Session:
         self._audio.tell(event)
 
     def before_frame(self) -> None:
-        """What other processes heard since the last frame."""
+        """What other processes heard since the last frame; a frame's own time begins here."""
+        self._processor_at = self.processor.now()
         self._audio.frame()
         self.osc.frame()
         self._parts.before_frame()
@@ -192,8 +196,9 @@ class Session:
     def after_frame(self, started: float, previous: float) -> None:
         """Housekeeping after a frame: figures, the status line, and garbage of the youngest generation."""
         self.status.work_times.add(self.clock.now() - started)
+        self.status.processor_times.add(self.processor.now() - self._processor_at)
         self.status.frame_times.add(started - previous)
-        self.pressure.frame(self.status.late_frames, started - previous)
+        self.pressure.frame(self.status.late_frames, started - previous, self.overload)
         self._parts.frame()
         self._telling.frame(started)
         self._records.frame(started)
@@ -208,6 +213,11 @@ class Session:
         self.engine.dark = True
         self._parts.stop()
         self._audio.silence()
+
+    @property
+    def overload(self) -> float:
+        """How much too much the machine has to do, 0 to 1, as the supervisor feels it; 0 without one."""
+        return 0.0 if self.lifeline is None else float(self.lifeline.facts.get("overload", 0.0))
 
     @property
     def deserted(self) -> bool:

@@ -1,4 +1,7 @@
-"""Where seconds come from: SystemClock live, ManualClock offline and in tests. Both start at 0 and never go back."""
+"""Where seconds come from: SystemClock live, ManualClock offline and in tests. Both start at 0 and never go back.
+
+ProcessorClock counts other seconds: those that a thread had the processor.
+"""
 
 import time as _time
 from typing import Protocol
@@ -24,6 +27,14 @@ class SystemClock:
     def now(self) -> float:
         """Seconds since the start."""
         return _time.perf_counter() - self.origin
+
+
+class ProcessorClock:
+    """Seconds of the processor that the thread which asks has used; waiting takes none."""
+
+    def now(self) -> float:
+        """Seconds since some time before this object was made."""
+        return _time.thread_time()
 
 
 class ManualClock:

@@ -19,6 +19,8 @@ class Affordance:
         self._renderer, self.period = renderer, period
         self.times = FrameTimes(now)
         self.ladder = Ladder(len(renderer.steps), renderer.helps)
+        self.overload: Callable[[], float] = lambda: 0.0
+        """How much too much the whole machine has to do, 0 to 1."""
         self._late = 0
         renderer.mark = self.times.mark
 
@@ -26,7 +28,7 @@ class Affordance:
         """A frame begins, `seconds` after the last one; `late` frames so far (`Pacer.late`)."""
         was_late, self._late = late > self._late, late
         self.times.judge(self.period, late=was_late)
-        step = self.ladder.frame(was_late, seconds, self.times.load(self.period))
+        step = self.ladder.frame(was_late, seconds, self.times.load(self.period), self.overload())
         self.times.begin()
         if step != self._renderer.step:
             self._renderer.take_step(step)

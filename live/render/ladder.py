@@ -102,24 +102,25 @@ class Ladder:
             self._go(self.held, raised=False)
         self._since = self._calm = self._share = 0.0
 
-    def frame(self, late: bool, seconds: float, load: float) -> int:
+    def frame(self, late: bool, seconds: float, load: float, overload: float = 0.0) -> int:
         """After a frame that came `seconds` after the last one, `late` or not: the step for the next.
 
-        `load`: the share of its time that was needed for everything but waiting.
+        `load`: the share of its time that was needed for everything but waiting; `overload`: 0 to 1, how much too much
+        the whole machine has to do. The more that is, the fewer late frames take a step down, and none is taken up.
         """
         if self.held is not None:
             return self.step
         self._since += seconds
         kept = 0.5 ** (max(seconds, 0.0) / HALFLIFE)
         self._share = kept * self._share + (1.0 - kept) * (late and (self.changes > 0 or self._since > SETTLE))
-        if self._share > DOWN:
+        if self._share > max(DOWN * (1.0 - overload), CALM):
             self._calm = 0.0
             if self._since > SETTLE and self.step < self._steps - 1:
                 if self._raised and self._since < 4.0 * PATIENCE:  # it was too early to go up
                     self._patience = min(2.0 * self._patience, LONGEST)
                 self._go(self._below(), raised=False)
             return self.step
-        self._calm = self._calm + seconds if self._share < CALM and load < ROOM else 0.0
+        self._calm = self._calm + seconds if self._share < CALM and load < ROOM and not overload else 0.0
         if self._calm >= self._patience and self.step > 0:
             self._go(self._above(), raised=True)
         return self.step

@@ -64,7 +64,9 @@ class Status:
         self.frame_times = FrameTimes()
         """From one frame to the next."""
         self.work_times = FrameTimes()
-        """Time spent in a frame on everything but waiting."""
+        """From a frame's beginning until it is done, by the clock: with what it waited for."""
+        self.processor_times = FrameTimes()
+        """Time of the processor that the main thread used in a frame: nothing for what it waited."""
         self.frames = 0
         self.late_frames = 0
         self.ticks = 0
@@ -107,7 +109,8 @@ class Status:
         moment = show.moment(time)
         danced = show.span.fraction(moment.beat) * show.timeline.beats_per_measure
         p50, p99, p999 = self.frame_times.percentiles(50, 99, 99.9)
-        cpu50, cpu99 = self.work_times.percentiles(50, 99)
+        work50, work99 = self.work_times.percentiles(50, 99)
+        cpu50, cpu99 = self.processor_times.percentiles(50, 99)
         return {
             "time": round(time, 3),
             "measure": show.span.number + 1,
@@ -122,6 +125,7 @@ class Status:
             "ticks": self.ticks,
             "skipped_ticks": self.skipped_ticks,
             "frame_ms": {"p50": p50, "p99": p99, "p999": p999},
+            "work_ms": {"p50": work50, "p99": work99},
             "cpu_ms": {"p50": cpu50, "p99": cpu99},
             "dancers": int(show.motion.present.sum()),
             "events_accepted": self.events_accepted,

@@ -3,12 +3,14 @@
 The brief's `show` is a JSON object: `ends` (exit code when it has counted to `ticks`), `kills` (ticks at which engines
 that began or took over kill themselves, one after another), `crashes` (tick and exit code of one engine after the
 other, in the stage of the tick that `stage` says), `hangs` (tick at which it stops beating), `hangs_again` (so does the
-first one that goes on), `cannot` (why it cannot stand by).
+first one that goes on), `cannot` (why it cannot stand by), `burns` (seconds of the processor that each tick takes),
+`loops` (tick at which it goes into a loop without end), `helpers` (so many processes of its own that end when it does).
 """
 
 import json
 import os
 import signal
+import subprocess
 import sys
 import time
 from typing import Any
@@ -60,6 +62,19 @@ def begun() -> tuple[Lifeline, Brief, int | None]:
     return born, born.brief(), nursery
 
 
+def burn(seconds: float) -> None:
+    """Use the processor for so long, however long that takes."""
+    until = time.thread_time() + seconds
+    while time.thread_time() < until:
+        pass
+
+
+def begin_helpers(count: int) -> list[subprocess.Popen[bytes]]:
+    """Processes that end when this one has gone; each in a session of its own, as a show's are."""
+    wait = [sys.executable, "-S", "-c", "import sys; sys.stdin.read()"]
+    return [subprocess.Popen(wait, stdin=subprocess.PIPE, start_new_session=True) for _ in range(count)]
+
+
 def main() -> None:
     lifeline, brief, nursery = begun()
     plan = json.loads(brief.show)
@@ -73,6 +88,7 @@ def main() -> None:
     if brief.role != "engine":
         time.sleep(plan.get("slow", 0.0))
     crashes = plan.get("crashes", [])[lifeline.facts.get("restarts", 0) :]
+    helpers = begin_helpers(plan.get("helpers", 0))
     kills = [at for at in plan.get("kills", []) if at > tick]
     while True:
         tick += 1
@@ -85,6 +101,9 @@ def main() -> None:
             os.kill(os.getpid(), signal.SIGKILL)
         if tick == plan.get("hangs") and brief.role == "engine":
             time.sleep(600)
+        if tick == plan.get("loops") and brief.role == "engine":
+            burn(600.0)
+        burn(plan.get("burns", 0.0))
         lifeline.frame(tick)
         if lifeline.fenced:
             lifeline.wire.put(json.dumps({"tick": tick, "event": {"type": "dark"}}))
@@ -94,6 +113,8 @@ def main() -> None:
             lifeline.beat(tick, Phase.LEAVING)
             lifeline.wire.put(json.dumps({"tick": tick, "end": True}))
             lifeline.tell_end(plan.get("ends", 0))
+            for helper in helpers:
+                helper.communicate()
             sys.exit(plan.get("ends", 0))
         if lifeline.alone:
             sys.exit(0)  # the test that began this has gone

@@ -188,3 +188,11 @@ def test_pressure_is_the_share_of_late_frames_of_the_last_seconds():
         pressure.frame(late, 1 / 60)
         share *= 0.5 ** (1 / 60 / HALFLIFE)
     assert pressure.value <= share / FULL * 1.01
+
+
+def test_a_machine_that_has_too_much_to_do_is_pressure_before_a_frame_is_late():
+    pressure = Pressure()
+    pressure.frame(0, 1 / 60, 0.7)
+    assert pressure.value == 0.7
+    pressure.frame(0, 1 / 60)
+    assert pressure.value == 0.0

@@ -36,6 +36,7 @@ def watched():
             wish=SimpleNamespace(quality=quality),
             engine=SimpleNamespace(mark=None, outward=[], patched=[]),
             status=SimpleNamespace(more={}, notes=[]),
+            overload=0.0,
         )
         watch = DrawingWatch(session, Drawn())
         watch.period, late = PERIOD, [0]
@@ -87,3 +88,17 @@ def test_a_command_line_begins_with_a_held_step_and_the_overlay_says_so(watched)
     hear(0.0)
     run(1.0)
     assert session.status.notes[0]().startswith(f"quality 0 of {last} (held)")
+
+
+def test_what_the_supervisor_feels_of_an_overload_reaches_the_ladder(watched):
+    """Frames are in time here: nothing else keeps it from going up."""
+    watch, session, run, _ = watched(holds=1)
+    run(15.0)
+    assert watch._renderer.step > 0
+    session.overload = 0.5
+    changes = watch.ladder.changes
+    run(300.0)
+    assert watch.ladder.changes == changes
+    session.overload = 0.0
+    run(60.0)
+    assert watch.ladder.changes > changes

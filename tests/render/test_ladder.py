@@ -15,7 +15,7 @@ class Machine:
 
     def __init__(self, costs):
         self.ladder = Ladder(len(costs))
-        self.costs, self.late, self.time = costs, 0, 0.0
+        self.costs, self.late, self.time, self.overload = costs, 0, 0.0, 0.0
         self.steps = []
 
     def run(self, seconds):
@@ -26,7 +26,7 @@ class Machine:
             late = took > 1.5 * PERIOD
             self.late += late
             self.time += took
-            self.steps.append(self.ladder.frame(late, took, cost / PERIOD))
+            self.steps.append(self.ladder.frame(late, took, cost / PERIOD, self.overload))
         return self
 
 
@@ -121,3 +121,16 @@ def test_a_step_that_is_held_stays_until_it_is_let_go():
     assert machine.ladder.step == 0
     machine.run(8.0)
     assert machine.ladder.step == 4
+
+
+def test_on_an_overloaded_machine_a_single_late_frame_takes_a_step_down_and_none_is_taken_up():
+    machine = Machine([0.004, 0.002, 0.002]).run(20.0)
+    machine.overload = 1.0
+    machine.costs = [0.04, 0.002, 0.002]
+    machine.run(0.04)
+    machine.costs = [0.004, 0.002, 0.002]
+    machine.run(100.0)
+    assert (machine.ladder.step, machine.ladder.changes) == (1, 1)
+    machine.overload = 0.0
+    machine.run(PATIENCE + 5.0)
+    assert machine.ladder.step == 0

@@ -1,0 +1,53 @@
+"""What a session says of the time that its frames take."""
+
+import socket
+import threading
+from pathlib import Path
+
+from live.alive.heartbeat import Heartbeat
+from live.alive.lifeline import Lifeline
+from live.alive.wire import Wire
+from live.cli.session import Session
+from live.cli.session_sound import Sound
+from live.cli.wish import Wish
+from tests.end_to_end.conftest import PATCH
+
+
+def made_session(folder: Path, lifeline: Lifeline | None = None) -> Session:
+    patch = folder / "show.toml"
+    patch.write_text(PATCH)
+    wish = Wish(patch=str(patch), seed=1, osc=("127.0.0.1", 0))
+    return Session(wish, wish.load(), Sound(), lifeline=lifeline)
+
+
+def frame(session: Session, seconds: float) -> None:
+    """One frame in which drawing waits for so long."""
+    started = session.clock.now()
+    session.before_frame()
+    session.engine.frame(lambda view: threading.Event().wait(seconds) and None)
+    session.after_frame(started, started - 0.016)
+
+
+def test_a_frame_that_waits_takes_time_but_none_of_the_processor(tmp_path):
+    session = made_session(tmp_path)
+    with session.running():
+        for _ in range(5):
+            frame(session, 0.1)
+        told = session.status.snapshot(session.clock.now())
+    assert told["work_ms"]["p50"] >= 100.0
+    assert 0.0 < told["cpu_ms"]["p50"] < 50.0
+
+
+def test_what_the_supervisor_says_of_the_machine_is_pressure(tmp_path):
+    """From its facts on the wire to the status and to whoever draws."""
+    ours, theirs = socket.socketpair()
+    supervisor, lifeline = Wire(ours), Lifeline(Wire(theirs), Heartbeat())
+    session = made_session(tmp_path, lifeline)
+    with session.running():
+        assert session.overload == 0.0
+        supervisor.tell(alive="facts", facts={"overload": 0.8})
+        frame(session, 0.0)
+        frame(session, 0.0)
+        told = session.status.snapshot(session.clock.now())
+    assert session.overload == told["pressure"] == 0.8
+    supervisor.close()
