@@ -9,6 +9,7 @@ from rich.console import Console
 
 from live.base.errors import PersonError
 from live.base.lane import Lane
+from live.cli.listening_socket import listening_socket
 from live.cli.own_address import own_address
 from live.clock.source import Clock
 from live.control.audience.rules import Beat, Rules
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 
 BEAT_EVERY: Final = 1.0
 """The gateway is told the beat at least so often [s], and whenever it slips."""
+BACKLOG: Final = 1024
+"""Connections that wait until the gateway accepts them."""
 NUMBERS: Final = 500
 """Phones have numbers from this times the seconds of the show on, when a gateway begins: more than any one before it
 can have given (`ALL_JOINS`), in this engine or one that it goes on from."""
@@ -41,6 +44,8 @@ class AudiencePart:
         self._beat_at = 0.0
         self._refused: Counter[str] = Counter()
         self._refused_before: Counter[str] = Counter()
+        self.goes_on = False
+        """Whether the show goes on after an engine whose gateway may hold the port still."""
         self.link = ""
         """The whole link of the moment, with its key; empty before the gateway said it."""
         self.code: list[str] = []
@@ -54,9 +59,8 @@ class AudiencePart:
         """Listen, and let phones in; PersonError if that cannot be."""
         if importlib.util.find_spec("aiohttp") is None:
             raise PersonError("--audience needs the package aiohttp", "make play installs it")
-        family = socket.AF_INET6 if ":" in self._where[0] else socket.AF_INET
         try:
-            self._socket = socket.create_server(self._where, family=family, backlog=1024)
+            self._socket = listening_socket(self._where, BACKLOG, goes_on=self.goes_on)
         except (OSError, OverflowError) as error:
             where = f"{self._where[0]}:{self._where[1]}"
             raise PersonError(f"--audience {where}: {error}", "choose another port") from None

@@ -44,6 +44,8 @@ class Beside:
     engine: Engine
     status: Status
     telling: Telling
+    goes_on: bool = False
+    """Whether the show goes on after an engine that has ended."""
     parts: Parts = field(default_factory=Parts)
 
     def music(self) -> None:
@@ -98,6 +100,7 @@ class Beside:
             self.status.more["dmx"] = lamps.status
         if wish.oscquery is not None:
             query = OscQueryPart(wish.oscquery, wish.osc, f"Live {show.patch.name}", self.clock)
+            query.goes_on = self.goes_on
             parts.add(query)
             self.telling.to.append(query.tell)
             self.status.more["oscquery"] = query.status
@@ -125,11 +128,13 @@ class Beside:
         wish, show = self.wish, self.engine.show
         if wish.web is not None:
             page = WebPart(wish.web, wish.web_key, wish.osc, show, self.clock)
+            page.goes_on = self.goes_on
             self.parts.add(page)
             self.telling.to.append(page.tell)
             self.status.more["web"] = page.status
         audience = make_audience(wish, show, self.inbox.lane(), self.clock)
         if audience is not None:
+            audience.goes_on = self.goes_on
             self.parts.add(audience)
             self.parts.audience = audience
             self.parts.early.append(audience.before_frame)

@@ -2,20 +2,19 @@
 
 import importlib.util
 import socket
-import time
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from live.base.errors import PersonError
+from live.cli.listening_socket import listening_socket
 from live.clock.source import Clock
 from live.control.helper import Helper
 from live.control.values import Changes
 
 AT_ONCE: Final = 64
 """Addresses that are told in one packet."""
-PATIENCE: Final = 0.5
-"""Seconds in which the port of an engine that has just died becomes free."""
-PAUSE: Final = 0.02
+BACKLOG: Final = 128
+"""Connections that wait until the process accepts them."""
 
 
 class HttpPart:
@@ -28,6 +27,8 @@ class HttpPart:
         """`module` is the process, `plan` what it reads first beside its socket (`http`); `needs`: packages."""
         self._where, self._option, self._module, self._plan, self._clock = where, option, module, plan, clock
         self._needs = needs
+        self.goes_on = False
+        """Whether the show goes on after an engine that may hold the port still."""
         self._socket: socket.socket | None = None
         self._helper: Helper | None = None
         self._all: dict[str, Any] = {}
@@ -44,16 +45,11 @@ class HttpPart:
         self._helper.start()
 
     def _listening(self) -> socket.socket:
-        family = socket.AF_INET6 if ":" in self._where[0] else socket.AF_INET
-        until = time.monotonic() + PATIENCE
-        while True:
-            try:
-                return socket.create_server(self._where, family=family, backlog=32)
-            except (OSError, OverflowError) as error:
-                if time.monotonic() >= until:
-                    where = f"{self._where[0]}:{self._where[1]}"
-                    raise PersonError(f"{self._option} {where}: {error}", "choose another port") from None
-                time.sleep(PAUSE)
+        try:
+            return listening_socket(self._where, BACKLOG, goes_on=self.goes_on)
+        except (OSError, OverflowError) as error:
+            where = f"{self._where[0]}:{self._where[1]}"
+            raise PersonError(f"{self._option} {where}: {error}", "choose another port") from None
 
     def stop(self) -> None:
         """Answer nobody any more."""

@@ -101,6 +101,7 @@ class Session:
         if lifeline is not None:
             self.status.more["alive"] = lifeline.status
         beside = Beside(wish, venue, self.inbox, self.clock, self.engine, self.status, self._telling)
+        beside.goes_on = resumed is not None
         beside.music()
         self.midi = midi = beside.midi(loaded.path, 0 if resumed is None else resumed.tick)
         beside.osc()

@@ -1,0 +1,59 @@
+"""A port that is held through the death of an engine."""
+
+import os
+import signal
+import socket
+import urllib.error
+import urllib.request
+
+import pytest
+
+from live.base.errors import PersonError
+from live.cli.listening_socket import listening_socket
+from live.cli.oscquery_part import OscQueryPart
+from live.clock.source import SystemClock
+from tests.control.waiting import wait_for
+
+
+def made_part(port: int) -> OscQueryPart:
+    return OscQueryPart(("127.0.0.1", port), ("127.0.0.1", 9010), "Live test", SystemClock())
+
+
+def answers(port: int) -> bool:
+    """Whether somebody answers, in whatever words."""
+    try:
+        urllib.request.urlopen(f"http://127.0.0.1:{port}/", timeout=5.0).close()
+    except urllib.error.HTTPError:
+        return True
+    except OSError:
+        return False
+    return True
+
+
+def test_an_engine_that_goes_on_listens_at_once_though_the_last_one_s_processes_still_hold_the_port():
+    """They get no processor, and do not hear that their engine has gone: here they are stopped."""
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    before, after, other = made_part(port), made_part(port), made_part(port)
+    before.start()
+    try:
+        assert wait_for(lambda: answers(port), 20)
+        assert before.process is not None
+        os.kill(before.process, signal.SIGSTOP)
+        assert before._socket is not None
+        before._socket.close()  # as the system closes it with the engine
+        with pytest.raises(PersonError, match="in use"):
+            other.start()  # another show gets no part of it
+        after.goes_on = True
+        after.start()
+        os.kill(before.process, signal.SIGKILL)
+        assert wait_for(lambda: answers(port), 20)
+    finally:
+        for part in (before, after, other):
+            part.stop()
+
+
+@pytest.mark.parametrize("goes_on", [False, True])
+def test_a_port_of_another_program_is_no_port_of_the_show(goes_on):
+    with socket.create_server(("127.0.0.1", 0)) as other, pytest.raises(OSError, match="in use"):
+        listening_socket(("127.0.0.1", other.getsockname()[1]), 8, goes_on=goes_on)
