@@ -1,0 +1,40 @@
+"""What processes of a show ask of the scheduler, each in a session of its own."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+GROUPS = Path("/proc/self/autogroup")
+
+STEPS = """
+from live.alive.priority import BACK_NICE, bring_forward, come_forward, stand_back
+import ctypes, os, sys
+if sys.argv[1:]:
+    os.setresuid(65534, 65534, 65534)
+    ctypes.CDLL(None).prctl(4, 1)  # PR_SET_DUMPABLE: its files in /proc are its own again
+def weight():
+    return int(open("/proc/self/autogroup").read().split()[-1])
+processors = stand_back()
+assert weight() == BACK_NICE, weight()
+come_forward(0, processors)
+assert weight() == 0, weight()
+stand_back()
+bring_forward(os.getpid())
+assert weight() == 0, weight()
+come_forward(-5)
+assert weight() in (0, -5), weight()
+"""
+
+
+@pytest.mark.skipif(not GROUPS.exists(), reason="this system does not weigh sessions (sched_autogroup)")
+@pytest.mark.parametrize("rights", [True, False])
+def test_who_prepares_itself_weighs_less_and_whoever_dances_as_much_as_all_others(rights):
+    """Whoever runs this, and (where that is root) a user whom the system lets change it only ten times a second."""
+    if not rights and os.geteuid():
+        pytest.skip("only root can become another user")
+    command = [sys.executable, "-c", STEPS, *([] if rights else ["other"])]
+    done = subprocess.run(command, start_new_session=True, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
