@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from live.alive.deaths import Deaths
 from live.alive.heartbeat import Heartbeat, Phase
 from live.alive.limits import SETTLED, Backoff, RestartLimit
 from live.alive.log import Log
@@ -42,19 +43,25 @@ def test_a_restart_is_one_too_many_exactly_if_three_others_lie_within_thirty_sec
     assert limit.count == len(times)
 
 
-def test_a_restart_that_nobody_is_blamed_for_is_counted_and_makes_none_the_one_too_many():
-    limit = RestartLimit()
-    assert [limit.note(now, blamed=False) for now in range(10)] == [False] * 10
-    assert (limit.count, limit.unsettled) == (10, 0)
-    assert [limit.note(now) for now in range(10, 14)] == [False, False, False, True]
+def test_who_was_ended_on_an_overloaded_machine_counts_for_nothing_but_twice_in_the_same_tick():
+    deaths = Deaths()
+    for now in range(10):
+        assert deaths.note(now, 100 + now, 0, blamed=False) == (
+            {"tick": 100 + now, "stage": 0, "times": 1, "trip": False},
+            False,
+        )
+        assert not deaths.note(now, 100 + now, 5, blamed=False)[0]["trip"]
+    assert (deaths.count, deaths.unsettled) == (20, 0)
+    assert deaths.note(10, 109, 5, blamed=False)[0]["times"] == 2
+    assert [deaths.note(now, 200, 0)[1] for now in range(11, 15)] == [False, False, False, True]
 
 
 def test_restarts_of_a_long_night_do_not_add_up_to_the_end_of_a_show():
-    limit = RestartLimit()
+    deaths = Deaths()
     for hour in range(100):
-        limit.note(3600.0 * hour)
-        limit.note(3600.0 * hour + 1.0)
-    assert (limit.count, limit.unsettled) == (200, 2)
+        deaths.note(3600.0 * hour, 0, 0)
+        deaths.note(3600.0 * hour + 1.0, 0, 0)
+    assert (deaths.count, deaths.unsettled) == (200, 2)
 
 
 @given(st.lists(st.floats(0.0, 50.0), min_size=1, max_size=40))

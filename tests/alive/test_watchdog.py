@@ -67,7 +67,7 @@ class MadeHang:
 
 
 @given(st.integers(0, 1 << 32), st.floats(0.01, 1.5), st.floats(0.1, 1.0), st.booleans(), st.booleans())
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 def test_who_is_starved_is_never_ended_before_the_ceiling(seed, work, share, threads, told):
     """Frames of 10 ms to 1.5 s of work, of which a loaded machine does a tenth to all in each second, in bursts between
     which there is nothing for up to three seconds; the watcher itself wakes late."""
