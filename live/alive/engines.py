@@ -256,7 +256,8 @@ class Engines:
         """End an engine that gives no sign of life. On an overloaded machine the next one is given longer."""
         words = f"the engine has given no sign of life for {now - engine.heart.last:.1f} s"
         if self.overload > 0.0:
-            self._patience, self._blamed = min(2.0 * self._patience, PATIENT), False
+            self._blamed = self._patience >= PATIENT
+            self._patience = min(2.0 * self._patience, PATIENT)
             words += f", and the machine is {self._starter.load.slowdown:.1f} times slower than it should be"
         self._say(words)
         engine.kill()

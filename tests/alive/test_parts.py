@@ -46,14 +46,13 @@ def test_a_restart_is_one_too_many_exactly_if_three_others_lie_within_thirty_sec
 def test_who_was_ended_on_an_overloaded_machine_counts_for_nothing_but_twice_in_the_same_tick():
     deaths = Deaths()
     for now in range(10):
-        assert deaths.note(now, 100 + now, 0, blamed=False) == (
-            {"tick": 100 + now, "stage": 0, "times": 1, "trip": False},
-            False,
-        )
-        assert not deaths.note(now, 100 + now, 5, blamed=False)[0]["trip"]
+        outside = deaths.note(now, 100 + now, 0, blamed=False)
+        within = deaths.note(now, 100 + now, 5, blamed=False)
+        assert not (outside.calm or within.trip)
+        assert (outside.stage, within.stage, within.times) == (0, 5, 1)
     assert (deaths.count, deaths.unsettled) == (20, 0)
-    assert deaths.note(10, 109, 5, blamed=False)[0]["times"] == 2
-    assert [deaths.note(now, 200, 0)[1] for now in range(11, 15)] == [False, False, False, True]
+    assert deaths.note(10, 109, 5, blamed=False).times == 2
+    assert [deaths.note(now, 200, 0).calm for now in range(11, 15)] == [False, False, False, True]
 
 
 def test_restarts_of_a_long_night_do_not_add_up_to_the_end_of_a_show():
