@@ -22,8 +22,9 @@ READ_EVERY: Final = 0.1
 """Seconds between two readings of a process that is silent; none is made before it has been silent for so long."""
 COMPARE_EVERY: Final = 1.0
 """Seconds between two readings of one that is not."""
-BLOCKED_SHARE: Final = 0.25
-"""Of time spent in the kernel without a way out (state D: a disk, a driver) so much is a process' own at most."""
+WAITS_SHARE: Final = 0.25
+"""Of time in which a process waits, and not for a processor, at least so much is its own: who sleeps for long hangs. So
+much, too, where it waits in the kernel without a way out (state D: a disk, a driver)."""
 ACTIVE: Final = 0.5
 """Threads that want the processor for this share of the time are at work."""
 HALFLIFE: Final = 2.0
@@ -234,12 +235,12 @@ def own_share(before: Usage, after: Usage, seconds: float, slowdown: float) -> f
         if run + delay >= ACTIVE * seconds:
             return max(1.0 - delay / seconds, 0.0)
     if after.state == "D":
-        return min(BLOCKED_SHARE, 1.0 / max(slowdown, 1.0))
+        return WAITS_SHARE
     # it sleeps: does it wait for threads of its own that get no processor?
     run = max(after.others_run - before.others_run, 0.0)
     delay = max(after.others_delay - before.others_delay, 0.0)
     others = run / (run + delay) if run + delay >= ACTIVE * seconds else 1.0
-    return min(others, 1.0 / max(slowdown, 1.0))
+    return min(others, max(1.0 / max(slowdown, 1.0), WAITS_SHARE))
 
 
 def overload(load: MachineLoad, watched: Watchdog | None) -> float:

@@ -75,6 +75,15 @@ def begin_helpers(count: int) -> list[subprocess.Popen[bytes]]:
     return [subprocess.Popen(wait, stdin=subprocess.PIPE, start_new_session=True) for _ in range(count)]
 
 
+def work(plan: dict[str, Any], tick: int, *, first: bool) -> None:
+    """A tick's work, which may have no end. `first`: for the engine that began the show."""
+    if first and tick == plan.get("hangs"):
+        time.sleep(600)
+    if first and tick == plan.get("loops"):
+        burn(600.0)
+    burn(plan.get("burns", 0.0))
+
+
 def main() -> None:
     lifeline, brief, nursery = begun()
     plan = json.loads(brief.show)
@@ -99,11 +108,7 @@ def main() -> None:
         lifeline.wire.put(json.dumps({"tick": tick, "event": {"type": "made", "number": tick}}))
         if kills and tick >= kills[0]:
             os.kill(os.getpid(), signal.SIGKILL)
-        if tick == plan.get("hangs") and brief.role == "engine":
-            time.sleep(600)
-        if tick == plan.get("loops") and brief.role == "engine":
-            burn(600.0)
-        burn(plan.get("burns", 0.0))
+        work(plan, tick, first=brief.role == "engine")
         lifeline.frame(tick)
         if lifeline.fenced:
             lifeline.wire.put(json.dumps({"tick": tick, "event": {"type": "dark"}}))

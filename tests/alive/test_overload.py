@@ -59,7 +59,7 @@ def test_an_engine_that_hangs_on_a_busy_machine_is_killed_all_the_same(tmp_path,
     assert numbers(lines) == list(range(1, 31))
     after = float(said[0].partition(" for ")[2].split()[0])
     assert "no sign of life" in said[0]
-    assert HANGS_AFTER <= after < CEILING + 5.0
+    assert HANGS_AFTER <= after < CEILING + 5.0  # a loop has two seconds of a processor, a sleep lasts eight
 
 
 def test_an_engine_in_a_loop_is_killed_and_replaced(tmp_path):
@@ -83,6 +83,20 @@ def test_an_overload_that_lasts_keeps_the_next_engine_waiting_only_for_so_long(t
     monkeypatch.setattr("live.alive.engines.STANDS_BACK", 0.1)
     _, lines, _, _ = supervised(tmp_path, {"kills": [300], "ticks": 320})
     assert [line["went"] for line in lines if "went" in line] == ["spare"]
+
+
+@pytest.mark.long
+def test_engines_ended_on_an_overloaded_machine_are_given_longer_and_longer(tmp_path, monkeypatch):
+    """Three hang one after the other, the last two in the same tick: each may be silent for twice as long."""
+    monkeypatch.setattr("live.alive.engines.overload", lambda load, watched: 1.0)
+    plan = {"stage": 9, "hangs": 20, "hangs_again": True, "ticks": 40}
+    code, lines, supervisor, said = supervised(tmp_path, plan, spare=False)
+    after = [float(line.partition(" for ")[2].split()[0]) for line in said if "no sign of life" in line]
+    assert len(after) == supervisor.report.restarts == 3
+    for number, seconds in enumerate(after):
+        assert seconds >= HANGS_AFTER * 2.0**number
+    assert (code, supervisor.report.calm) == (0, False)
+    assert numbers(lines) == list(range(1, 20)) + list(range(20, 41))
 
 
 SHOW = """

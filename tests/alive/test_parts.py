@@ -48,7 +48,7 @@ def test_who_was_ended_on_an_overloaded_machine_counts_for_nothing_but_twice_in_
     for now in range(10):
         outside = deaths.note(now, 100 + now, 0, blamed=False)
         within = deaths.note(now, 100 + now, 5, blamed=False)
-        assert not (outside.calm or within.trip)
+        assert (outside.calm, within.trip) == (False, False)
         assert (outside.stage, within.stage, within.times) == (0, 5, 1)
     assert (deaths.count, deaths.unsettled) == (20, 0)
     assert deaths.note(10, 109, 5, blamed=False).times == 2

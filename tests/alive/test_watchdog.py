@@ -110,7 +110,8 @@ def test_who_hangs_on_an_overloaded_machine_is_ended_within_the_grown_bound(crow
     load = MachineLoad(ROUND)
     load.read(0.0, MachineReading(crowd, 0.0))
     load.read(100.0, MachineReading(crowd, 100.0))  # some thread waited all the time
-    bound = min(HANGS_AFTER * max(load.slowdown, 4.0 if state == "D" else 1.0) * max(look_every / 0.1, 1.0), CEILING)
+    grown = {"R": load.slowdown, "S": min(load.slowdown, 4.0), "D": 4.0}[state]
+    bound = min(HANGS_AFTER * grown * max(look_every / 0.1, 1.0), CEILING)
     lived = process.ended_after(load.slowdown, look_every=look_every)
     assert HANGS_AFTER <= lived <= bound + 0.6 + 2 * look_every
 
@@ -153,7 +154,11 @@ def test_a_heart_is_late_once_however_often_it_is_looked_at():
 def test_who_was_ended_on_an_overloaded_machine_gives_the_next_one_longer():
     watchdog = Watchdog()
     watchdog.patience = 4.0
-    assert MadeHang("S").ended_after(1000.0, watchdog=watchdog) == pytest.approx(4.0 * CEILING, abs=0.5)
+    assert MadeHang("S").ended_after(1.0, watchdog=watchdog) == pytest.approx(4.0 * HANGS_AFTER, abs=0.5)
+    starved = MadeHang("R", share=0.001)
+    watchdog = Watchdog()
+    watchdog.patience = 4.0
+    assert starved.ended_after(1000.0, watchdog=watchdog) == pytest.approx(4.0 * CEILING, abs=0.5)
 
 
 def _read(load: MachineLoad, seconds: float, reading: Callable[[float], MachineReading]) -> None:
