@@ -101,7 +101,8 @@ def test_headless_runs_in_real_time_and_writes_a_journal_that_replays(tmp_path):
     assert last["clock_state"] == "internal"
     assert set(last) >= {
         "time", "measure", "beat", "bpm", "source", "clock_state", "confidence", "frames", "late_frames", "ticks",
-        "skipped_ticks", "frame_ms", "cpu_ms", "dancers", "events_accepted", "events_rejected", "phones", "rss_mb",
+        "skipped_ticks", "frame_ms", "work_ms", "cpu_ms", "dancers", "events_accepted", "events_rejected",
+        "phones", "rss_mb",
     }  # fmt: skip
     verified = run_live("replay", str(journal), "--verify", "--json")
     assert verified.returncode == 0, verified.stdout + verified.stderr
