@@ -8,7 +8,7 @@ from collections import deque
 from dataclasses import asdict, dataclass
 from typing import Any, Final
 
-from live.alive.limits import SETTLED, RestartLimit
+from live.alive.limits import RestartLimit
 
 IN_A_ROW: Final = 3
 """So many engines that ended in one stage within `SECONDS` put it out of service, in whatever ticks that was."""
@@ -44,9 +44,6 @@ class Deaths:
     def __init__(self) -> None:
         self.count = 0
         """Engines that ended, since the start."""
-        self.unsettled = 0
-        """Those by their own fault, since one last ran for `SETTLED`."""
-        self._ended: float | None = None
         self._outside = RestartLimit()
         self._last: tuple[int, int] | None = None
         self._times = 0
@@ -60,9 +57,6 @@ class Deaths:
         where the next one is ended in the same stage of the same tick, too.
         """
         self.count += 1
-        if blamed:
-            settled = self._ended is not None and now - self._ended > SETTLED
-            self.unsettled, self._ended = 1 if settled else self.unsettled + 1, now
         if not stage and blamed:
             self._calm = self._outside.note(now) or self._calm
         again = bool(stage) and blamed and self._ended_often(now, stage)

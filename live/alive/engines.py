@@ -27,8 +27,6 @@ PATIENT: Final = 8.0
 """So many times as long as the first engine the last one may be silent, if the machine was overloaded each time."""
 READY: Final = "this machine stands by: it dances what the other one dances"
 """Said to the person; before that a machine that is to take over has to begin first, which takes seconds."""
-GIVE_UP: Final = 50
-"""Engines that ended in crashes, none of them settled; a show whose engines cannot even begin any more is over then."""
 
 
 class Engines:
@@ -212,7 +210,7 @@ class Engines:
         code = self._bury(engine, code)
         if ended is not None:
             self.code = ended
-        elif not self.log.header or self._deaths.unsettled >= GIVE_UP:
+        elif not self.log.header:
             self.code = code if code >= 0 else 1
             self._say(f"the engine ended before it could begin: {how(code)}")
         else:
