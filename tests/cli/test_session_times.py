@@ -51,3 +51,5 @@ def test_what_the_supervisor_says_of_the_machine_is_pressure(tmp_path):
         told = session.status.snapshot(session.clock.now())
     assert session.overload == told["pressure"] == 0.8
     supervisor.close()
+    lifeline.wire.close()
+    lifeline.heart.close()
