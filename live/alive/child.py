@@ -81,6 +81,14 @@ class Child:
         self.killed = False
         """Whether it was ended at once, and is only not gone yet."""
 
+    @classmethod
+    def adopted(cls, role: str, wire: Wire, heart: Heartbeat, process: Process) -> "Child":
+        """One that runs already, and that another supervisor started."""
+        child = cls.__new__(cls)
+        child.role, child.wire, child.heart, child.process = role, wire, heart, process
+        child.watch, child.started, child.killed = Watch(), time.monotonic(), False
+        return child
+
     @property
     def phase(self) -> Phase:
         """What it says that it is doing."""

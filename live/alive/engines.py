@@ -6,6 +6,7 @@ import signal
 from collections.abc import Callable
 from typing import Any, Final
 
+from live.alive.adoption import Adoption
 from live.alive.child import Child
 from live.alive.deaths import Deaths, Lesson
 from live.alive.heartbeat import Phase
@@ -16,6 +17,7 @@ from live.alive.orders import Orders, Report
 from live.alive.priority import bring_forward
 from live.alive.starter import Starter
 from live.alive.watchdog import overload
+from live.alive.wire import Wire
 
 STEPS: Final = ('"StepsAdded"', '"StepsChanged"')
 """Events that only an engine can act on that has read the steps since."""
@@ -47,6 +49,8 @@ class Engines:
         """Told each line of the show, and whether it belongs into the journal."""
         self.on_asked: Callable[[dict[str, Any]], None] = lambda asked: None
         """Told what an engine asks of the others."""
+        self.mark: tuple[Wire | None, int] = (None, 0)
+        """Over which wire the last line of the show came, and the how manieth it was there."""
         self.screen: dict[str, Any] = {}
         self.role = "engine"
         """What the next engine begins as: engine, heir (there is a show to go on with), standby."""
@@ -78,6 +82,20 @@ class Engines:
                 self.spare.terminate()  # it has the steps of before; the next one has those of now
                 self.nursery.stop()
         self.on_line(line, kept)
+
+    def adopt(self, found: Adoption) -> None:
+        """Go on with an engine that another supervisor had."""
+        for line in found.lines:
+            self.log.take(line)
+        child = Child.adopted("engine", found.wire, found.heart, found.process)
+        hear = self._hearing(lambda: child)
+        self.role, self.engine = "heir", child
+        self.screen = found.screen or self.screen
+        self._deaths.count, self._spare_at = self._report.restarts, 0.0
+        for line in found.early:
+            child.wire.heard += 1
+            hear(line)
+        self._starter.listen(child.wire, hear, child.kill)
 
     def look(self, now: float) -> None:
         """Who lives, who hangs, who is to be started."""
@@ -124,6 +142,7 @@ class Engines:
         engine.signal(signal.SIGTERM if starting else number)  # an interpreter that begins knows only this one
         self._starter.hear_rest(engine.wire, LEAVES_WITHIN)
         code, self.engine = engine.end(within=LEAVES_WITHIN), None
+        code = self._ended.pop(engine.process.pid, code)
         if starting:
             return 128 + number
         return code if code >= 0 else 128 - code
@@ -163,19 +182,27 @@ class Engines:
             self._brief(self.engine)
 
     def _start(self, role: str) -> Child:
-        def hear(line: str) -> None:
-            if line.startswith('{"alive"'):
-                if child is not None:
-                    self._hear(child, json.loads(line))
-            elif child is self.engine:
-                self._report.lines += 1
-                self.take(line)
-
+        child: Child | None = None
+        hear = self._hearing(lambda: child)
         child = self._born(role, hear)
         if child is None:
             child = self._starter.start(role, self._orders.engine, hear, *self._inherit.values())
         child.wire.tell(alive=role, show=self._orders.show, **self._inherit)
         return child
+
+    def _hearing(self, whose: Callable[[], Child | None]) -> Callable[[str], None]:
+        """What hears the lines of a child, which may not be there yet."""
+
+        def hear(line: str) -> None:
+            if line.startswith('{"alive"'):
+                if (told := whose()) is not None:
+                    self._hear(told, json.loads(line))
+            elif (child := whose()) is self.engine and child is not None:
+                self._report.lines += 1
+                self.mark = child.wire, child.wire.heard
+                self.take(line)
+
+        return hear
 
     def _born(self, role: str, hear: Callable[[str], None]) -> Child | None:
         """One out of the nursery, if there is one. Where calm engines crash, too, it may be the nursery's fault."""

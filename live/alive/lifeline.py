@@ -6,12 +6,16 @@ import os
 import socket
 import sys
 import traceback
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, NoReturn
 
 from live.alive.heartbeat import Heartbeat, Phase
+from live.alive.log import Log
+from live.alive.rendezvous import Rendezvous, hand_over, tell_the_rest
 from live.alive.wire import Wire
+from live.show.line_writer import Unwritten, Written
 
 LONGEST: Final = 200
 """Characters of an error's own words."""
@@ -31,7 +35,8 @@ class Brief:
 class Lifeline:
     """The wire and the heart of an engine. Thread: the one that runs the show.
 
-    If the supervisor dies the show goes on; nobody will take over from it then.
+    If the supervisor dies the show goes on; nobody takes over from it until another supervisor adopts this engine
+    (`live.alive.rendezvous`).
     """
 
     def __init__(self, wire: Wire, heart: Heartbeat) -> None:
@@ -48,6 +53,19 @@ class Lifeline:
         """The descriptor of the socket where OSC is received, if the supervisor holds one."""
         self.sound: int | None = None
         """The same of the socket to the process that listens or plays."""
+        self.sound_peer: int | None = None
+        """The same of that process' own end, for another supervisor."""
+        self.log = Log()
+        """What another supervisor needs of the show so far; whoever goes on with a show puts in what it was told."""
+        self.written: Written | None = None
+        """How far the lines of this wire have come to the disk, as the supervisor says."""
+        self.snapshots_kept = 0
+        """Bytes of the file of snapshots that stay."""
+        self.on_adopted: Callable[[], Unwritten] = lambda: Unwritten(self.log.header, Written(), ())
+        """Asked for the lines that another supervisor is to write."""
+        self._rendezvous: Rendezvous | None = None
+        self._screen: dict[str, Any] = {}
+        self._show = ""
         self._told_tick = -1
         self._told_following: dict[str, int] = {}
 
@@ -72,7 +90,10 @@ class Lifeline:
             line += piece
         self.wire.socket.setblocking(False)
         told = json.loads(line)
-        self.osc, self.sound = told.get("osc"), told.get("sound")
+        self.osc, self.sound, self.sound_peer = told.get("osc"), told.get("sound"), told.get("sound_peer")
+        self._show = told["show"]
+        if told.get("rendezvous") is not None:
+            self._rendezvous = Rendezvous(told["rendezvous"])
         return Brief(told["alive"], told["show"])
 
     def listen(self) -> None:
@@ -82,6 +103,10 @@ class Lifeline:
                 self.lines.append(line)
                 continue
             told = json.loads(line)
+            if told["alive"] == "written":
+                self.written = Written(told["line"], told["end"], told["missing"])
+                self.snapshots_kept = told["snapshots"]
+                continue
             self.facts = told.get("facts", self.facts)
             if told["alive"] != "facts":
                 self.orders.append(told)
@@ -106,6 +131,11 @@ class Lifeline:
 
     def frame(self, tick: int) -> None:
         """After each frame of the show: the ticks have come so far."""
+        self.log.tick = tick
+        if self.alone:
+            self.beat(tick, Phase.RUNNING)
+            self._look_for_a_supervisor()
+            return
         if tick != self._told_tick:
             self._told_tick = tick
             self.wire.put(f'{{"tick":{tick}}}')
@@ -113,9 +143,29 @@ class Lifeline:
         self.beat(tick, Phase.RUNNING)
         self.listen()
 
+    def _look_for_a_supervisor(self) -> None:
+        """Give all that another one needs to the first that comes."""
+        sock = None if self._rendezvous is None else self._rendezvous.look()
+        if sock is None or self._rendezvous is None:
+            return
+        names = {"osc": self.osc, "sound": self.sound, "sound_peer": self.sound_peer}
+        descriptors = {name: number for name, number in names.items() if number is not None}
+        descriptors |= {"heart": self.heart.descriptor, "rendezvous": self._rendezvous.fileno()}
+        told = {"facts": self.facts, "screen": self._screen, "show": self._show}
+        if not hand_over(sock, told, descriptors):
+            return
+        self.wire.renew(sock)
+        tell_the_rest(self.wire, self.on_adopted(), self.snapshots_kept, self.log)
+
+    def say(self, line: str) -> None:
+        """A line of the show that its journal's writer does not put."""
+        self.log.take(line)
+        self.wire.put(line)
+
     def tell_screen(self, fullscreen: bool, monitor: str, *others: str) -> None:
         """The picture is full screen on that monitor now, or in a window."""
-        self.wire.tell(alive="screen", fullscreen=fullscreen, monitor=monitor, others=list(others))
+        self._screen = {"alive": "screen", "fullscreen": fullscreen, "monitor": monitor, "others": list(others)}
+        self.wire.tell(**self._screen)
 
     def tell_following(self, facts: dict[str, int]) -> None:
         """How well this machine follows another, if that has changed."""
@@ -155,7 +205,8 @@ class Lifeline:
 
     def status(self) -> dict[str, Any]:
         """For the status line."""
-        return {"supervised": not self.alone, "dropped": self.wire.dropped, **self.facts}
+        there = {"supervised": not self.alone, "dropped": self.wire.dropped, **self.facts}
+        return there | {"spare": False, "guard": False} if self.alone else there
 
 
 def in_words(error: BaseException) -> str:

@@ -8,6 +8,11 @@ from live.show.left_out import LEFT_OUT, SINCE, without_the_last
 
 CHANGES: Final = ("PatchChanged", "StepsAdded", "StepsChanged")
 """Events after which a snapshot can be read only by who has seen them."""
+TICK: Final = '{"tick":'
+FRONT: Final = 48
+"""Characters within which the second key of a line begins."""
+READ: Final = (*CHANGES, '"snapshot"', f'"{LEFT_OUT}"', '"end"')
+"""Lines with these words are looked into."""
 
 
 class Log:
@@ -46,6 +51,25 @@ class Log:
         if not isinstance(tick, int):
             return False
         return self._take(value, tick, line)
+
+    def note(self, line: str) -> None:
+        """Take one line that this process has made itself, compact and in order, without reading it as JSON.
+
+        Lines that only say how far the ticks are belong to `tick`.
+        """
+        if line.startswith('{"journal"'):
+            self.header = self.header or line
+            return
+        end = line.find(",", len(TICK))
+        if not line.startswith(TICK) or not line[len(TICK) : end].isdigit() or any(name in line for name in READ):
+            self.take(line)
+            return
+        tick = int(line[len(TICK) : end])
+        self.tick = max(self.tick, tick)
+        event = line.find('"event"', 0, FRONT) >= 0
+        self.events += event
+        self.measures += not event and '"measure"' in line[:FRONT]
+        self._lines.append((tick, line))
 
     def _take(self, value: dict[str, Any], tick: int, line: str) -> bool:
         if "snapshot" in value:

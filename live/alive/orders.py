@@ -1,7 +1,7 @@
 """Orders: what the supervisor is told when it is made, and what it reports."""
 
 import socket
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -28,6 +28,8 @@ class Orders:
     """Seconds that an engine has danced before the next one begins to prepare itself."""
     spare: bool = True
     """Whether another engine waits; without it one is started when it is needed."""
+    label: str = ""
+    """By what a supervisor that begins anew finds this show's engine; empty: it cannot."""
     lead: socket.socket | None = None
     """Where machines that stand by may follow this show; bound and listening."""
     follow: tuple[str, int] | None = None
@@ -80,6 +82,16 @@ class Report:
     repaired: int = 0
     """... and how often a snapshot made them one again."""
 
+    adopted: int = 0
+    """How often another supervisor took this show's engine over."""
+
     def facts(self) -> dict[str, Any]:
         """As plain values."""
         return asdict(self)
+
+    def restore(self, facts: Mapping[str, Any]) -> None:
+        """Go on with what another supervisor told, as far as it holds for this one."""
+        for name in ("restarts", "calm", "takeover_s", "audio_restarts", "lines", "epoch", "fenced", "follows",
+                     "silent_s", "compared", "different", "repaired", "adopted"):  # fmt: skip
+            if name in facts and (facts[name] is None or isinstance(facts[name], bool | int | float | str)):
+                setattr(self, name, facts[name])

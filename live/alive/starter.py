@@ -73,6 +73,7 @@ class Starter:
             if wire.ended:
                 self.forget(wire)
             for line in lines:
+                wire.heard += 1
                 hear(line)
 
         self.selector.register(wire.socket, selectors.EVENT_READ, read)

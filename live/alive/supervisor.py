@@ -4,21 +4,30 @@ It holds no device, no window and no array: what does so little does not fail. I
 started, so the terminal, its signals and the exit code are its own. One loop, no threads but the journal's writer.
 """
 
+import selectors
 import signal
 import socket
 from collections.abc import Callable
 from typing import Any, Final
 
+from live.alive.adopted_sound import adopt_sound
+from live.alive.adoption import Adoption
 from live.alive.child import Child
 from live.alive.disk import Disk
 from live.alive.engines import Engines
 from live.alive.orders import Orders, Report
 from live.alive.reaper import Reaper
 from live.alive.remote import Remote
+from live.alive.rendezvous import Meeting
 from live.alive.side import Side
 from live.alive.starter import Starter
+from live.alive.wire import Wire
+from live.show.line_writer import Written
 
 TELL_EVERY: Final = 1.0
+CONFIRM_EVERY: Final = 0.2
+WIRES: Final = 40
+"""Bits of a line's number in which it is counted over its wire; those above count the wires."""
 SETTLED: Final = 30.0
 """Seconds that an engine has run before its memory is judged."""
 
@@ -26,29 +35,39 @@ SETTLED: Final = 30.0
 class Supervisor:
     """Runs a show until it ends. Thread: the one that made it."""
 
-    def __init__(self, orders: Orders, say: Callable[[str], None]) -> None:
-        """`say`: tells the person a line."""
+    def __init__(self, orders: Orders, say: Callable[[str], None], adoption: Adoption | None = None) -> None:
+        """`say`: tells the person a line; `adoption`: the engine that dances already, whose supervisor has died."""
         self._orders, self._say = orders, say
         self.report = Report()
         self._starter = Starter()
         self._reaper = Reaper()
         self._disk = Disk(orders.journal, say)
-        self._sound = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) if orders.audio else None
+        there = {} if adoption is None else adoption.descriptors
+        self._sound = self._sound_pair(there) if orders.audio else None
+        self._meeting = self._meet(adoption)
         inherit = {} if orders.osc is None else {"osc": orders.osc.fileno()}
         if self._sound is not None:
-            inherit["sound"] = self._sound[0].fileno()
+            inherit |= {"sound": self._sound[0].fileno(), "sound_peer": self._sound[1].fileno()}
+        if self._meeting is not None:
+            inherit["rendezvous"] = self._meeting.socket.fileno()
         self.engines = Engines(orders, self._starter, self.report, say, inherit)
         self.engines.on_line, self.engines.on_asked = self._pass_on, self._obey
         fullscreen, monitor = orders.screen
         self.engines.screen = {"alive": "screen", "fullscreen": fullscreen, "monitor": monitor}
         self.audio, self.guard = Side(self._start_audio, say), Side(self._start_guard, say)
         self._remote = Remote(orders, self._starter, self.engines, self.report, say)
-        self._tell_at = 0.0
+        self._tell_at = self._confirm_at = 0.0
+        self._wire: Wire | None = None
+        self._wires = 0  # over which lines of the show came
+        self._confirmed: tuple[Wire, Written, int] | None = None
+        self._writes: Child | None = None
+        if adoption is not None:
+            self._adopt(adoption)
 
     def run(self) -> int:
         """Start everything, keep it going, and return the exit code of the engine that ended well (or could not)."""
         try:
-            if self._orders.audio:
+            if self._orders.audio and self.audio.child is None:
                 self.audio.child = self._start_audio()
             if self._orders.guard:
                 self.guard.child = self._start_guard()
@@ -69,6 +88,11 @@ class Supervisor:
         self.guard.look(now, slowdown)
         self._reaper.look(now)
         self._remote.look(now)
+        if self._writes is not None and self._writes is not self.engines.engine:
+            self._write_on()
+        if now >= self._confirm_at:
+            self._confirm_at = now + CONFIRM_EVERY
+            self._confirm()
         if now >= self._tell_at:
             self._tell_at = now + TELL_EVERY
             self._tell(now)
@@ -76,7 +100,21 @@ class Supervisor:
     def _pass_on(self, line: str, kept: bool) -> None:
         self._remote.pass_on(line)
         if kept:
-            self._disk.put(line)
+            wire, count = self.engines.mark
+            if wire is not self._wire:
+                self._wire, self._wires = wire, self._wires + 1
+            self._disk.put(line, self._wires << WIRES | count)
+
+    def _confirm(self) -> None:
+        """Tell the engine how far its lines have come to the disk: it keeps them until then."""
+        engine, done = self.engines.engine, self._disk.written
+        if engine is None or done is None or self._confirmed == (engine.wire, *done):
+            return
+        self._confirmed = (engine.wire, *done)
+        written, kept = done
+        own = engine.wire is self._wire and written.number >> WIRES == self._wires
+        number = written.number & ((1 << WIRES) - 1) if own else 0
+        engine.wire.tell(alive="written", line=number, end=written.end, missing=written.missing, snapshots=kept)
 
     def _obey(self, asked: dict[str, Any]) -> None:
         """What an engine asks of the others."""
@@ -88,9 +126,46 @@ class Supervisor:
             self._remote.take_over("on command")
         elif asked["alive"] == "cannot":
             self._remote.cannot(asked["why"])
+        elif asked["alive"] == "journal":
+            self._write_on()
         elif asked["alive"] == "following":
             self.report.compared, self.report.different = asked["compared"], asked["different"]
             self.report.repaired = asked["repaired"]
+
+    # -- an engine that dances already ----------------------------------------------------------------------------
+
+    def _sound_pair(self, there: dict[str, int]) -> tuple[socket.socket, socket.socket]:
+        if "sound" in there and "sound_peer" in there:
+            return socket.socket(fileno=there["sound"]), socket.socket(fileno=there["sound_peer"])
+        return socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+
+    def _meet(self, adoption: Adoption | None) -> Meeting | None:
+        """Where another supervisor would find the engine; a show is as good without, as long as this one lives."""
+        meeting = None
+        if adoption is not None:
+            meeting = Meeting.inherited(adoption.descriptors["rendezvous"], adoption.name)
+        elif self._orders.label:
+            try:
+                meeting = Meeting(self._orders.label)
+            except OSError as error:
+                self._say(f"if this process dies, no other one can take charge of the show: {error.strerror}")
+        if meeting is not None:
+            self._starter.selector.register(meeting.socket, selectors.EVENT_READ, meeting.refuse)
+        return meeting
+
+    def _adopt(self, adoption: Adoption) -> None:
+        self.report.restore(adoption.facts)
+        self.report.adopted += 1
+        self._disk.go_on(adoption.unwritten, adoption.snapshots_kept)
+        self.engines.adopt(adoption)
+        self._writes = self.engines.engine
+        if self._sound is not None:
+            self.audio.child = adopt_sound(self._starter, self._sound[0])
+
+    def _write_on(self) -> None:
+        """The engine that was adopted writes no more."""
+        self._writes = None
+        self._disk.resume()
 
     def _start_audio(self) -> Child:
         assert self._sound is not None
@@ -124,6 +199,8 @@ class Supervisor:
         self.guard.close()
         for one in self._sound or ():
             one.close()
+        if self._meeting is not None:
+            self._meeting.close()
         if self._orders.osc is not None:
             self._orders.osc.close()
         self._starter.close()

@@ -28,19 +28,29 @@ class Wire:
     """
 
     def __init__(self, sock: socket.socket, *, backlog: int = BACKLOG) -> None:
-        sock.setblocking(False)
-        for which in (socket.SO_SNDBUF, socket.SO_RCVBUF):
-            with contextlib.suppress(OSError):
-                sock.setsockopt(socket.SOL_SOCKET, which, BUFFER)
+        _make_room(sock)
         self.socket = sock
         self.dropped = 0
         """Lines that were lost, because the peer is gone or reads no more."""
         self.ended = False
         """Whether the peer is gone."""
+        self.taken, self.heard = 0, 0
+        """Lines that were taken to be sent, and that were read and handed on: how two ends speak of the same line."""
         self._waiting: deque[bytes] = deque()
         self._waiting_bytes = 0
         self._most = backlog
         self._part = bytearray()
+
+    def renew(self, sock: socket.socket) -> None:
+        """Go on with another peer, over another socket: all that is not sent or read yet is forgotten."""
+        self.socket.close()
+        _make_room(sock)
+        self.socket = sock
+        self.ended = False
+        self.taken = self.heard = 0
+        self._waiting.clear()
+        self._waiting_bytes = 0
+        self._part.clear()
 
     @property
     def behind(self) -> int:
@@ -119,6 +129,7 @@ class Wire:
         if self.ended or self._waiting_bytes + len(data) > self._most:
             self.dropped += 1
             return
+        self.taken += 1
         if self.flush():
             sent = self._send(data)
             data = data[sent:]
@@ -134,3 +145,10 @@ class Wire:
         except OSError:
             self.ended = True
             return 0
+
+
+def _make_room(sock: socket.socket) -> None:
+    sock.setblocking(False)
+    for which in (socket.SO_SNDBUF, socket.SO_RCVBUF):
+        with contextlib.suppress(OSError):
+            sock.setsockopt(socket.SOL_SOCKET, which, BUFFER)

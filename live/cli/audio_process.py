@@ -1,11 +1,11 @@
-"""The process that listens to a device or plays music for an engine; it ends with the supervisor.
+"""The process that listens to a device or plays music for an engine; it ends with the supervisor, or, where that has
+died, with the engine.
 
 Whatever the engine's Python is busy with, no beat is heard late, and when an engine ends the music plays on.
 """
 
 import contextlib
 import json
-import select
 import signal
 import socket
 import sys
@@ -13,6 +13,7 @@ from collections import deque
 from pathlib import Path
 from typing import Any, Final
 
+from live.alive.adopted_sound import SoundLifeline
 from live.alive.heartbeat import Phase
 from live.alive.lifeline import Lifeline
 from live.alive.priority import AUDIO_NICE, come_forward
@@ -111,25 +112,22 @@ class Sounding:
 
 
 def main() -> None:
-    """Do what the engine orders until the supervisor has gone."""
+    """Do what the engine orders until supervisor and engine have gone."""
     for number in (signal.SIGINT, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
     sock = socket.socket(fileno=int(sys.argv[1]))
     sock.setblocking(False)
-    lifeline = Lifeline.inherited(int(sys.argv[2]), int(sys.argv[3]))
+    there = SoundLifeline(sock, Lifeline.inherited(int(sys.argv[2]), int(sys.argv[3])), round_s=ROUND, largest=LARGEST)
     come_forward(AUDIO_NICE)
     outbox = Outbox(sock)
     outbox.tell(hello=True)
     sounding = Sounding(outbox)
     try:
-        while not lifeline.alone:
-            ready, _, _ = select.select([sock, lifeline.wire.socket], [], [], ROUND)
-            lifeline.listen()
-            if sock in ready:
-                with contextlib.suppress(BlockingIOError):
-                    sounding.obey(json.loads(sock.recv(LARGEST)))
+        while not there.deserted:
+            for order in there.orders():
+                sounding.obey(json.loads(order))
             sounding.tell()
-            lifeline.beat(0, Phase.RUNNING)
+            there.lifeline.beat(0, Phase.RUNNING)
     finally:
         sounding.stop()
 

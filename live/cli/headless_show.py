@@ -98,5 +98,5 @@ def _loop(
         if watch is not None:
             watch.end()
         previous = started
-        if session.finished(started) or session.deserted:  # nobody sees it, and nobody is there to end it
+        if session.finished(started):
             return

@@ -67,7 +67,7 @@ def go_on(
     recovered = Recovery(following, Death.of(death)).run()
     show = recovered.show
     for line in recovered.lines:
-        lifeline.wire.put(line)
+        lifeline.say(line)
     for words in recovered.notes:
         lifeline.tell_note(words)
         show.refusals.add(words)
@@ -98,6 +98,7 @@ def _follow(loaded: LoadedShow, lifeline: Lifeline) -> tuple[dict[str, Any] | No
         lifeline.listen()
         for line in lifeline.lines:
             following.take(line)
+            lifeline.log.take(line)
         lifeline.lines.clear()
         order = lifeline.order("go")
         if order is not None:

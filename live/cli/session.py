@@ -220,11 +220,6 @@ class Session:
         """How much too much the machine has to do, 0 to 1, as the supervisor feels it; 0 without one."""
         return 0.0 if self.lifeline is None else float(self.lifeline.facts.get("overload", 0.0))
 
-    @property
-    def deserted(self) -> bool:
-        """Whether the supervisor, which has the terminal and the journal, has gone."""
-        return self.lifeline is not None and self.lifeline.alone
-
     def finished(self, time: float) -> bool:
         """Whether `--seconds` are over."""
         return self.wish.seconds is not None and time >= self.wish.seconds

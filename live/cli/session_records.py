@@ -48,7 +48,7 @@ class Records:
         """
         header = self._loaded.header(engine.show, tempo=tempo, music=self._sound.path)
         if self._lifeline is not None:
-            self._relay = RelaySink(self._lifeline.wire)
+            self._relay = RelaySink(self._lifeline, self._wish.journal)
             header |= {"origin": origin, "begun": begun}
             self._journal = JournalWriter(Path(), None if self._resumed else header, sink=self._relay)
         elif self._wish.journal is not None:

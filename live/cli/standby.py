@@ -80,6 +80,7 @@ def _follow(
             lifeline.listen()
             for line in lifeline.lines:
                 following.take(line, arrived=time.perf_counter())
+                lifeline.log.take(line)
             lifeline.lines.clear()
             try:
                 follow(following)

@@ -1,13 +1,17 @@
 """Whether a show is supervised, and by which processes; they are started here."""
 
+import hashlib
+import json
 import os
 import signal
 import socket
 import sys
+from dataclasses import asdict
 from typing import Final
 
 from rich.console import Console
 
+from live.alive.adoption import CannotAdopt, find_engine
 from live.alive.orders import Orders
 from live.alive.supervisor import Supervisor
 from live.base.errors import PersonError
@@ -19,6 +23,10 @@ PORT: Final = 9020
 """Where a machine that leads is found, if nothing else is said."""
 SHARE: Final = 0.6
 """Share of the machine's memory that an engine may come to need."""
+
+
+SECRET: Final = ("web_key", "audience_secret")
+"""What is drawn anew at each start."""
 
 
 def is_supervised(played: Played, *, alone: bool, machines: bool) -> bool:
@@ -43,17 +51,30 @@ def supervise(played: Played, *, lead: str | None, standby: str | None) -> None:
     from live.control.osc import CannotListen, bound_socket
 
     console = Console(stderr=True, highlight=False)
+
+    def say(line: str) -> None:
+        console.print(f"note: {line}", style="yellow", soft_wrap=True, markup=False)
+
+    label = show_label(played, lead, standby)
+    try:
+        adoption = find_engine(label)
+    except CannotAdopt as error:
+        console.print(f"error: {error}", style="red", soft_wrap=True, markup=False)
+        raise SystemExit(1) from None
+    if adoption is not None:
+        say(f"the show goes on: its engine (process {adoption.process.pid}) danced without a supervisor until now")
     leads = None if lead is None else _listening(*_endpoint(lead, "--lead"))
     follows = None if standby is None else _endpoint(standby, "--standby")
+    there = {} if adoption is None else adoption.descriptors
     try:
-        osc = bound_socket(*played.wish.osc)
+        osc = socket.socket(fileno=there["osc"]) if "osc" in there else bound_socket(*played.wish.osc)
     except CannotListen as error:
         raise PersonError(str(error)) from None
     python = [sys.executable, "-m"]
     silent = played.wish.audio is None and (played.wish.bpm is not None or played.wish.practises)
     orders = Orders(
         engine=[*python, "live.cli.engine_process"],
-        show=played.packed(),
+        show=played.packed() if adoption is None else adoption.show,
         audio=[] if silent else [*python, "live.cli.audio_process"],
         guard=() if played.headless else [*python, "live.cli.guard_process"],
         screen=(played.fullscreen, played.monitor),
@@ -62,16 +83,21 @@ def supervise(played: Played, *, lead: str | None, standby: str | None) -> None:
         lead=leads,
         follow=follows,
         budget=int(SHARE * _memory()),
+        label=label,
     )
-
-    def say(line: str) -> None:
-        console.print(f"note: {line}", style="yellow", soft_wrap=True, markup=False)
-
-    code = Supervisor(orders, say).run()
+    code = Supervisor(orders, say, adoption).run()
     if code == 128 + signal.SIGINT:
         raise KeyboardInterrupt
     if code:
         raise SystemExit(code)
+
+
+def show_label(played: Played, lead: str | None, standby: str | None) -> str:
+    """By what the engine of this show is found: the same command in the same folder is the same show."""
+    wish = {name: value for name, value in asdict(played.wish).items() if name not in SECRET}
+    picture = (played.monitor, played.fullscreen, played.headless)
+    words = json.dumps([os.getcwd(), wish, picture, lead, standby], sort_keys=True, default=str)
+    return f"play-{hashlib.sha256(words.encode()).hexdigest()[:16]}"
 
 
 def _endpoint(text: str, option: str) -> tuple[str, int]:

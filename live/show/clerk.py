@@ -1,5 +1,6 @@
 """Clerk: writes by a thread of its own what the show hands over, so that the show never waits for the disk."""
 
+import contextlib
 import queue
 import threading
 from typing import Generic, TypeVar
@@ -16,6 +17,7 @@ class Clerk(Generic[Item]):
     def __init__(self, name: str, capacity: int) -> None:
         """Begin; `name` is the thread's, and `capacity` things may wait for the disk."""
         self._waiting: queue.Queue[Item | None] = queue.Queue(capacity)
+        self._ends = False
         self.dropped = 0
         """Things lost because the disk did not keep up or refused them."""
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
@@ -43,7 +45,19 @@ class Clerk(Generic[Item]):
             return
         self._thread.join(2.0)
 
+    def end(self) -> bool:
+        """Have it write what waits and close, and do not wait for that; whether it has. To be called until it has."""
+        if not self._ends:
+            with contextlib.suppress(queue.Full):
+                self._waiting.put_nowait(None)
+                self._ends = True
+        return not self._thread.is_alive()
+
     def _run(self) -> None:
+        try:
+            self._begin()
+        except OSError:
+            self.dropped += 1
         while (item := self._waiting.get()) is not None:
             try:
                 self._write(item)
@@ -53,6 +67,9 @@ class Clerk(Generic[Item]):
             self._finish()
         except OSError:
             self.dropped += 1
+
+    def _begin(self) -> None:
+        """What is to be done first, by the same thread."""
 
     def _write(self, item: Item) -> None:
         raise NotImplementedError

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import BinaryIO, Final, Protocol
 
 from live.show.clerk import Clerk
-from live.show.line_writer import LineWriter
+from live.show.line_writer import LineWriter, Unwritten, Written
 from live.show.whole_writes import WholeWrites
 
 KEEP_EVERY: Final = 8
@@ -50,10 +50,12 @@ def keep_aside(path: Path) -> Path | None:
 class SnapshotFile(Clerk[Sealable]):
     """Writes snapshots by a thread of its own; when the disk is slow or full, they are dropped and counted."""
 
-    def __init__(self, path: Path) -> None:
-        """Raises OSError if the file cannot be made."""
-        self._file = WholeWrites(path)
-        self._kept = 0  # where what stays ends
+    def __init__(self, path: Path, *, kept: int = 0) -> None:
+        """Raises OSError if the file cannot be made; `kept`: of a file that is there, so many bytes stay."""
+        self._file = WholeWrites(path, more=kept > 0)
+        self._file.cut(min(kept, self._file.end))
+        self.kept = self._file.end
+        """Where what stays ends [bytes]."""
         self.written, self.bytes = 0, 0
         """Snapshots and bytes written, since the start."""
         super().__init__("snapshots", WAITING)
@@ -64,15 +66,15 @@ class SnapshotFile(Clerk[Sealable]):
     def _add(self, sealed: bytes) -> None:
         if self._file.removed:
             self._file.again()
-            self._kept = 0
+            self.kept = 0
         stays = self.written % KEEP_EVERY == 0
         if stays:
-            self._file.cut(self._kept)
+            self._file.cut(self.kept)
         self._file.add(sealed)
         self.written += 1
         self.bytes += len(sealed)
         if stays:
-            self._kept = self._file.end
+            self.kept = self._file.end
 
     def _finish(self) -> None:
         self._file.close()
@@ -86,23 +88,41 @@ def with_gap(line: str, missing: int) -> str:
 class JournalFile:
     """A `JournalSink` of two files."""
 
-    def __init__(self, path: Path, snapshots: Path) -> None:
-        """Raises OSError if they cannot be made; `snapshots` is made with the first one."""
-        self._lines = LineWriter(path, name="journal", mark=with_gap)
+    def __init__(self, path: Path, snapshots: Path, *, unwritten: Unwritten | None = None, kept: int = 0) -> None:
+        """Raises OSError if they cannot be made; `snapshots` is made with the first one.
+
+        `unwritten`: both are there and are gone on with, of the snapshots' the first `kept` bytes; then nothing is
+        raised.
+        """
+        self._lines = LineWriter(path, name="journal", mark=with_gap, unwritten=unwritten, aside=keep_aside)
         self._beside = snapshots
-        self._beside.unlink(missing_ok=True)
+        self._kept = kept
+        if unwritten is None:
+            self._beside.unlink(missing_ok=True)
         self._snapshots: SnapshotFile | None = None
         self._refused = 0
 
-    def put(self, line: str) -> None:
-        """Take one line, without its end."""
-        self._lines.line(line)
+    def put(self, line: str, number: int = 0) -> None:
+        """Take one line, without its end; `number`: how `written` is to speak of it."""
+        self._lines.line(line, number)
+
+    @property
+    def written(self) -> tuple[Written, int] | None:
+        """How far the lines have come, and how many bytes of snapshots stay; None until that is known."""
+        if self._lines.written is None:
+            return None
+        return self._lines.written, self._kept if self._snapshots is None else self._snapshots.kept
+
+    def end(self) -> bool:
+        """Have it write what waits and close; whether it has. To be called until it has; never waits."""
+        ended = [file.end() for file in (self._lines, self._snapshots) if file is not None]
+        return all(ended)
 
     def snapshot(self, taken: Sealable) -> None:
         """Take a snapshot."""
         if self._snapshots is None:
             try:
-                self._snapshots = SnapshotFile(self._beside)
+                self._snapshots = SnapshotFile(self._beside, kept=self._kept)
             except OSError:
                 self._refused += 1
                 return

@@ -3,6 +3,10 @@
 import contextlib
 import os
 from pathlib import Path
+from typing import Final
+
+MOST: Final = 1 << 26
+"""Bytes that are read back at most."""
 
 
 class WholeWrites:
@@ -26,6 +30,19 @@ class WholeWrites:
                 self.cut(self.end)
             raise
         self.end += len(data)
+
+    def lines_from(self, begin: int) -> list[bytes]:
+        """The whole lines behind so many bytes, without their ends; a last one that is cut off is taken back.
+
+        Where the file is shorter than that, somebody else has written it: then those of its last MOST bytes.
+        """
+        begin = max(begin if begin <= self.end else 0, self.end - MOST)
+        with self._path.open("rb") as file:
+            file.seek(begin)
+            *whole, torn = file.read(self.end - begin).split(b"\n")
+        if torn:
+            self.cut(self.end - len(torn))
+        return whole
 
     def cut(self, end: int) -> None:
         """Forget what lies behind so many bytes."""

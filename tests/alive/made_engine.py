@@ -4,7 +4,9 @@ The brief's `show` is a JSON object: `ends` (exit code when it has counted to `t
 that began or took over kill themselves, one after another), `crashes` (tick and exit code of one engine after the
 other, in the stage of the tick that `stage` says), `hangs` (tick at which it stops beating), `hangs_again` (so does the
 first one that goes on), `cannot` (why it cannot stand by), `burns` (seconds of the processor that each tick takes),
-`loops` (tick at which it goes into a loop without end), `helpers` (so many processes of its own that end when it does).
+`loops` (tick at which it goes into a loop without end), `helpers` (so many processes of its own that end when it does),
+`journal` (where it goes on with the journal when it is alone), `alone` (seconds that it dances so at most; without it, not
+at all).
 """
 
 import json
@@ -13,11 +15,13 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 from typing import Any
 
 from live.alive.heartbeat import Phase
 from live.alive.lifeline import Brief, Lifeline, nobody_left
 from live.alive.nursery import wait_to_be_born
+from live.alive.relay import RelaySink
 
 
 def follow(lifeline: Lifeline, role: str, nursery: int | None, plan: dict[str, Any]) -> int:
@@ -28,6 +32,7 @@ def follow(lifeline: Lifeline, role: str, nursery: int | None, plan: dict[str, A
         for line in lifeline.lines:
             told = json.loads(line)
             tick = max(tick, told.get("tick", 0))
+            lifeline.log.take(line)
         if role == "standby" and "cannot" in plan and lifeline.lines:
             lifeline.wire.tell(alive="cannot", why=plan["cannot"])
             lifeline.tell_end(2)
@@ -36,7 +41,7 @@ def follow(lifeline: Lifeline, role: str, nursery: int | None, plan: dict[str, A
         if (order := lifeline.order("go")) is not None:
             origin = {"parent": os.getppid(), "nursery": nursery}
             went = {"tick": tick, "went": role, "calm": order["calm"], "death": order["death"], **origin}
-            lifeline.wire.put(json.dumps(went))
+            lifeline.say(compact(went))
             if plan.get("hangs_again") and order["death"]["times"] == 1:
                 lifeline.heart.stage[0] = plan["stage"]
                 lifeline.heart.begin_tick(tick + 1)
@@ -84,18 +89,32 @@ def work(plan: dict[str, Any], tick: int, *, first: bool) -> None:
     burn(plan.get("burns", 0.0))
 
 
+def journal_of(plan: dict[str, Any]) -> Path | None:
+    """Where an engine that is alone writes."""
+    return Path(plan["journal"]) if "journal" in plan else None
+
+
+def compact(line: dict[str, Any]) -> str:
+    """As a journal has it."""
+    return json.dumps(line, separators=(",", ":"))
+
+
 def main() -> None:
+    begun_at = time.monotonic()
     lifeline, brief, nursery = begun()
     plan = json.loads(brief.show)
     if "start" in plan and brief.role == "engine":
         sys.exit(plan["start"])
+    sink = None
     if brief.role == "engine":
-        lifeline.wire.put(json.dumps({"journal": 2, "pid": os.getpid()}))
+        sink = RelaySink(lifeline, journal_of(plan))
+        sink.put(compact({"journal": 2, "pid": os.getpid()}))
         tick = 0
     else:
         tick = follow(lifeline, brief.role, nursery, plan)
     if brief.role != "engine":
         time.sleep(plan.get("slow", 0.0))
+    sink = sink or RelaySink(lifeline, journal_of(plan))
     crashes = plan.get("crashes", [])[lifeline.facts.get("restarts", 0) :]
     helpers = begin_helpers(plan.get("helpers", 0))
     kills = [at for at in plan.get("kills", []) if at > tick]
@@ -105,10 +124,11 @@ def main() -> None:
         if crashes and tick == crashes[0][0]:
             lifeline.heart.stage[0] = plan.get("stage", 0)
             os._exit(crashes[0][1])
-        lifeline.wire.put(json.dumps({"tick": tick, "event": {"type": "made", "number": tick}}))
+        sink.put(compact({"tick": tick, "event": {"type": "made", "number": tick}}))
         if kills and tick >= kills[0]:
             os.kill(os.getpid(), signal.SIGKILL)
         work(plan, tick, first=brief.role == "engine")
+        sink.flush()
         lifeline.frame(tick)
         if lifeline.fenced:
             lifeline.wire.put(json.dumps({"tick": tick, "event": {"type": "dark"}}))
@@ -116,12 +136,13 @@ def main() -> None:
             sys.exit(0)
         if tick >= plan.get("ticks", 1 << 40):
             lifeline.beat(tick, Phase.LEAVING)
-            lifeline.wire.put(json.dumps({"tick": tick, "end": True}))
+            sink.put(compact({"tick": tick, "end": True}))
+            sink.close()
             lifeline.tell_end(plan.get("ends", 0))
             for helper in helpers:
                 helper.communicate()
             sys.exit(plan.get("ends", 0))
-        if lifeline.alone:
+        if lifeline.alone and (not plan.get("alone") or time.monotonic() - begun_at > plan["alone"]):
             sys.exit(0)  # the test that began this has gone
         time.sleep(plan.get("pace", 0.005))
 

@@ -1,0 +1,35 @@
+"""A supervisor of made-up engines as a process, so that it can be killed: `python -m tests.alive.made_show JOURNAL PLAN`.
+
+It adopts the engine of an earlier one if that dances alone. What it says goes to stdout.
+"""
+
+import json
+import sys
+from pathlib import Path
+
+from live.alive.adoption import find_engine
+from live.alive.orders import Orders
+from live.alive.supervisor import Supervisor
+from live.cli.main import end_cleanly
+
+LABEL = "made"
+
+
+def main() -> None:
+    end_cleanly()
+    path, plan = Path(sys.argv[1]), sys.argv[2]
+    found = find_engine(LABEL)
+    print("adopted" if found else "begun", flush=True)
+    orders = Orders(
+        engine=[sys.executable, "-m", "tests.alive.made_engine"],
+        show=plan if found is None else found.show,
+        journal=path,
+        label=LABEL,
+        spare_after=0.1,
+        spare=json.loads(plan).get("spare", True),
+    )
+    sys.exit(Supervisor(orders, lambda line: print(line, flush=True), found).run())
+
+
+if __name__ == "__main__":
+    main()
