@@ -37,6 +37,7 @@ from live.cli import (
     replay,
     schema,
     score,
+    service,
     sim,
     simulate,
     soak,
@@ -89,6 +90,7 @@ app.command("sync")(sync.sync)
 app.add_typer(mocap.app, name="mocap")
 app.add_typer(journal.app, name="journal")
 app.add_typer(steps.app, name="steps")
+app.add_typer(service.app, name="service")
 
 
 def _print_version(wanted: bool) -> None:

@@ -61,6 +61,7 @@ def play(
     alone: play_alive.Alone = False,
     lead: play_alive.Lead = None,
     standby: play_alive.Standby = None,
+    service: play_alive.Service = None,
 ) -> None:
     """Play a show: music in, dancers on the projector.
 
@@ -150,7 +151,7 @@ def play(
         headless=headless,
     )
     if is_supervised(played, alone=alone, machines=lead is not None or standby is not None):
-        supervise(played, lead=lead, standby=standby)
+        supervise(played, lead=lead, standby=standby, service=service)
         return
     warm_kernels(Console(stderr=True, highlight=False))  # before anything is imported that has kernels
     from live.cli.stage import play_show

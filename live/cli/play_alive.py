@@ -20,6 +20,14 @@ Lead = Annotated[
         help="Let machines that stand by follow this show here.", metavar="[HOST:]PORT", rich_help_panel=PANEL
     ),
 ]
+Service = Annotated[
+    str | None,
+    typer.Option(
+        help="Which service this is (`live service install` writes it): a start goes on with what was cut off.",
+        metavar="NAME",
+        rich_help_panel=PANEL,
+    ),
+]
 Standby = Annotated[
     str | None,
     typer.Option(

@@ -16,6 +16,7 @@ from live.alive.orders import Orders
 from live.alive.supervisor import Supervisor
 from live.base.errors import PersonError
 from live.cli.played import Played
+from live.cli.service_unit import check_name
 
 SHORT: Final = 60.0
 """A run of so few seconds [s] is a try-out: nobody waits to take over."""
@@ -46,7 +47,7 @@ def is_supervised(played: Played, *, alone: bool, machines: bool) -> bool:
     return able and (machines or not short)
 
 
-def supervise(played: Played, *, lead: str | None, standby: str | None) -> None:
+def supervise(played: Played, *, lead: str | None, standby: str | None, service: str | None = None) -> None:
     """Run the show with everything that keeps it alive; ends with the engine's exit code."""
     from live.control.osc import CannotListen, bound_socket
 
@@ -55,7 +56,9 @@ def supervise(played: Played, *, lead: str | None, standby: str | None) -> None:
     def say(line: str) -> None:
         console.print(f"note: {line}", style="yellow", soft_wrap=True, markup=False)
 
-    label = show_label(played, lead, standby)
+    if service is not None:
+        check_name(service)
+    label = show_label(played, lead, standby, service)
     try:
         adoption = find_engine(label)
     except CannotAdopt as error:
@@ -92,12 +95,18 @@ def supervise(played: Played, *, lead: str | None, standby: str | None) -> None:
         raise SystemExit(code)
 
 
-def show_label(played: Played, lead: str | None, standby: str | None) -> str:
+def service_label(name: str) -> str:
+    """How the labels of a service's shows begin."""
+    return f"service-{name}."
+
+
+def show_label(played: Played, lead: str | None, standby: str | None, service: str | None) -> str:
     """By what the engine of this show is found: the same command in the same folder is the same show."""
     wish = {name: value for name, value in asdict(played.wish).items() if name not in SECRET}
     picture = (played.monitor, played.fullscreen, played.headless)
     words = json.dumps([os.getcwd(), wish, picture, lead, standby], sort_keys=True, default=str)
-    return f"play-{hashlib.sha256(words.encode()).hexdigest()[:16]}"
+    begin = "play." if service is None else service_label(service)
+    return begin + hashlib.sha256(words.encode()).hexdigest()[:16]
 
 
 def _endpoint(text: str, option: str) -> tuple[str, int]:

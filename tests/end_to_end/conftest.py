@@ -44,6 +44,8 @@ class Running:
 
     process: subprocess.Popen[str]
     status: Path
+    mark: str
+    """What the environment of all its processes has."""
 
     def lines(self) -> list[dict[str, Any]]:
         """The whole status lines written so far."""
@@ -68,11 +70,24 @@ class Running:
         """End it as Ctrl-C does, and return what it printed."""
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGINT)
+        elif self.process.returncode < 0:
+            end_all(self.mark)  # what outlives its supervisor has the pipe
         try:
             return self.process.communicate(timeout=20)[0]
         except subprocess.TimeoutExpired:
             self.process.kill()
+            end_all(self.mark)
             return self.process.communicate()[0]
+
+
+def end_all(mark: str) -> None:
+    """Kill every process whose environment has this word."""
+    for path in Path("/proc").glob("[0-9]*"):
+        try:
+            if mark.encode() in (path / "environ").read_bytes().split(b"\0"):
+                os.kill(int(path.name), signal.SIGKILL)
+        except OSError:
+            continue
 
 
 def children(running: Running, module: str) -> list[int]:
@@ -93,22 +108,24 @@ def play(tmp_path: Path) -> Iterator[Callable[..., Running]]:
     """Start `live play` with options; everything started is ended after the test."""
     started: list[Running] = []
 
-    def start(*options: str, env: dict[str, str] | None = None) -> Running:
-        status = tmp_path / f"status{len(started)}.jsonl"
+    def start(*options: str, env: dict[str, str] | None = None, status: Path | None = None) -> Running:
+        status = status or tmp_path / f"status{len(started)}.jsonl"
+        key, value = "LIVE_TEST_SHOW", str(tmp_path)
         process = subprocess.Popen(
             [sys.executable, "-m", "live", "play", *options, "--status-json", str(status)],
-            env={**os.environ, **(env or {})},
+            env={**os.environ, key: value, **(env or {})},
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
             cwd=tmp_path,
         )
-        started.append(Running(process, status))
+        started.append(Running(process, status, f"{key}={value}"))
         return started[-1]
 
     yield start
     for running in started:
         running.stop()
+    end_all(f"LIVE_TEST_SHOW={tmp_path}")
 
 
 @pytest.fixture

@@ -7,11 +7,13 @@ import socket
 import subprocess
 import sys
 import time
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from live.cli.service_unit import Service
 from live.show.patch_places import PATCHES
 from tests.cli.command import run_live
 from tests.control.waiting import BUSY, wait_for
@@ -81,14 +83,65 @@ def three_kills_half_a_second_apart(running: Running, port: int) -> dict[str, An
         killed.append(dancing()[0])
         os.kill(killed[-1], signal.SIGKILL)
         if not number:
-            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-                sender.sendto(b"/dance/blackout\0,i\0\0\0\0\0\1", ("127.0.0.1", port))
+            blackout(port)
     assert killed[:2] == [engine, spare]
     line = running.wait_for(lambda line: line["alive"].get("restarts") == 3 and line["alive"]["takeover_s"], 20)
     assert line["alive"]["takeover_s"] < 3.0 * BUSY  # since the first of them
     assert not line["alive"]["calm"]
     assert nursery in children(running, "engine_process")
     return line
+
+
+def test_a_show_outlives_its_supervisor_and_the_next_one_takes_it_over(play, patch: Path, tmp_path: Path):
+    """Supervisor killed: ticks, journal, sound, status and OSC go on, in the same engine. Started again, it takes that
+    engine over; then the engine is killed, and the show goes on as if it had always been the supervisor's."""
+    journal = tmp_path / "j.jsonl"
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    music = ("--audio", str(PATCHES / "music" / "first_show.ogg"))
+    how = (str(patch), *music, "--headless", "--osc", f"127.0.0.1:{port}", "--journal", str(journal))
+    service = Service("evening", how, tmp_path, True, {}).command()  # what systemd runs, and runs again
+    assert service[:4] == [sys.executable, "-m", "live", "play"]
+    own = {"XDG_RUNTIME_DIR": str(tmp_path)}
+    running = play(*service[4:], env=own)
+    until_spare(running)
+    engine, sound = children(running, "engine_process")[0], children(running, "audio_process")[0]
+    running.process.kill()
+    running.process.wait()
+    killed = running.lines()[-1]
+    assert wait_for(lambda: running.lines()[-1]["measure"] > killed["measure"] + 1, 20)
+    alone = running.lines()[-1]
+    assert not alone["alive"]["supervised"]
+    assert alone["audio"]["state"] == killed["audio"]["state"]
+    blackout(port)
+    assert wait_for(lambda: '"Blackout"' in journal.read_text(), 10)
+    again = play(*service[4:], env=own, status=running.status)
+    again.wait_for(lambda line: line["alive"].get("adopted") == 1 and line["alive"]["supervised"], 30)
+    again.wait_for(lambda line: line["alive"].get("adopted") == 1 and line["alive"]["spare"], 60)
+    assert Path(f"/proc/{sound}").exists()
+    os.kill(engine, signal.SIGKILL)
+    line = again.wait_for(lambda line: line["alive"].get("restarts") == 1 and line["alive"]["takeover_s"], 20)
+    again.wait_for(lambda now: now["measure"] > line["measure"] + 1, 20)
+    beats = (line["time"] - killed["time"]) * line["bpm"] / 60
+    assert line["measure"] - killed["measure"] == pytest.approx(beats / 4, abs=1.0)
+    gaps = [after["time"] - before["time"] for before, after in pairwise(lines_until(again.lines(), alone, line))]
+    assert max(gaps) < 3.0 * BUSY
+    processes = children(again, "process")
+    assert "Traceback" not in again.stop()
+    assert wait_for(lambda: not any(Path(f"/proc/{pid}").exists() for pid in (*processes, sound)), 5)
+    found = verified(journal)
+    assert found["complete"]
+    assert found["problems"] == []
+
+
+def lines_until(lines: list[dict[str, Any]], first: dict[str, Any], last: dict[str, Any]) -> list[dict[str, Any]]:
+    return [line for line in lines if first["time"] <= line["time"] <= last["time"]]
+
+
+def blackout(port: int) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        sender.sendto(b"/dance/blackout\0,i\0\0\0\0\0\1", ("127.0.0.1", port))
 
 
 @pytest.mark.long

@@ -1,0 +1,197 @@
+"""`live service install | uninstall | stop | status`: a show that the user's systemd starts, and starts again."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+app = typer.Typer(
+    help="Have systemd play a show (Linux): begun with the machine or the session, begun again whatever ends it.",
+    no_args_is_help=True,
+)
+Name = Annotated[str, typer.Argument(help="The service's name, as `live service status` lists it.")]
+TAKES_ARGUMENTS = {"allow_extra_args": True, "ignore_unknown_options": True}
+REFUSED = ("--alone", "--record", "--shaders", "--service")
+"""Options with which nobody would watch over the show."""
+
+
+@app.command("install", context_settings=TAKES_ARGUMENTS)
+def install(
+    context: typer.Context,
+    name: Annotated[str | None, typer.Option(help="The service's name. Default: the patch's.")] = None,
+    now: Annotated[bool, typer.Option("--now", help="Start it at once.")] = False,
+) -> None:
+    """Write the unit, and have it started with the session: live service install my_show --headless …
+
+    What follows is what `live play` takes. Without --journal the show gets one, for a service goes on where it ended.
+    """
+    import os
+
+    import platformdirs
+    from rich.console import Console
+
+    from live.cli.options import with_audience
+    from live.cli.service_unit import OWN_JOURNAL, Service, name_for, units_folder
+    from live.cli.whole_file import write_whole
+
+    arguments = with_audience(context.args)
+    asked = _read(arguments)
+    service = Service(
+        name or name_for(asked.get("patch")), arguments, Path.cwd(), bool(asked["headless"]), dict(os.environ)
+    )
+    if asked["journal"] is None:
+        folder = Path(platformdirs.user_state_dir("choreographics-live"))
+        folder.mkdir(parents=True, exist_ok=True)
+        arguments += [OWN_JOURNAL, str(folder / f"{service.name}.jsonl")]
+    folder = units_folder()
+    folder.mkdir(parents=True, exist_ok=True)
+    text = service.text(version=_systemd())
+    write_whole(text.encode(), folder / service.unit, "the unit")
+    console = Console(highlight=False)
+    console.print(f"written: {folder / service.unit}", soft_wrap=True, markup=False)
+    begin = ["enable", *(["--now"] if now else []), service.unit]
+    for words in (["daemon-reload"], begin):
+        if (problem := _systemctl(*words)) is not None:
+            console.print(
+                f"not done: systemctl --user {' '.join(words)}: {problem}", style="yellow", soft_wrap=True, markup=False
+            )
+    if not now:
+        console.print(f"to start it now: systemctl --user start {service.unit}", soft_wrap=True, markup=False)
+    if not _lingers():
+        console.print(
+            "it ends when you log out; for one that begins with the machine and stays: loginctl enable-linger",
+            soft_wrap=True, markup=False,
+        )  # fmt: skip
+
+
+@app.command("uninstall")
+def uninstall(name: Name) -> None:
+    """End the show, and take its unit away; the journal stays."""
+    from rich.console import Console
+
+    from live.base.errors import PersonError
+    from live.cli.service_unit import unit_name, units_folder
+
+    path = units_folder() / unit_name(name)
+    if not path.is_file():
+        raise PersonError(f"there is no service {name}: no {path}", "live service status")
+    _end(name)
+    _systemctl("disable", unit_name(name))
+    path.unlink()
+    _systemctl("daemon-reload")
+    Console(highlight=False).print(f"removed: {path}", soft_wrap=True, markup=False)
+
+
+@app.command("stop")
+def stop(name: Name) -> None:
+    """End the show: its service, and an engine that dances without a supervisor."""
+    from rich.console import Console
+
+    from live.cli.service_unit import check_name
+
+    ended, problem = _end(check_name(name))
+    console = Console(highlight=False)
+    for pid in ended:
+        console.print(f"an engine that danced alone ends (process {pid})")
+    if problem is not None:
+        console.print(f"systemctl --user stop: {problem}", style="yellow", markup=False)
+
+
+@app.command("status")
+def status() -> None:
+    """The services there are, whether they run, how often they were begun again, and whether they outlive a logout."""
+    from rich.console import Console
+
+    from live.cli.service_unit import units_folder
+
+    console = Console(highlight=False)
+    found = sorted(units_folder().glob("live-*.service"))
+    for path in found:
+        name = path.stem.removeprefix("live-")
+        console.print(f"{name}: {_state(path.name)}", soft_wrap=True, markup=False)
+    if not found:
+        console.print(f"no service in {units_folder()}; live service install [PLAY ARGUMENTS]", markup=False)
+    lingers = "begin with the machine and outlive a logout" if _lingers() else "end with the session"
+    console.print(f"services of this user {lingers} (loginctl enable-linger, disable-linger)", soft_wrap=True)
+
+
+def _read(arguments: list[str]) -> dict[str, Any]:
+    """What `live play` would make of these arguments; PersonError if it would refuse them."""
+    import click
+
+    from live.base.errors import PersonError
+    from live.cli.play import play
+
+    one = typer.Typer(add_completion=False)
+    one.command()(play)
+    for option in REFUSED:
+        if any(each == option or each.startswith(f"{option}=") for each in arguments):
+            raise PersonError(f"{option} is not for a service", "leave it out")
+    try:
+        return typer.main.get_command(one).make_context("live play", list(arguments)).params
+    except click.exceptions.Exit:
+        raise PersonError("--help: nothing to install", "live play --help") from None
+    except click.ClickException as error:
+        raise PersonError(f"live play would refuse this: {error.format_message()}", "live play --help") from None
+
+
+def _end(name: str) -> tuple[list[int], str | None]:
+    """End the service, then an engine that is left; the processes of those, and why systemd could not."""
+    from live.alive.adoption import end_engines
+    from live.cli.service_unit import unit_name
+    from live.cli.supervised import service_label
+
+    problem = _systemctl("stop", unit_name(name))
+    return end_engines(service_label(name)), problem
+
+
+def _systemctl(*words: str) -> str | None:
+    """Ask the user's systemd; None if it did so, else why not."""
+    import subprocess
+
+    try:
+        done = subprocess.run(
+            ["systemctl", "--user", "--no-ask-password", *words], capture_output=True, text=True, timeout=90
+        )
+    except FileNotFoundError:
+        return "there is no systemctl on this machine"
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return str(error)
+    return None if done.returncode == 0 else " ".join(done.stderr.split())[:300] or f"exit code {done.returncode}"
+
+
+def _state(unit: str) -> str:
+    import subprocess
+
+    words = ["show", "--property=ActiveState,SubState,NRestarts,MainPID", unit]
+    try:
+        done = subprocess.run(["systemctl", "--user", *words], capture_output=True, text=True, timeout=20)
+    except (OSError, subprocess.TimeoutExpired):
+        return "installed; systemd does not answer here"
+    told = dict(line.split("=", 1) for line in done.stdout.splitlines() if "=" in line)
+    if done.returncode or "ActiveState" not in told:
+        return "installed; systemd does not answer here"
+    process = f", process {told['MainPID']}" if told.get("MainPID", "0") != "0" else ""
+    return f"{told['ActiveState']} ({told.get('SubState')}){process}, begun again {told.get('NRestarts', '0')} times"
+
+
+def _systemd() -> int:
+    """The version of systemd; 0 if there is none."""
+    import re
+    import subprocess
+
+    try:
+        done = subprocess.run(["systemctl", "--version"], capture_output=True, text=True, timeout=20)
+    except (OSError, subprocess.TimeoutExpired):
+        return 0
+    found = re.match(r"systemd (\d{1,6})", done.stdout)
+    return 0 if found is None else int(found[1])
+
+
+def _lingers() -> bool:
+    import getpass
+
+    try:
+        return Path("/var/lib/systemd/linger", getpass.getuser()).exists()
+    except (OSError, KeyError):
+        return False

@@ -1,0 +1,130 @@
+"""The unit that `live service install` writes, read back as systemd reads it."""
+
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from live.base.errors import PersonError
+from live.cli.service_unit import Service, name_for, unit_name, word
+from tests.cli.command import run_live
+
+
+def unit(text: str) -> dict[str, list[str]]:
+    """Its assignments, by name."""
+    found: dict[str, list[str]] = {}
+    for line in text.splitlines():
+        if "=" in line and not line.startswith("#"):
+            name, _, value = line.partition("=")
+            found.setdefault(name, []).append(value)
+    return found
+
+
+def words(line: str) -> list[str]:
+    """A command line as systemd.service(5) and systemd.syntax(7) say that it is read."""
+    found = []
+    for quoted, plain in re.findall(r'"((?:[^"\\]|\\.)*)"|(\S+)', line):
+        text = re.sub(r"\\(.)", r"\1", quoted) if quoted or not plain else plain
+        found.append(text.replace("%%", "%").replace("$$", "$"))
+    return found
+
+
+TEXTS = st.text(st.characters(min_codepoint=32, blacklist_categories=("Cs", "Cc")), max_size=30)
+
+
+@given(st.lists(TEXTS, max_size=5))
+def test_whatever_the_arguments_are_systemd_reads_them_as_they_were(arguments):
+    service = Service("a", arguments, Path("/tmp"), True, {})
+    line = unit(service.text(version=252))["ExecStart"][0]
+    assert words(line) == service.command()
+
+
+@pytest.mark.parametrize("text", ["a\nExecStartPre=/bin/evil", "a\0b", "a\x7fb", "\udcff"])
+def test_what_no_line_of_a_unit_can_hold_is_refused(text):
+    with pytest.raises(PersonError):
+        word(text)
+    with pytest.raises(PersonError):
+        Service("a", [text], Path("/tmp"), True, {}).text(version=252)
+
+
+@pytest.mark.parametrize("name", ["", "../x", "A", "a b", "a%n", "a" * 41, "-a"])
+def test_a_name_is_a_few_plain_letters(name):
+    with pytest.raises(PersonError):
+        unit_name(name)
+
+
+def test_names_come_from_patches(tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert [name_for(patch) for patch in (None, "Contemporary", "a/b c.toml", "x/show.toml", "ü")] == [
+        "first-show", "contemporary", "b-c", "x", "show",
+    ]  # fmt: skip
+
+
+def test_a_show_with_a_window_follows_the_session_and_one_without_the_machine():
+    there = {"DISPLAY": ":0", "XAUTHORITY": "/run/x y", "HOME": "/h", "PULSE_SERVER": "unix:/p"}
+    window = unit(Service("a", [], Path("/tmp"), False, there).text(version=254))
+    assert window["WantedBy"] == window["PartOf"] == ["graphical-session.target"]
+    assert window["Environment"] == ["PULSE_SERVER=unix:/p", "DISPLAY=:0", '"XAUTHORITY=/run/x y"']
+    assert window["RestartMaxDelaySec"] == ["10s"]
+    bare = unit(Service("a", [], Path("/tmp"), True, there).text(version=252))
+    assert bare["WantedBy"] == ["default.target"]
+    assert "PartOf" not in bare
+    assert bare["Environment"] == ["PULSE_SERVER=unix:/p"]
+    assert "RestartMaxDelaySec" not in bare
+
+
+def test_engines_outlive_a_crash_and_a_stop_ends_all_in_order():
+    """KillMode=process: of a service that failed systemd kills no more than the supervisor, which is dead then; on a
+    stop it gets SIGTERM and ends the others."""
+    found = unit(Service("a", [], Path("/tmp"), True, {}).text(version=252))
+    assert (found["KillMode"], found["Restart"], found["OOMPolicy"]) == (["process"], ["on-failure"], ["continue"])
+    assert set(found["SuccessExitStatus"][0].split()) == {"129", "130", "143"}
+    assert found["RestartPreventExitStatus"] == ["2"]
+    assert int(found["StartLimitBurst"][0]) > 0
+
+
+@pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="needs systemd-analyze")
+@pytest.mark.parametrize("headless", [True, False])
+def test_systemd_finds_nothing_wrong_with_it(tmp_path: Path, headless):
+    service = Service("a", ["my show.toml", "--bpm", "100%", "$HOME"], tmp_path, headless, dict(os.environ))
+    path = tmp_path / service.unit
+    path.write_text(service.text(version=252))
+    done = subprocess.run(
+        ["systemd-analyze", "--user", "verify", str(path)],
+        env={**os.environ, "XDG_RUNTIME_DIR": str(tmp_path)}, capture_output=True, text=True, timeout=60,
+    )  # fmt: skip
+    assert done.stderr == ""
+    assert done.returncode == 0
+
+
+def test_install_and_uninstall_write_and_remove_one_file(tmp_path: Path, monkeypatch):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    done = run_live("service", "install", "--name", "one", "contemporary", "--headless", "--audience", "--bpm", "120")
+    assert done.returncode == 0, done.stderr
+    path = tmp_path / "config" / "systemd" / "user" / "live-one.service"
+    line = words(unit(path.read_text())["ExecStart"][0])
+    assert line[1:] == [
+        "-m", "live", "play", "--service", "one", "contemporary", "--headless", "--audience", "127.0.0.1:8020",
+        "--bpm", "120", "--journal", str(tmp_path / "state" / "choreographics-live" / "one.jsonl"),
+    ]  # fmt: skip
+    assert "one:" in run_live("service", "status").stdout
+    assert run_live("service", "uninstall", "one").returncode == 0
+    assert not path.exists()
+    assert "no service" in run_live("service", "uninstall", "one").stderr
+
+
+@pytest.mark.parametrize(
+    "wrong", [["--no-such-option"], ["--bpm", "fast"], ["--alone"], ["--record=x.mp4"], ["--help"]]
+)
+def test_what_play_would_refuse_is_refused_before_anything_is_written(tmp_path: Path, monkeypatch, wrong):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    done = run_live("service", "install", "contemporary", *wrong)
+    assert done.returncode in ((0, 2) if wrong == ["--help"] else (2,))
+    assert not list(tmp_path.rglob("*.service"))
