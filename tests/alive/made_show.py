@@ -1,4 +1,4 @@
-"""A supervisor of made-up engines as a process, so that it can be killed: `python -m tests.alive.made_show JOURNAL PLAN`.
+"""A supervisor of made-up engines as a process that can be killed: `python -m tests.alive.made_show JOURNAL PLAN`.
 
 It adopts the engine of an earlier one if that dances alone. What it says goes to stdout.
 """
