@@ -218,10 +218,12 @@ make_venv() {
   "$python" -m venv .venv || die "could not make .venv; the message above says why"
 }
 
+# uv is of one version, whose files are known by their hashes: what the index hands out is that or nothing.
 install_python_packages() {
   if [ ! -x .venv/bin/uv ]; then
     .venv/bin/python -m pip --version >/dev/null 2>&1 || .venv/bin/python -m ensurepip >&2
-    PIP_DISABLE_PIP_VERSION_CHECK=1 .venv/bin/python -m pip install -q 'uv>=0.8' >&2 ||
+    PIP_DISABLE_PIP_VERSION_CHECK=1 .venv/bin/python -m pip install -q --require-hashes --only-binary=:all: \
+      -r tools/uv-requirements.txt >&2 ||
       die "could not install uv from PyPI; is there a network, and a proxy to be set (HTTPS_PROXY, PIP_INDEX_URL)?"
   fi
   groups=--no-dev
@@ -239,7 +241,7 @@ sync_packages() {
 }
 
 # --- all of it -----------------------------------------------------------------------------------------------------
-stamp=".venv/.ready-$mode-$(cat uv.lock pyproject.toml tools/setup.sh | cksum | tr ' ' '-')"
+stamp=".venv/.ready-$mode-$(cat uv.lock pyproject.toml tools/setup.sh tools/uv-requirements.txt | cksum | tr ' ' '-')"
 
 if [ -n "$dry_run" ] || [ ! -e "$stamp" ] || ! venv_works; then
   packages=$(find_package_system)

@@ -2,6 +2,7 @@
 
 import os
 import pty
+import re
 import shutil
 import stat
 import subprocess
@@ -117,7 +118,7 @@ def machine(tmp_path: Path) -> Machine:
     for folder in ("bin", "installed", "show/tools", "show/live/base"):
         (tmp_path / folder).mkdir(parents=True)
     shutil.copy(SETUP, show / "tools" / "setup.sh")
-    for name in ("uv.lock", "pyproject.toml", "live/base/kernels.py"):
+    for name in ("uv.lock", "pyproject.toml", "tools/uv-requirements.txt", "live/base/kernels.py"):
         (show / name).write_text(name)
     for tool in REAL_TOOLS:
         where = shutil.which(tool)
@@ -297,7 +298,7 @@ def test_a_needed_package_that_cannot_be_installed_stops(debian: Machine) -> Non
     assert not (debian.home / "show" / ".venv").exists()
 
 
-@pytest.mark.parametrize("name", ["uv.lock", "pyproject.toml"])
+@pytest.mark.parametrize("name", ["uv.lock", "pyproject.toml", "tools/uv-requirements.txt"])
 def test_a_changed_lock_is_synced_again(debian: Machine, name: str) -> None:
     _make_root(debian)
     debian.run("play")
@@ -354,3 +355,14 @@ def test_the_newest_python_that_is_whole(debian: Machine) -> None:
 
 def test_another_word_than_play_or_test(debian: Machine) -> None:
     assert "usage" in debian.run("show", code=2)
+
+
+def test_uv_is_one_version_whose_files_are_known_by_their_hashes(debian):
+    _make_root(debian)
+    debian.run("play")
+    installs = [line for line in debian.log() if " pip install" in line]
+    assert installs == ["python -m pip install -q --require-hashes --only-binary=:all: -r tools/uv-requirements.txt"]
+    wanted = [line for line in (SETUP.parent / "uv-requirements.txt").read_text().splitlines() if line[0] != "#"]
+    assert re.fullmatch(r"uv==\d+\.\d+\.\d+ \\\\", wanted[0])
+    assert len(wanted) > 10  # Linux with either libc, macOS and Windows, on their processors
+    assert all(re.fullmatch(r"    --hash=sha256:[0-9a-f]{64}( \\\\)?", line) for line in wanted[1:])
