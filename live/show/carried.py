@@ -67,6 +67,8 @@ class Carried:
         if not traced or not same_indices(self.node, present.node):
             trace(self.paths, self.dancers, present, slice(0, len(self.node)))
             self.end[:] = present.end_position() - present.correction[:, :2]
+        if (self.node < 0).all():  # the first measure: nobody asked for another end than that of her steps
+            self.asked[:] = self.foreseen[:] = self.end + present.correction[:, :2]
         self.node[:] = present.node
         row.begin_rows(self.rows, self.paths.path, present.correction, self.motion.state.position, reference)
 

@@ -79,6 +79,20 @@ def test_those_who_gather_and_cross_do_not_touch():
     assert stood["obedience"] == 0.5
 
 
+def test_where_dancers_begin_is_no_slide_and_no_lag():
+    """Before: 589 m/s in the first ticks, and 9.2 m behind at the first line; nobody had been anywhere else."""
+    show, worst = made(), []
+
+    def look(show):
+        told = show.scheduler.carrying.figures()["groups"]["all"]
+        worst.append((told["slide_m_s"], told["lag_m"]))
+
+    run(show, 3, {}, look)
+    slid, lag = (max(values) for values in zip(*worst, strict=True))
+    assert slid < 0.03
+    assert lag < 0.5
+
+
 def test_corrections_stay_within_what_legs_give():
     show, found = made(obedience=0.0), []
 

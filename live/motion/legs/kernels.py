@@ -259,7 +259,8 @@ def follow_feet(
                 row[SHIFT_Z] = fall * (row[SHIFT_Z] + bend_z * dt)
                 row[SPEED_X] = fall * (row[SPEED_X] - bend_x * decay * dt)
                 row[SPEED_Z] = fall * (row[SPEED_Z] - bend_z * decay * dt)
-            if contact[n, side]:
+            followed = row[FROM_X] != _ZERO or row[FROM_Z] != _ZERO  # else it was only put where it is
+            if contact[n, side] and followed:
                 slid_x, slid_z = slid_x + row[SHIFT_X], slid_z + row[SHIFT_Z]
                 row[SLID] += math.sqrt(slid_x * slid_x + slid_z * slid_z)
                 row[STOOD] += dt
