@@ -6,7 +6,7 @@ import signal
 from collections.abc import Callable
 from typing import Any, Final
 
-from live.alive.adoption import Adoption
+from live.alive.adoption import Adopted, Adoption
 from live.alive.child import Child
 from live.alive.deaths import Deaths, Lesson
 from live.alive.heartbeat import Phase
@@ -142,8 +142,7 @@ class Engines:
         engine.signal(signal.SIGTERM if starting else number)  # an interpreter that begins knows only this one
         self._starter.hear_rest(engine.wire, LEAVES_WITHIN)
         code, self.engine = engine.end(within=LEAVES_WITHIN), None
-        code = self._ended.pop(engine.process.pid, code)
-        if starting:
+        if starting or isinstance(engine.process, Adopted):  # of one that is no child nobody hears how it ended
             return 128 + number
         return code if code >= 0 else 128 - code
 
