@@ -114,7 +114,7 @@ class RemoteAudio:
 
     def _take(self, told: dict[str, Any]) -> None:
         self._heard_at = self._clock.now()
-        if "hello" in told and self._running:  # another process in place of one that ended
+        if "hello" in told:  # another process in place of one that ended, or the first: it begins only once
             self._order()
         if "event" in told:
             with contextlib.suppress(ValueError):

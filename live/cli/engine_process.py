@@ -10,6 +10,7 @@ from live.alive.priority import ENGINE_NICE, come_forward
 from live.base.errors import PersonError
 from live.cli.main import EXIT_INTERRUPTED, EXIT_PERSON_ERROR, end_cleanly, show_person_error
 from live.cli.played import Played
+from live.cli.quiet import outlive_terminals
 
 BEGINNERS: Final = ("engine", "standby")
 """Who begins something, and does not go on with it."""
@@ -68,6 +69,7 @@ def _play(
 def main() -> None:
     """Run until the show is over; the exit codes are those of `live`."""
     end_cleanly()
+    outlive_terminals()
     try:
         play(Lifeline.inherited(int(sys.argv[1]), int(sys.argv[2])))
     except PersonError as error:
