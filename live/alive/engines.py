@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from live.alive.adoption import Adopted, Adoption
 from live.alive.child import Child
+from live.alive.cut_off import CutOff
 from live.alive.deaths import Deaths, Lesson
 from live.alive.heartbeat import Phase
 from live.alive.limits import HANGS_AFTER, LEAVES_WITHIN, SETTLED, Backoff
@@ -29,6 +30,8 @@ PATIENT: Final = 8.0
 """So many times as long as the first engine the last one may be silent, if the machine was overloaded each time."""
 READY: Final = "this machine stands by: it dances what the other one dances"
 """Said to the person; before that a machine that is to take over has to begin first, which takes seconds."""
+TRIES: Final = 3
+"""Engines that may end before one has gone on with a show that was cut off."""
 
 
 class Engines:
@@ -64,6 +67,9 @@ class Engines:
         self._patience = 1.0  # how long silence lasts before it is death, in the usual limits
         self._blamed = True  # whether an engine that ended did so by its own fault
         self._overloaded_since: float | None = None
+        self.danced = False
+        """Whether one has danced."""
+        self._most: int | None = None  # engines that may end before one has danced; None: any number
         self._start_at = self._spare_at = self._begun_at = 0.0
         self._died: float | None = None
         self._dead: list[Child] = []  # which the system has not cleared away yet
@@ -96,6 +102,12 @@ class Engines:
             child.wire.heard += 1
             hear(line)
         self._starter.listen(child.wire, hear, child.kill)
+
+    def resume(self, left: CutOff) -> None:
+        """Go on with a show of which no process is left."""
+        for line in left.lines:
+            self.log.take(line)
+        self.role, self._most = "heir", TRIES
 
     def look(self, now: float) -> None:
         """Who lives, who hangs, who is to be started."""
@@ -218,6 +230,7 @@ class Engines:
 
     def _look_at(self, engine: Child, now: float) -> None:
         if engine.phase is Phase.RUNNING and self.since is None:
+            self._most, self.danced = None, True
             self.since, self._spare_at = now, now + (0.0 if self.nursery.ready else self._orders.spare_after)
             if self._died is not None:
                 self._taken_over(engine, self._died)
@@ -236,7 +249,7 @@ class Engines:
         code = self._bury(engine, code)
         if ended is not None:
             self.code = ended
-        elif not self.log.header:
+        elif not self.log.header or (self._most is not None and self._deaths.count >= self._most):
             self.code = code if code >= 0 else 1
             self._say(f"the engine ended before it could begin: {how(code)}")
         else:

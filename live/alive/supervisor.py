@@ -13,6 +13,7 @@ from typing import Any, Final
 from live.alive.adopted_sound import adopt_sound
 from live.alive.adoption import Adoption
 from live.alive.child import Child
+from live.alive.cut_off import CutOff
 from live.alive.disk import Disk
 from live.alive.engines import Engines
 from live.alive.orders import Orders, Report
@@ -35,8 +36,11 @@ SETTLED: Final = 30.0
 class Supervisor:
     """Runs a show until it ends. Thread: the one that made it."""
 
-    def __init__(self, orders: Orders, say: Callable[[str], None], adoption: Adoption | None = None) -> None:
-        """`say`: tells the person a line; `adoption`: the engine that dances already, whose supervisor has died."""
+    def __init__(
+        self, orders: Orders, say: Callable[[str], None], adoption: Adoption | None = None, left: CutOff | None = None
+    ) -> None:
+        """`say`: tells the person a line; `adoption`: the engine that dances already, whose supervisor has died;
+        `left`: of a show of which no process is left."""
         self._orders, self._say = orders, say
         self.report = Report()
         self._starter = Starter()
@@ -63,6 +67,10 @@ class Supervisor:
         self._writes: Child | None = None
         if adoption is not None:
             self._adopt(adoption)
+        elif left is not None:
+            self.engines.resume(left)
+            self._disk.go_on(left.unwritten, left.snapshots_kept)
+            self._disk.resume()
 
     def run(self) -> int:
         """Start everything, keep it going, and return the exit code of the engine that ended well (or could not)."""

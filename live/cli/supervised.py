@@ -7,19 +7,24 @@ import signal
 import socket
 import sys
 from dataclasses import asdict
+from pathlib import Path
 from typing import Final
 
 from rich.console import Console
 
 from live.alive.adoption import CannotAdopt, find_engine
+from live.alive.cut_off import cut_off
 from live.alive.orders import Orders
 from live.alive.supervisor import Supervisor
 from live.base.errors import PersonError
 from live.cli.played import Played
 from live.cli.service_unit import check_name
+from live.show.journal_file import keep_aside
 
 SHORT: Final = 60.0
 """A run of so few seconds [s] is a try-out: nobody waits to take over."""
+WISHED: Final = tuple(128 + number for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM))
+"""Exit codes of shows that a signal ended."""
 PORT: Final = 9020
 """Where a machine that leads is found, if nothing else is said."""
 SHARE: Final = 0.6
@@ -72,7 +77,10 @@ def supervise(played: Played, *, lead: str | None, standby: str | None, service:
     try:
         osc = socket.socket(fileno=there["osc"]) if "osc" in there else bound_socket(*played.wish.osc)
     except CannotListen as error:
-        raise PersonError(str(error)) from None
+        if service is None:
+            raise PersonError(str(error)) from None
+        say(f"{error}")  # perhaps processes of the show before have it, that are just ending: systemd tries again
+        raise SystemExit(1) from None
     python = [sys.executable, "-m"]
     silent = played.wish.audio is None and (played.wish.bpm is not None or played.wish.practises)
     orders = Orders(
@@ -88,7 +96,16 @@ def supervise(played: Played, *, lead: str | None, standby: str | None, service:
         budget=int(SHARE * _memory()),
         label=label,
     )
-    code = Supervisor(orders, say, adoption).run()
+    left, journal = None, played.wish.journal
+    if service is not None and adoption is None and journal is not None and standby is None:
+        left = cut_off(journal)
+    supervisor = Supervisor(orders, say, adoption, left)
+    if left is not None:
+        say(f"the show goes on from its journal: it has been gone for {left.gone:.0f} s")
+    code = supervisor.run()
+    if left is not None and code not in (0, *WISHED) and not supervisor.engines.danced:
+        say(f"the show cannot go on from its journal, which is {keep_aside(Path(str(journal)))} now: it begins anew")
+        raise SystemExit(1)  # and systemd starts it again
     if code == 128 + signal.SIGINT:
         raise KeyboardInterrupt
     if code:

@@ -108,7 +108,9 @@ def main() -> None:
     sink = None
     if brief.role == "engine":
         sink = RelaySink(lifeline, journal_of(plan))
-        sink.put(compact({"journal": 2, "pid": os.getpid()}))
+        sink.put(
+            compact({"journal": 2, "pid": os.getpid(), **({"origin": plan["origin"]} if "origin" in plan else {})})
+        )
         tick = 0
     else:
         tick = follow(lifeline, brief.role, nursery, plan)

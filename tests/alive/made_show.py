@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from live.alive.adoption import find_engine
+from live.alive.cut_off import cut_off
 from live.alive.orders import Orders
 from live.alive.supervisor import Supervisor
 from live.cli.main import end_cleanly
@@ -19,7 +20,8 @@ def main() -> None:
     end_cleanly()
     path, plan = Path(sys.argv[1]), sys.argv[2]
     found = find_engine(LABEL)
-    print("adopted" if found else "begun", flush=True)
+    left = cut_off(path) if found is None else None
+    print("adopted" if found else "resumed" if left else "begun", flush=True)
     orders = Orders(
         engine=[sys.executable, "-m", "tests.alive.made_engine"],
         show=plan if found is None else found.show,
@@ -28,7 +30,7 @@ def main() -> None:
         spare_after=0.1,
         spare=json.loads(plan).get("spare", True),
     )
-    sys.exit(Supervisor(orders, lambda line: print(line, flush=True), found).run())
+    sys.exit(Supervisor(orders, lambda line: print(line, flush=True), found, left).run())
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ import pytest
 
 from live.alive import rendezvous
 from live.alive.adoption import CannotAdopt, end_engines, find_engine
+from live.alive.cut_off import cut_off
 from live.alive.heartbeat import Heartbeat, Phase
 from live.alive.lifeline import Lifeline
 from live.alive.rendezvous import Meeting, own_folder
@@ -184,6 +185,68 @@ def test_an_engine_that_is_alone_can_be_told_to_end(made, tmp_path):
     assert wait_for(lambda: not engines_of(tmp_path), 20)
     assert find_engine(LABEL) is None
     assert not list(tmp_path.glob("*/*.sock"))  # whoever found that nobody listens has removed it
+
+
+def test_a_show_of_which_no_process_is_left_goes_on_from_its_journal(made, tmp_path):
+    show = made(origin=time.perf_counter())
+    show.until(100)
+    show.kill()
+    for pid in engines_of(tmp_path):
+        os.kill(pid, signal.SIGKILL)
+    assert wait_for(lambda: not engines_of(tmp_path), 20)
+    last = show.numbers()[-1]
+    with show.journal.open("a") as file:
+        file.write('{"tick":51,"ev')
+    show.start()
+    show.until(last + 50)
+    assert show.told()[0] == "resumed"
+    assert [line["went"] for line in show.lines() if "went" in line] == ["heir"]
+    assert show.numbers() == list(range(1, show.numbers()[-1] + 1))
+    assert not list(tmp_path.glob("j.*"))
+
+
+def journal_of(path: Path, *lines: dict[str, Any], **header: Any) -> Path:
+    first = {"journal": 2, "origin": time.perf_counter() - 20.0, **header}
+    path.write_text("".join(json.dumps(line, separators=(",", ":")) + "\n" for line in (first, *lines)))
+    return path
+
+
+def test_only_what_was_cut_off_lately_on_this_machine_is_gone_on_with(tmp_path, monkeypatch):
+    tap = {"tick": 64, "event": {"type": "Tap"}}
+    path = journal_of(tmp_path / "j", tap)
+    left = cut_off(path)
+    assert left is not None
+    assert left.gone == pytest.approx(19.0, abs=5.0 * BUSY)
+    assert [json.loads(line) for line in left.lines[1:]] == [tap, {"tick": 64}]
+    assert cut_off(tmp_path / "none") is None
+    assert cut_off(journal_of(tmp_path / "j", tap, {"tick": 99, "end": True})) is None
+    assert cut_off(journal_of(tmp_path / "j", tap, origin=None)) is None
+    assert cut_off(journal_of(tmp_path / "j")) is None
+    assert cut_off(journal_of(tmp_path / "j", tap, origin=time.perf_counter() - 400.0)) is None
+    assert cut_off(journal_of(tmp_path / "j", {"tick": 64 * 60, "event": {}})) is None  # it lies in the future
+    path = journal_of(tmp_path / "j", tap)
+    os.utime(path, (0.0, time.time() - time.clock_gettime(time.CLOCK_BOOTTIME) - 10.0))  # of the start before
+    assert cut_off(path) is None
+    path.write_bytes(b"\xff" * 500 + b"\n[1]\n" + b"[" * 9000 + b"\n")
+    assert cut_off(path) is None
+
+
+def test_a_show_whose_steps_have_changed_is_gone_on_with_from_the_snapshot_before(tmp_path, monkeypatch):
+    """Whoever begins with the first line has read the steps of then."""
+    shots = [json.dumps({"snapshot": 3, "tick": tick}).encode() + b"\n" + bytes(64) for tick in (10, 30, 50)]
+    monkeypatch.setattr("live.alive.cut_off.read_snapshots", lambda path, problems: iter(shots))
+    lines = [{"tick": tick, "event": {"type": "Tap"}} for tick in range(5, 65, 5)]
+    left = cut_off(journal_of(tmp_path / "j", *lines))
+    assert left is not None
+    told = [json.loads(line) for line in left.lines]
+    assert [line["tick"] for line in told[1:]] == [50, 50, 55, 60, 60]
+    assert left.snapshots_kept == sum(map(len, shots))
+    lines[6]["event"]["type"] = "StepsChanged"  # tick 35
+    left = cut_off(journal_of(tmp_path / "j", *lines))
+    assert left is not None
+    told = [json.loads(line) for line in left.lines]
+    assert "snapshot" in told[1]
+    assert [line["tick"] for line in told[1:]] == [30, 30, 35, 40, 45, 50, 55, 60, 60]
 
 
 # -- the engine's side, without processes ----------------------------------------------------------------------------
