@@ -17,7 +17,7 @@ from live.cli.service_unit import Service
 from live.show.patch_places import PATCHES
 from tests.cli.command import run_live
 from tests.control.waiting import BUSY, wait_for
-from tests.end_to_end.conftest import Running, children
+from tests.end_to_end.conftest import Running, children, end_all
 from tests.end_to_end.test_window_show import _needs
 from tests.screen_eye import Eye
 from tests.two_monitor_x import FIRST, TwoMonitorX
@@ -133,6 +133,27 @@ def test_a_show_outlives_its_supervisor_and_the_next_one_takes_it_over(play, pat
     found = verified(journal)
     assert found["complete"]
     assert found["problems"] == []
+
+
+@pytest.mark.long
+def test_a_service_of_which_no_process_is_left_goes_on_from_its_journal(play, patch: Path, tmp_path: Path):
+    """All are killed at once; what systemd starts then stands in the measure where the show would be."""
+    journal = tmp_path / "j.jsonl"
+    how = (str(patch), "--bpm", "240", "--headless", "--osc", "127.0.0.1:0", "--journal", str(journal))
+    service = Service("evening", how, tmp_path, True, {}).command()
+    own = {"XDG_RUNTIME_DIR": str(tmp_path)}
+    running = play(*service[4:], env=own)
+    running.wait_for(lambda line: line["measure"] > 12, 60)
+    end_all(running.mark)
+    gone = running.lines()[-1]
+    again = play(*service[4:], env=own, status=running.status)
+    assert wait_for(lambda: again.lines()[-1]["time"] > gone["time"] + 3.0, 60)
+    back = again.lines()[-1]
+    assert back["measure"] - gone["measure"] == pytest.approx(back["time"] - gone["time"], abs=1.1)
+    assert "Traceback" not in again.stop()
+    found = verified(journal)
+    assert found["complete"]
+    assert int(str(found["measures"])) >= back["measure"] - 3  # hashes that were on their way are lost with all
 
 
 def lines_until(lines: list[dict[str, Any]], first: dict[str, Any], last: dict[str, Any]) -> list[dict[str, Any]]:
