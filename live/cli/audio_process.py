@@ -125,6 +125,7 @@ def main() -> None:
     try:
         while not there.deserted:
             for order in there.orders():
+                there.lifeline.beat(0, Phase.STARTING)  # what it loads now takes seconds where much else runs
                 sounding.obey(json.loads(order))
             sounding.tell()
             there.lifeline.beat(0, Phase.RUNNING)
