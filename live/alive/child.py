@@ -86,7 +86,7 @@ class Child:
         """One that runs already, and that another supervisor started."""
         child = cls.__new__(cls)
         child.role, child.wire, child.heart, child.process = role, wire, heart, process
-        child.watch, child.started, child.killed = Watch(), time.monotonic(), False
+        child.watch, child.started, child.killed = Watchdog(), time.monotonic(), False
         return child
 
     @property

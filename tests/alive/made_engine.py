@@ -5,8 +5,8 @@ that began or took over kill themselves, one after another), `crashes` (tick and
 other, in the stage of the tick that `stage` says), `hangs` (tick at which it stops beating), `hangs_again` (so does the
 first one that goes on), `cannot` (why it cannot stand by), `burns` (seconds of the processor that each tick takes),
 `loops` (tick at which it goes into a loop without end), `helpers` (so many processes of its own that end when it does),
-`journal` (where it goes on with the journal when it is alone), `alone` (seconds that it dances so at most; without it, not
-at all).
+`journal` (where it goes on with the journal when it is alone), `alone` (seconds that it dances so at most; without it,
+not at all).
 """
 
 import json
