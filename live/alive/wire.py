@@ -27,7 +27,8 @@ class Wire:
     instruction: that is why events go through here before they act. Thread: one.
     """
 
-    def __init__(self, sock: socket.socket, *, backlog: int = BACKLOG) -> None:
+    def __init__(self, sock: socket.socket, *, backlog: int = BACKLOG, longest: int | None = None) -> None:
+        """`backlog`: bytes that may wait to be sent; `longest`: bytes of a line that comes."""
         _make_room(sock)
         self.socket = sock
         self.dropped = 0
@@ -38,7 +39,7 @@ class Wire:
         """Lines that were taken to be sent, and that were read and handed on: how two ends speak of the same line."""
         self._waiting: deque[bytes] = deque()
         self._waiting_bytes = 0
-        self._most = backlog
+        self._most, self._longest = backlog, LONGEST if longest is None else longest
         self._part = bytearray()
 
     def renew(self, sock: socket.socket) -> None:
@@ -84,25 +85,19 @@ class Wire:
     def lines(self) -> list[str]:
         """The whole lines that have arrived; never waits. After the last one `ended` may be true."""
         found: list[str] = []
-        while True:
-            try:
-                data = self.socket.recv(PIECE)
-            except (BlockingIOError, InterruptedError):
-                break
-            except OSError:
-                data = b""
+        got = 0
+        while (data := self._receive(got)) is not None:
             if not data:
                 self.ended = True
                 break
+            got += len(data)
             self._part += data
             if b"\n" in data:
                 *whole, rest = bytes(self._part).split(b"\n")
                 self._part = bytearray(rest)
                 found += [line.decode("utf-8", "replace") for line in whole]
-            if len(self._part) > LONGEST:
-                raise WireBroken(f"a line of more than {LONGEST} bytes")
-            if len(data) < PIECE:
-                break
+            if len(self._part) > self._longest:
+                raise WireBroken(f"a line of more than {self._longest} bytes")
         return found
 
     def part(self, seconds: float) -> None:
@@ -136,6 +131,18 @@ class Wire:
         if data and not self.ended:
             self._waiting.append(data)
             self._waiting_bytes += len(data)
+
+    def _receive(self, got: int) -> bytes | None:
+        """What has come; None if that is all for now, nothing if the peer is gone. `got`: bytes so far, of these
+        lines."""
+        if got % PIECE:
+            return None
+        try:
+            return self.socket.recv(PIECE)
+        except (BlockingIOError, InterruptedError):
+            return None
+        except OSError:
+            return b""
 
     def _send(self, data: bytes) -> int:
         try:

@@ -31,6 +31,7 @@ from live.cli import (
     journal,
     layout,
     mocap,
+    pair,
     partner,
     play,
     render,
@@ -76,6 +77,7 @@ app.command("doctor")(doctor.doctor)
 app.command("beats")(beats.beats)
 app.command("bench")(bench.bench)
 app.command("bvh")(bvh.bvh)
+app.command("pair")(pair.pair)
 app.command("partner")(partner.partner)
 app.command("export")(export.export)
 app.command("formation")(formation.formation)

@@ -1,0 +1,258 @@
+"""Identity: this machine's key and certificate, and those of the machines that it is paired with.
+
+All of it lies in `network/` of the user's config folder (`LIVE_CONFIG_DIR` overrides where that is), mode 700, its
+files 600: who can read the key is this machine, so a key that others can read is refused. A certificate is signed by
+itself; no authority says who anybody is, and what counts is that the very certificate was seen at the pairing (a pin,
+as RFC 7858 section 4.2 has it). Its name is random, so that OpenSSL, which finds certificates by name, finds one.
+"""
+
+import contextlib
+import datetime
+import hashlib
+import os
+import re
+import secrets
+import stat
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import platformdirs
+from cryptography import x509
+from cryptography.exceptions import InvalidSignature
+from cryptography.hazmat.primitives import serialization
+from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey, Ed25519PublicKey
+from cryptography.x509.oid import NameOID
+
+from live.base.errors import PersonError
+
+VALID: Final = datetime.timedelta(days=3 * 365)
+"""How long a certificate is valid. One that has expired is told of and goes on being taken: see `tls`."""
+SINCE: Final = datetime.timedelta(days=1)
+"""A machine whose clock is so far behind finds it valid, too."""
+KEY_FILE: Final = "identity.pem"
+PEERS: Final = "paired"
+LONGEST_FILE: Final = 64 * 1024
+LONGEST_NAME: Final = 40
+_NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
+
+
+def network_folder() -> Path:
+    """Where keys and pairings lie."""
+    root = os.environ.get("LIVE_CONFIG_DIR") or platformdirs.user_config_dir("choreographics-live")
+    return Path(root) / "network"
+
+
+def plain_name(name: str) -> str:
+    """A machine's name as it may be a file's: letters, digits, `.`, `_` and `-`."""
+    words = re.sub(r"[^A-Za-z0-9._-]+", "-", name).strip("-._")[:LONGEST_NAME]
+    return words or "machine"
+
+
+def fingerprint_of(certificate: bytes) -> str:
+    """SHA-256 of a certificate (DER), as hexadecimal digits."""
+    return hashlib.sha256(certificate).hexdigest()
+
+
+@dataclass(frozen=True, slots=True)
+class Peer:
+    """A machine that may take part."""
+
+    name: str
+    certificate: bytes
+    """DER."""
+
+    @property
+    def fingerprint(self) -> str:
+        """Of its certificate."""
+        return fingerprint_of(self.certificate)
+
+    @property
+    def expires(self) -> datetime.datetime:
+        """When its certificate does."""
+        return x509.load_der_x509_certificate(self.certificate).not_valid_after_utc
+
+    def signed(self, signature: bytes, data: bytes) -> bool:
+        """Whether it signed the data."""
+        key = x509.load_der_x509_certificate(self.certificate).public_key()
+        if not isinstance(key, Ed25519PublicKey):
+            return False
+        try:
+            key.verify(signature, data)
+        except InvalidSignature:
+            return False
+        return True
+
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """This machine."""
+
+    path: Path
+    """The file with key and certificate, as `ssl` reads them."""
+    certificate: bytes
+    """DER."""
+    _key: Ed25519PrivateKey
+
+    @property
+    def fingerprint(self) -> str:
+        """Of its certificate."""
+        return fingerprint_of(self.certificate)
+
+    def sign(self, data: bytes) -> bytes:
+        """64 bytes that only this machine can make of the data (Ed25519, RFC 8032)."""
+        return self._key.sign(data)
+
+    def as_peer(self) -> Peer:
+        """As others see it: a process of the same user on the same machine has the same key."""
+        return Peer("this machine", self.certificate)
+
+
+def load_identity(folder: Path | None = None) -> Identity:
+    """This machine's key, made at the first time. PersonError where it cannot be made, read, or kept to oneself."""
+    folder = folder or network_folder()
+    path = folder / KEY_FILE
+    try:
+        _own_folder(folder)
+        if not path.exists():
+            _make(path)
+        data = _read_private(path)
+    except OSError as error:
+        raise PersonError(f"this machine's key {path} cannot be read or made: {error.strerror}") from None
+    try:
+        key = serialization.load_pem_private_key(data, None)
+        certificate = x509.load_pem_x509_certificate(data)
+        if isinstance(key, Ed25519PrivateKey) and certificate.public_key() == key.public_key():
+            return Identity(path, certificate.public_bytes(serialization.Encoding.DER), key)
+    except (ValueError, TypeError):
+        pass
+    raise PersonError(
+        f"{path} does not hold this machine's key and certificate", "remove it, and pair the machines anew"
+    )
+
+
+def renew_identity(folder: Path | None = None) -> Identity:
+    """Another key and certificate; whoever was paired has to be paired anew."""
+    folder = folder or network_folder()
+    with contextlib.suppress(OSError):
+        (folder / KEY_FILE).unlink(missing_ok=True)
+    return load_identity(folder)
+
+
+def _make(path: Path) -> None:
+    """Make key and certificate, whole or not at all; whoever comes first at it wins."""
+    key = Ed25519PrivateKey.generate()
+    name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, f"choreographics-live {secrets.token_hex(8)}")])
+    now = datetime.datetime.now(datetime.UTC)
+    known = x509.SubjectKeyIdentifier.from_public_key(key.public_key())
+    certificate = (
+        x509.CertificateBuilder(name, name, key.public_key(), x509.random_serial_number(), now - SINCE, now + VALID)
+        .add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
+        .add_extension(known, critical=False)
+        .sign(key, None)
+    )
+    pem = serialization.Encoding.PEM
+    private = key.private_bytes(pem, serialization.PrivateFormat.PKCS8, serialization.NoEncryption())
+    _write_private(path, private + certificate.public_bytes(pem), replace=False)
+
+
+class Pairings:
+    """The machines that this one is paired with, one file each. Thread: one."""
+
+    def __init__(self, folder: Path | None = None) -> None:
+        """Nothing is read yet."""
+        self._folder = (folder or network_folder()) / PEERS
+
+    def changed(self) -> object:
+        """Something that is another thing once a machine has been paired or forgotten."""
+        found = []
+        with contextlib.suppress(OSError):
+            for entry in os.scandir(self._folder):
+                told = entry.stat()
+                found.append((entry.name, told.st_mtime_ns, told.st_ino))
+        return sorted(found)
+
+    def read(self) -> list[Peer]:
+        """All of them, by name. PersonError for a file that is none of ours, or that others may write."""
+        found = []
+        for path in sorted(self._folder.glob("*.pem"), key=lambda path: path.stem):
+            try:
+                certificate = x509.load_pem_x509_certificate(_read_private(path))
+            except OSError as error:
+                raise PersonError(f"{path} cannot be read: {error.strerror}") from None
+            except ValueError:
+                raise PersonError(
+                    f"{path} is no certificate of a paired machine", f"live pair --forget {path.stem}"
+                ) from None
+            found.append(Peer(path.stem, certificate.public_bytes(serialization.Encoding.DER)))
+        return found
+
+    def add(self, name: str, certificate: bytes) -> Peer:
+        """Pair with a machine; its name is made plain, and another one's is not taken. PersonError if it cannot be.
+
+        ValueError for what is no certificate with an Ed25519 key.
+        """
+        parsed = x509.load_der_x509_certificate(certificate)
+        if not isinstance(parsed.public_key(), Ed25519PublicKey):
+            raise ValueError("a certificate with an Ed25519 key expected")
+        known = {peer.name: peer for peer in self.read()}
+        same = next((peer for peer in known.values() if peer.certificate == certificate), None)
+        if same is not None:
+            return same
+        wanted = plain_name(name)
+        numbered = (f"{wanted}-{number}" for number in range(2, 1 << 20))
+        free = wanted if wanted not in known else next(each for each in numbered if each not in known)
+        try:
+            _own_folder(self._folder.parent)
+            _own_folder(self._folder)
+            pem = parsed.public_bytes(serialization.Encoding.PEM)
+            _write_private(self._folder / f"{free}.pem", pem, replace=True)
+        except OSError as error:
+            raise PersonError(f"the pairing with {free} cannot be kept in {self._folder}: {error.strerror}") from None
+        return Peer(free, certificate)
+
+    def forget(self, name: str) -> bool:
+        """Whether there was a machine of that name; it may not take part any more."""
+        path = self._folder / f"{name}.pem"
+        if _NAME.fullmatch(name) is None or not path.exists():
+            return False
+        try:
+            path.unlink()
+        except OSError as error:
+            raise PersonError(f"{path} cannot be removed: {error.strerror}") from None
+        return True
+
+
+def _own_folder(folder: Path) -> None:
+    """See that a folder is there, and nobody else's to look into."""
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    _refuse_others(folder, 0o077, "chmod 700")
+
+
+def _read_private(path: Path) -> bytes:
+    with path.open("rb") as file:
+        _refuse_others(path, 0o077, "chmod 600", os.fstat(file.fileno()))
+        return file.read(LONGEST_FILE)
+
+
+def _refuse_others(path: Path, bits: int, remedy: str, told: os.stat_result | None = None) -> None:
+    told = told or path.stat()
+    if told.st_mode & bits or told.st_uid != os.geteuid():
+        mode = stat.S_IMODE(told.st_mode)
+        raise PersonError(f"{path} is not this user's alone (mode {mode:o}): others could be this machine",
+                          f"{remedy} {path}")  # fmt: skip
+
+
+def _write_private(path: Path, data: bytes, *, replace: bool) -> None:
+    beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
+    descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    try:
+        with os.fdopen(descriptor, "wb") as file:
+            file.write(data)
+        if replace:
+            os.replace(beside, path)
+        else:
+            with contextlib.suppress(FileExistsError):
+                os.link(beside, path)
+    finally:
+        beside.unlink(missing_ok=True)

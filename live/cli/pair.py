@@ -1,0 +1,106 @@
+"""`live pair`: let two machines know each other, so that one may stand by for the other."""
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from live.alive.identity import Identity, Pairings
+
+MINUTES = 5
+
+
+def pair(
+    host: Annotated[
+        str | None,
+        typer.Argument(
+            help="The machine that shows a phrase. Without it: this one shows a phrase.", metavar="[HOST[:PORT]]"
+        ),
+    ] = None,
+    on: Annotated[
+        str | None, typer.Option("--on", help="Where this machine waits for the other one.", metavar="[HOST:]PORT")
+    ] = None,
+    names: Annotated[bool, typer.Option("--list", help="Which machines this one is paired with.")] = False,
+    forget: Annotated[
+        str | None, typer.Option(help="Forget a machine: it may not take part any more.", metavar="NAME")
+    ] = None,
+) -> None:
+    """Pair two machines, once: `live pair` on one shows a phrase, `live pair HOST` on the other asks for it.
+
+    From then on each of them may lead a show that the other one stands by for (live play --lead, --standby).
+    """
+    import asyncio
+
+    from live.alive.identity import Pairings
+    from live.base.errors import PersonError
+
+    if sum((host is not None, on is not None, names, forget is not None)) > 1:
+        raise PersonError("one of HOST, --on, --list and --forget at a time", "live pair --help")
+    pairings = Pairings()
+    if names:
+        _list(pairings)
+    elif forget is not None:
+        if not pairings.forget(forget):
+            raise PersonError(f"--forget {forget}: this machine is not paired with it", "live pair --list")
+        print(f"{forget} may not take part any more")
+    elif host is None:
+        asyncio.run(_show(pairings, on))
+    else:
+        _ask(pairings, host)
+
+
+def _list(pairings: "Pairings") -> None:
+    print(f"this machine: {_identity().fingerprint[:16]}")
+    peers = pairings.read()
+    for peer in peers:
+        print(f"{peer.name}: {peer.fingerprint[:16]}, valid until {peer.expires:%Y-%m-%d}")
+    if not peers:
+        print("paired with no machine yet")
+
+
+def _identity() -> "Identity":
+    """This machine's; where its certificate has expired, another one."""
+    import datetime
+
+    from live.alive.identity import load_identity, renew_identity
+
+    identity = load_identity()
+    if identity.as_peer().expires > datetime.datetime.now(datetime.UTC):
+        return identity
+    print("this machine's certificate had expired and is another one now: pair it with every other machine anew")
+    return renew_identity()
+
+
+async def _show(pairings: "Pairings", on: str | None) -> None:
+    from live.alive.pairing import PORT, Shown, new_phrase
+    from live.cli.options import parse_endpoint
+
+    host, port = (None, PORT) if on is None else parse_endpoint(on, "--on")
+    phrase = new_phrase()
+
+    def listening(port: int) -> None:
+        there = "" if port == PORT else f":{port}"
+        print(f"the phrase: {phrase}", flush=True)
+        print(f"type it on the other machine within {MINUTES} minutes, after: live pair ADDRESS{there}", flush=True)
+
+    shown = Shown(_identity(), pairings, phrase, listening=listening)
+    peer = await shown.run(host, port, within=60.0 * MINUTES)
+    print(f"paired with {peer.name} ({peer.fingerprint[:16]})")
+    if shown.wrong:
+        print(f"note: a wrong phrase was typed or guessed before ({shown.wrong})")
+
+
+def _ask(pairings: "Pairings", there: str) -> None:
+    import asyncio
+
+    from live.alive.pairing import PORT, pair_with
+    from live.base.errors import PersonError
+    from live.cli.options import parse_endpoint, with_port
+
+    host, port = parse_endpoint(with_port(there, PORT), "HOST")
+    identity = _identity()
+    phrase = typer.prompt("the phrase that the other machine shows")
+    if not phrase.strip():
+        raise PersonError("a phrase expected", "live pair on the other machine shows one")
+    peer = asyncio.run(pair_with(identity, pairings, host, port, phrase))
+    print(f"paired with {peer.name} ({peer.fingerprint[:16]})")
