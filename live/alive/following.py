@@ -1,6 +1,7 @@
 """Following: a show that runs after another one's lines, and stands where that one stood."""
 
 import base64
+import contextlib
 import json
 import time
 from collections import deque
@@ -68,6 +69,11 @@ class Following:
         self._astray = self._stuck = False
 
     @property
+    def ready(self) -> bool:
+        """Whether this show is known to be the other one: a state was compared, and the last that was is the same."""
+        return self.show is not None and self.compared > 0 and not (self._astray or self._stuck or self._waiting)
+
+    @property
     def origin(self) -> float:
         """The clock's, for a process on the same machine [s of perf_counter]."""
         return float(self.header["origin"])
@@ -75,7 +81,8 @@ class Following:
     @property
     def begun(self) -> float | None:
         """When the music began [s of the show]; None if none plays, or the show listens."""
-        return self.header.get("begun")
+        begun = self.header.get("begun")
+        return float(begun) if isinstance(begun, int | float) else None
 
     def origin_here(self, lead: float) -> float:
         """The clock's for another machine: of all ticks heard of lately that one counts that came soonest.
@@ -180,9 +187,12 @@ class Following:
         return self._hash
 
     def follow(self) -> None:
-        """Run all that was told, in lockstep with who tells it."""
-        while self._waiting:
-            self._run(self._waiting.popleft())
+        """Run all that was told, in lockstep with who tells it; what cannot be danced here waits for a snapshot."""
+        while self._waiting and not self._stuck:
+            try:
+                self._run(self._waiting.popleft())
+            except TickFailed:
+                self._begin_again(stuck=True)
 
     def _run(self, value: Line) -> None:
         self._measures -= "measure" in value
@@ -194,7 +204,7 @@ class Following:
         if len(value) > 1:
             self._since.append(value)
         if "event" in value:
-            self._apply(show, event_from_json(value["event"]))
+            self._act(show, value["event"])
         elif "measure" in value:
             self.compared += 1
             self._astray = self._hash != (self.tick, value["hash"])
@@ -210,6 +220,15 @@ class Following:
                     self._hash = (self.tick, show.state_hash())
             except Exception as error:
                 raise TickFailed(self.tick, show.breakers.running, error) from error
+
+    def _act(self, show: Show, told: Line) -> None:
+        """Let an event act; what is none that this program knows is counted, here as by a replay."""
+        try:
+            event = event_from_json(told)
+        except (ValueError, TypeError):
+            self.refused += 1
+            return
+        self._apply(show, event)
 
     def _apply(self, show: Show, event: ControlEvent) -> None:
         self.refused += act(show, event) is None
@@ -236,13 +255,17 @@ class Following:
         for kept in self._since:
             self._run_to(self.show, kept["tick"])
             if "event" in kept:
-                self._apply(self.show, event_from_json(kept["event"]))
+                self._act(self.show, kept["event"])
         self._run_to(self.show, stood)
 
     def _begun(self) -> Show:
         if self.show is None:
             self._began_with(self._needed())
-            self._take_show(self._loaded.start(seed=self.header["seed"], tempo=self.header["tempo"]))
+            try:
+                show = self._loaded.start(seed=self.header["seed"], tempo=self.header["tempo"])
+            except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
+                raise ReplayError(f"its first line does not say how it began: {in_words(error)}") from None
+            self._take_show(show)
         assert self.show is not None
         return self.show
 
@@ -281,12 +304,19 @@ class Following:
         """What becomes of the steps later, and must not be so from the beginning."""
         events = (value["event"] for value in self._waiting if "event" in value)
         kinds = (StepsAdded.__name__, StepsChanged.__name__)
-        known = (event_from_json(event) for event in events if isinstance(event, dict) and event["type"] in kinds)
-        return [event for event in known if isinstance(event, StepsAdded | StepsChanged)]
+        found = []
+        for told in events:
+            with contextlib.suppress(ValueError, TypeError):  # it is refused when it is run
+                event = event_from_json(told) if isinstance(told, dict) and told.get("type") in kinds else None
+                if isinstance(event, StepsAdded | StepsChanged):
+                    found.append(event)
+        return found
 
     def _began_with(self, later: list[StepsAdded | StepsChanged]) -> None:
         """See that what is loaded is what the show began with."""
         header, loaded = self.header, self._loaded
+        if not isinstance(header.get("patch"), dict) or not isinstance(header.get("steps_hash"), str):
+            raise ReplayError("its first line does not hold a whole show")
         same = header["steps_hash"] == library_hash(loaded.graph.library)
         if same and not later and header["patch"] == loaded.patch.written():
             return

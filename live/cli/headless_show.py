@@ -9,16 +9,22 @@ from rich.console import Console
 
 from live.base.errors import PersonError
 from live.base.stage_view import Scene, StageView
+from live.cli.headless_picture import HeadlessPicture
 from live.cli.session import Session
 from live.render.pacing import Pacer
 
 if TYPE_CHECKING:
-    from live.cli.drawing_watch import DrawingWatch, watch_passes
+    from live.cli.drawing_watch import DrawingWatch
+    from live.cli.sharing import LiveSharing
     from live.show.patch import Patch
 
 
-def play_headless(session: Session, scene: Scene, console: Console) -> None:
-    """Run until the seconds are over or Ctrl-C; draws only if somebody takes the picture."""
+def play_headless(
+    session: Session, scene: Scene, console: Console, *, picture: HeadlessPicture | None = None,
+    sharing: "LiveSharing | None" = None,
+) -> None:  # fmt: skip
+    """Run until the seconds are over or Ctrl-C; draws only if somebody takes the picture. `picture`, `sharing`: made
+    already, by who stood by; whoever made them gives them back."""
     if session.lifeline is not None:
         session.engine.on_error = lambda error: console.print(
             f"a frame could not be drawn: {error}", style="red", markup=False
@@ -27,32 +33,30 @@ def play_headless(session: Session, scene: Scene, console: Console) -> None:
         with session.running():
             _loop(session, lambda view: None, session.wish.film_fps)
         return
-    from live.cli.drawing_watch import DrawingWatch
+    made = picture or HeadlessPicture(session.wish, scene)
+    try:
+        _draw(session, made, console, sharing)
+    finally:
+        if picture is None:
+            made.close()
+
+
+def _draw(session: Session, picture: HeadlessPicture, console: Console, sharing: "LiveSharing | None") -> None:
+    from live.cli.drawing_watch import DrawingWatch, watch_passes
     from live.cli.recording import live_rate
     from live.cli.shader_watch import watch_shaders
     from live.cli.takers import Takers
-    from live.render.headless import NoOpenGL, create_headless_context, release_headless_context
-    from live.render.outputs.flash_meter import FlashGuard
-    from live.render.outputs.pictures import Pictures
-    from live.render.outputs.shown import Shown
-    from live.render.renderer import Renderer
 
-    wish = session.wish
-    try:
-        ctx = create_headless_context()
-    except NoOpenGL as error:
-        raise PersonError(str(error)) from None
-    pictures, flashes, shown = Pictures(ctx, wish.size), FlashGuard(ctx), Shown(ctx, wish.size)
-    session.status.more["flashes_held"] = lambda: flashes.held
-    renderer = Renderer(ctx, scene, size=wish.size, steps=wish.quality is not None)
-    rate = live_rate(wish, ctx)
+    wish, renderer = session.wish, picture.renderer
+    session.status.more["flashes_held"] = lambda: picture.flashes.held
+    rate = live_rate(wish, picture.ctx)
     watch = None if wish.quality is None else DrawingWatch(session, renderer)  # whoever films asks for the best
     if watch is not None:
         watch.period = 1.0 / rate
     if watch is None:
         watch_passes(session, renderer)
         session.status.notes.append(lambda: "; ".join(renderer.problems))
-    takers = Takers(session, ctx, wish.size)
+    takers = Takers(session, picture.ctx, wish.size, sharing=sharing)
     shaders = watch_shaders(session, renderer.take_shaders)
 
     def take_patch(patch: "Patch") -> None:
@@ -64,22 +68,14 @@ def play_headless(session: Session, scene: Scene, console: Console) -> None:
     def draw(view: StageView) -> None:
         if shaders is not None:
             shaders.look(session.clock.now())
-        renderer.draw(view, pictures.next)
-        pictures.take()
-        now = session.clock.now()
-        if view.flashes:
-            flashes.rest()
-        left = 1.0 if view.flashes else flashes.left(pictures.texture, now)
-        takers.frame(shown.of(pictures, left), now)
+        framebuffer = picture.draw(view, session.clock.now)
+        takers.frame(framebuffer, session.clock.now())
 
     try:
         with session.running():
             _loop(session, draw, rate, watch)
     finally:
         takers.close(console)
-        for thing in (renderer, shown, flashes, pictures):
-            thing.release()
-        release_headless_context(ctx)
 
 
 def _loop(

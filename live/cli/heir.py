@@ -1,7 +1,7 @@
 """Heir: everything that can be ready is ready before it is needed; then it goes on where the other engine ended."""
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
@@ -21,6 +21,10 @@ from live.show.core import Show
 from live.show.load import LoadedShow
 from live.show.venue import Venue
 from live.show.venue_latency import Latencies
+
+if TYPE_CHECKING:
+    from live.cli.headless_picture import HeadlessPicture
+    from live.cli.sharing import LiveSharing
 
 LOWEST = 99
 """A step of quality that is lower than all: the lowest there is."""
@@ -59,8 +63,10 @@ def take_over(
 def go_on(
     played: Played, loaded: LoadedShow, venue: Venue | None, sound: Sound, lifeline: Lifeline, following: Following,
     picture: Any, order: dict[str, Any], console: Console, *, elsewhere: bool = False,
+    headless: "HeadlessPicture | None" = None, sharing: "LiveSharing | None" = None,
 ) -> None:  # fmt: skip
-    """Play on where what was followed ended; `elsewhere`: that was another machine."""
+    """Play on where what was followed ended; `elsewhere`: that was another machine. `headless`, `sharing`: what this
+    one drew and shared meanwhile."""
     calm, death = bool(order["calm"]), order["death"]
     if death.get("plain"):
         played = replace(played, wish=replace(played.wish, quality=LOWEST))
@@ -83,12 +89,12 @@ def go_on(
     if picture is None:
         from live.cli.headless_show import play_headless
 
-        play_headless(session, scene, console)
+        play_headless(session, scene, console, picture=headless, sharing=sharing)
         return
     from live.cli.window_show import play_picture
 
     reveal = None if elsewhere else bool(order["screen"]["fullscreen"])
-    play_picture(session, scene, picture, console=console, reveal=reveal)
+    play_picture(session, scene, picture, console=console, reveal=reveal, sharing=sharing)
 
 
 def _follow(loaded: LoadedShow, lifeline: Lifeline) -> tuple[dict[str, Any] | None, Following]:

@@ -13,14 +13,15 @@ from live.alive.lifeline import Lifeline, nobody_left
 from live.alive.priority import ENGINE_NICE, come_forward
 from live.base.errors import PersonError
 from live.base.inbox import Inbox
-from live.cli.heir import go_on, open_picture, sound_of
+from live.cli.heir import go_on, sound_of
 from live.cli.played import Played
+from live.cli.standby_output import StandbyOutput, status_can_be_written
 from live.cli.warm import warm_kernels
 from live.clock.source import SystemClock
-from live.clock.ticks import TICK
 from live.control.events import ControlEvent, TakeOver
 from live.control.osc import OscInput
 from live.render.pacing import Pacer
+from live.show.load import LoadedShow
 from live.show.replay_start import ReplayError
 
 RATE = 30.0
@@ -33,16 +34,20 @@ def stand_by(played: Played, lifeline: Lifeline, console: Console) -> None:
     loaded = played.wish.load()
     venue = played.wish.read_venue()
     sound = sound_of(played, loaded, venue)
-    picture = open_picture(played, loaded, venue, hidden=False)
+    status_can_be_written(played)
+    output = StandbyOutput(played, loaded, venue, sound, lifeline)
     try:
-        order, following = _follow(Following(loaded, heart=lifeline.heart), lifeline, played, picture)
+        order, following = _follow(loaded, lifeline, played, output)
         if order is None:
             return
+        output.hand_over()
         come_forward(ENGINE_NICE)
-        go_on(played, loaded, venue, sound, lifeline, following, picture, order, console, elsewhere=True)
+        go_on(
+            played, loaded, venue, sound, lifeline, following, output.window, order, console, elsewhere=True,
+            headless=output.headless, sharing=output.sharing,
+        )  # fmt: skip
     finally:
-        if picture is not None:
-            picture.close()
+        output.close(console)
 
 
 @contextlib.contextmanager
@@ -70,14 +75,16 @@ def follow(following: Following) -> None:
 
 
 def _follow(
-    following: Following, lifeline: Lifeline, played: Played, picture: Any
+    loaded: LoadedShow, lifeline: Lifeline, played: Played, output: StandbyOutput
 ) -> tuple[dict[str, Any] | None, Following]:
-    """Run what the leader runs, and draw it, until the word comes; None if it never will."""
+    """Run what the leader runs, and put it out, until the word comes; None if it never will."""
     pacer = Pacer(RATE, time.perf_counter, time.sleep)
-    view: Any = None
+    following = Following(loaded, heart=lifeline.heart)
     with _listening(lifeline, played) as inbox:
         while not nobody_left(lifeline):
             lifeline.listen()
+            while lifeline.order("anew") is not None:
+                following = Following(loaded, heart=lifeline.heart)
             for line in lifeline.lines:
                 following.take(line, arrived=time.perf_counter())
                 lifeline.log.take(line)
@@ -92,16 +99,9 @@ def _follow(
                 return order, following
             if any(isinstance(event, TakeOver) for event in inbox.drain()):
                 lifeline.wire.tell(alive="takeover")
-            show = following.show
-            if picture is not None:
-                for _ in picture.poll():
-                    pass
-                if show is not None:
-                    view = view or show.view()
-                    show.fill(view, following.tick * TICK)
-                    picture.draw(view)
-                    picture.show(following.tick * TICK)
+            output.frame(following)
             lifeline.beat(following.tick, Phase.RUNNING)
-            lifeline.tell_following(following.facts())
+            lifeline.tell_following({**following.facts(), "ready": int(following.ready and output.draws)})
+            lifeline.wire.flush()
             pacer.wait()
     return None, following

@@ -11,14 +11,17 @@ from live.cli.sharing import LiveSharing
 class Takers:
     """All of them; none costs nothing. Thread: the main thread, which owns the OpenGL context."""
 
-    def __init__(self, session: Session, ctx: moderngl.Context, size: tuple[int, int]) -> None:
-        """As was wished for; PersonError if one cannot be made."""
+    def __init__(
+        self, session: Session, ctx: moderngl.Context, size: tuple[int, int], *, sharing: LiveSharing | None = None
+    ) -> None:
+        """As was wished for; PersonError if one cannot be made. `sharing`: made already, and not ended here."""
+        self._lent = sharing
         wish, music, fps = session.wish, session.sound.music, live_rate(session.wish, ctx)
         self._all: list[LiveRecording | LiveSharing] = []
         if wish.record is not None:
             self._all.append(LiveRecording(wish.record, ctx, size, fps, music))
         if wish.share:
-            sharing = LiveSharing(wish.share, ctx, size, fps, music)
+            sharing = sharing or LiveSharing(wish.share, ctx, size, fps, music)
             self._all.append(sharing)
             session.status.notes.append(sharing.words)
             session.status.more["shared"] = sharing.facts
@@ -36,4 +39,5 @@ class Takers:
     def close(self, console: Console) -> None:
         """End them, and say what became of each."""
         for each in self._all:
-            each.close(console)
+            if each is not self._lent:
+                each.close(console)

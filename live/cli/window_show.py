@@ -11,6 +11,7 @@ from live.cli.output_setup import OutputSetup
 from live.cli.recording import live_rate
 from live.cli.session import Session
 from live.cli.shader_watch import watch_shaders
+from live.cli.sharing import LiveSharing
 from live.cli.takers import Takers
 from live.cli.window_operator import Operator
 from live.cli.window_picture import Picture
@@ -35,12 +36,14 @@ def play_in_window(
 
 
 def play_picture(
-    session: Session, scene: Scene, picture: Picture, *, console: Console, reveal: bool | None = None
-) -> None:
-    """Run the show in windows that are open; `reveal`: they are hidden, show them now, full screen or not."""
+    session: Session, scene: Scene, picture: Picture, *, console: Console, reveal: bool | None = None,
+    sharing: LiveSharing | None = None,
+) -> None:  # fmt: skip
+    """Run the show in windows that are open; `reveal`: they are hidden, show them now, full screen or not. `sharing`:
+    the picture is shared already, by who stood by."""
     takers: Takers | None = None
     try:
-        takers = Takers(session, picture.window.ctx, picture.size)
+        takers = Takers(session, picture.window.ctx, picture.size, sharing=sharing)
         if takers.any:
             picture.prepare_shown()
         operator = Operator(session, picture, scene)
