@@ -2,6 +2,7 @@
 
 import base64
 import json
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -31,6 +32,7 @@ class Disk:
     def __init__(self, path: Path | None, say: Callable[[str], None] = lambda line: None) -> None:
         """`path`: where to; None: nowhere. `say`: tells the person at once what cannot wait for the end."""
         self._path, self._say = path, say
+        self._place = path
         self._refused = 0
         self._wanted = path is not None
         self._file: JournalFile | None = None
@@ -63,6 +65,8 @@ class Disk:
 
     def put(self, line: str, number: int = 0) -> None:
         """One line, without its end; never waits. `number`: how `written` is to speak of it."""
+        if self._file is not None and line.startswith('{"journal"'):
+            self._begin_anew(self._file)
         if self._due is not None and self._path is not None:
             if len(self._held) < HELD:
                 self._held.append((number, line))
@@ -99,6 +103,11 @@ class Disk:
             if dropped := self.facts()["dropped"]:
                 self._notes.append(f"{dropped} lines of the journal could not be written: a replay leaves a gap")
         return self._notes
+
+    def _begin_anew(self, file: JournalFile) -> None:
+        """Another show begins, which this machine follows: the journal of the one before is kept beside it."""
+        self._file, self._path = None, self._place
+        threading.Thread(target=file.close, name="journal", daemon=True).start()  # it may wait for the disk
 
     def _open(self, path: Path) -> None:
         self._path = None

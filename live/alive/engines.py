@@ -144,6 +144,22 @@ class Engines:
             order["death"] = self._lesson.told()
             self.engine.wire.tell(alive="go", **order, **more)
 
+    def stand_by(self) -> None:
+        """Follow another machine's show from its first line on, whatever was danced here until now."""
+        self.log = Log()
+        if self.role == "standby":
+            if self.engine is not None:
+                self.engine.wire.tell(alive="anew")
+            return
+        self.role, self.since, self._died, self._lesson, self._start_at = "standby", None, None, Lesson(), 0.0
+        for child in (self.engine, self.spare):
+            if child is not None:
+                self._starter.forget(child.wire)
+                child.wire.close()
+                child.kill()
+                self._dead.append(child)
+        self.engine = self.spare = None
+
     def leave(self, number: int) -> int:
         """Pass the signal on, and wait until the engine has closed everything; its exit code."""
         engine = self.engine

@@ -108,6 +108,8 @@ class Lifeline:
                 self.snapshots_kept = told["snapshots"]
                 continue
             self.facts = told.get("facts", self.facts)
+            if told["alive"] == "anew":
+                self.lines.clear()  # of another show
             if told["alive"] != "facts":
                 self.orders.append(told)
 
@@ -200,8 +202,9 @@ class Lifeline:
 
     @property
     def fenced(self) -> bool:
-        """Whether another machine leads, and this one is to be dark."""
-        return bool(self.facts.get("fenced"))
+        """Whether another machine leads, and this one is to be dark: the supervisor says so, or it has gone while a
+        machine stood by that was ready, which takes over then."""
+        return bool(self.facts.get("fenced")) or (self.alone and bool(self.facts.get("deputy")))
 
     def status(self) -> dict[str, Any]:
         """For the status line."""

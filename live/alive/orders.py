@@ -6,6 +6,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from live.alive.identity import Identity, Pairings
+
 
 @dataclass(frozen=True, slots=True)
 class Orders:
@@ -32,6 +34,10 @@ class Orders:
     """By what a supervisor that begins anew finds this show's engine; empty: it cannot."""
     lead: socket.socket | None = None
     """Where machines that stand by may follow this show; bound and listening."""
+    identity: Identity | None = None
+    """This machine's key, where there is a machine to lead or to follow; ..."""
+    pairings: Pairings | None = None
+    """... and those that it is paired with."""
     follow: tuple[str, int] | None = None
     """The machine whose show is followed; this one takes over from it."""
     budget: int = 0
@@ -79,6 +85,20 @@ class Report:
     """Measures whose state was compared with the leader's, ..."""
     different: int = 0
     """... that were another one, ..."""
+    ready: bool = False
+    """Whether this machine, which follows, could go on with the show now; ..."""
+    is_deputy: bool = False
+    """... and is the one that is to."""
+    deputy: str = ""
+    """Who takes over from this machine, which leads; empty: nobody is ready to."""
+    strangers: int = 0
+    """Who wanted to take part and is not paired."""
+    claims_refused: int = 0
+    """Claims to lead that were old, far off or not signed."""
+    lines_refused: int = 0
+    """Lines of other machines that made no sense."""
+    expired: str = ""
+    """Machines whose certificates have expired."""
     repaired: int = 0
     """... and how often a snapshot made them one again."""
 

@@ -31,6 +31,8 @@ class Starter:
         self.load = MachineLoad(ROUND)
         """How loaded the machine is."""
         self._read_at = 0.0
+        self.meanwhile: Callable[[float], None] = lambda now: None
+        """Called while somebody's rest is heard: other machines shall not take that for silence."""
 
     def turn(self) -> float:
         """Hear what comes within a round; the time [s, monotonic]."""
@@ -91,7 +93,7 @@ class Starter:
             return
         deadline = time.monotonic() + within
         while not wire.ended and time.monotonic() < deadline:
-            self.turn()
+            self.meanwhile(self.turn())
 
     def close(self) -> None:
         """Select no more."""

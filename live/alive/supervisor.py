@@ -1,7 +1,8 @@
 """Supervisor: starts the processes of a show, watches their hearts, and lets another engine go on where one ended.
 
 It holds no device, no window and no array: what does so little does not fail. It runs in the process that the person
-started, so the terminal, its signals and the exit code are its own. One loop, no threads but the journal's writer.
+started, so the terminal, its signals and the exit code are its own. One loop, no threads but the journal's writer and
+the one that calls other machines.
 """
 
 import selectors
@@ -71,6 +72,7 @@ class Supervisor:
             self.engines.resume(left)
             self._disk.go_on(left.unwritten, left.snapshots_kept)
             self._disk.resume()
+        self._starter.meanwhile = self._remote.look
 
     def run(self) -> int:
         """Start everything, keep it going, and return the exit code of the engine that ended well (or could not)."""
@@ -139,6 +141,7 @@ class Supervisor:
         elif asked["alive"] == "following":
             self.report.compared, self.report.different = asked["compared"], asked["different"]
             self.report.repaired = asked["repaired"]
+            self._remote.told_following(bool(asked["ready"]))
 
     # -- an engine that dances already ----------------------------------------------------------------------------
 

@@ -1,6 +1,7 @@
 """Whether a show is supervised, and by which processes; they are started here."""
 
 import hashlib
+import ipaddress
 import json
 import os
 import signal
@@ -14,6 +15,7 @@ from rich.console import Console
 
 from live.alive.adoption import CannotAdopt, find_engine
 from live.alive.cut_off import cut_off
+from live.alive.identity import Identity, Pairings, load_identity
 from live.alive.orders import Orders
 from live.alive.supervisor import Supervisor
 from live.base.errors import PersonError
@@ -71,9 +73,11 @@ def supervise(played: Played, *, lead: str | None, standby: str | None, service:
         raise SystemExit(1) from None
     if adoption is not None:
         say(f"the show goes on: its engine (process {adoption.process.pid}) danced without a supervisor until now")
-    leads = None if lead is None else _listening(*_endpoint(lead, "--lead"))
-    follows = None if standby is None else _endpoint(standby, "--standby")
     there = {} if adoption is None else adoption.descriptors
+    leads_at = None if lead is None else _endpoint(lead, "--lead")
+    follows = None if standby is None else _endpoint(standby, "--standby")
+    identity, pairings = _network(leads_at, follows)
+    leads = None if leads_at is None else _listening(*leads_at)
     try:
         osc = socket.socket(fileno=there["osc"]) if "osc" in there else bound_socket(*played.wish.osc)
     except CannotListen as error:
@@ -92,6 +96,8 @@ def supervise(played: Played, *, lead: str | None, standby: str | None, service:
         osc=osc,
         journal=played.wish.journal,
         lead=leads,
+        identity=identity,
+        pairings=pairings,
         follow=follows,
         budget=int(SHARE * _memory()),
         label=label,
@@ -137,9 +143,33 @@ def _endpoint(text: str, option: str) -> tuple[str, int]:
     return (host or "127.0.0.1").strip("[]"), int(port)
 
 
-def _listening(host: str, port: int) -> socket.socket:
+def _network(lead: tuple[str, int] | None, follow: tuple[str, int] | None) -> tuple[Identity | None, Pairings | None]:
+    """This machine's key and whom it is paired with, where there are to be others; PersonError if there can be none."""
+    if lead is None and follow is None:
+        return None, None
+    identity, pairings = load_identity(), Pairings()
+    paired = pairings.read()
+    for place, option in ((lead, "--lead"), (follow, "--standby")):
+        if place is not None and not paired and not _is_this_machine(place[0]):
+            raise PersonError(
+                f"{option} {place[0]}: this machine is paired with no other one; until then a show stays on it",
+                "live pair here, then live pair with this machine's address on the other one",
+            )
+    return identity, pairings
+
+
+def _is_this_machine(host: str) -> bool:
+    """Whether an address is one of the loopback."""
     try:
-        return socket.create_server((host, port), backlog=4)
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+def _listening(host: str, port: int) -> socket.socket:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    try:
+        return socket.create_server((host, port), family=family, backlog=16)
     except OSError as error:
         raise PersonError(
             f"--lead: nobody can follow at {host}:{port}: {error.strerror}", "choose another port"

@@ -29,6 +29,8 @@ def follow(lifeline: Lifeline, role: str, nursery: int | None, plan: dict[str, A
     tick = 0
     while not nobody_left(lifeline):
         lifeline.listen()
+        if lifeline.order("anew") is not None:
+            tick = 0
         for line in lifeline.lines:
             told = json.loads(line)
             tick = max(tick, told.get("tick", 0))
@@ -48,6 +50,9 @@ def follow(lifeline: Lifeline, role: str, nursery: int | None, plan: dict[str, A
                 time.sleep(600)
             return tick
         lifeline.beat(tick, Phase.RUNNING if role == "standby" else Phase.WAITING)
+        if role == "standby":
+            ready = int(tick > 20 and not plan.get("never_ready"))
+            lifeline.tell_following({"compared": 1, "different": 0, "repaired": 0, "ready": ready})
         lifeline.wait(0.02)
     sys.exit(0)
 
@@ -134,7 +139,9 @@ def main() -> None:
         lifeline.frame(tick)
         if lifeline.fenced:
             lifeline.wire.put(json.dumps({"tick": tick, "event": {"type": "dark"}}))
-            lifeline.tell_end(0)
+            while not lifeline.alone:  # dark, until the supervisor ends it
+                lifeline.wait(0.1)
+                lifeline.frame(tick)
             sys.exit(0)
         if tick >= plan.get("ticks", 1 << 40):
             lifeline.beat(tick, Phase.LEAVING)

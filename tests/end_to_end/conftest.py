@@ -113,7 +113,7 @@ def play(tmp_path: Path) -> Iterator[Callable[..., Running]]:
         key, value = "LIVE_TEST_SHOW", str(tmp_path)
         process = subprocess.Popen(
             [sys.executable, "-m", "live", "play", *options, "--status-json", str(status)],
-            env={**os.environ, key: value, **(env or {})},
+            env={**os.environ, "LIVE_CONFIG_DIR": str(tmp_path / "config"), key: value, **(env or {})},
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,

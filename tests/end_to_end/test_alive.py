@@ -14,7 +14,9 @@ from typing import Any
 import pytest
 
 from live.cli.service_unit import Service
+from live.render.share_ring import ring_path
 from live.show.patch_places import PATCHES
+from tests.alive.made_machines import free_port, pair_folders
 from tests.cli.command import run_live
 from tests.control.waiting import BUSY, wait_for
 from tests.end_to_end.conftest import Running, children, end_all
@@ -30,8 +32,8 @@ def until_spare(running: Running) -> None:
     running.wait_for(lambda line: line["alive"].get("spare", False) and line["measure"] > 2, 60)
 
 
-def verified(journal: Path) -> dict[str, object]:
-    done = run_live("replay", str(journal), "--verify", "--json")
+def verified(journal: Path, begin: int = 1) -> dict[str, object]:
+    done = run_live("replay", str(journal), "--verify", "--json", "--from", str(begin))
     assert done.returncode == 0, done.stdout + done.stderr
     found: dict[str, object] = json.loads(done.stdout)
     return found
@@ -167,20 +169,77 @@ def blackout(port: int) -> None:
 
 @pytest.mark.long
 def test_a_machine_that_stands_by_dances_the_same_and_goes_on_when_the_other_is_gone(play, patch: Path, tmp_path: Path):
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
-    how = (str(patch), "--bpm", "240", "--headless", "--osc", "127.0.0.1:0")
-    leader = play(*how, "--lead", str(port))
-    other = play(*how, "--standby", f"127.0.0.1:{port}", "--journal", str(tmp_path / "j.jsonl"))
+    """Two machines that are paired; the one that stands by has no screen, draws into a share and tells how it is."""
+    one, two, name = tmp_path / "one", tmp_path / "two", f"standby-{os.getpid()}"
+    pair_folders(one, two)
+    port = free_port()
+    how = (str(patch), "--bpm", "240", "--headless", "--osc", "127.0.0.1:0", "--size", "160x96")
+    leader = play(*how, "--lead", str(port), env={"LIVE_CONFIG_DIR": str(one)})
+    other = play(
+        *how, "--standby", f"127.0.0.1:{port}", "--journal", str(tmp_path / "j.jsonl"), "--share", f"shm:{name}",
+        env={"LIVE_CONFIG_DIR": str(two)},
+    )  # fmt: skip
     leader.wait_for(lambda line: line["alive"].get("followers") == 1, 60)
+    leader.wait_for(lambda line: line["alive"].get("deputy") == "two", 60)
+    ready = other.wait_for(lambda line: line["alive"].get("is_deputy", False), 20)
+    assert (ready["alive"]["ready"], ready["alive"]["follows"]) == (True, "one")
     assert wait_for(lambda: _hashes(tmp_path / "j.jsonl") > 4, 60)
+    before, _ = newest(name)
+    assert wait_for(lambda: newest(name)[0] > before + 10, 10)
+    assert max(newest(name)[1]) > 30  # it is no black picture
     for pid in (*children(leader, "engine_process"), leader.process.pid):
         os.kill(pid, signal.SIGKILL)
     line = other.wait_for(lambda line: line["alive"].get("epoch") == 2, 20)
+    assert ready["measure"] <= line["measure"]
+    before, _ = newest(name)
+    assert wait_for(lambda: newest(name)[0] > before + 10, 10)  # the same ring goes on
     assert (line["alive"]["different"], line["alive"]["compared"] > 3) == (0, True)
     other.wait_for(lambda now: now["measure"] > line["measure"] + 2, 20)
     assert "Traceback" not in other.stop()
     verified(tmp_path / "j.jsonl")
+
+
+@pytest.mark.long
+def test_a_leader_that_was_stopped_follows_when_it_is_back_and_leads_once_more_when_it_has_to(
+    play, patch: Path, tmp_path: Path
+):
+    """The real engines of both change their parts twice, and both journals verify."""
+    one, two = tmp_path / "one", tmp_path / "two"
+    pair_folders(one, two)
+    port = free_port()
+    how = (str(patch), "--bpm", "240", "--headless", "--osc", "127.0.0.1:0")
+    journals = tmp_path / "one.jsonl", tmp_path / "two.jsonl"
+    leader = play(*how, "--lead", str(port), "--journal", str(journals[0]), env={"LIVE_CONFIG_DIR": str(one)})
+    other = play(
+        *how, "--standby", f"127.0.0.1:{port}", "--journal", str(journals[1]), env={"LIVE_CONFIG_DIR": str(two)}
+    )
+    leader.wait_for(lambda line: line["alive"].get("deputy") == "two", 120)
+    stopped = [*children(leader, "process"), leader.process.pid]
+    for pid in stopped:
+        os.kill(pid, signal.SIGSTOP)
+    other.wait_for(lambda line: line["alive"].get("epoch") == 2 and not line["alive"]["follows"], 20)
+    for pid in stopped[::-1]:
+        os.kill(pid, signal.SIGCONT)
+    back = leader.wait_for(lambda line: line["alive"].get("follows") == "two" and line["alive"]["is_deputy"], 60)
+    assert (back["alive"]["epoch"], back["alive"]["ready"], back["alive"]["different"]) == (2, True, 0)
+    for pid in (*children(other, "engine_process"), other.process.pid):
+        os.kill(pid, signal.SIGKILL)
+    again = leader.wait_for(lambda line: line["alive"].get("epoch") == 3, 20)
+    leader.wait_for(lambda now: now["measure"] > again["measure"] + 2, 20)
+    assert again["alive"]["silent_s"] < 3.0
+    assert not again["alive"]["fenced"]
+    assert "Traceback" not in leader.stop()
+    verified(journals[0], begin=back["measure"])  # it begins with the snapshot that the other one gave
+    assert journals[0].with_name("one.jsonl.1").exists()  # what it led before
+
+
+def newest(name: str) -> tuple[int, bytes]:
+    """The number of the newest picture of a share of 160 x 96, and its pixels."""
+    data = ring_path(name).read_bytes()
+    number = int.from_bytes(data[32:40], "little")
+    begin, size = 4096, 160 * 96 * 3
+    place = (number - 1) % 4
+    return number, data[begin + place * size : begin + (place + 1) * size]
 
 
 def _hashes(journal: Path) -> int:
