@@ -6,6 +6,9 @@ from typing import Any
 import numpy as np
 
 from live.agents.crowd.surroundings import Surroundings
+from live.base import picture
+from live.control.event import ControlEvent
+from live.control.events import SetPicture
 from live.show.cues import Cues
 from live.show.edits import Kept, Now, Part
 from live.show.group_motion import GroupMotion
@@ -18,7 +21,7 @@ from live.show.scheduler import Scheduler
 from live.show.variation import Variation
 
 
-class EditedParameters:
+class EditedParameters(Part):
     """Where each parameter is, or is going, by its place in the row."""
 
     def __init__(self, parameters: Parameters) -> None:
@@ -28,12 +31,20 @@ class EditedParameters:
         """See `Part`."""
         return self._parameters.goals()
 
+    def concerned(self, event: ControlEvent) -> Now:
+        """See `Part`. A value of the picture is set by the thousand: only its own numbers are looked at."""
+        if type(event) is SetPicture:
+            places = self._parameters.table.places(event.parameter, event.group)
+            if places and max(places) < picture.SIZE:
+                return self._parameters.goals_at(places)
+        return self._parameters.goals()
+
     def give(self, values: Mapping[Any, Any]) -> None:
         """See `Part`."""
         self._parameters.fade(values, beats=0.0)
 
 
-class EditedScenes:
+class EditedScenes(Part):
     """Scenes stored live, by name."""
 
     def __init__(self, scenes: Scenes) -> None:
@@ -52,7 +63,7 @@ class EditedScenes:
                 self._scenes.stored[name] = scene
 
 
-class EditedFormations:
+class EditedFormations(Part):
     """Formations by name."""
 
     def __init__(self, motion: GroupMotion) -> None:
@@ -67,7 +78,7 @@ class EditedFormations:
         self._motion.evolutions.restore(values)
 
 
-class EditedSequences:
+class EditedSequences(Part):
     """Sequences set live, by group."""
 
     def __init__(self, scheduler: Scheduler) -> None:
@@ -86,7 +97,7 @@ class EditedSequences:
                 self._scheduler.programmes[index].dance(list(wanted))
 
 
-class EditedFacings:
+class EditedFacings(Part):
     """Where groups look."""
 
     def __init__(self, headings: Headings) -> None:
@@ -102,7 +113,7 @@ class EditedFacings:
             self._headings.set(group, facing)
 
 
-class EditedRipples:
+class EditedRipples(Part):
     """What runs over groups."""
 
     def __init__(self, variation: Variation) -> None:
@@ -118,7 +129,7 @@ class EditedRipples:
             self._variation.ripples[group] = ripple
 
 
-class EditedSet:
+class EditedSet(Part):
     """Walls and obstacles by kind and name; real dancers are none."""
 
     def __init__(self, surroundings: Surroundings) -> None:
@@ -143,7 +154,7 @@ class EditedSet:
                 self._surroundings.put_obstacle(name, *obstacle)
 
 
-class EditedMocap:
+class EditedMocap(Part):
     """What is said of captured performers, by their names and that of the control."""
 
     def __init__(self, mocap: Mocap) -> None:
@@ -160,7 +171,7 @@ class EditedMocap:
             self._mocap.say(name, what, said)
 
 
-class EditedStandBy:
+class EditedStandBy(Part):
     """The cue that stands by."""
 
     def __init__(self, cues: Cues) -> None:

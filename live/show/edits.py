@@ -7,7 +7,8 @@ key: taking an edit back touches nothing that anybody else has changed since, bu
 
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from functools import cache
 from typing import Any, Final, Protocol
 
 import numpy as np
@@ -55,6 +56,8 @@ NEVER: Final = ("music",)
 
 _WHAT: Final = ("parameter", "name", "performer")
 """What of an event says what it changes, whichever it has."""
+_SAID: Final = ("parameter", "name", "facing", "steps", "performer")
+"""What of an event says in words what it changes, whichever it has and is not empty."""
 
 Kept = dict[Any, Any]
 Now = Kept | npt.NDArray[np.float64]
@@ -67,6 +70,10 @@ class Part(Protocol):
     def take(self) -> Now:
         """All its values now; they are never changed afterwards."""
         ...
+
+    def concerned(self, event: ControlEvent) -> Now:
+        """Those of them that this event can change: all, unless a part knows better."""
+        return self.take()
 
     def give(self, values: Mapping[Any, Any]) -> None:
         """Bring these back; None: there shall be nothing of this key."""
@@ -83,11 +90,18 @@ class _Edit:
     time: float
 
 
+@cache
+def _has(kind: type[ControlEvent], wanted: tuple[str, ...]) -> tuple[str, ...]:
+    """Which of these fields events of a kind have."""
+    known = {field.name for field in fields(kind)}
+    return tuple(name for name in wanted if name in known)
+
+
 def _words(event: ControlEvent) -> str:
     """An edit in a few words, for the operator."""
     what = type(event).__name__
-    for name in ("parameter", "name", "facing", "steps", "performer"):
-        value = getattr(event, name, None)
+    for name in _has(type(event), _SAID):
+        value = getattr(event, name)
         if value:
             return f"{what} {str(value)[:40]}"
     return what
@@ -96,6 +110,8 @@ def _words(event: ControlEvent) -> str:
 def _differences(before: Now, after: Now) -> tuple[Kept, Kept]:
     """What was and what is, of the keys whose values differ."""
     if isinstance(before, dict) and isinstance(after, dict):
+        if before == after:
+            return {}, {}
         keys: Any = [key for key in before.keys() | after.keys() if before.get(key) != after.get(key)]
         return {key: before.get(key) for key in keys}, {key: after.get(key) for key in keys}
     was, now = np.asarray(before), np.asarray(after)
@@ -115,7 +131,7 @@ class Edits:
     def before(self, event: ControlEvent) -> None:
         """An event from outside is about to act."""
         edited = EDITED.get(type(event)) if event.source not in NEVER else None
-        self._before = self._parts[edited].take() if edited else None
+        self._before = self._parts[edited].concerned(event) if edited else None
 
     def after(self, event: ControlEvent) -> None:
         """It has acted."""
@@ -123,11 +139,12 @@ class Edits:
         if before is None:
             return
         part = EDITED[type(event)]
-        after = self._parts[part].take()
+        after = self._parts[part].concerned(event)
         old, new = _differences(before, after)
         if not old:
             return
-        name = next((str(getattr(event, each)) for each in _WHAT if hasattr(event, each)), "")
+        named = _has(type(event), _WHAT)
+        name = str(getattr(event, named[0])) if named else ""
         key = (type(event).__name__, event.source, name, str(getattr(event, "group", "")))
         last = self._done[-1] if self._done else None
         if last is not None and last.key == key and not self._undone and 0.0 <= event.time - last.time < TOGETHER:

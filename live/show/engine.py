@@ -38,6 +38,8 @@ UNDRAWN = 30
 
 FROM_SOURCES = (TicksSkipped, BeatHeard, SourceChanged, MusicHeard, NotesHeard, MocapFrame, TrackerMoved, AudienceHeard)
 """Events that nobody's hand makes: they do not count as accepted."""
+_MEASURED = (BeatHeard, MusicHeard, NotesHeard, MocapFrame, TrackerMoved)
+"""Events whose numbers a device has measured, or not."""
 
 Picture = Callable[[StageView], None]
 """Whatever draws a snapshot: the renderer on its target, or nothing at all."""
@@ -179,7 +181,7 @@ class Engine:
 
         What a source says that is no number is counted, and goes nowhere: no journal could be read with it.
         """
-        if isinstance(event, BeatHeard | MusicHeard | NotesHeard | MocapFrame | TrackerMoved) and not is_finite(event):
+        if isinstance(event, _MEASURED) and not is_finite(event):
             self._status.impossible += 1
             return
         if self.journal is not None:

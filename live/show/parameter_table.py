@@ -128,6 +128,14 @@ class ParameterTable:
         index = self.group(group)
         return [one for one in found if one.group == index]
 
+    def places(self, address: str, group: str = "*") -> list[int]:
+        """Where the numbers of these parameters lie; none where there is no such parameter or group."""
+        found = self._at.get(address, ())
+        if group.strip() not in ("", "*"):
+            index = self.group(group) if self.has(group) else -2
+            found = [one for one in found if one.group == index]
+        return [place for one in found for place in one.numbers]
+
     @property
     def names(self) -> tuple[str, ...]:
         """What the groups are called, by index."""

@@ -118,6 +118,10 @@ class Parameters:
         self._listen()
         return np.where(self._fading, self._goal, self.value)
 
+    def goals_at(self, places: Iterable[int]) -> dict[int, float]:
+        """Where these numbers of the picture are, or are going, by their places."""
+        return {at: float(self._goal[at] if self._fading[at] else self.value[at]) for at in places}
+
     # -- time --------------------------------------------------------------------------------------------------
 
     def tick(self, beats: float) -> None:

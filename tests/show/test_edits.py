@@ -2,6 +2,7 @@
 
 import pytest
 
+from live.control.registry import REGISTRY
 from live.show.edits import EDITED, MOST
 from tests.show.desk_show import DESK, Hands
 
@@ -145,3 +146,19 @@ def test_who_attracts_more_attracts_the_same(hands):
     assert (captured.attract, captured.attracts) == (2.0, "front")
     hands.say("/dance/mocap/anna/attract", 1.0, "*")
     assert captured.attracts == "*"
+
+
+@pytest.mark.parametrize(
+    "call", [("/dance/light/level", 0.3), ("/dance/light/key", 0.1), ("/dance/camera/eye", 1.0, 2.0, 9.0)],
+    ids=lambda call: call[0],
+)  # fmt: skip
+def test_a_value_of_the_picture_is_compared_by_its_own_numbers_with_what_all_would_show(hands, call):
+    part = hands.desk.edits._parts["parameters"]
+    event = REGISTRY.call(call[0], call[1:], 0.0, "key")
+    few, whole = part.concerned(event), part.take()
+    assert 0 < len(few) <= 3
+    assert hands.say(*call), hands.words
+    now = part.take()
+    changed = {place: (was, new) for place, (was, new) in enumerate(zip(whole, now, strict=True)) if was != new}
+    assert changed
+    assert changed == {place: (few[place], new) for place, new in part.concerned(event).items() if few[place] != new}
