@@ -64,8 +64,8 @@ class Phase:
 
 
 class Stage:
-    """A show with an OSC port, driven frame by frame; OSC is received by a process of its own, or by a thread of the
-    show's, which is what a show does that is not told otherwise."""
+    """A show with an OSC port, driven frame by frame; OSC is received by a process of its own, which is what a show
+    with a supervisor does that is not told otherwise, or by a thread of the show's."""
 
     def __init__(self, *, own_process: bool) -> None:
         loaded = load_show(DEFAULT_PATCH)

@@ -51,6 +51,8 @@ class Lifeline:
         """Lines of the show that it passed on, and nobody has taken up yet."""
         self.osc: int | None = None
         """The descriptor of the socket where OSC is received, if the supervisor holds one."""
+        self.osc_reader: int | None = None
+        """The same of the socket to the process that reads that one, if there is such a process."""
         self.sound: int | None = None
         """The same of the socket to the process that listens or plays."""
         self.sound_peer: int | None = None
@@ -91,6 +93,7 @@ class Lifeline:
         self.wire.socket.setblocking(False)
         told = json.loads(line)
         self.osc, self.sound, self.sound_peer = told.get("osc"), told.get("sound"), told.get("sound_peer")
+        self.osc_reader = told.get("osc_reader")
         self._show = told["show"]
         if told.get("rendezvous") is not None:
             self._rendezvous = Rendezvous(told["rendezvous"])

@@ -25,6 +25,9 @@ class Orders:
     """Whether the picture is full screen at the start, and on which monitor."""
     osc: socket.socket | None = None
     """Where OSC is received, bound already: the socket outlives the engine, and what comes meanwhile waits in it."""
+    osc_reader: Sequence[str] = ()
+    """The process that reads that socket for the engine; empty: the engine does. It gets the numbers of two sockets, to
+    the engine and the one that is read, before the usual two."""
     journal: Path | None = None
     spare_after: float = 2.0
     """Seconds that an engine has danced before the next one begins to prepare itself."""
@@ -63,6 +66,7 @@ class Report:
     takeover_s: float | None = None
     """From the last engine's end to the first picture of the one that took over."""
     audio_restarts: int = 0
+    osc_restarts: int = 0
     spare: bool = False
     """Whether another engine is ready."""
     guard: bool = False

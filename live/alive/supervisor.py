@@ -50,7 +50,10 @@ class Supervisor:
         there = {} if adoption is None else adoption.descriptors
         self._sound = self._sound_pair(there) if orders.audio else None
         self._meeting = self._meet(adoption)
+        self._heard = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) if orders.osc_reader else None
         inherit = {} if orders.osc is None else {"osc": orders.osc.fileno()}
+        if self._heard is not None:
+            inherit["osc_reader"] = self._heard[0].fileno()
         if self._sound is not None:
             inherit |= {"sound": self._sound[0].fileno(), "sound_peer": self._sound[1].fileno()}
         if self._meeting is not None:
@@ -60,6 +63,7 @@ class Supervisor:
         fullscreen, monitor = orders.screen
         self.engines.screen = {"alive": "screen", "fullscreen": fullscreen, "monitor": monitor}
         self.audio, self.guard = Side(self._start_audio, say), Side(self._start_guard, say)
+        self.osc_reader = Side(self._start_osc_reader, say)
         self._remote = Remote(orders, self._starter, self.engines, self.report, say)
         self._tell_at = self._confirm_at = 0.0
         self._wire: Wire | None = None
@@ -81,6 +85,8 @@ class Supervisor:
                 self.audio.child = self._start_audio()
             if self._orders.guard:
                 self.guard.child = self._start_guard()
+            if self._orders.osc_reader:
+                self.osc_reader.child = self._start_osc_reader()
             while self.engines.code is None:
                 self._turn()
             return self.engines.code
@@ -96,6 +102,7 @@ class Supervisor:
         slowdown = self._starter.load.slowdown
         self.audio.look(now, slowdown)
         self.guard.look(now, slowdown)
+        self.osc_reader.look(now, slowdown)
         self._reaper.look(now)
         self._remote.look(now)
         if self._writes is not None and self._writes is not self.engines.engine:
@@ -188,14 +195,22 @@ class Supervisor:
         child.wire.tell(**self.engines.screen)
         return child
 
+    def _start_osc_reader(self) -> Child:
+        assert self._heard is not None
+        assert self._orders.osc is not None
+        theirs = (self._heard[1].fileno(), self._orders.osc.fileno())
+        return self._starter.start("OSC", [*self._orders.osc_reader, *map(str, theirs)], lambda line: None, *theirs)
+
     def _tell(self, now: float) -> None:
         """Tell the engine how all are, and judge its memory."""
         engine, since = self.engines.engine, self.engines.since
-        children = (engine, self.engines.spare, self.engines.nursery.child, self.audio.child, self.guard.child)
+        children = (engine, self.engines.spare, self.engines.nursery.child, self.audio.child, self.guard.child,
+                    self.osc_reader.child)  # fmt: skip
         self.report.memory_mb = {one.role: round(one.memory() / 1e6, 1) for one in children if one is not None}
         self.report.disk = self._disk.facts()
         self.report.slowdown, self.report.reaped = round(self._starter.load.slowdown, 2), self._reaper.count
         self.report.audio_restarts, self.report.guard = self.audio.restarts, self.guard.child is not None
+        self.report.osc_restarts = self.osc_reader.restarts
         if engine is None or since is None:
             return
         engine.wire.tell(alive="facts", facts=self.engines.facts())
@@ -208,7 +223,8 @@ class Supervisor:
         self.engines.close()
         self.audio.close()
         self.guard.close()
-        for one in self._sound or ():
+        self.osc_reader.close()
+        for one in (*(self._sound or ()), *(self._heard or ())):
             one.close()
         if self._meeting is not None:
             self._meeting.close()

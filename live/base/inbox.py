@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Hashable
+from heapq import heapify, heappop, heapreplace
 from itertools import count
 from typing import Generic, TypeVar
 
@@ -26,7 +27,7 @@ class Inbox(Generic[Item]):
         self._put_total = 0
         self._drained = 0
         self._lanes: list[Lane[Item]] = []
-        self._next = 0
+        self._round = 0
         self._precedence = Precedence()
 
     def lane(self, capacity: int = 4096, rank: int = 0) -> Lane[Item]:
@@ -46,8 +47,10 @@ class Inbox(Generic[Item]):
         """Take what is there at `now` [s], oldest first, at most `limit` items (the rest waits for the next frame)."""
         return [item for _, item in self.drain_keyed(limit, now)]
 
-    def drain_keyed(self, limit: int | None = None, now: float = 0.0) -> list[tuple[Hashable, Item]]:
-        """As `drain`, with the key of each item that has one, else None."""
+    def drain_keyed(
+        self, limit: int | None = None, now: float = 0.0, values: int | None = None
+    ) -> list[tuple[Hashable, Item]]:
+        """As `drain`, with the key of each item that has one, else None; at most `values` of those that have one."""
         taken: list[tuple[Hashable, Item]] = []
         for _ in range(len(self._items) if limit is None else min(limit, len(self._items))):
             try:
@@ -56,25 +59,39 @@ class Inbox(Generic[Item]):
                 break
         self._drained += len(taken)
         if self._lanes:
-            self._drain_lanes(taken, limit, now)
+            self._drain_lanes(taken, limit, now, values)
         return taken
 
-    def _drain_lanes(self, taken: list[tuple[Hashable, Item]], limit: int | None, now: float) -> None:
-        """Add what the lanes have, one item of each in turn."""
-        empty = 0
-        while empty < len(self._lanes) and (limit is None or len(taken) < limit):
-            lane = self._lanes[self._next % len(self._lanes)]
-            self._next += 1
+    def _drain_lanes(
+        self, taken: list[tuple[Hashable, Item]], limit: int | None, now: float, values: int | None
+    ) -> None:
+        """Add what the lanes have, one item of each in turn (start-time fair queuing); who has said little lately comes
+        before all who have much waiting, however many those are."""
+        waiting = [(max(lane.turn, self._round - 1), at, lane) for at, lane in enumerate(self._lanes) if len(lane)]
+        heapify(waiting)
+        while waiting and (limit is None or len(taken) < limit):
+            turn, at, lane = waiting[0]
+            if values is not None and lane.offers_value:
+                if values <= 0:  # it waits, and what was put after it as well
+                    heappop(waiting)
+                    continue
+                values -= 1
             place = lane.take_place()
             if place is None:
-                empty += 1
-            else:
-                empty = 0
-                if place.key is None or self._precedence.admits(place.key, lane.rank, now):
-                    taken.append((place.key, place.item))
+                heappop(waiting)
+                continue
+            self._round, lane.turn = max(turn, self._round), turn + 1
+            heapreplace(waiting, (turn + 1, at, lane))
+            if place.key is None or self._precedence.admits(place.key, lane.rank, now):
+                taken.append((place.key, place.item))
 
     def __len__(self) -> int:
         return len(self._items) + sum(map(len, self._lanes))
+
+    @property
+    def offered(self) -> int:
+        """How many items were put into lanes since the start."""
+        return sum(lane.offered for lane in self._lanes)
 
     @property
     def dropped(self) -> int:

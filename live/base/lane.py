@@ -34,6 +34,8 @@ class Lane(Generic[Item]):
     def __init__(self, capacity: int = 4096, rank: int = 0) -> None:
         """`rank`: where lanes set the same thing at once, that of the higher one counts (`Precedence`)."""
         self.rank = rank
+        self.turn = 0
+        """Which round of the reader's it is served in next; the reader's alone (`Inbox`)."""
         self._places: deque[Place[Item]] = deque(maxlen=capacity)
         self._open: dict[Hashable, Place[Item]] = {}  # the writer's alone
         self._appended = 0
@@ -59,6 +61,19 @@ class Lane(Generic[Item]):
             self._open[key] = fresh
         self._places.append(fresh)
         self._appended += 1
+
+    @property
+    def offers_value(self) -> bool:
+        """Whether the oldest item is one that a later one of its key may replace while it waits."""
+        try:
+            return self._places[0].key is not None
+        except IndexError:
+            return False
+
+    @property
+    def offered(self) -> int:
+        """How many items were put here since the start."""
+        return self._appended + self.replaced
 
     def take(self) -> Item | None:
         """The oldest item; None if there is none."""

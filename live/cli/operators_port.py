@@ -23,8 +23,9 @@ class OperatorsPort:
         """Nothing is bound yet; a socket that a supervisor holds is taken over."""
         operators = partial(inbox.lane, rank=RANKS["operator"])
         lane, inherited = operators(), None if lifeline is None else lifeline.osc
+        reader = None if lifeline is None else lifeline.osc_reader
         self._osc: OscInput | OscRemote = (
-            OscRemote(*wish.osc, lane, clock, inherited=inherited)
+            OscRemote(*wish.osc, lane, clock, inherited=inherited, reader=reader)
             if wish.osc_process
             else OscInput(*wish.osc, lane, clock, inherited=inherited, more=operators)
         )

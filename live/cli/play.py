@@ -35,7 +35,7 @@ def play(
     ] = None,
     seed: Annotated[int | None, typer.Option(min=0, max=2**31 - 1, help="Seed of all chance in the show.")] = None,
     osc: play_ports.Osc = "127.0.0.1:9010",
-    osc_process: play_ports.OscProcess = False,
+    osc_process: play_ports.OscProcess = None,
     osc_musicians: play_ports.OscMusicians = None,
     osc_out: play_ports.OscOut = None,
     dmx: play_ports.Dmx = None,
@@ -70,6 +70,7 @@ def play(
     again at its end. Without a screen, 20 s of the show become a film, first-show.mp4.
     """
     import secrets
+    from dataclasses import replace
 
     from rich.console import Console
 
@@ -122,7 +123,7 @@ def play(
             measures=parse_measures(measures),
             tempo_share=tempo_share,
             osc=parse_endpoint(osc),
-            osc_process=osc_process,
+            osc_process=bool(osc_process),
             osc_musicians=None if osc_musicians is None else parse_endpoint(osc_musicians, "--osc-musicians"),
             osc_out=tuple(parse_endpoint(each, "--osc-out") for each in osc_out or ()),
             dmx=tuple(dmx or ()),
@@ -151,6 +152,8 @@ def play(
         headless=headless,
     )
     if is_supervised(played, alone=alone, machines=lead is not None or standby is not None):
+        if osc_process is None:
+            played = replace(played, wish=replace(played.wish, osc_process=True))
         supervise(played, lead=lead, standby=standby, service=service)
         return
     warm_kernels(Console(stderr=True, highlight=False))  # before anything is imported that has kernels

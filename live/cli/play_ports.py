@@ -6,11 +6,11 @@ import typer
 
 Osc = Annotated[str, typer.Option(help="Where OSC is received.", metavar="HOST:PORT")]
 OscProcess = Annotated[
-    bool,
+    bool | None,
     typer.Option(
-        "--osc-process",
-        help="Receive OSC in a process of its own, so that floods cost the picture little; what is sent while an "
-        "engine dies may be lost then.",
+        "--osc-process/--no-osc-process",
+        help="Receive OSC in a process of its own, so that floods cost the picture little, or in the show's. Without "
+        "either: of its own, but where the whole show is one process.",
     ),
 ]
 OscMusicians = Annotated[

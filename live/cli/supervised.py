@@ -94,6 +94,7 @@ def supervise(played: Played, *, lead: str | None, standby: str | None, service:
         guard=() if played.headless else [*python, "live.cli.guard_process"],
         screen=(played.fullscreen, played.monitor),
         osc=osc,
+        osc_reader=[*python, "live.cli.osc_reader"] if played.wish.osc_process else (),
         journal=played.wish.journal,
         lead=leads,
         identity=identity,

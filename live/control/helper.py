@@ -22,6 +22,8 @@ LARGEST: Final = 1 << 16
 RESTART_AFTER: Final = 2.0
 ENDS_WITHIN: Final = 2.0
 PER_FRAME: Final = 8
+HELLO: Final = {"hello": True}
+"""What a process says first that is started by somebody else: it knows nothing yet."""
 
 
 class Helper:
@@ -29,12 +31,13 @@ class Helper:
 
     def __init__(
         self, module: str, clock: Clock, plan: dict[str, Any], anew: Callable[[], None], *inherit: int,
-        on: Callable[[Any], None] = lambda told: None,
+        on: Callable[[Any], None] = lambda told: None, joined: int | None = None,
     ) -> None:  # fmt: skip
         """`module` is run with what `Told` reads first: `plan`, and the origin of the clock; `anew`: a fresh one has to
         be told everything; `inherit`: descriptors that it has under the same numbers; `on`: gets what it says that
-        is no facts, which are a dict."""
-        self._inherit, self._on = inherit, on
+        is no facts, which are a dict. `joined`: the descriptor of a socket to a process that somebody else starts, and
+        starts again; it says `HELLO` then. Once nobody holds its other end any more, one is started here."""
+        self._inherit, self._on, self._joined = inherit, on, joined
         self._module, self._clock, self._plan, self._anew = module, clock, plan, anew
         self._socket: socket.socket | None = None
         self._process: subprocess.Popen[bytes] | None = None
@@ -52,6 +55,11 @@ class Helper:
 
     def start(self) -> None:
         """Start the process; it is ready some tenths of a second later, what it is told meanwhile waits."""
+        if self._joined is not None:
+            self._socket = socket.socket(fileno=os.dup(self._joined))
+            self._socket.setblocking(False)
+            self._tell_plan()
+            return
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         ours.setblocking(False)
         with theirs:
@@ -65,6 +73,9 @@ class Helper:
         if old is not None:
             old.close()
         self._started_at = self._clock.now()
+        self._tell_plan()
+
+    def _tell_plan(self) -> None:
         self.send(self._plan | {"origin": time.perf_counter() - self._clock.now()})
         self._anew()
 
@@ -95,7 +106,9 @@ class Helper:
             if not data:
                 break
             told = pickle.loads(data)
-            if isinstance(told, dict):
+            if told == HELLO:
+                self._tell_plan()
+            elif isinstance(told, dict):
                 self._facts = told
             else:
                 self._on(told)
@@ -104,7 +117,9 @@ class Helper:
                     return
         else:
             return
-        if self._clock.now() - self._started_at > RESTART_AFTER:
+        lost = self._joined is not None  # nobody keeps that process any more: one of our own goes on
+        if lost or self._clock.now() - self._started_at > RESTART_AFTER:
+            self._joined = None
             self.restarts += 1
             self._starting = threading.Thread(target=self._start_again, daemon=True)
             self._starting.start()
@@ -141,12 +156,15 @@ class Helper:
 class Told:
     """The helper's own end. Thread: one."""
 
-    def __init__(self, descriptor: int) -> None:
+    def __init__(self, descriptor: int, plan: dict[str, Any] | None = None) -> None:
+        """Waits for the plan; `plan`: this process has one, and whoever starts it is not the show."""
         for number in (signal.SIGINT, signal.SIGHUP):
             signal.signal(number, signal.SIG_IGN)
         self.socket = socket.socket(fileno=descriptor)
-        self.socket.setblocking(True)
-        self.plan: dict[str, Any] = pickle.loads(self.socket.recv(LARGEST))
+        if plan is None:
+            self.socket.setblocking(True)
+            plan = pickle.loads(self.socket.recv(LARGEST))
+        self.plan: dict[str, Any] = plan
         self.socket.setblocking(False)
         with contextlib.suppress(OSError):
             os.nice(self.plan.get("nice", 2))  # the frame goes before

@@ -33,8 +33,8 @@ ROUNDS: Final = 4
 """Calls for datagrams before others have their turn."""
 MANY: Final = 16
 """Datagrams of one call that are a flood ..."""
-_GATHER_S: Final = 0.001
-"""... and what is waited for the next ones then."""
+GATHER: Final = 0.001
+"""... and what is waited for the next ones then [s]."""
 
 Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 
@@ -60,12 +60,13 @@ class OscInput:
         option: str = "--osc",
         after: Callable[[], float | None] = lambda: None,
         more: Callable[[], Lane[ControlEvent]] | None = None,
+        gather: float = GATHER,
     ) -> None:
         """`inherited`: the descriptor of a socket that was bound by another process, and outlives this one; `role`:
         what may be asked for at this port; `option`: how a person chooses another one; `after`: is
         called when events have come, and says in how many seconds it wants to be called again; `more`: makes
-        a lane for each sender."""
-        self._inherited = inherited
+        a lane for each sender; `gather` [s]: what is waited for more in a flood."""
+        self._inherited, self._gather = inherited, gather
         self._host, self._wanted_port, self._option = host, port, option
         self._clock, self._lane, self._after = clock, lane, after
         self._again: float | None = None
@@ -189,14 +190,15 @@ class OscInput:
             selector.register(self._wake[0], selectors.EVENT_READ)
             while not self._stopping.is_set():
                 ready = selector.select(self._wait())
-                if ready or self._sieve.waits:
-                    self._receive_all(datagrams)
+                many = self._receive_all(datagrams) if ready or self._sieve.waits else False
                 self._turn()
+                if many:  # a flood: many are cheaper together
+                    self._stopping.wait(self._gather)
 
     def _wait(self) -> float | None:
         """Seconds until something is to be done though nothing comes; None: nothing is."""
         waits = (self.door.later.wait(self._clock.now()), self.door.subscribers.wait(), self._again,
-                 _GATHER_S if self._sieve.waits else None)  # fmt: skip
+                 self._gather if self._sieve.waits else None)  # fmt: skip
         return min((wait for wait in waits if wait is not None), default=None)
 
     def _turn(self) -> None:
@@ -212,20 +214,20 @@ class OscInput:
         except Exception as error:
             self.door.reject(Rejection(Reason.INTERNAL, "", f"no {type(error).__name__}: {error}", b""))
 
-    def _receive_all(self, datagrams: Datagrams) -> None:
-        """Read what is there; in a flood wait a little, for many are cheaper together."""
+    def _receive_all(self, datagrams: Datagrams) -> bool:
+        """Read what is there; whether it was many, and all."""
         for _ in range(ROUNDS):
             if self._stopping.is_set():
-                return
+                break
             try:
                 found = datagrams.read()
             except OSError:  # a network that went away, an answer nobody wanted: the show goes on
                 self.rejected.count(Reason.SOCKET)
                 self._stopping.wait(_PAUSE_S)
-                return
+                break
             if not found:
                 self._sieve.take([], self._clock.now())
-                return
+                break
             now = self._clock.now()
             refused = self._sieve.take(
                 [each for each in found if self._is_allowed(each[1][0])], now, more=len(found) >= MANY
@@ -233,8 +235,9 @@ class OscInput:
             if refused is not None:
                 self.door.last_rejection = refused
             self.received += len(found)  # last, so that whoever sees it sees what became of them
-            if MANY <= len(found) < AT_A_TIME:
-                self._stopping.wait(_GATHER_S)
+            if len(found) < AT_A_TIME:
+                return len(found) >= MANY
+        return False
 
     def _pass(self, data: bytes, sender: Any) -> bool:
         """Let the door see to a datagram; whether nothing in it was refused."""

@@ -24,6 +24,10 @@ MUSICIANS_SOURCE: Final = "osc musician"
 PATTERNS_PER_SECOND: Final = 20
 """New patterns that are looked up; those asked for lately cost nothing."""
 MOST_LANES: Final = 32
+OF_A_HOST: Final = 8
+"""Lanes of the senders of one host, however many ports it sends from."""
+KEPT: Final = 10.0
+"""Seconds for which a lane stays with a sender who says nothing."""
 MOST_ANSWERS: Final = 64
 """Values that one datagram may ask for."""
 _NTP_SECONDS_AT_1970: Final = 2_208_988_800
@@ -39,6 +43,7 @@ class OscDoor:
         """`role`: what may be asked for here; `wall` [s since 1970]: the clock of time tags; `more`: makes lanes, so
         that each sender has its own (else all share `taker`)."""
         self._more, self._lanes = more, dict[Where, Lane[ControlEvent]]()
+        self._said_at: dict[Where, float] = {}
         self._taker, self._registry, self._role, self._wall = taker, registry, role, wall
         self._source = SOURCE if role == "operator" else MUSICIANS_SOURCE
         self._matcher = Matcher(READABLE)
@@ -153,25 +158,29 @@ class OscDoor:
         self.accepted += 1
         return None
 
-    def _lane(self, sender: Where) -> Lane[ControlEvent]:
-        """The lane of a sender; of so many senders at most, one takes over that of another that has nothing in it."""
+    def _lane(self, sender: Where, time: float) -> Lane[ControlEvent]:
+        """The lane of a sender; for whom there is none left the one that all such share."""
         lane = self._lanes.get(sender)
         if lane is None:
             if self._more is None:
                 return self._taker
-            if len(self._lanes) < MOST_LANES:
+            host = [other for other in self._lanes if other[0] == sender[0]]
+            if len(host) < OF_A_HOST and len(self._lanes) < MOST_LANES:
                 lane = self._more()
             else:
-                idle = next((other for other, found in self._lanes.items() if not len(found)), None)
-                if idle is None:
+                among = host if len(host) >= OF_A_HOST else self._lanes
+                oldest = min(among, key=self._said_at.__getitem__)
+                if time - self._said_at[oldest] < KEPT or len(self._lanes[oldest]):
                     return self._taker
-                lane = self._lanes.pop(idle)
+                lane = self._lanes.pop(oldest)
+                del self._said_at[oldest]
             self._lanes[sender] = lane
+        self._said_at[sender] = time
         return lane
 
     def _put(self, event: ControlEvent, control: Control | None, values: Sequence[object], sender: Where) -> None:
         """Hand an event over; of values that nobody has taken yet the last one counts."""
-        lane = self._lane(sender)
+        lane = self._lane(sender, event.time)
         if control is None or control.kind == "event":
             lane.put(event)
             return

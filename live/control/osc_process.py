@@ -1,7 +1,9 @@
 """OSC in a process of its own: whatever is sent to the port, the show's Python is busy with none of it.
 
 The process receives, checks and answers; what is to happen comes to the show in packets, two in a tick at most.
-The socket belongs to the show: while the process is started again, what is sent waits in it.
+The socket belongs to the show, or to its supervisor: while the process is started again, what is sent waits in it.
+Where there is a supervisor the process is its own, too (`live.cli.osc_reader`), and goes on while engines change; what
+it has heard waits for the next one.
 """
 
 import os
@@ -13,6 +15,7 @@ import time
 from collections.abc import Callable, Hashable
 from typing import Any, Final
 
+from live.base.allowance import Allowance
 from live.base.inbox import Inbox
 from live.base.lane import Lane
 from live.clock.source import Clock, SystemClock
@@ -28,10 +31,10 @@ PACE: Final = 0.5 * TICK
 and a tick, which an operator's message may take."""
 IN_A_PACKET: Final = 32
 """Events in a packet at most: each sender's in turn, so that a flood waits and others do not ..."""
-BURST: Final = 128.0
-PER_SECOND: Final = 512.0
-"""... while these are not used up: so many at first, and so many more each second."""
-FEWEST: Final = 4
+FLOOD: Final = 4000.0
+"""... as much as its `Allowance` lets it have, at least one: more datagrams in a second than this are a flood."""
+GATHER: Final = 0.004
+"""Seconds for which the process waits for more in a flood: it wakes up less often beside the frame."""
 AT_ONCE: Final = 64
 """Values that are told in one packet."""
 SAY_EVERY: Final = 0.25
@@ -48,10 +51,13 @@ class OscRemote:
     """The show's side of it: what an `OscInput` is. Thread: the one that runs the show."""
 
     def __init__(
-        self, host: str, port: int, lane: Lane[ControlEvent], clock: Clock, *, inherited: int | None = None
-    ) -> None:
-        """As `OscInput`."""
+        self, host: str, port: int, lane: Lane[ControlEvent], clock: Clock, *, inherited: int | None = None,
+        reader: int | None = None,
+    ) -> None:  # fmt: skip
+        """As `OscInput`. `reader`: the descriptor of a socket to the process, if a supervisor keeps it; then that has
+        the inherited socket as well, by the same number."""
         self._host, self._port, self._lane, self._clock, self._inherited = host, port, lane, clock, inherited
+        self._reader = reader
         self._socket: socket.socket | None = None
         self._helper: Helper | None = None
         self._all: dict[str, Any] = {}
@@ -66,12 +72,13 @@ class OscRemote:
             self._socket = socket.socket(fileno=os.dup(self._inherited))
         udp = self._socket.fileno()
         self._helper = Helper(
-            "live.control.osc_process", self._clock, {"udp": udp, "nice": 0}, self._anew, udp, on=self._hear
-        )
+            "live.control.osc_process", self._clock, {"udp": udp, "nice": 0}, self._anew, udp, on=self._hear,
+            joined=self._reader,
+        )  # fmt: skip
         self._helper.start()
 
     def stop(self) -> None:
-        """End it; the port is free then."""
+        """End it, and the port is free then; but what a supervisor keeps."""
         if self._helper is not None:
             self._helper.stop()
         if self._socket is not None:
@@ -145,63 +152,95 @@ class Forward:
     """What has come goes to the show: once in `PACE`, and only as much as it takes up; what waits meanwhile waits in
     its lane, where later values replace it. Thread: the one that receives; `taken` is counted by another."""
 
-    def __init__(self, send: Callable[[bytes], object], inbox: Inbox[ControlEvent], now: Callable[[], float]) -> None:
-        self._send, self._inbox, self._now = send, inbox, now
+    def __init__(
+        self, send: Callable[[bytes], object], inbox: Inbox[ControlEvent], now: Callable[[], float],
+        received: Callable[[], int] = lambda: 0,
+    ) -> None:  # fmt: skip
+        """`received`: datagrams since the start."""
+        self._send, self._inbox, self._now, self._received = send, inbox, now, received
         self._packet = b""
-        self._next = self._sent_at = self._filled_at = 0.0
-        self._left = BURST
-        self._sent = 0
+        self._next = self._sent_at = 0.0
+        self._allowance = Allowance(FLOOD)
+        self.sent = 0
+        """Packets that the show was sent."""
         self.taken = 0
         """Packets that the show has taken up."""
 
     def turn(self) -> float | None:
         """Send what there is; seconds until there may be something to send again."""
         now = self._now()
+        left = self._allowance.left(now, self._received())
         if not self._packet and not len(self._inbox):
             return None
         if now < self._next:
             return self._next - now
-        if self._sent - self.taken >= ON_THE_WAY and now - self._sent_at < PATIENCE:
+        if self.sent - self.taken >= ON_THE_WAY and now - self._sent_at < PATIENCE:
             return SOON
         self._next = now + PACE
         if not self._packet:
-            self._left = min(self._left + (now - self._filled_at) * PER_SECOND, BURST)
-            self._filled_at = now
-            events = self._inbox.drain_keyed(min(max(int(self._left), FEWEST), IN_A_PACKET))
-            self._left -= len(events)
+            events = self._inbox.drain_keyed(min(max(left, 1), IN_A_PACKET))
+            self._allowance.spend(len(events))
             self._packet = pickle.dumps(events)
         try:
             self._send(self._packet)
         except OSError:  # the show stands still: this waits, too
             return TICK
         self._packet = b""
-        self._sent, self._sent_at = self._sent + 1, now
+        self.sent, self._sent_at = self.sent + 1, now
         return PACE if len(self._inbox) else None
+
+
+class Reader:
+    """What the process does. Thread: its main one; the port has its own."""
+
+    def __init__(self, told: Told, udp: int) -> None:
+        """`udp`: the descriptor of the socket. Nothing is read from it before the show has said what time it is."""
+        self._told = told
+        self._inbox: Inbox[ControlEvent] = Inbox()
+        self._clock = SystemClock()
+        self._forward = Forward(told.socket.send, self._inbox, time.perf_counter, lambda: self._osc.received)
+        self._osc = OscInput(
+            "", 0, self._inbox.lane(), self._clock, inherited=udp, after=self._forward.turn, more=self._inbox.lane,
+            gather=GATHER,
+        )  # fmt: skip
+        self._before = 0
+        self._listens = False
+        self._say_at = 0.0
+
+    def obey(self, plan: dict[str, Any]) -> None:
+        """An engine says what time it is in the show: the first one, or one that goes on after it."""
+        self._clock.origin = plan["origin"]
+        self._before = self._forward.sent
+        if not self._listens:
+            self._listens = True
+            self._osc.start()
+
+    def turn(self, *others: socket.socket) -> None:
+        """Take up what the show says, wait for it or `others` for a while, and say how things are."""
+        select.select([self._told.socket, *others], [], [], SAY_EVERY)
+        for packet in self._told.packets():
+            if isinstance(packet, int):
+                self._forward.taken = min(self._before + packet, self._forward.sent)
+            elif "origin" in packet:
+                self.obey(packet)
+            else:
+                self._osc.tell(packet)
+        if not self._listens or time.perf_counter() < self._say_at:
+            return
+        self._say_at = time.perf_counter() + SAY_EVERY
+        refused = self._osc.refused()
+        if self._inbox.dropped:
+            refused["inbox full"] = self._inbox.dropped
+        self._told.say({**self._osc.facts(), "refused": refused, "refusal": self._osc.refusal()})
 
 
 def main() -> None:
     """Receive until the show has gone."""
     told = Told(int(sys.argv[1]))
-    inbox: Inbox[ControlEvent] = Inbox()
-    forward = Forward(told.socket.send, inbox, time.perf_counter)
-    clock = SystemClock(told.plan["origin"])
-    osc = OscInput("", 0, inbox.lane(), clock, inherited=told.plan["udp"], after=forward.turn, more=inbox.lane)
-    osc.start()
-    say_at = 0.0
+    reader = Reader(told, told.plan["udp"])
+    reader.obey(told.plan)
     while not told.ended:
-        select.select([told.socket], [], [], SAY_EVERY)
-        for packet in told.packets():
-            if isinstance(packet, int):
-                forward.taken = packet
-            else:
-                osc.tell(packet)
-        if time.perf_counter() < say_at:
-            continue
-        say_at = time.perf_counter() + SAY_EVERY
-        refused = osc.refused()
-        if inbox.dropped:
-            refused["inbox full"] = inbox.dropped
-        told.say({**osc.facts(), "refused": refused, "refusal": osc.refusal()})
+        reader.turn()
     os._exit(0)  # the show has gone, and the socket is not ours to close
 
 

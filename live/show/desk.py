@@ -71,6 +71,9 @@ class Desk:
 
     def act(self, event: ControlEvent, *, timeline: Timeline, danced: float) -> list[ControlEvent]:
         """Let an event of `DESK_EVENTS` act at the danced beat; PersonError if it asks for what is not there."""
+        if type(event) in SCENE_EVENTS:  # these come by the thousand
+            self.scenes.act(event, beats_per_measure=float(timeline.beats_per_measure))
+            return []
         match event:
             case events.Go():
                 return [*self._let_go(event, danced), *self.cues.go(event, danced)]
@@ -93,8 +96,6 @@ class Desk:
                 self.edits.redo()
             case events.FadePicture() | events.FreezePicture() | events.AllowFlashes() | events.ShowCard():
                 self.master.act(event)
-            case _:
-                self.scenes.act(event, beats_per_measure=float(timeline.beats_per_measure))
         return []
 
     def _panic(self, event: ControlEvent) -> list[ControlEvent]:

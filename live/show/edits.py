@@ -91,16 +91,16 @@ class _Edit:
 
 
 @cache
-def _has(kind: type[ControlEvent], wanted: tuple[str, ...]) -> tuple[str, ...]:
+def _has(kind: str, wanted: tuple[str, ...]) -> tuple[str, ...]:
     """Which of these fields events of a kind have."""
-    known = {field.name for field in fields(kind)}
+    known = {field.name for field in fields(events.EVENT_TYPES[kind])}
     return tuple(name for name in wanted if name in known)
 
 
 def _words(event: ControlEvent) -> str:
     """An edit in a few words, for the operator."""
     what = type(event).__name__
-    for name in _has(type(event), _SAID):
+    for name in _has(what, _SAID):
         value = getattr(event, name)
         if value:
             return f"{what} {str(value)[:40]}"
@@ -143,7 +143,7 @@ class Edits:
         old, new = _differences(before, after)
         if not old:
             return
-        named = _has(type(event), _WHAT)
+        named = _has(type(event).__name__, _WHAT)
         name = str(getattr(event, named[0])) if named else ""
         key = (type(event).__name__, event.source, name, str(getattr(event, "group", "")))
         last = self._done[-1] if self._done else None

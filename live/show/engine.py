@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable
 from typing import Protocol
 
+from live.base.allowance import Allowance
 from live.base.inbox import Inbox
 from live.base.stage_view import StageView
 from live.clock.source import Clock
@@ -32,6 +33,8 @@ EVENTS_PER_FRAME = 512
 EVENTS_AT_ONCE = 8
 EVENT_SECONDS = 0.003
 """... and no more once so much time has gone by: a flood waits, it does not stall a frame."""
+VALUES_FLOOD = 1500.0
+"""So many values a second that are put into lanes are a flood: a MIDI cable can say 1,042."""
 
 UNDRAWN = 30
 """Frames in a row that could not be drawn: the driver is lost."""
@@ -81,6 +84,7 @@ class Engine:
         self.show = show
         self._clock = clock
         self._inbox = inbox
+        self._allowance = Allowance(VALUES_FLOOD)
         self._status = status
         self.journal = journal
         """Where events and measures are noted; None: nowhere."""
@@ -123,8 +127,10 @@ class Engine:
         """
         now = self._clock.now()
         for _ in range(0, EVENTS_PER_FRAME, EVENTS_AT_ONCE):
-            events = self._inbox.drain(EVENTS_AT_ONCE, now)
-            for event in events:
+            values = self._allowance.left(now, self._inbox.offered)
+            events = self._inbox.drain_keyed(EVENTS_AT_ONCE, now, values)
+            self._allowance.spend(sum(key is not None for key, _ in events))
+            for _, event in events:
                 self.apply(event)
             if len(events) < EVENTS_AT_ONCE or self._clock.now() - now > EVENT_SECONDS:
                 break

@@ -33,6 +33,33 @@ def test_a_limit_leaves_the_rest_for_later():
     assert inbox.drain() == []
 
 
+def test_who_has_said_little_comes_before_all_who_have_much_waiting():
+    inbox = Inbox()
+    lanes, quiet = [inbox.lane() for _ in range(40)], inbox.lane()
+    for number in range(30):
+        for lane in lanes:
+            lane.put(number)
+    assert inbox.drain(100).count(0) == 40
+    quiet.put("operator")
+    assert inbox.drain(1) == ["operator"]
+    quiet.put("once more")
+    assert inbox.drain(80).count("once more") == 1  # in its turn
+    assert len(inbox.drain()) == 40 * 30 + 2 - 181
+
+
+def test_so_many_values_at_most_and_what_is_no_value_goes_on():
+    inbox = Inbox()
+    flooded, taps = inbox.lane(), inbox.lane()
+    for number in range(5):
+        flooded.put(number, key=number)
+        taps.put(f"tap {number}")
+    flooded.put("after the values")
+    assert [item for _, item in inbox.drain_keyed(None, 0.0, 2)] == [0, "tap 0", 1, "tap 1", "tap 2", "tap 3", "tap 4"]
+    assert [item for _, item in inbox.drain_keyed(None, 0.0, 0)] == []
+    assert [item for _, item in inbox.drain_keyed(None, 0.0, 9)] == [2, 3, 4, "after the values"]
+    assert inbox.offered == 11
+
+
 def test_many_writers_and_a_reader():
     inbox = Inbox(1000)
     writers = [threading.Thread(target=lambda w=w: [inbox.put((w, k)) for k in range(5000)]) for w in range(4)]

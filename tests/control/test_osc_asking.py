@@ -10,7 +10,7 @@ from pythonosc.osc_packet import OscPacket
 from live.base.inbox import Inbox
 from live.base.lane import Lane
 from live.control import events
-from live.control.osc_door import MOST_ANSWERS, MOST_LANES, PATTERNS_PER_SECOND, OscDoor
+from live.control.osc_door import KEPT, MOST_ANSWERS, MOST_LANES, OF_A_HOST, PATTERNS_PER_SECOND, OscDoor
 from live.control.osc_later import HORIZON, MOST, Later
 from live.control.osc_subscribers import EVERY, OWN, Subscribers
 from live.control.osc_subscribers import MOST as MOST_SUBSCRIBERS
@@ -294,3 +294,24 @@ def test_each_sender_has_a_lane_of_its_own():
         list(door.hear(memoryview(message("/dance/clock/tap").dgram), ("10.0.0.1", number), 0.0))
     assert len(inbox.drain()) == 98 + 3 * MOST_LANES
     assert inbox.dropped == 0
+
+
+def test_who_sends_from_ever_new_ports_gets_few_lanes_and_takes_nobody_s():
+    made = []
+    inbox = Inbox()
+    door = OscDoor(inbox.lane(), more=lambda: made.append(inbox.lane()) or made[-1])
+    tap = memoryview(message("/dance/clock/tap").dgram)
+    for second in range(40):
+        list(door.hear(tap, ME, float(second)))
+        own = made[0]
+        assert len(own) == 1  # the operator's lane stays the operator's
+        for number in range(100):
+            list(door.hear(tap, ("10.0.0.66", 100 * second + number), second + 0.5))
+        inbox.drain()
+    assert len(made) == 1 + OF_A_HOST
+    for number in range(3 * MOST_LANES):
+        list(door.hear(tap, (f"10.0.1.{number}", 9), 40.0))
+    assert len(made) == MOST_LANES
+    list(door.hear(tap, ("10.0.2.1", 9), 41.0 + KEPT))  # whoever has long said nothing gives his up
+    assert len(made) == MOST_LANES
+    assert ("10.0.2.1", 9) in door._lanes

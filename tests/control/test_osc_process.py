@@ -4,10 +4,11 @@ import pickle
 import socket
 import threading
 
+from live.base.allowance import BURST, FLOODED_PER_SECOND, PER_SECOND
 from live.base.inbox import Inbox
 from live.clock.source import SystemClock
 from live.control import events
-from live.control.osc_process import BURST, IN_A_PACKET, ON_THE_WAY, PACE, PATIENCE, PER_SECOND, Forward, OscRemote
+from live.control.osc_process import IN_A_PACKET, ON_THE_WAY, PACE, PATIENCE, Forward, OscRemote
 from tests.control.osc_stage import message
 from tests.control.waiting import wait_for
 
@@ -16,18 +17,20 @@ class Sent:
     def __init__(self):
         self.time, self.packets, self.full, self.inbox = 0.0, [], False, Inbox()
         self.lane = self.inbox.lane()
-        self.forward = Forward(self.send, self.inbox, lambda: self.time)
+        self.received = 0
+        self.forward = Forward(self.send, self.inbox, lambda: self.time, lambda: self.received)
 
     def send(self, packet):
         if self.full:
             raise BlockingIOError
         self.packets.append([event for _, event in pickle.loads(packet)])
 
-    def flood(self, seconds, *, takes=True):
-        """Sixty values in each millisecond; what of them was sent."""
+    def flood(self, seconds, *, takes=True, datagrams=0):
+        """Sixty values in each millisecond, of so many `datagrams`; what of them was sent."""
         before = len(self.packets)
         for _ in range(round(seconds * 1000)):
             self.time += 0.001
+            self.received += datagrams
             for number in range(60):
                 self.lane.put(events.Tap(time=self.time, source=str(number)), number)
             self.forward.turn()
@@ -44,6 +47,37 @@ def test_a_flood_gets_so_many_events_a_second_and_they_are_fresh():
     assert all(len(packet) <= IN_A_PACKET for packet in sent.packets)
     assert len(sent.packets) <= 4.0 / PACE + 1
     assert sent.time - told[-1].time < 2 * 60 / PER_SECOND
+
+
+def test_of_more_datagrams_than_anybody_who_means_well_sends_the_show_gets_fewer_values_and_every_key_in_turn():
+    sent = Sent()
+    sent.flood(1.0, datagrams=40)
+    told = sent.flood(4.0, datagrams=40)
+    assert FLOODED_PER_SECOND * 3.5 <= len(told) <= FLOODED_PER_SECOND * 4.5
+    counts = [sum(event.source == str(number) for event in told) for number in range(60)]
+    assert max(counts) - min(counts) <= 1
+    sent.flood(1.0)
+    assert len(sent.flood(2.0)) >= PER_SECOND * 1.5  # it is over
+
+
+def test_who_says_little_is_in_the_next_packet_however_many_lanes_are_flooded():
+    sent = Sent()
+    lanes, quiet = [sent.inbox.lane() for _ in range(40)], sent.inbox.lane()
+    late = {}
+    for step in range(4000):
+        sent.time += 0.001
+        sent.received += 40
+        for number, lane in enumerate(lanes):
+            lane.put(events.Tap(time=sent.time, source=str(number)), number)
+        if step % 500 == 7:
+            quiet.put(events.One(time=sent.time, source="operator"))
+        sent.forward.turn()
+        sent.forward.taken = len(sent.packets)
+        for event in sent.packets[-1] if sent.packets else []:
+            if isinstance(event, events.One):
+                late.setdefault(event.time, sent.time - event.time)
+    assert len(late) == 8
+    assert max(late.values()) <= PACE + 0.0015
 
 
 def test_a_show_that_takes_nothing_up_is_not_sent_more_and_later_what_is_then():

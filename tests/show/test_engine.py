@@ -4,10 +4,11 @@ import math
 
 import pytest
 
+from live.base.allowance import FLOODED_PER_SECOND
 from live.base.inbox import Inbox
 from live.clock.source import ManualClock
 from live.clock.ticks import TICK
-from live.control.events import Attract, Blackout, CallStep
+from live.control.events import Attract, Blackout, CallStep, SetPicture
 from live.show.engine import EVENTS_PER_FRAME, Engine
 from live.show.status import Status
 from tests.show.made_show import made_show
@@ -21,6 +22,25 @@ def made_engine(**options):
 
 def nothing(view):
     pass
+
+
+def test_of_a_flood_of_values_few_act_in_a_frame_and_events_all_the_same():
+    """A thread of the show's own that reads a flood: what each value costs is the frame's."""
+    engine, clock, inbox, _ = made_engine()
+    lane, musician = inbox.lane(), inbox.lane()
+    acted = []
+    engine.outward.append(lambda event: acted.append((type(event).__name__, clock.now())))
+    for frame in range(300):
+        clock.set(frame / 60)
+        for number in range(60):
+            lane.put(SetPicture(time=clock.now(), source="osc", parameter="/dance/light/level", x=0.5), number)
+        if frame == 0 or frame == 200:
+            musician.put(Attract(time=clock.now(), source="osc", x=1.0, z=1.0))
+        engine.frame(nothing)
+    values = [at for name, at in acted if name == "SetPicture"]
+    assert len([at for at in values if at >= 1.0]) <= 4.0 * FLOODED_PER_SECOND + 8
+    assert max(values.count(at) for at in set(values) if at >= 1.0) <= 4
+    assert [at for name, at in acted if name == "Attract"] == [0.0, 200 / 60]
 
 
 def test_the_same_events_give_the_same_states_at_any_frame_rate():
