@@ -190,7 +190,7 @@ class OscInput:
             selector.register(self._wake[0], selectors.EVENT_READ)
             while not self._stopping.is_set():
                 ready = selector.select(self._wait())
-                many = self._receive_all(datagrams) if ready or self._sieve.waits else False
+                many = (ready or self._sieve.waits) and self._received(datagrams)
                 self._turn()
                 if many:  # a flood: many are cheaper together
                     self._stopping.wait(self._gather)
@@ -213,6 +213,15 @@ class OscInput:
                 self.door.subscribers.turn(now, self._send)
         except Exception as error:
             self.door.reject(Rejection(Reason.INTERNAL, "", f"no {type(error).__name__}: {error}", b""))
+
+    def _received(self, datagrams: Datagrams) -> bool:
+        """As `_receive_all`; whatever the datagrams may bring to light, the next ones are heard."""
+        try:
+            return self._receive_all(datagrams)
+        except Exception as error:
+            self.door.reject(Rejection(Reason.INTERNAL, "", f"no {type(error).__name__}: {error}", b""))
+            self._stopping.wait(_PAUSE_S)
+            return False
 
     def _receive_all(self, datagrams: Datagrams) -> bool:
         """Read what is there; whether it was many, and all."""

@@ -113,3 +113,22 @@ def test_an_error_of_our_own_is_counted_and_the_next_datagram_heard():
         stage.send(message("/break").dgram, TAP)
         assert stage.events() == [events.Tap(**STAMP)]
         assert stage.osc.rejected.as_dict() == {"internal error": 1}
+
+
+def test_an_error_before_datagrams_are_taken_apart_costs_those_alone(stage, monkeypatch):
+    """The thread that receives would have ended with it, and nobody would have been heard any more."""
+    taken, failed = stage.osc._sieve.take, []
+
+    def take(*found, **how):
+        if found[0] and not failed:
+            failed.append(True)
+            raise ZeroDivisionError("a fault of this program")
+        return taken(*found, **how)
+
+    monkeypatch.setattr(stage.osc._sieve, "take", take)
+    stage.sender.sendto(TAP, ("127.0.0.1", stage.osc.port))
+    wait_until(lambda: failed)
+    stage.send(PING)
+    wait_until(lambda: stage.osc.accepted == 1)
+    assert stage.osc.rejected.as_dict() == {"internal error": 1}
+    assert stage.sender.recv(100).startswith(b"/dance/pong")
