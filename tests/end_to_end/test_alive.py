@@ -42,8 +42,9 @@ def verified(journal: Path, begin: int = 1) -> dict[str, object]:
 def test_whatever_is_killed_the_show_goes_on_in_the_same_measure_with_the_same_states(
     play, patch: Path, tmp_path: Path
 ):
-    """One show: its sound is killed, then three engines, sooner than a spare can prepare itself. The journal of all of
-    them is that of one show; the music plays on in its own process; what was sent while nobody danced is in it."""
+    """One show: its sound and who reads OSC are killed, then three engines, sooner than a spare can prepare itself. The
+    journal of all of them is that of one show; the music plays on in its own process; what was sent while nobody danced
+    is in it."""
     journal = tmp_path / "j.jsonl"
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
@@ -52,7 +53,8 @@ def test_whatever_is_killed_the_show_goes_on_in_the_same_measure_with_the_same_s
     running = play(str(patch), *music, "--headless", "--osc", f"127.0.0.1:{port}", "--journal", str(journal))
     until_spare(running)
     os.kill(children(running, "audio_process")[0], signal.SIGKILL)
-    running.wait_for(lambda line: line["alive"].get("audio_restarts") == 1, 20)
+    os.kill(children(running, "osc_reader")[0], signal.SIGKILL)
+    running.wait_for(lambda line: line["alive"].get("audio_restarts") == line["alive"].get("osc_restarts") == 1, 20)
     before = running.lines()[-1]
     after = three_kills_half_a_second_apart(running, port)
     beats = (after["time"] - before["time"]) * after["bpm"] / 60  # the measure is the one that it would have been
