@@ -3,14 +3,13 @@
 import sys
 from pathlib import Path
 
-from live.base.allowance import BURST, FLOODED_PER_SECOND, PER_SECOND
+from live.base.allowance import BURST, FLOOD, FLOODED_PER_SECOND, PER_SECOND
 from live.control import osc_decode as limits
 from live.control import osc_later as later
 from live.control.control import NAME_LENGTH, TEXT_LENGTH, Argument, Control
 from live.control.osc_door import MOST_LANES, OF_A_HOST, PATTERNS_PER_SECOND
 from live.control.osc_out import OUT, SENT
 from live.control.osc_pattern import MOST_CHARACTERS, MOST_CHOICES
-from live.control.osc_process import FLOOD
 from live.control.osc_subscribers import EVERY, OWN
 from live.control.osc_subscribers import MOST as MOST_SUBSCRIBERS
 from live.control.readings import READINGS
@@ -49,7 +48,7 @@ of them for the ports
 - In a show with a supervisor ([alive.md](alive.md)) a process of its own receives (`--no-osc-process`: the show's), so
   that floods cost the picture little; it goes on while engines change, and what is sent meanwhile waits. It hands
   over {PER_SECOND:.0f} messages a second (after a pause {BURST:.0f} at once), {FLOODED_PER_SECOND:.0f} while more \
-than {FLOOD:.0f} datagrams a second come: values
+than {FLOOD:.0f} a second come: values
   that wait give way to later ones (`replaced`), events keep their order.
 - A *value* says what something is from now on: of several that arrive within a tick the last one counts. An *event*
   happens each time. Of the same value an operator's setting counts before a musician's, and a musician's before the

@@ -10,7 +10,9 @@ BURST: Final = 128.0
 PER_SECOND: Final = 512.0
 """Values: so many at once, after a pause, and so many more each second ..."""
 FLOODED_PER_SECOND: Final = 128.0
-"""... or only so many, while more than a bound are offered."""
+"""... or only so many, ..."""
+FLOOD: Final = 4000.0
+"""... while more than these come in a second."""
 ROUND: Final = 0.25
 """Seconds over which what is offered is counted."""
 
@@ -18,17 +20,15 @@ ROUND: Final = 0.25
 class Allowance:
     """One taker's. Thread: one."""
 
-    def __init__(self, flood: float) -> None:
-        """`flood`: so many offered in a second are one."""
-        self._flood = flood
+    def __init__(self) -> None:
         self._left, self._rate = BURST, PER_SECOND
         self._filled_at = self._counted_at = 0.0
         self._counted = 0
 
     def left(self, now: float, offered: int) -> int:
-        """How many may act at `now` [s]; `offered`: how many there were since the start, acted upon or not."""
+        """How many may act at `now` [s]; `offered`: how many have come since the start, acted upon or not."""
         if now - self._counted_at >= ROUND:
-            flooded = offered - self._counted > self._flood * (now - self._counted_at)
+            flooded = offered - self._counted > FLOOD * (now - self._counted_at)
             self._rate = FLOODED_PER_SECOND if flooded else PER_SECOND
             self._counted, self._counted_at = offered, now
         self._left = min(self._left + max(now - self._filled_at, 0.0) * self._rate, BURST)

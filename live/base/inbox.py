@@ -90,7 +90,7 @@ class Inbox(Generic[Item]):
 
     @property
     def offered(self) -> int:
-        """How many items were put into lanes since the start."""
+        """How many items there were for lanes since the start."""
         return sum(lane.offered for lane in self._lanes)
 
     @property

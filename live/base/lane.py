@@ -40,6 +40,8 @@ class Lane(Generic[Item]):
         self._open: dict[Hashable, Place[Item]] = {}  # the writer's alone
         self._appended = 0
         self._taken = 0
+        self.thinned = 0
+        """Items that whoever writes has left out for later ones before they came here."""
         self.replaced = 0
         """Items that gave way to a later one of their key."""
 
@@ -72,8 +74,8 @@ class Lane(Generic[Item]):
 
     @property
     def offered(self) -> int:
-        """How many items were put here since the start."""
-        return self._appended + self.replaced
+        """How many items there were for this lane since the start."""
+        return self._appended + self.replaced + self.thinned
 
     def take(self) -> Item | None:
         """The oldest item; None if there is none."""

@@ -243,6 +243,7 @@ class OscInput:
             )
             if refused is not None:
                 self.door.last_rejection = refused
+            self._lane.thinned = self._sieve.replaced
             self.received += len(found)  # last, so that whoever sees it sees what became of them
             if len(found) < AT_A_TIME:
                 return len(found) >= MANY

@@ -30,9 +30,7 @@ PACE: Final = 0.5 * TICK
 """A packet is sent no sooner than so long [s] after the last: with the wait for the frame that is less than a frame
 and a tick, which an operator's message may take."""
 IN_A_PACKET: Final = 32
-"""Events in a packet at most: each sender's in turn, so that a flood waits and others do not ..."""
-FLOOD: Final = 4000.0
-"""... as much as its `Allowance` lets it have, at least one: more datagrams in a second than this are a flood."""
+"""Events in a packet at most, and at least one: as many as there is an `Allowance` for, each sender's in turn."""
 GATHER: Final = 0.004
 """Seconds for which the process waits for more in a flood: it wakes up less often beside the frame."""
 AT_ONCE: Final = 64
@@ -153,14 +151,12 @@ class Forward:
     its lane, where later values replace it. Thread: the one that receives; `taken` is counted by another."""
 
     def __init__(
-        self, send: Callable[[bytes], object], inbox: Inbox[ControlEvent], now: Callable[[], float],
-        received: Callable[[], int] = lambda: 0,
+        self, send: Callable[[bytes], object], inbox: Inbox[ControlEvent], now: Callable[[], float]
     ) -> None:  # fmt: skip
-        """`received`: datagrams since the start."""
-        self._send, self._inbox, self._now, self._received = send, inbox, now, received
+        self._send, self._inbox, self._now = send, inbox, now
         self._packet = b""
         self._next = self._sent_at = 0.0
-        self._allowance = Allowance(FLOOD)
+        self._allowance = Allowance()
         self.sent = 0
         """Packets that the show was sent."""
         self.taken = 0
@@ -169,7 +165,7 @@ class Forward:
     def turn(self) -> float | None:
         """Send what there is; seconds until there may be something to send again."""
         now = self._now()
-        left = self._allowance.left(now, self._received())
+        left = self._allowance.left(now, self._inbox.offered)
         if not self._packet and not len(self._inbox):
             return None
         if now < self._next:
@@ -198,7 +194,7 @@ class Reader:
         self._told = told
         self._inbox: Inbox[ControlEvent] = Inbox()
         self._clock = SystemClock()
-        self._forward = Forward(told.socket.send, self._inbox, time.perf_counter, lambda: self._osc.received)
+        self._forward = Forward(told.socket.send, self._inbox, time.perf_counter)
         self._osc = OscInput(
             "", 0, self._inbox.lane(), self._clock, inherited=udp, after=self._forward.turn, more=self._inbox.lane,
             gather=GATHER,

@@ -33,8 +33,6 @@ EVENTS_PER_FRAME = 512
 EVENTS_AT_ONCE = 8
 EVENT_SECONDS = 0.003
 """... and no more once so much time has gone by: a flood waits, it does not stall a frame."""
-VALUES_FLOOD = 1500.0
-"""So many values a second that are put into lanes are a flood: a MIDI cable can say 1,042."""
 
 UNDRAWN = 30
 """Frames in a row that could not be drawn: the driver is lost."""
@@ -84,7 +82,7 @@ class Engine:
         self.show = show
         self._clock = clock
         self._inbox = inbox
-        self._allowance = Allowance(VALUES_FLOOD)
+        self._allowance = Allowance()
         self._status = status
         self.journal = journal
         """Where events and measures are noted; None: nowhere."""

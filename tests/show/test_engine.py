@@ -32,8 +32,8 @@ def test_of_a_flood_of_values_few_act_in_a_frame_and_events_all_the_same():
     engine.outward.append(lambda event: acted.append((type(event).__name__, clock.now())))
     for frame in range(300):
         clock.set(frame / 60)
-        for number in range(60):
-            lane.put(SetPicture(time=clock.now(), source="osc", parameter="/dance/light/level", x=0.5), number)
+        for number in range(120):
+            lane.put(SetPicture(time=clock.now(), source="osc", parameter="/dance/light/level", x=0.5), number % 60)
         if frame == 0 or frame == 200:
             musician.put(Attract(time=clock.now(), source="osc", x=1.0, z=1.0))
         engine.frame(nothing)
