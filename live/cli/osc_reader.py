@@ -8,6 +8,7 @@ import sys
 
 from live.alive.heartbeat import Phase
 from live.alive.lifeline import Lifeline
+from live.alive.priority import ENGINE_NICE, come_forward
 from live.control.helper import HELLO, Told
 from live.control.osc_process import Reader
 
@@ -16,10 +17,11 @@ def main() -> None:
     """Read until the supervisor has gone: an engine that outlives it starts such a process itself."""
     told = Told(int(sys.argv[1]), {"nice": 0})
     lifeline = Lifeline.inherited(int(sys.argv[3]), int(sys.argv[4]))
+    come_forward(ENGINE_NICE)  # an operator is heard on a busy machine, too
     reader = Reader(told, int(sys.argv[2]))
     told.say(HELLO)
     lifeline.beat(0, Phase.RUNNING)
-    while not lifeline.alone:
+    while not (lifeline.alone or told.ended):
         reader.turn(lifeline.wire.socket)
         lifeline.listen()
         lifeline.beat(0, Phase.RUNNING)
