@@ -4,10 +4,14 @@ from collections import deque
 from collections.abc import Hashable
 from heapq import heapify, heappop, heapreplace
 from itertools import count
-from typing import Generic, TypeVar
+from typing import Final, Generic, TypeVar
 
 from live.base.lane import Lane
 from live.base.precedence import Precedence
+
+JUDGE_EVERY: Final = 0.25
+"""Seconds over which is judged who floods."""
+WEIGHT: Final = 8
 
 Item = TypeVar("Item")
 
@@ -28,6 +32,7 @@ class Inbox(Generic[Item]):
         self._drained = 0
         self._lanes: list[Lane[Item]] = []
         self._round = 0
+        self._judged_at = 0.0
         self._precedence = Precedence()
 
     def lane(self, capacity: int = 4096, rank: int = 0) -> Lane[Item]:
@@ -66,7 +71,11 @@ class Inbox(Generic[Item]):
         self, taken: list[tuple[Hashable, Item]], limit: int | None, now: float, values: int | None
     ) -> None:
         """Add what the lanes have, one item of each in turn (start-time fair queuing); who has said little lately comes
-        before all who have much waiting, however many those are."""
+        before all who have much waiting, however many those are, and who floods is `WEIGHT` times as seldom in turn."""
+        if now - self._judged_at >= JUDGE_EVERY:
+            self._judged_at = now
+            for lane in self._lanes:
+                lane.judge(now)
         waiting = [(max(lane.turn, self._round - 1), at, lane) for at, lane in enumerate(self._lanes) if len(lane)]
         heapify(waiting)
         while waiting and (limit is None or len(taken) < limit):
@@ -80,8 +89,8 @@ class Inbox(Generic[Item]):
             if place is None:
                 heappop(waiting)
                 continue
-            self._round, lane.turn = max(turn, self._round), turn + 1
-            heapreplace(waiting, (turn + 1, at, lane))
+            self._round, lane.turn = max(turn, self._round), turn + (WEIGHT if lane.floods else 1)
+            heapreplace(waiting, (lane.turn, at, lane))
             if place.key is None or self._precedence.admits(place.key, lane.rank, now):
                 taken.append((place.key, place.item))
 

@@ -9,6 +9,8 @@ from collections.abc import Hashable
 from typing import Final, Generic, TypeVar
 
 MOST_KEYS: Final = 4096
+FLOOD: Final = 512.0
+"""Items a second of one sender: as many as act of all."""
 
 Item = TypeVar("Item")
 
@@ -40,6 +42,9 @@ class Lane(Generic[Item]):
         self._open: dict[Hashable, Place[Item]] = {}  # the writer's alone
         self._appended = 0
         self._taken = 0
+        self.floods = False
+        """Whether more came lately than anybody can take; the reader's alone."""
+        self._judged, self._judged_at = 0, 0.0
         self.thinned = 0
         """Items that whoever writes has left out for later ones before they came here."""
         self.replaced = 0
@@ -76,6 +81,12 @@ class Lane(Generic[Item]):
     def offered(self) -> int:
         """How many items there were for this lane since the start."""
         return self._appended + self.replaced + self.thinned
+
+    def judge(self, now: float) -> None:
+        """See whether so many items a second come that this is a flood."""
+        came = self._appended + self.replaced
+        self.floods = came - self._judged > FLOOD * (now - self._judged_at)
+        self._judged, self._judged_at = came, now
 
     def take(self) -> Item | None:
         """The oldest item; None if there is none."""

@@ -174,7 +174,7 @@ class Forward:
             return SOON
         self._next = now + PACE
         if not self._packet:
-            events = self._inbox.drain_keyed(min(max(left, 1), IN_A_PACKET))
+            events = self._inbox.drain_keyed(min(max(left, 1), IN_A_PACKET), now)
             self._allowance.spend(len(events))
             self._packet = pickle.dumps(events)
         try:

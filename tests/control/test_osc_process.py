@@ -77,6 +77,18 @@ def test_who_says_little_is_in_the_next_packet_however_many_lanes_are_flooded():
     assert max(late.values()) <= PACE + 0.0015
 
 
+def test_who_is_heard_late_is_heard_soon_again_though_another_one_floods():
+    """The machine stood still for a second: what an operator said meanwhile is through before long."""
+    sent = Sent()
+    sent.flood(1.0, every=1)
+    operator = sent.inbox.lane()
+    for number in range(50):
+        operator.put(events.One(time=sent.time, source=str(number)))
+    told = sent.flood(0.5, every=1)
+    assert sum(isinstance(event, events.One) for event in told) == 50
+    assert sum(isinstance(event, events.Tap) for event in told) >= 5  # and the other one, too
+
+
 def test_a_show_that_takes_nothing_up_is_not_sent_more_and_later_what_is_then():
     sent = Sent()
     sent.flood(0.9 * PATIENCE, takes=False)
