@@ -70,6 +70,7 @@ class Supervisor:
         self._wires = 0  # over which lines of the show came
         self._confirmed: tuple[Wire, Written, int] | None = None
         self._writes: Child | None = None
+        self._reads: Child | None = None  # an adopted engine has a process of its own that reads OSC
         if adoption is not None:
             self._adopt(adoption)
         elif left is not None:
@@ -85,7 +86,7 @@ class Supervisor:
                 self.audio.child = self._start_audio()
             if self._orders.guard:
                 self.guard.child = self._start_guard()
-            if self._orders.osc_reader:
+            if self._orders.osc_reader and self._reads is None:
                 self.osc_reader.child = self._start_osc_reader()
             while self.engines.code is None:
                 self._turn()
@@ -107,6 +108,8 @@ class Supervisor:
         self._remote.look(now)
         if self._writes is not None and self._writes is not self.engines.engine:
             self._write_on()
+        if self._reads is not None and self._reads is not self.engines.engine:
+            self._reads, self.osc_reader.child = None, self._start_osc_reader()
         if now >= self._confirm_at:
             self._confirm_at = now + CONFIRM_EVERY
             self._confirm()
@@ -177,6 +180,7 @@ class Supervisor:
         self._disk.go_on(adoption.unwritten, adoption.snapshots_kept)
         self.engines.adopt(adoption)
         self._writes = self.engines.engine
+        self._reads = self.engines.engine if self._orders.osc_reader else None
         if self._sound is not None:
             self.audio.child = adopt_sound(self._starter, self._sound[0])
 
