@@ -130,8 +130,15 @@ With `live play --oscquery HOST:PORT` ossia score, Chataigne, TouchOSC and other
 `_oscjson._tcp` and `_osc._udp`, on the network of that host) and read everything above as a tree: types, units, ranges,
 present values; a WebSocket at the same port streams the values that they LISTEN to. A process of its own answers. It
 only tells: what is set is set over OSC, at the port that it names. Of an event the tree has the values that must be
-given; where groups differ it has the first one's value, LISTEN all of them. Pages of other sites are refused (Origin,
-Host); `127.0.0.1:9011` is reachable from this machine only, the programs elsewhere need an address of the network.
+given; where groups differ it has the first one's value, LISTEN all of them.
+
+It asks for no key, for those programs know none: whoever reaches it reads the names in the patch, what is danced and
+every present value, and where OSC is heard. Nothing can be set through it. At `127.0.0.1:9011` that is this machine
+alone, and zeroconf then neither listens nor announces anywhere else; at an address it does in the network of that
+address alone, at `0.0.0.0` in all. Pages of other sites are refused: Host has to be the address that was asked,
+localhost where that is loopback, this machine's own name in the network where it is not, or a name given as `--web-host
+NAME` or in the venue (`[web] hosts`). Connections that say nothing, or read nothing, are closed within seconds; 32
+programs may LISTEN, 16 of one address.
 """
 
 

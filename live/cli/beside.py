@@ -99,7 +99,7 @@ class Beside:
             self.telling.to.append(lamps.tell)
             self.status.more["dmx"] = lamps.status
         if wish.oscquery is not None:
-            query = OscQueryPart(wish.oscquery, wish.osc, f"Live {show.patch.name}", self.clock)
+            query = OscQueryPart(wish.oscquery, wish.osc, f"Live {show.patch.name}", self.clock, hosts=self._hosts)
             query.goes_on = self.goes_on
             parts.add(query)
             self.telling.to.append(query.tell)
@@ -123,11 +123,16 @@ class Beside:
             self.parts.add(avatars)
             self.status.more["vmc_out"] = avatars.status
 
+    @property
+    def _hosts(self) -> tuple[str, ...]:
+        """Names by which this machine is reached beside its addresses."""
+        return self.wish.web_hosts + (() if self.venue is None else self.venue.web.hosts)
+
     def pages(self) -> None:
         """The operator's page and the audience's."""
         wish, show = self.wish, self.engine.show
         if wish.web is not None:
-            page = WebPart(wish.web, wish.web_key, wish.osc, show, self.clock)
+            page = WebPart(wish.web, wish.web_key, wish.osc, show, self.clock, hosts=self._hosts)
             page.goes_on = self.goes_on
             self.parts.add(page)
             self.telling.to.append(page.tell)

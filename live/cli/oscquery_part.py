@@ -1,5 +1,7 @@
 """The part of a live show that other programs find by themselves: OSCQuery over HTTP, and zeroconf."""
 
+from collections.abc import Sequence
+
 from live.cli.http_part import HttpPart
 from live.clock.source import Clock
 
@@ -7,8 +9,11 @@ from live.clock.source import Clock
 class OscQueryPart(HttpPart):
     """Between the show and the process that answers OSCQuery."""
 
-    def __init__(self, where: tuple[str, int], osc: tuple[str, int], name: str, clock: Clock) -> None:
+    def __init__(
+        self, where: tuple[str, int], osc: tuple[str, int], name: str, clock: Clock, *, hosts: Sequence[str] = ()
+    ) -> None:
+        """`osc`: where the show listens; `hosts`: see `accepted_hosts`."""
         super().__init__(
-            where, "--oscquery", "live.control.oscquery_server", lambda: {"osc": osc, "name": name}, clock,
-            needs=("aiohttp", "zeroconf"),
+            where, "--oscquery", "live.control.oscquery_server",
+            lambda: {"osc": osc, "name": name, "hosts": list(hosts)}, clock, needs=("aiohttp", "zeroconf"),
         )  # fmt: skip

@@ -40,6 +40,9 @@ def play(
     osc_out: play_ports.OscOut = None,
     dmx: play_ports.Dmx = None,
     web: play_ports.Web = None,
+    web_key: play_ports.WebKey = None,
+    new_web_key: play_ports.NewWebKey = False,
+    web_host: play_ports.WebHost = None,
     psn: play_ports.Psn = None,
     vmc_out: play_ports.VmcOut = None,
     vmc: play_ports.Vmc = None,
@@ -90,7 +93,7 @@ def play(
     from live.cli.share_names import parse_shares
     from live.cli.supervised import is_supervised, supervise
     from live.cli.warm import warm_kernels
-    from live.cli.web_key import new_key
+    from live.cli.web_key import parse_web
     from live.cli.wish import Wish
     from live.show.patch_places import find_patch
 
@@ -103,7 +106,11 @@ def play(
         writable_file(path, name)
     film_file(record, "--record", never=[audio, patch])
     find_patch(patch)  # a name that nobody knows is told before seconds of loading
-    page = None if web is None else parse_endpoint(web, "--web")
+    console = Console(stderr=True, highlight=False)
+    page = parse_web(
+        web, key=web_key, new_key=new_web_key, hosts=web_host or (),
+        note=lambda words: console.print(f"note: {words}", style="yellow", markup=False, soft_wrap=True),
+    )  # fmt: skip
     played = Played(
         Wish(
             patch=patch,
@@ -131,8 +138,9 @@ def play(
             vmc_out=tuple(vmc_out or ()),
             vmc=tuple(parse_endpoint(with_port(each, 39539), "--vmc") for each in vmc or ()),
             oscquery=None if oscquery is None else parse_endpoint(oscquery, "--oscquery"),
-            web=page,
-            web_key="" if page is None else new_key(page[0]),
+            web=page.where,
+            web_key=page.key,
+            web_hosts=page.hosts,
             audience=None if audience is None else audience_address(audience),
             audience_link=audience_web_address(audience_link),
             audience_secret=b"" if audience is None else secrets.token_bytes(32),
@@ -156,7 +164,7 @@ def play(
             played = replace(played, wish=replace(played.wish, osc_process=True))
         supervise(played, lead=lead, standby=standby, service=service)
         return
-    warm_kernels(Console(stderr=True, highlight=False))  # before anything is imported that has kernels
+    warm_kernels(console)  # before anything is imported that has kernels
     from live.cli.stage import play_show
 
     play_show(played.wish, monitor=monitor, fullscreen=fullscreen, headless=headless)

@@ -37,9 +37,30 @@ Dmx = Annotated[
 Web = Annotated[
     str | None,
     typer.Option(
-        help="Serve the operator's page for a browser: all controls, the values of now. Beyond this machine only "
-        "with the key of the link that is printed.",
+        help="Serve the operator's page for a browser: all controls, the values of now. Only the link that is "
+        "printed lets in: it has the key.",
         metavar="[HOST:]PORT",
+    ),
+]
+WebKey = Annotated[
+    str | None,
+    typer.Option(
+        help="A key of your own for that page (16 characters or more), instead of the one that is kept. Others on this "
+        "machine can read a command line: the variable is better.",
+        metavar="KEY",
+        envvar="LIVE_WEB_KEY",
+    ),
+]
+NewWebKey = Annotated[
+    bool,
+    typer.Option("--new-web-key", help="Make another key for that page: who had the old one is let in no more."),
+]
+WebHost = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="A name by which this machine is reached beside its addresses, for that page and OSCQuery. May come "
+        "several times.",
+        metavar="NAME[:PORT]",
     ),
 ]
 Psn = Annotated[

@@ -1,6 +1,6 @@
 """Wish: what was asked for on the command line of a show. It is light to import: a supervisor needs no array."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -53,8 +53,10 @@ class Wish:
     """Where other programs can find out what there is to control."""
     web: tuple[str, int] | None = None
     """Where the operator's page is served."""
-    web_key: str = ""
-    """What the link of that page has to say; empty where only this machine reaches it."""
+    web_key: str = field(default="", repr=False)
+    """What whoever wants in by that page has to bring; the same in all processes of a show."""
+    web_hosts: tuple[str, ...] = ()
+    """Names by which this machine is reached beside its addresses, for the page and OSCQuery."""
     audience: tuple[str, int] | None = None
     """Where the audience's phones play along."""
     audience_link: str | None = None

@@ -1,8 +1,9 @@
 """The process of the operator's page: HTTP for the page, a WebSocket for values both ways.
 
 The page is made of the registry (`Surface`). What is moved there goes to the show's own OSC port, as from any other
-program, so that it is checked, ranked, counted and written to the journal there. Nobody but the page of this server is
-let in, and from other machines only with the key of its link.
+program, so that it is checked, ranked, counted and written to the journal there. The page itself says nothing about
+the show. Everything else needs the key, in a header that no page of another site can send: `Authorization: Bearer KEY`,
+or where a browser opens the WebSocket, the subprotocols `live.operator, live.key.KEY`.
 """
 
 import asyncio
@@ -19,7 +20,15 @@ from aiohttp import WSMsgType, web
 
 from live.control.control import Plain
 from live.control.helper import Told
-from live.control.http_guard import welcome
+from live.control.http_guard import (
+    HEARTBEAT,
+    SECURITY_HEADERS,
+    BoundedServer,
+    FailedKeys,
+    is_own,
+    page_headers,
+    serve,
+)
 from live.control.layouts.surface import make_surface
 from live.control.osc_encode import encode
 from live.control.readings import READINGS
@@ -34,22 +43,18 @@ MOST_BYTES: Final = 1024
 EVERY: Final = 1 / 20
 PER_SECOND: Final = 200.0
 """Messages that one page may send; more are refused."""
-BEHIND: Final = 1 << 18
-"""Bytes that a page may not have taken yet; one that is further behind is left."""
+BEHIND: Final = 1 << 15
+"""Bytes that a page may not have taken yet; one that is further behind is told the newest values later."""
 SAY_EVERY: Final = 1.0
-HEADERS: Final = {
-    "Cache-Control": "no-store",
-    "X-Content-Type-Options": "nosniff",
-    "Referrer-Policy": "no-referrer",
-    "Content-Security-Policy": "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
-    "connect-src 'self'; img-src data:; frame-ancestors 'none'",
-}
+PROTOCOL: Final = "live.operator"
+KEY_PROTOCOL: Final = "live.key."
+"""Followed by the key."""
 
 
 class Client:
     """One open page."""
 
-    def __init__(self, ws: web.WebSocketResponse, request: web.Request) -> None:
+    def __init__(self, ws: web.WebSocketResponse, request: web.BaseRequest) -> None:
         self.ws, self.request = ws, request
         self.due: dict[str, None] = dict.fromkeys(READABLE)
         self.left, self.filled_at = PER_SECOND, 0.0
@@ -68,8 +73,10 @@ class WebServer:
     """Everything of one show's page. Thread: the loop's."""
 
     def __init__(self, told: Told) -> None:
+        """In a running loop."""
         plan = told.plan
-        self._told, self._key, self._show = told, plan["key"], tuple(plan["osc"])
+        self._told, self._key, self._show = told, str(plan["key"]).encode(), tuple(plan["osc"])
+        self._hosts = tuple(str(host) for host in plan["hosts"])
         self._socket = socket.socket(fileno=plan["http"])
         self._out = socket.socket(socket.AF_INET6 if ":" in self._show[0] else socket.AF_INET, socket.SOCK_DGRAM)
         self._out.setblocking(False)
@@ -80,27 +87,24 @@ class WebServer:
         for widget in (widget for page in pages for widget in page["widgets"]):
             widget["words"] = words[widget["address"]]
         self._surface = {"name": plan["name"], "pages": pages, "readings": readings}
+        self._text = PAGE.read_text(encoding="utf-8")
+        self._headers = page_headers(self._text)
         self.values = Values()
         self._clients: set[Client] = set()
         self._sent = self._refused = 0
         self._over = asyncio.Event()
+        self._server = BoundedServer(self._answer)
+        self._failed = FailedKeys(asyncio.get_running_loop().time)
 
     async def run(self) -> None:
         """Serve until the show has gone."""
-        app = web.Application(client_max_size=MOST_BYTES)
-        app.router.add_get("/", self._page)
-        app.router.add_get("/surface.json", self._describe)
-        app.router.add_get("/ws", self._open)
-        runner = web.AppRunner(app, access_log=None, handle_signals=False)
-        await runner.setup()
-        await web.SockSite(runner, self._socket, backlog=32).start()
+        runner = await serve(self._server, self._socket)
         asyncio.get_running_loop().add_reader(self._told.socket, self._hear)
         tasks = [asyncio.create_task(self._stream()), asyncio.create_task(self._say())]
         await self._over.wait()
         for task in tasks:
             task.cancel()
-        for client in list(self._clients):
-            await client.ws.close()
+        await asyncio.gather(*(client.ws.close() for client in list(self._clients)), return_exceptions=True)
         await runner.cleanup()
 
     def _hear(self) -> None:
@@ -112,27 +116,46 @@ class WebServer:
         if self._told.ended:
             self._over.set()
 
-    def _check(self, request: web.Request) -> None:
-        if not welcome(request):
+    async def _answer(self, request: web.BaseRequest) -> web.StreamResponse:
+        """The page for everybody who asks here by one of our names; the rest for whoever has the key."""
+        if not is_own(request, self._hosts):
+            return self._refuse(403)
+        if request.path not in ("/", "/surface.json", "/ws"):
+            return self._refuse(404)
+        if request.method not in ("GET", "HEAD"):
+            return self._refuse(405)
+        if request.path == "/":
+            return web.Response(text=self._text, content_type="text/html", headers=self._headers)
+        if not self._knows_key(request):
             self._refused += 1
-            raise web.HTTPForbidden
+            return await self._failed.answer(request)
+        if request.path == "/surface.json":
+            return web.json_response(self._surface, headers=SECURITY_HEADERS)
+        return await self._open(request)
 
-    async def _page(self, request: web.Request) -> web.StreamResponse:
-        self._check(request)
-        return web.Response(text=PAGE.read_text(encoding="utf-8"), content_type="text/html", headers=HEADERS)
+    def _refuse(self, status: int) -> web.Response:
+        self._refused += 1
+        return web.Response(status=status, headers=SECURITY_HEADERS)
 
-    async def _describe(self, request: web.Request) -> web.StreamResponse:
-        self._check(request)
-        return web.json_response(self._surface, headers=HEADERS)
+    def _knows_key(self, request: web.BaseRequest) -> bool:
+        scheme, _, brought = request.headers.get("Authorization", "").partition(" ")
+        if scheme.casefold() != "bearer":
+            offered = [each.strip() for each in request.headers.get("Sec-WebSocket-Protocol", "").split(",")]
+            keys = [each.removeprefix(KEY_PROTOCOL) for each in offered if each.startswith(KEY_PROTOCOL)]
+            brought = keys[0] if keys and PROTOCOL in offered else ""
+        # an empty key is none
+        return bool(self._key) and secrets.compare_digest(brought.encode(errors="replace"), self._key)
 
-    async def _open(self, request: web.Request) -> web.StreamResponse:
-        self._check(request)
-        known = secrets.compare_digest(request.query.get("key", "").encode(), self._key.encode())
-        if not known or len(self._clients) >= MOST_CLIENTS:
-            self._refused += 1
-            raise web.HTTPForbidden if not known else web.HTTPServiceUnavailable
-        ws = web.WebSocketResponse(max_msg_size=MOST_BYTES, heartbeat=10.0, compress=False)
+    async def _open(self, request: web.BaseRequest) -> web.StreamResponse:
+        if request.headers.get("Upgrade", "").casefold() != "websocket":
+            return self._refuse(400)
+        if len(self._clients) >= MOST_CLIENTS:
+            return self._refuse(503)
+        ws = web.WebSocketResponse(
+            max_msg_size=MOST_BYTES, heartbeat=HEARTBEAT, compress=False, timeout=1.0, protocols=(PROTOCOL,)
+        )
         await ws.prepare(request)
+        self._server.keep(request)
         client = Client(ws, request)
         self._clients.add(client)
         try:
@@ -141,6 +164,8 @@ class WebServer:
                 if why:
                     self._refused += 1
                     await ws.send_str(json.dumps({"refused": why}))
+        except (ConnectionError, RuntimeError):  # it has gone meanwhile
+            pass
         finally:
             self._clients.discard(client)
         return ws
@@ -176,6 +201,9 @@ class WebServer:
 
     async def _tell(self, client: Client) -> None:
         """Send what has changed: of a value that groups have each their own the first; of named ones each."""
+        transport = client.request.transport
+        if transport is None or transport.get_write_buffer_size() > BEHIND:
+            return  # who has gone is noticed by pings; nobody else waits for it
         due, client.due = client.due, {}
         told: dict[str, list[Plain]] = {}
         for address in due:
@@ -184,15 +212,13 @@ class WebServer:
                 told |= {where: list(values) for where, values in self.values.messages(address) if where != address}
             elif rows := self.values.rows(address):
                 told[address] = list(rows[0][1])
-        transport = client.request.transport
-        if transport is None or transport.get_write_buffer_size() > BEHIND:
-            await client.ws.close()
-        elif told:
+        if told:
             await client.ws.send_str(json.dumps({"values": told}))
 
     async def _say(self) -> None:
         while True:
-            self._told.say({"pages": len(self._clients), "sent": self._sent, "refused": self._refused})
+            facts = {"pages": len(self._clients), "sent": self._sent, "refused": self._refused}
+            self._told.say(facts | {"wrong_keys": self._failed.count, "dropped": self._server.dropped})
             await asyncio.sleep(SAY_EVERY)
 
 

@@ -4,6 +4,8 @@ import os
 from pathlib import Path
 from typing import Final
 
+import platformdirs
+
 from live.base.errors import PersonError
 
 PATCHES: Final = next(
@@ -25,6 +27,11 @@ DEFAULT_PATCH: Final = PATCHES / "first_show.toml"
 
 class PatchError(PersonError):
     """A patch that cannot be used: for each problem file, line, field, what was read and what is allowed."""
+
+
+def user_settings() -> Path:
+    """The user's own folder of settings; `LIVE_CONFIG_DIR` overrides where it lies."""
+    return Path(os.environ.get("LIVE_CONFIG_DIR") or platformdirs.user_config_dir("choreographics-live"))
 
 
 def find_patch(name: str | None) -> Path:

@@ -1,16 +1,15 @@
 """Venue: what is true of a hall and not of a show: its sound devices and how long sound and pictures take there."""
 
-import os
 import re
 from pathlib import Path
 from typing import Annotated, Final
 
-import platformdirs
 from pydantic import Field, field_validator
 
 from live.base.errors import PersonError
+from live.base.host_name import HOST_NAME
 from live.clock.ticks import TICK
-from live.show.patch_places import PATCHES, is_file
+from live.show.patch_places import PATCHES, is_file, user_settings
 from live.show.sections.osc import Endpoints, Targets
 from live.show.sections.section import Name, Section
 from live.show.toml_file import parse_model, read_text
@@ -91,6 +90,16 @@ class VenuePsn(Section):
     """As in `236.10.10.10:56565`, or with the address of the network card, `236.10.10.10:56565@192.168.1.5`."""
 
 
+Host = Annotated[str, Field(pattern=HOST_NAME)]
+
+
+class VenueWeb(Section):
+    """`[web]`: of the operator's page and of OSCQuery."""
+
+    hosts: Annotated[tuple[Host, ...], Field(max_length=16)] = ()
+    """Names by which this machine is reached beside its addresses, as in `show.example` or `show.example:443`."""
+
+
 class Venue(Section):
     """A hall."""
 
@@ -101,6 +110,7 @@ class Venue(Section):
     osc: VenueOsc = VenueOsc()
     vmc: VenueVmc = VenueVmc()
     psn: VenuePsn = VenuePsn()
+    web: VenueWeb = VenueWeb()
     latency: VenueLatency = VenueLatency()
     projector: VenueProjector | None = None
     """Where its projector stands, and where its picture has the corners of the floor."""
@@ -124,9 +134,8 @@ class Venue(Section):
 
 
 def user_venues() -> Path:
-    """The user's own folder of venues; `LIVE_CONFIG_DIR` overrides where it lies."""
-    root = os.environ.get("LIVE_CONFIG_DIR") or platformdirs.user_config_dir("choreographics-live")
-    return Path(root) / "venues"
+    """The user's own folder of venues."""
+    return user_settings() / "venues"
 
 
 VENUES: Final = PATCHES / "venues"

@@ -4,6 +4,7 @@ import asyncio
 import json
 import os
 import shutil
+import socket
 import subprocess
 import sys
 
@@ -11,7 +12,9 @@ import pytest
 from pythonosc.osc_packet import OscPacket
 
 from live.clock.source import SystemClock
+from live.control.osc_encode import encode
 from live.control.oscquery import ATTRIBUTES, Namespace, host_info, told_of
+from live.control.oscquery_server import MOST_OF_ONE
 from live.control.readings import READINGS
 from live.control.registry import REGISTRY
 from live.control.rejections import Rejection
@@ -80,7 +83,10 @@ def test_programs_ask_and_listen_and_pages_of_other_sites_may_not():
     pytest.importorskip("zeroconf")
     from live.cli.oscquery_part import OscQueryPart
 
-    part = OscQueryPart(("127.0.0.1", 0), ("127.0.0.1", 9010), "Live test", SystemClock())
+    show = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    show.bind(("127.0.0.1", 0))
+    show.setblocking(False)
+    part = OscQueryPart(("127.0.0.1", 0), show.getsockname(), "Live test", SystemClock(), hosts=["show.example:443"])
     part.tell({LIGHT: (("", (1.5,)),), LARGER: (("a", (0.25,)), ("b", (0.5,)))})
     part.tell({MIRRORED: (("anna", (True,)), ("ben", (False,)))})
 
@@ -98,13 +104,25 @@ def test_programs_ask_and_listen_and_pages_of_other_sites_may_not():
             while "anna" not in (await ask(client, "/dance/mocap"))["CONTENTS"]:
                 part.frame()
                 await asyncio.sleep(0.01)
-            assert (await ask(client, "/?HOST_INFO"))["OSC_PORT"] == 9010
+            assert (await ask(client, "/?HOST_INFO"))["OSC_PORT"] == show.getsockname()[1]
             assert await ask(client, f"{LIGHT}?VALUE") == {"VALUE": [1.5]}
             await ask(client, f"{LIGHT}?CRITICAL", 204)
             await ask(client, f"{LIGHT}?NONSENSE", 400)
             await ask(client, "/../../etc/passwd", 404)
             await ask(client, "/", 403, Origin="http://evil.example")
-            await ask(client, "/", 403, Host="evil.example")
+            for name in (
+                "evil.example",
+                "evil.local",
+                f"evil.local:{part.port}",
+                f"live-{part.port}.local:{part.port}",
+            ):
+                await ask(client, "/", 403, Host=name)
+            for name in ("show.example", f"localhost:{part.port}"):
+                await ask(client, "/", 200, Host=name)
+            async with client.put(f"http://127.0.0.1:{part.port}{LIGHT}") as answer:
+                assert answer.status == 405
+            async with client.post(f"http://127.0.0.1:{part.port}{LIGHT}", data=b"5") as answer:
+                assert answer.status == 413
             async with client.ws_connect(f"http://127.0.0.1:{part.port}/") as ws:
                 for nonsense in (
                     "{",
@@ -132,48 +150,146 @@ def test_programs_ask_and_listen_and_pages_of_other_sites_may_not():
                 part.tell({MIRRORED: (("anna", (False,)), ("ben", (True,)))})
                 part.frame()
                 assert await heard(ws) == [("/dance/mocap/ben/mirrored", True)]
+                await ws.send_bytes(encode("/dance/blackout", (1.0,)))  # what OSC would do is not done here
+                await ws.send_str(json.dumps({"COMMAND": "SET", "DATA": "/dance/blackout"}))
                 await ws.send_str("x" * 5000)
                 assert (await ws.receive(timeout=20.0)).type is aiohttp.WSMsgType.CLOSE
-            assert wait_for(lambda: part.frame() or part.status().get("refused", 0) >= 8, 10.0)
+            assert wait_for(lambda: part.frame() or part.status().get("refused", 0) >= 14, 10.0)
+            with pytest.raises(BlockingIOError):
+                show.recv(1)
+            many = [await client.ws_connect(f"http://127.0.0.1:{part.port}/") for _ in range(MOST_OF_ONE)]
+            with pytest.raises(aiohttp.WSServerHandshakeError):
+                await client.ws_connect(f"http://127.0.0.1:{part.port}/")
+            await many.pop().close()
+            many.append(await client.ws_connect(f"http://127.0.0.1:{part.port}/"))
+            for ws in many:
+                await ws.close()
 
     part.start()
     try:
         asyncio.run(asyncio.wait_for(everything(), 60.0))
     finally:
         part.stop()
+        show.close()
 
+
+NETWORK = """
+ip link set lo up && ip link set lo multicast on
+ip link add hall type veth peer name hall_far && ip link add foyer type veth peer name foyer_far
+for each in hall hall_far foyer foyer_far; do ip link set $each up; done
+ip addr add 10.71.0.1/24 dev hall && ip addr add 10.72.0.1/24 dev foyer
+ip addr add fd71::1/64 dev hall nodad
+ip route add 224.0.0.0/4 dev lo
+exec "$0" -c "$1"
+"""
+"""Loopback and two networks, seen by nobody else."""
 
 BROWSE = """
-import sys, time, threading
+import pathlib, socket, struct, threading
 from zeroconf import ServiceBrowser, Zeroconf
 from live.cli.oscquery_part import OscQueryPart
 from live.clock.source import SystemClock
-part = OscQueryPart(("127.0.0.1", 0), ("127.0.0.1", 9010), "Live test", SystemClock())
-part.start()
-found, all_there = {}, threading.Event()
-class Listener:
-    def add_service(self, zc, kind, name):
-        found[kind] = zc.get_service_info(kind, name)
-        if len(found) == 2: all_there.set()
-    update_service = remove_service = lambda *_: None
-zc = Zeroconf(interfaces=["127.0.0.1"])
-browser = ServiceBrowser(zc, ["_oscjson._tcp.local.", "_osc._udp.local."], Listener())
-assert all_there.wait(40.0), found
-assert found["_oscjson._tcp.local."].port == part.port
-assert found["_osc._udp.local."].port == 9010
-assert found["_oscjson._tcp.local."].parsed_addresses() == ["127.0.0.1"]
-assert found["_oscjson._tcp.local."].name.startswith("Live test.")
-zc.close(); part.stop(); print("found")
+from tests.control.waiting import wait_for
+
+KINDS = ["_oscjson._tcp.local.", "_osc._udp.local."]
+# what one machine of each network hears that has asked for the services: all that goes out on its interface
+taps = {}
+for name in ("lo", "hall", "foyer"):
+    taps[name] = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(3))
+    taps[name].bind((name, 3))
+    taps[name].setblocking(False)
+
+def heard(name):
+    found = False
+    groups = [socket.inet_aton("224.0.0.251"), socket.inet_pton(socket.AF_INET6, "ff02::fb")]
+    try:
+        while True:
+            data = taps[name].recv(70000)
+            found |= b"_oscjson" in data and any(group in data for group in groups)
+    except BlockingIOError:
+        return found
+
+def bound():
+    # addresses of the mDNS port, as the kernel says
+    found = set()
+    for file, size in (("udp", 8), ("udp6", 32)):
+        for line in pathlib.Path(f"/proc/net/{file}").read_text().splitlines()[1:]:
+            address, port = line.split()[1].split(":")
+            if int(port, 16) == 5353:
+                raw = b"".join(bytes.fromhex(address[n:n+8])[::-1] for n in range(0, size, 8))
+                found.add(socket.inet_ntop(socket.AF_INET if size == 8 else socket.AF_INET6, raw))
+    return found
+
+def asked(source):
+    # a query over the network of `source` to the address of the other: nobody may answer from there
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asking:
+        asking.bind((source, 0))
+        asking.settimeout(0.5)
+        query = struct.pack("!6H", 7, 0, 1, 0, 0, 0)
+        query += b"\\x08_oscjson\\x04_tcp\\x05local\\0" + struct.pack("!2H", 12, 1)
+        asking.sendto(query, (source, 5353))
+        try:
+            return asking.recv(9000)
+        except (TimeoutError, ConnectionError):
+            return b""
+
+def announced(host, networks):
+    for name in taps:
+        heard(name)  # what is left of the one before
+    part = OscQueryPart((host, 0), (host, 9010), "Live test", SystemClock())
+    part.start()
+    try:
+        there = set()
+        def all_there():
+            part.frame()
+            there.update(name for name in taps if heard(name))
+            return part.status().get("at") is not None and networks <= there  # both services are announced by then
+        assert wait_for(all_there, 40.0), (host, there, part.status())
+        assert part.status()["problem"] == "", part.status()
+        return part, bound(), there
+    except BaseException:
+        part.stop()
+        raise
+
+for host, networks, sockets in (
+    ("127.0.0.1", {"lo"}, {"127.0.0.1", "224.0.0.251"}),
+    ("10.71.0.1", {"hall"}, {"10.71.0.1", "224.0.0.251"}),
+    ("fd71::1", {"hall"}, {"fd71::1", "ff02::fb"}),
+):
+    part, found, there = announced(host, networks)
+    try:
+        assert found == sockets, (host, found)
+        assert there == networks, (host, there)
+        for other in {"10.71.0.1", "10.72.0.1"} - {host}:
+            assert not asked(other), f"{host} is announced at {other}"
+        if ":" in host:
+            continue
+        found, all_there = {}, threading.Event()
+        class Listener:
+            def add_service(self, zc, kind, name):
+                found[kind] = zc.get_service_info(kind, name)
+                if len(found) == 2: all_there.set()
+            update_service = remove_service = lambda *_: None
+        zc = Zeroconf(interfaces=[host])
+        browser = ServiceBrowser(zc, KINDS, Listener())
+        assert all_there.wait(40.0), found
+        assert found[KINDS[0]].port == part.port
+        assert found[KINDS[1]].port == 9010
+        assert found[KINDS[0]].parsed_addresses() == [host]
+        assert found[KINDS[0]].name.startswith("Live test.")
+        zc.close()
+    finally:
+        part.stop()
+print("found")
 """
 
 
 @pytest.mark.skipif(os.name != "posix" or os.geteuid() != 0 or not shutil.which("unshare"), reason="needs a namespace")
-def test_programs_find_it_by_zeroconf_in_a_network_of_its_own():
+def test_programs_find_it_by_zeroconf_where_it_is_served_and_nowhere_else():
     pytest.importorskip("aiohttp")
     pytest.importorskip("zeroconf")
-    script = 'ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && exec "$0" -c "$1"'
-    command = ["unshare", "-n", "sh", "-c", script, sys.executable, BROWSE]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120.0)
-    if "unshare" in done.stderr:
+    command = ["unshare", "-n", "sh", "-c", NETWORK, sys.executable, BROWSE]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=180.0)
+    if "unshare" in done.stderr or "ip:" in done.stderr or "RTNETLINK" in done.stderr:
         pytest.skip(done.stderr.strip())
     assert done.stdout.strip() == "found", done.stderr

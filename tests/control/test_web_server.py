@@ -11,24 +11,25 @@ import pytest
 from pythonosc.osc_message import OscMessage
 
 from live.cli.http_part import HttpPart
-from live.cli.web_key import new_key
 from live.clock.source import SystemClock
-from live.control.web_server import HEADERS, PAGE
+from live.control.web_server import PAGE
 from tests.control.waiting import wait_for
 from tests.end_to_end.browser import browser, needs_browser
 
 LEVEL = "/dance/light/level"
+KEY = "a-key-of-the-tests-4711"
+BEARER = {"Authorization": f"Bearer {KEY}"}
 
 
 class Page:
     """A server with a socket that stands for the show's OSC port."""
 
-    def __init__(self, key=""):
+    def __init__(self):
         self.show = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.show.bind(("127.0.0.1", 0))
         self.show.settimeout(20.0)
         plan = {
-            "key": key, "osc": self.show.getsockname(), "name": "a show", "half": (5.0, 3.0),
+            "key": KEY, "hosts": [], "osc": self.show.getsockname(), "name": "a show", "half": (5.0, 3.0),
             "names": {"/dance/step": ["kick", "<b>turn</b>"]},
         }  # fmt: skip
         self.part = HttpPart(("127.0.0.1", 0), "--web", "live.control.web_server", lambda: plan, SystemClock())
@@ -61,6 +62,11 @@ def run(page, what):
         asyncio.run(asyncio.wait_for(all_of_it(), 60.0))
 
 
+def opened(client, page):
+    """The WebSocket, as the page opens it."""
+    return client.ws_connect(page.at + "/ws", protocols=("live.operator", f"live.key.{KEY}"))
+
+
 async def status(client, page, path, **headers):
     async with client.get(page.at + path, headers=headers) as answer:
         return answer.status, await answer.text()
@@ -73,8 +79,18 @@ def test_the_page_has_no_outside_parts_and_pages_of_other_sites_are_kept_out():
         assert len(text) < 50_000
         assert "http://" not in text
         assert "https://" not in text
-        assert "default-src 'none'" in HEADERS["Content-Security-Policy"]
-        _, told = await status(client, page, "/surface.json")
+        for path in ("/", "/surface.json", "/nothing"):
+            async with client.get(page.at + path) as answer:
+                policy = answer.headers["Content-Security-Policy"]
+                assert "default-src 'none'" in policy
+                assert "frame-ancestors 'none'" in policy
+                assert "unsafe" not in policy
+                for name, value in (
+                    ("X-Frame-Options", "DENY"), ("X-Content-Type-Options", "nosniff"),
+                    ("Referrer-Policy", "no-referrer"), ("Cache-Control", "no-store"),
+                ):  # fmt: skip
+                    assert answer.headers[name] == value
+        _, told = await status(client, page, "/surface.json", **BEARER)
         steps = next(p for p in json.loads(told)["pages"] if p["title"] == "step")
         assert [widget["values"] for widget in steps["widgets"]] == [["kick"], ["<b>turn</b>"]]
         for headers in ({"Origin": "http://evil.example"}, {"Host": "evil.example"}):
@@ -87,27 +103,36 @@ def test_the_page_has_no_outside_parts_and_pages_of_other_sites_are_kept_out():
     run(Page(), what)
 
 
-def test_from_elsewhere_only_with_the_key_of_the_link():
-    assert new_key("127.0.0.1") == "" == new_key("::1")
-    assert len(new_key("0.0.0.0")) >= 16
-    assert new_key("0.0.0.0") != new_key("0.0.0.0")
-
+def test_only_with_the_key_of_the_link():
     async def what(client, page):
-        for wrong in ("", "?key=", "?key=wrong", "?key=" + "x" * 4000, "?key=%ff%00"):
+        wrong = [
+            (),
+            ("live.operator",),
+            (f"live.key.{KEY}",),
+            ("live.operator", "live.key.wrong"),
+            ("live.operator", KEY),
+        ]
+        for protocols in wrong:
             with pytest.raises(aiohttp.WSServerHandshakeError) as error:
-                await client.ws_connect(page.at + "/ws" + wrong)
-            assert error.value.status == 403
-        async with client.ws_connect(page.at + "/ws?key=right") as ws:
+                await client.ws_connect(page.at + "/ws?key=" + KEY, protocols=protocols)
+            assert error.value.status == 401
+        assert (await status(client, page, "/surface.json"))[0] == 401
+        assert (await status(client, page, "/ws", **BEARER))[0] == 400
+        async with opened(client, page) as ws:
+            assert ws.protocol == "live.operator", "the key is not said back"
             await ws.send_str(json.dumps({"address": "/dance/go", "values": []}))
             assert page.heard() == ("/dance/go",)
+        async with client.ws_connect(page.at + "/ws", headers=BEARER) as ws:  # a program
+            await ws.send_str(json.dumps({"address": "/dance/back", "values": []}))
+            assert page.heard() == ("/dance/back",)
 
-    run(Page("right"), what)
+    run(Page(), what)
 
 
 def test_values_go_both_ways_and_the_one_that_was_set_last_is_shown():
     async def what(client, page):
         page.tell(light_level=1.25, status_bpm=128.0)
-        async with client.ws_connect(page.at + "/ws") as ws:
+        async with opened(client, page) as ws:
             told = {}
             while len(told) < 2:
                 told |= json.loads((await ws.receive(timeout=20.0)).data)["values"]
@@ -125,7 +150,7 @@ def test_what_is_said_of_performers_is_told_for_each_of_them():
         page.part.tell({"/dance/mocap/mirrored": (("anna", (True,)), ("ben", (False,)), ("two words", (True,)))})
         page.part.frame()
         told: dict = {}
-        async with client.ws_connect(f"{page.at}/ws?key=") as ws:
+        async with opened(client, page) as ws:
             while "/dance/mocap/ben/mirrored" not in told:
                 told |= json.loads((await ws.receive(timeout=20.0)).data)["values"]
         assert told == {"/dance/mocap/anna/mirrored": [True], "/dance/mocap/ben/mirrored": [False]}
@@ -156,7 +181,7 @@ def test_whatever_comes_is_refused_in_words_and_the_page_goes_on():
         mutated.append("".join(letters))
 
     async def what(client, page):
-        async with client.ws_connect(page.at + "/ws") as ws:
+        async with opened(client, page) as ws:
             for text in HOSTILE:
                 await ws.send_str(text)
                 assert json.loads((await ws.receive(timeout=20.0)).data)["refused"]
@@ -168,10 +193,10 @@ def test_whatever_comes_is_refused_in_words_and_the_page_goes_on():
             for _ in range(len(mutated) + 1):  # those that are still right go to the show, and this one does
                 if page.heard() == (LEVEL, 0.75):
                     break
-        async with client.ws_connect(page.at + "/ws") as ws:
+        async with opened(client, page) as ws:
             await ws.send_str("x" * 5000)
             assert (await ws.receive(timeout=20.0)).type is aiohttp.WSMsgType.CLOSE
-        async with client.ws_connect(page.at + "/ws") as ws:
+        async with opened(client, page) as ws:
             for _ in range(400):
                 await ws.send_str(good)
             while "too much" not in (await ws.receive(timeout=20.0)).data:
@@ -189,7 +214,7 @@ def test_a_browser_shows_the_show_and_sets_it():
         problems = []
         view.on("pageerror", lambda error: problems.append(str(error)))
         page.tell(status_measure=7, status_beat=3, status_bpm=96.0, light_level=1.0)
-        view.goto(page.at)
+        view.goto(f"{page.at}/#key={KEY}")
         view.get_by_text("7.3").wait_for()
         view.get_by_role("button", name="GO", exact=True).click()
         assert page.heard() == ("/dance/go",)

@@ -69,12 +69,12 @@ class Phone:
 
 
 @contextlib.contextmanager
-def browser():
-    """Yields (the browser, the device that its phones are)."""
+def browser(*arguments):
+    """Yields (the browser, the device that its phones are); `arguments`: more for Chromium."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=list(ARGUMENTS))
+        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=[*ARGUMENTS, *arguments])
         try:
             yield opened, playwright.devices["Pixel 7"]
         finally:
