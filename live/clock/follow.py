@@ -21,7 +21,7 @@ from live.clock.timeline import Timeline
 __all__ = ["SLEW_LOCKED", "SLEW_UNLOCKED", "TimelineFollower"]
 
 ONE_WITHIN: Final = 30.0
-"""How long after the known first downbeat [s] a first lock may still count measures back to it."""
+"""How long before or after the known first downbeat [s] a first lock may count measures to it."""
 
 FADE: Final = 8.0
 """Seconds in which confidence falls to 1/e while nothing is heard."""
@@ -165,7 +165,7 @@ class TimelineFollower(HandControls):
         """At the first lock: the measures begin where the music's known first downbeat was."""
         if self._one_at is None:
             return
-        if 0.0 <= now - self._one_at <= ONE_WITHIN:
+        if abs(now - self._one_at) <= ONE_WITHIN:
             self._run.count_from(self._one_at, now)
             self._measures.pin()
         self._one_at = None

@@ -9,12 +9,16 @@ import numpy.typing as npt
 
 from live.clock.aubio_tracker import RATE_MAX_HZ, RATE_MIN_HZ
 from live.control.audio_analysis import AudioAnalysis, MakeAnalysis
-from live.control.events import BeatHeard, ControlEvent, One, SourceChanged
+from live.control.events import ControlEvent, One, SourceChanged
 
 LONGEST: Final = 3.0 * 3600.0
 """Longest music [s]; it is kept in memory, 21 MB a minute in stereo."""
 
 SHORTEST: Final = 0.1
+
+TOLD_AHEAD: Final = 30.0
+"""A known first downbeat is told so long before it is heard [s]: a score that begins with it is not to be late, and a
+tracker is not to move the measure lines before it."""
 
 
 class MusicFileError(ValueError):
@@ -126,11 +130,12 @@ class OfflineMusic:
         one_at: float | None = None,
         analysis: MakeAnalysis = AudioAnalysis,
     ) -> None:
-        """`one_at` [s of the music] is a downbeat that is known: it is told as One with the first beat heard."""
+        """`one_at` [s of the music] is the first downbeat, where that is known: it is told as One, TOLD_AHEAD before."""
         self._music = music
         self._loop = loop
         self._begin = begin
         self._one = None if one_at is None else One(time=begin + one_at, source="audio")
+        self._tell_one = 0 if one_at is None else max(int((one_at - TOLD_AHEAD) * music.sample_rate), 0)
         self._fed = 0
         self._ended = False
         self._analysis = analysis(music.sample_rate)
@@ -146,19 +151,24 @@ class OfflineMusic:
         """The events from the last call up to `time` [s], in order."""
         events: list[ControlEvent] = []
         wanted = int((time - self._begin) * self._music.sample_rate)
+        if wanted >= 0:
+            self._say_one(events)
         while self._fed < wanted and not self._ended:
-            block = self._music.block(self._fed, min(wanted - self._fed, 65536), self._loop)
+            before = wanted if self._one is None else self._tell_one
+            block = self._music.block(self._fed, min(wanted - self._fed, before - self._fed, 65536), self._loop)
             self._fed += block.shape[0]
-            for event in self._analysis.feed(block, self._time_of):
-                if isinstance(event, BeatHeard) and self._one is not None and event.time >= self._one.time:
-                    events.append(self._one)
-                    self._one = None
-                events.append(event)
+            events += self._analysis.feed(block, self._time_of)
+            self._say_one(events)
             if not self._loop and self._fed >= self._music.samples.shape[0]:
                 self._ended = True
                 end = self._time_of(self._music.duration)
                 events.append(SourceChanged(time=end, source="audio", state="silent", detail="the music is over"))
         return events
+
+    def _say_one(self, events: list[ControlEvent]) -> None:
+        if self._one is not None and self._fed >= self._tell_one:
+            events.append(self._one)
+            self._one = None
 
     def _time_of(self, position: float) -> float:
         return self._begin + position

@@ -11,7 +11,7 @@ from live.clock.sample_clock import SampleClock
 from live.clock.source import Clock
 from live.control.audio_analysis import AudioAnalysis, MakeAnalysis
 from live.control.events import BeatHeard, ControlEvent, One, SourceChanged
-from live.control.music_file import Music
+from live.control.music_file import TOLD_AHEAD, Music
 from live.control.sound_devices import SoundUnavailable, close_stream, find_device, open_stream
 
 POLL: Final = 0.010
@@ -20,6 +20,11 @@ LOST_AFTER: Final = 0.5
 
 FIRST_SOUND: Final = 3.0
 """Seconds after the start in which a sound server may still fill its buffers and then pause."""
+
+STEADY_AFTER: Final = 1.0
+"""Seconds after which it can be said when a sample will be heard, if the server does not pause again;"""
+ONE_OFF: Final = 0.02
+"""what was said is said anew if it was wrong by so much [s]."""
 
 STAMPS: Final = 512
 CATCH_UP: Final = 1.0
@@ -49,8 +54,8 @@ class MusicPlayer:
     ) -> None:
         """`output`: True = the default device, False = none, else as for `find_device`.
 
-        `one_at` [s of the music] is a downbeat that is known: it is told as One when it has been heard and its
-        time is sure.
+        `one_at` [s of the music] is the first downbeat, where that is known: it is told as One, TOLD_AHEAD before, or
+        as soon as it is known when it is heard; and once more with the first beat after it, if that has changed.
 
         `latency` [s]: from a sample handed over until it is heard; None: what the device says.
         Raises UnknownDevice for an output that was named and is not there.
@@ -62,6 +67,7 @@ class MusicPlayer:
         self.latency = latency
         """From a sample handed over until it is heard [s], None: what the device says; it may be changed meanwhile."""
         self._one_at = one_at
+        self._one_told: float | None = None
         self.output_problem = ""
         """Why the music is not heard; empty if it is."""
         self.crashes = 0
@@ -235,20 +241,31 @@ class MusicPlayer:
             return
         block = self._music.block(self._fed, wanted - self._fed, self._loop)
         self._fed = wanted
+        self._tell_one(now, heard=False)
         for event in self._analysis.feed(block, self._time_of, now):
             if isinstance(event, BeatHeard):
-                self._tell_one(now)
+                self._tell_one(now, heard=True)
             self._inbox.put(event)
         if not self._loop and self._fed >= self._music.samples.shape[0]:
             self.ended = True
             self._inbox.put(SourceChanged(time=now, source="audio", state="silent", detail="the music is over"))
 
-    def _tell_one(self, now: float) -> None:
-        """With the first beat heard, the line through the callbacks is steady: the known downbeat has a time now."""
-        if self._one_at is not None and self.position(now) >= self._one_at:
-            time = self._time_of(self._one_at - self._skipped / self._music.sample_rate)
+    def _tell_one(self, now: float, *, heard: bool) -> None:
+        """When the known downbeat will be heard, before the score begins with it; `heard`: a beat was."""
+        if self._one_at is None:
+            return
+        position = self.position(now)
+        time = self._time_of(self._one_at - self._skipped / self._music.sample_rate)
+        if self._one_told is None:
+            if position < self._one_at - TOLD_AHEAD or (self._stream is not None and now - self._begin < STEADY_AFTER):
+                return
+        elif not heard or position < self._one_at:
+            return
+        else:
+            self._one_at = None  # that was the last word
+        if self._one_told is None or abs(time - self._one_told) > ONE_OFF:
             self._inbox.put(One(time=time, source="audio"))
-            self._one_at = None
+        self._one_told = time
 
     def _time_of(self, position: float) -> float:
         frame = position * self._music.sample_rate + self._skipped

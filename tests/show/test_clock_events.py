@@ -1,19 +1,26 @@
 """The clock of a show: what its events do to dance, status and journal."""
 
-from collections import Counter
+from collections import Counter, deque
 
 import numpy as np
 import pytest
 
+from live.base.inbox import Inbox
+from live.clock.source import ManualClock
 from live.clock.ticks import TICK
 from live.control import events
+from live.control.audio_analysis import AudioAnalysis
 from live.control.audio_events import MusicHeard
+from live.control.music_file import Music, OfflineMusic
+from live.control.music_player import MusicPlayer
 from live.show.clock_events import CLOCK_EVENTS
+from live.show.engine import Engine
 from live.show.journal import JournalWriter, read_journal
 from live.show.patch_file import parse_patch
 from live.show.patch_places import PatchError
 from live.show.replay import replay
 from live.show.status import Status
+from tests.control.waiting import wait_for
 from tests.show.made_show import PATCH, made_show
 
 
@@ -89,6 +96,95 @@ def test_hands_are_journalled_and_replayed_bit_by_bit(tmp_path):
     again = replay(made_show(), read_journal(path))
     assert again.differences == ()
     assert again.measures >= 5
+
+
+def slow_song(bpm, one, seconds, rate=44100):
+    """Drums with hi-hats between the beats and a louder first of four, counted from `one` [s] both ways."""
+    chance = np.random.default_rng(3)
+    sound = chance.normal(0.0, 1e-4, int(seconds * rate))
+    t = np.arange(int(0.15 * rate)) / rate
+    kick = 0.7 * np.sin(2.0 * np.pi * (50.0 * t + 4.0 * (1.0 - np.exp(-t / 0.03)))) * np.exp(-t / 0.06)
+    snare = 0.5 * chance.normal(0.0, 1.0, t.size) * np.exp(-t / 0.04)
+    hat = 0.15 * np.diff(chance.normal(0.0, 1.0, t.size + 1)) * np.exp(-t / 0.01)
+    for half in range(-int(2.0 * one * bpm / 60.0), int(2.0 * (seconds - one - 0.5) * bpm / 60.0)):
+        start = round((one + half * 30.0 / bpm) * rate)
+        hit = hat if half % 2 else (kick if half % 4 == 0 else snare)
+        sound[start : start + hit.size] += hit * (1.0 if half % 8 else 1.3)
+    return Music(np.stack([sound, sound], axis=1).astype(np.float32), rate)
+
+
+def analysis_of(show):
+    """Makes the analysis that a show of this music has: its tracker is told what the patch says."""
+    seeds = deque()
+    show.seed_tracker(seeds.append)
+    return lambda rate: AudioAnalysis(rate, seeds=seeds)
+
+
+SLOW = "music = {one_at_s = 2.763, bpm = 64}\n"
+
+
+@pytest.mark.parametrize("begin", [0.0, 0.21, 0.7])
+def test_the_score_of_a_slow_song_begins_with_its_known_downbeat(tmp_path, begin):
+    show, clock, inbox = made_show(SLOW, top=True), ManualClock(), Inbox()
+    music = OfflineMusic(slow_song(64.0, 2.763, 16.0), begin=begin, one_at=2.763, analysis=analysis_of(show))
+    writer = JournalWriter(tmp_path / "night.jsonl", {})
+    status = Status(show, rejected=dict, memory=lambda: 0.0)
+    engine = Engine(show, clock=clock, inbox=inbox, status=status, journal=writer)
+    begins = {}
+    for frame in range(60 * 12):
+        clock.set(frame / 60.0)
+        for event in music.events_until(frame / 60.0):
+            inbox.put(event)
+        engine.frame(lambda view: None)
+        begins.setdefault(show.span.number + 1, show.time)
+    writer.close(engine.ticks.index)
+    assert show.follower.state == "locked"
+    for measure in (1, 2, 3):
+        assert begins[measure] == pytest.approx(begin + 2.763 + (measure - 1) * 3.75, abs=0.04), begins
+    again = replay(made_show(SLOW, top=True), read_journal(tmp_path / "night.jsonl"))
+    assert again.differences == ()
+    assert again.measures >= 2
+
+
+class QuickClock:
+    """A clock that goes on by 20 ms with every look at it."""
+
+    def __init__(self):
+        self.time = 0.0
+
+    def now(self):
+        self.time += 0.02
+        return self.time
+
+
+def test_a_player_says_when_the_downbeat_will_be_heard_before_it_is():
+    inbox = Inbox()
+    player = MusicPlayer(slow_song(64.0, 2.763, 8.0), inbox, QuickClock(), output=False, one_at=2.763)
+    found = []
+    player.start()
+    try:
+        heard = lambda: any(isinstance(event, events.BeatHeard) and event.time > 6.0 for event in found)  # noqa: E731
+        assert wait_for(lambda: found.extend(inbox.drain()) or heard(), 30.0)
+    finally:
+        player.stop()
+    ones = [place for place, event in enumerate(found) if isinstance(event, events.One)]
+    assert len(ones) == 1, "once: nothing has changed"
+    assert found[ones[0]].time == pytest.approx(player._begin + 2.763)
+    assert not any(isinstance(event, events.BeatHeard) for event in found[: ones[0]])
+
+
+def test_a_downbeat_late_in_the_music_is_told_at_the_same_place_however_it_is_asked_for():
+    music = slow_song(64.0, 32.0, 33.0, rate=16000)
+    told = []
+    for step in (0.1, 33.0):
+        offline, found = OfflineMusic(music, one_at=32.0, loop=False), []
+        for turn in range(1, int(33.0 / step) + 1):
+            found += [(turn * step, event) for event in offline.events_until(turn * step)]
+        place = next(place for place, (_, event) in enumerate(found) if isinstance(event, events.One))
+        told.append(place)
+        assert found[place][0] == pytest.approx(2.0, abs=step)
+        assert found[place][1].time == pytest.approx(32.0)
+    assert told[0] == told[1] > 0
 
 
 def test_what_the_clock_refuses_is_told():
