@@ -130,7 +130,7 @@ class OfflineMusic:
         one_at: float | None = None,
         analysis: MakeAnalysis = AudioAnalysis,
     ) -> None:
-        """`one_at` [s of the music] is the first downbeat, where that is known: it is told as One, TOLD_AHEAD before."""
+        """`one_at` [s of the music] is the first downbeat, if that is known: it is told as One, TOLD_AHEAD before."""
         self._music = music
         self._loop = loop
         self._begin = begin
