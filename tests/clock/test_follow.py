@@ -244,6 +244,42 @@ def test_measures_are_counted_from_a_known_one(bpm: float) -> None:
     assert min(phase, 4.0 - phase) < 0.05
 
 
+@pytest.mark.parametrize("bpm", [61.0, 97.0, 131.0])
+def test_a_lock_before_the_known_one_counts_to_it(bpm: float) -> None:
+    stage = Stage(TimelineFollower(tempo=120.0, one_at=12.0))
+    stage.run(9.0, bpm, first=12.0 % (60.0 / bpm))
+    assert stage.follower.state == "locked"
+    phase = stage.follower.timeline.phase_at(12.0)
+    assert min(phase, 4.0 - phase) < 0.05, "foreseen"
+    stage.run(11.0, bpm, first=12.0 % (60.0 / bpm))
+    phase = stage.follower.timeline.phase_at(12.0 + 8 * 60.0 / bpm)
+    assert min(phase, 4.0 - phase) < 0.05
+
+
+@pytest.mark.parametrize(("silence", "counted"), [(24.0, True), (34.0, False)])
+def test_a_known_one_is_counted_to_within_half_a_minute(silence: float, counted: bool) -> None:
+    """Later nobody knows how many beats there were: the measures go on as they are."""
+    stage = Stage(TimelineFollower(tempo=120.0, one_at=0.0))
+    stage.run(silence)
+    stage.run(4.0, 96.0, first=0.0)
+    assert stage.follower.state == "locked"
+    jump = stage.follower.last_jump
+    assert (jump is not None and jump.cause == "first downbeat") == counted
+
+
+@pytest.mark.parametrize("name", ["tap", "internal", "nobody", ""])
+def test_who_is_no_source_of_beats_is_not_heard(name: str) -> None:
+    stage = Stage(TimelineFollower())
+    stage.run(10.0, 120.0)
+    before = stage.follower.timeline
+    stage.follower.heard(stage.now, 0.6, 1.0, stage.now, source=name)
+    for tell in (stage.follower.silent, stage.follower.lost, stage.follower.found, stage.follower.paused):
+        tell(stage.now, name)
+    assert stage.follower.rejected == 5
+    assert stage.follower.timeline == before
+    assert stage.follower.state == "locked"
+
+
 def test_a_known_tempo_settles_the_octave() -> None:
     stage = Stage(TimelineFollower(known_tempo=84.0))
     stage.run(12.0, 168.0)

@@ -8,6 +8,8 @@ import subprocess
 import sys
 import time
 from itertools import pairwise
+import urllib.error
+import urllib.request
 from pathlib import Path
 from typing import Any
 
@@ -44,14 +46,19 @@ def test_whatever_is_killed_the_show_goes_on_in_the_same_measure_with_the_same_s
 ):
     """One show: its sound and who reads OSC are killed, then three engines, sooner than a spare can prepare itself. The
     journal of all of them is that of one show; the music plays on in its own process; what was sent while nobody danced
-    is in it."""
+    is in it. Who was let in by the operator's page is let in again."""
     journal = tmp_path / "j.jsonl"
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    music = ("--audio", str(PATCHES / "music" / "first_show.ogg"))
-    running = play(str(patch), *music, "--headless", "--osc", f"127.0.0.1:{port}", "--journal", str(journal))
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        page = free.getsockname()[1]
+    how = (str(patch), "--audio", str(PATCHES / "music" / "first_show.ogg"), "--headless", "--osc", f"127.0.0.1:{port}")
+    config = {"LIVE_CONFIG_DIR": str(tmp_path / "config")}
+    running = play(*how, "--web", str(page), "--journal", str(journal), env=config)
     until_spare(running)
+    key = (tmp_path / "config" / "web-key").read_text().strip()
+    assert wait_for(lambda: page_answers(page, key) == 200, 20)
     os.kill(children(running, "audio_process")[0], signal.SIGKILL)
     os.kill(children(running, "osc_reader")[0], signal.SIGKILL)
     running.wait_for(lambda line: line["alive"].get("audio_restarts") == line["alive"].get("osc_restarts") == 1, 20)
@@ -62,6 +69,8 @@ def test_whatever_is_killed_the_show_goes_on_in_the_same_measure_with_the_same_s
     heard = journal.read_text().count('"audio"')
     assert wait_for(lambda: journal.read_text().count('"audio"') > heard + 3, 20)
     running.wait_for(lambda line: line["alive"].get("spare", False) and line["measure"] > after["measure"] + 1, 20)
+    assert wait_for(lambda: page_answers(page, key) == 200, 20), "the key is the same in every engine"
+    assert page_answers(page, "another-key-than-that") == 401
     processes = children(running, "process")
     assert "Traceback" not in running.stop()
     assert wait_for(lambda: not any(Path(f"/proc/{pid}").exists() for pid in processes), 5)
@@ -69,6 +78,18 @@ def test_whatever_is_killed_the_show_goes_on_in_the_same_measure_with_the_same_s
     assert found["complete"]
     assert int(str(found["measures"])) > after["measure"]
     assert journal.read_text().count('"Blackout"') == 1
+
+
+def page_answers(port: int, key: str) -> int:
+    """The status with which the operator's page answers who brings this key; 0 while nobody does."""
+    asked = urllib.request.Request(f"http://127.0.0.1:{port}/surface.json", headers={"Authorization": f"Bearer {key}"})
+    try:
+        with urllib.request.urlopen(asked, timeout=5.0) as answer:
+            return int(answer.status)
+    except urllib.error.HTTPError as error:
+        return error.code
+    except OSError:
+        return 0
 
 
 def three_kills_half_a_second_apart(running: Running, port: int) -> dict[str, Any]:

@@ -154,6 +154,32 @@ def test_another_song_is_one_of_another_tempo_after_two_seconds(silence: float, 
     assert (found is not None and found.cause == "new song") == leaps
 
 
+@pytest.mark.parametrize(("beats", "left"), [(0.55, 0.55), (-0.55, -0.55), (0.65, -0.35), (-0.65, 0.35), (0.8, -0.2)])
+def test_a_beat_that_is_nearer_to_another_of_ours_is_counted_as_that(beats: float, left: float) -> None:
+    hall, _ = locked_hall(168.0, "audio")
+    hall.follower.nudge(-beats * 60.0 / 168.0, hall.now)
+    hall.until(hall.now + 0.5 * TICK)
+    assert error_of(hall) == pytest.approx(left, abs=0.012)
+    assert np.diff(hall.beats()).tolist() == [1] * (len(hall.beats()) - 1), "none is skipped"
+
+
+@pytest.mark.parametrize(("ticks", "leaps"), [(0, False), (4, False), (5, True), (20, True), (35, True)])
+def test_the_one_leaps_forward_unless_it_is_very_near(ticks: int, leaps: bool) -> None:
+    """A tick is 0.025 beats; less than 0.12 beats behind is run back to."""
+    hall = Hall(TimelineFollower(tempo=96.0)).until((320 + ticks - 0.5) * TICK)
+    before, then = hall.follower.timeline.beat_at(hall.now), hall.now
+    late = 0.025 * ticks
+    assert before % 1.0 == pytest.approx(late, abs=1e-6)
+    hall.follower.one(then)
+    hall.until(then + 0.5 * TICK)
+    leapt = hall.follower.timeline.beat_at(hall.now) - before - 0.025
+    assert leapt == pytest.approx(1.0 - late if leaps else 0.0, abs=0.01)
+    assert hall.follower.jumps >= leaps
+    hall.until(hall.now + 6.0)
+    phase = hall.follower.timeline.phase_at(then + 4 * 60.0 / 96.0)
+    assert min(phase, 4.0 - phase) < 0.02
+
+
 @given(st.floats(-0.45, 0.45), st.floats(70.0, 170.0), st.sampled_from(["audio", "midi", "link"]))
 @settings(max_examples=25, deadline=None)
 def test_an_error_is_run_in_and_the_lock_judged_as_in_the_model(beats: float, bpm: float, source: str) -> None:
