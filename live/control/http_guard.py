@@ -67,8 +67,12 @@ _LOGGER: Final = logging.getLogger("live.http")
 _LOGGER.addFilter(_of_our_own)
 
 
-def page_headers(html: str) -> dict[str, str]:
-    """The headers of a page of one file: its own scripts and styles run, no others, and it asks this server alone."""
+@functools.lru_cache(maxsize=16)
+def page_headers(html: str, host: str) -> dict[str, str]:
+    """The headers of a page of one file: its own scripts and styles run, no others, and it asks this server alone.
+
+    `host`: an accepted Host; not every browser takes 'self' to mean the WebSocket of the same server, too.
+    """
 
     def hashes(tag: str) -> str:
         found = re.findall(rf"<{tag}>(.*?)</{tag}>", html, flags=re.DOTALL)
@@ -76,8 +80,9 @@ def page_headers(html: str) -> dict[str, str]:
         return " ".join(f"'sha256-{each}'" for each in made) or "'none'"
 
     policy = (
-        f"default-src 'none'; script-src {hashes('script')}; style-src {hashes('style')}; connect-src 'self'; "
-        "img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+        f"default-src 'none'; script-src {hashes('script')}; style-src {hashes('style')}; "
+        f"connect-src 'self' ws://{host} wss://{host}; img-src data:; base-uri 'none'; form-action 'none'; "
+        "frame-ancestors 'none'"
     )
     return {**SECURITY_HEADERS, "Content-Security-Policy": policy}
 

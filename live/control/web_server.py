@@ -88,7 +88,6 @@ class WebServer:
             widget["words"] = words[widget["address"]]
         self._surface = {"name": plan["name"], "pages": pages, "readings": readings}
         self._text = PAGE.read_text(encoding="utf-8")
-        self._headers = page_headers(self._text)
         self.values = Values()
         self._clients: set[Client] = set()
         self._sent = self._refused = 0
@@ -125,7 +124,8 @@ class WebServer:
         if request.method not in ("GET", "HEAD"):
             return self._refuse(405)
         if request.path == "/":
-            return web.Response(text=self._text, content_type="text/html", headers=self._headers)
+            headers = page_headers(self._text, request.headers["Host"].casefold())
+            return web.Response(text=self._text, content_type="text/html", headers=headers)
         if not self._knows_key(request):
             self._refused += 1
             return await self._failed.answer(request)

@@ -129,6 +129,18 @@ def test_who_is_lost_leaves_the_beat_to_another_at_the_first_line_two_seconds_la
         assert hall.now == pytest.approx(line, abs=2.0 * TICK), "neither sooner nor a measure later"
 
 
+@pytest.mark.parametrize(("bpm", "seconds"), [(126.0, 3.0), (70.0, 3.0), (45.0, 4.0)])
+def test_music_that_ends_without_a_word_is_missed_after_three_seconds_and_three_beats(
+    bpm: float, seconds: float
+) -> None:
+    music = Music([(bpm, 24)], start=0.3)
+    hall = Hall(TimelineFollower(tempo=bpm), Player(music))
+    hall.until(music.times[-1] + 6.0)
+    last = music.times[-2] - 0.08  # when it said its last beat
+    free = next(row[0] for row in hall.rows if row[0] > last and row[3] == "freewheel")
+    assert free - last == pytest.approx(seconds, abs=0.05)
+
+
 def crosses(hall: Hall, time: float) -> bool:
     """Whether a measure line of the Timeline lies in the tick before `time` [s]."""
     timeline = hall.follower.timeline
@@ -136,7 +148,8 @@ def crosses(hall: Hall, time: float) -> bool:
 
 
 @pytest.mark.parametrize(
-    ("silence", "factor", "leaps"), [(3.0, 1.07, True), (3.0, 0.93, True), (0.4, 1.07, False), (3.0, 1.02, False)]
+    ("silence", "factor", "leaps"),
+    [(1.5, 1.07, True), (3.0, 0.93, True), (0.4, 1.07, False), (3.0, 1.03, False), (3.0, 1.05, True)],
 )
 def test_another_song_is_one_of_another_tempo_after_two_seconds(silence: float, factor: float, leaps: bool) -> None:
     """Silence counts from its beginning until the new beats are believed. Anything else is run to."""

@@ -98,15 +98,19 @@ def test_the_hands_line_holds_until_the_tracker_has_agreed_and_insists_for_four_
     assert until_taken(tracker, shifted(tracker, by)) == 16
 
 
-def test_a_metre_is_taken_after_two_measures_where_music_may_change_it() -> None:
+@pytest.mark.parametrize(("metre", "taken"), [(3, True), (7, True), (11, True), (13, False)])
+def test_a_metre_is_taken_after_two_measures_where_music_may_change_it(metre: int, taken: bool) -> None:
     tracker = Tracker(follow_metre=True)
-    tracker.say(24)
+    tracker.say(4 * metre)
 
-    def waltz() -> None:
-        tracker.metre = 3
+    def change() -> None:
+        tracker.metre = metre
 
-    assert until_taken(tracker, waltz) == 6
-    assert tracker.line() == (0.0, 3)
+    assert until_taken(tracker, change) == (2 * metre if taken else 0)
+    assert tracker.line()[1] == (metre if taken else 4)
+
+
+def test_where_music_may_not_change_it_the_metre_stays() -> None:
     tracker = Tracker()
     tracker.say(24)
     tracker.metre = 3
