@@ -1,5 +1,6 @@
 """Measure lines: how often a tracker has to say a line until it is danced, counted statement by statement."""
 
+import math
 from collections.abc import Callable
 
 import pytest
@@ -115,3 +116,42 @@ def test_where_music_may_not_change_it_the_metre_stays() -> None:
     tracker.say(24)
     tracker.metre = 3
     assert {size for _, size in tracker.say(30)} == {4}
+
+
+@pytest.mark.parametrize(("since", "patience"), [(5.0, 2.0), (14.0, 8.0), (40.0, 8.0)])
+@pytest.mark.parametrize("factor", [2.0, 0.5])
+def test_another_level_of_the_same_music_is_followed_sooner_in_the_first_ten_seconds(
+    since: float, patience: float, factor: float
+) -> None:
+    """A tracker that takes every second beat for the beat, or the half beats, is obeyed when it insists: with the first
+    statement that comes later than `patience` after those two that told of it."""
+    follower, period = TimelineFollower(tempo=100.0), 0.6
+    time, beat, now, switched, obeyed = FIRST, 0, 0.0, 0.0, 0.0
+    while not obeyed and now < since + 20.0:
+        now += TICK
+        if now >= time:
+            follower.heard(time, period, 0.8, now, beat=beat % 4, beats_per_measure=4)
+            if not switched and now > since and beat % 4 == 0:
+                switched, period = now, period * factor
+            time, beat = time + period, beat + 1
+        follower.advance(now)
+        if switched and follower.tempo == pytest.approx(100.0 / factor, rel=0.02):
+            obeyed = now - switched
+        assert follower.tempo == pytest.approx(100.0, rel=0.02) or obeyed or now < 4.0
+    due = (2 + math.floor(patience / period) + 1) * period
+    assert obeyed == pytest.approx(due, abs=0.05)
+
+
+def test_nudges_add_up_to_half_a_second_at_most() -> None:
+    tracker = Tracker()
+    tracker.say(24)
+    follower = tracker.follower
+    before = follower._run.goal
+    for _ in range(4):
+        follower.nudge(0.2, before.time)
+    tracker.say(8)
+    goal = follower._run.goal
+    assert (goal.time - before.time) % PERIOD == pytest.approx(0.0, abs=0.005), "0.5 s, a whole beat here"
+    follower.nudge(-0.3, goal.time)
+    tracker.say(8)
+    assert (follower._run.goal.time - before.time) % PERIOD == pytest.approx(0.2, abs=0.005)
