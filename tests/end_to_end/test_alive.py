@@ -7,9 +7,9 @@ import socket
 import subprocess
 import sys
 import time
-from itertools import pairwise
 import urllib.error
 import urllib.request
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
