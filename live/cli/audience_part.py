@@ -1,21 +1,30 @@
 """The part of a live show that lets the audience's phones play: between the show and the gateway's process."""
 
 import importlib.util
+import math
 import socket
 from collections import Counter
+from datetime import UTC, datetime
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import urlsplit
 
 from rich.console import Console
 
 from live.base.errors import PersonError
 from live.base.lane import Lane
+from live.cli.audience_tls import Identity, read_identity
 from live.cli.listening_socket import listening_socket
 from live.cli.own_address import own_address
 from live.clock.source import Clock
+from live.control.audience.admission import BEHIND_NAT, OWN_WIFI
 from live.control.audience.rules import Beat, Rules
 from live.control.events import AudienceHeard, ControlEvent
 from live.control.helper import Helper
 from live.show.core import Show
+from live.show.sections.audience import AudienceSection
+from live.show.venue import Venue, venue_path
+from live.show.venue_audience import VenueAudience
 
 if TYPE_CHECKING:
     from live.cli.wish import Wish
@@ -32,8 +41,14 @@ can have given (`ALL_JOINS`), in this engine or one that it goes on from."""
 class AudiencePart:
     """Thread: the one that runs the show."""
 
-    def __init__(self, wish: "Wish", show: Show, lane: Lane[ControlEvent], clock: Clock) -> None:
+    def __init__(
+        self, wish: "Wish", show: Show, lane: Lane[ControlEvent], clock: Clock, venue: Venue | None = None
+    ) -> None:
         assert wish.audience is not None
+        self._wish, self._venue = wish, VenueAudience() if venue is None else venue.audience
+        self._identity: Identity | None = None
+        self._expires = math.inf
+        self._crowd_told = False
         self._where, self._wished_link, self._secret = wish.audience, wish.audience_link, wish.audience_secret
         self._show, self._lane, self._clock = show, lane, clock
         self._socket: socket.socket | None = None
@@ -64,15 +79,36 @@ class AudiencePart:
         except (OSError, OverflowError) as error:
             where = f"{self._where[0]}:{self._where[1]}"
             raise PersonError(f"--audience {where}: {error}", "choose another port") from None
-        section, http = self._show.patch.audience, self._socket.fileno()
+        self._take_identity()
+        section, venue, http = self._show.patch.audience, self._venue, self._socket.fileno()
         self._plan = {
             "http": http, "secret": self._secret, "first": self._first(), "link": self.address, "most": section.phones,
-            "per_address": section.phones_per_address, "visible": section.visible,
+            "per_address": section.phones_per_address, "visible": section.visible, "network": self.network,
+            "proxies": list(venue.proxies), "by_card": venue.by_card, "code_s": venue.code_s,
+            "grace_s": venue.grace_s, "joins_per_code": venue.joins_per_code or section.phones, "bans": [],
+            "certificate": None if self._identity is None else (self._identity.certificate, self._identity.key),
         }  # fmt: skip
         self._helper = Helper("live.control.audience.gateway", self._clock, self._plan, self._anew, http, on=self._hear)
         self._helper.start()
         if self.is_public:
             self._note(f"audience: open to the network at {self.address}; Q shows the code to join by", "bold red")
+
+    def _take_identity(self) -> None:
+        """Read the certificate, if there is one, and say what is doubtful about it; PersonError for what is wrong."""
+        files = tls_files(self._wish, self._venue)
+        if files is None:
+            return
+        self._identity = identity = read_identity(*files)
+        now = datetime.now(UTC)
+        for words in identity.doubt(now, self._host):
+            self._note(f"audience: {words}", "bold red")
+        if now < identity.ends:
+            self._expires = self._clock.now() + (identity.ends - now).total_seconds()
+
+    @property
+    def network(self) -> str:
+        """What the hall's network is like, as the venue says, or as it seems."""
+        return self._venue.network or network_of(self._show.patch.audience, public=self.is_public)
 
     @staticmethod
     def _note(words: str, style: str) -> None:
@@ -93,8 +129,19 @@ class AudiencePart:
         """What phones open, without the key."""
         if self._wished_link:
             return self._wished_link.rstrip("/")
+        host = self._host
+        scheme = "http" if self._identity is None else "https"
+        return f"{scheme}://{f'[{host}]' if ':' in host else host}:{self.port}"
+
+    @property
+    def _host(self) -> str:
+        """The host that phones are given."""
+        if self._wished_link:
+            return urlsplit(self._wished_link).hostname or ""
         host = own_address() if self._where[0] in ("0.0.0.0", "::", "") else self._where[0]
-        return f"http://{f'[{host}]' if ':' in host else host}:{self.port}"
+        if self._identity is None or host in self._identity.names:
+            return host
+        return self._identity.host or host
 
     @property
     def process(self) -> int | None:
@@ -145,6 +192,8 @@ class AudiencePart:
             return
         facts = self._helper.facts()
         self._plan["first"] = self._first()
+        self._plan["bans"] = facts.get("bans", self._plan["bans"])
+        self._look(facts)
         self._refused = Counter(facts.get("refused", {}))
         rules = rules_of(self._show)
         if rules != self._rules and self._helper.send(rules):
@@ -153,6 +202,21 @@ class AudiencePart:
         slipped = self._beat is None or self._beat.slipped(beat, now)
         if (slipped or now - self._beat_at > BEAT_EVERY) and self._helper.send(beat):
             self._beat, self._beat_at = beat, now
+
+    def _look(self, facts: dict[str, Any]) -> None:
+        """Tell a person, once each, what she can do something about."""
+        if self._clock.now() >= self._expires:
+            self._expires = math.inf
+            self._note(
+                "audience: the certificate has expired: who has joined plays on; phones warn who joins", "bold red"
+            )
+        if facts.get("crowded") and not self._crowd_told:
+            self._crowd_told = True
+            self._note(
+                "audience: many phones come from one address or network card, and have no voice. Do all share an "
+                'address here? Then the venue says [audience] network = "behind nat"; by_card = false if a repeater '
+                "hides them", "yellow",
+            )  # fmt: skip
 
     # -- what is told --------------------------------------------------------------------------------------------
 
@@ -163,8 +227,11 @@ class AudiencePart:
     def status(self) -> dict[str, Any]:
         """For the status line: nothing of anybody, and no key."""
         facts = {} if self._helper is None else self._helper.facts()
-        kept = {name: facts.get(name) for name in ("messages", "late_ms", "ways_ms", "left_out", "restarts")}
-        return {"at": self.address, "public": self.is_public, **kept, **self._show.audience.facts()}
+        told = ("messages", "late_ms", "ways_ms", "left_out", "restarts", "crowded", "held")
+        kept = {name: facts.get(name) for name in told}
+        until = None if self._identity is None else f"{self._identity.ends:%Y-%m-%dT%H:%M:%SZ}"
+        return {"at": self.address, "public": self.is_public, "network": self.network, "certificate_until": until,
+                **kept, **self._show.audience.facts()}  # fmt: skip
 
 
 def rules_of(show: Show) -> Rules:
@@ -199,6 +266,24 @@ def beat_of(show: Show) -> Beat:
     return Beat(timeline.time_origin, timeline.beat_origin, timeline.tempo, timeline.beats_per_measure, line)
 
 
-def make_audience(wish: "Wish", show: Show, lane: Lane[ControlEvent], clock: Clock) -> AudiencePart | None:
+def network_of(section: AudienceSection, *, public: bool) -> str:
+    """What a network is like if no venue says it: behind nat where the patch lets all phones come from one address, or
+    only this machine reaches it, as for trying things out; else phones have addresses of their own."""
+    return BEHIND_NAT if section.phones_per_address >= section.phones or not public else OWN_WIFI
+
+
+def tls_files(wish: "Wish", venue: VenueAudience) -> tuple[Path, Path] | None:
+    """Certificate and key, as the command line says, or the venue, whose files lie beside its own; None for http."""
+    if wish.audience_tls is not None:
+        return wish.audience_tls
+    if venue.certificate is None or venue.key is None:
+        return None
+    folder = Path() if wish.venue is None else venue_path(wish.venue).parent
+    return folder / Path(venue.certificate).expanduser(), folder / Path(venue.key).expanduser()
+
+
+def make_audience(
+    wish: "Wish", show: Show, venue: Venue | None, lane: Lane[ControlEvent], clock: Clock
+) -> AudiencePart | None:
     """What `--audience` asks for, to be started; None if nothing."""
-    return None if wish.audience is None else AudiencePart(wish, show, lane, clock)
+    return None if wish.audience is None else AudiencePart(wish, show, lane, clock, venue)

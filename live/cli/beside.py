@@ -137,7 +137,7 @@ class Beside:
             self.parts.add(page)
             self.telling.to.append(page.tell)
             self.status.more["web"] = page.status
-        audience = make_audience(wish, show, self.inbox.lane(), self.clock)
+        audience = make_audience(wish, show, self.venue, self.inbox.lane(), self.clock)
         if audience is not None:
             audience.goes_on = self.goes_on
             self.parts.add(audience)

@@ -49,6 +49,7 @@ def play(
     oscquery: play_ports.Oscquery = None,
     audience: play_ports.Audience = None,
     audience_link: play_ports.AudienceLink = None,
+    audience_tls: play_ports.AudienceTls = None,
     monitor: play_picture.Monitor = None,
     fullscreen: play_picture.Fullscreen = False,
     operator: play_picture.Operator = None,
@@ -77,6 +78,7 @@ def play(
 
     from rich.console import Console
 
+    from live.cli.audience_tls import parse_tls
     from live.cli.options import (
         audience_address,
         audience_web_address,
@@ -143,6 +145,7 @@ def play(
             web_hosts=page.hosts,
             audience=None if audience is None else audience_address(audience),
             audience_link=audience_web_address(audience_link),
+            audience_tls=parse_tls(audience_tls),
             audience_secret=b"" if audience is None else secrets.token_bytes(32),
             journal=journal,
             status_json=status_json,

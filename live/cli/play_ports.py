@@ -104,3 +104,10 @@ AudienceLink = Annotated[
     str | None,
     typer.Option(help="The address that phones are given, if it is another one.", metavar="http://HOST[:PORT]"),
 ]
+AudienceTls = Annotated[
+    str | None,
+    typer.Option(
+        help="Meet phones over https, with this certificate and its key (PEM files, as Let's Encrypt makes them).",
+        metavar="CERT,KEY",
+    ),
+]

@@ -61,6 +61,8 @@ class Wish:
     """Where the audience's phones play along."""
     audience_link: str | None = None
     """How phones are told to find that, if not by its own address."""
+    audience_tls: tuple[Path, Path] | None = None
+    """Certificate and key by which phones are met over https."""
     audience_secret: bytes = b""
     """What only this show knows, in all its processes: by it phones are known again."""
     journal: Path | None = None

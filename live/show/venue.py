@@ -13,6 +13,7 @@ from live.show.patch_places import PATCHES, is_file, user_settings
 from live.show.sections.osc import Endpoints, Targets
 from live.show.sections.section import Name, Section
 from live.show.toml_file import parse_model, read_text
+from live.show.venue_audience import VenueAudience
 from live.show.venue_output import MOST_OUTPUTS, VenueOutput, check_outputs
 from live.show.venue_projector import VenueProjector
 
@@ -111,6 +112,7 @@ class Venue(Section):
     vmc: VenueVmc = VenueVmc()
     psn: VenuePsn = VenuePsn()
     web: VenueWeb = VenueWeb()
+    audience: VenueAudience = VenueAudience()
     latency: VenueLatency = VenueLatency()
     projector: VenueProjector | None = None
     """Where its projector stands, and where its picture has the corners of the floor."""

@@ -2,39 +2,53 @@
 
 import asyncio
 import contextlib
+import hashlib
+import hmac
 import json
 from collections import Counter
+from collections.abc import Sequence
 from typing import Any, Final
 
 from aiohttp import WSMsgType, web
 
 from live.control.audience import wire
+from live.control.audience.addresses import Proxies, address_of, group_of
+from live.control.audience.admission import OWN_WIFI, Answer
 from live.control.audience.hall import Hall
+from live.control.audience.neighbours import Neighbours
 from live.control.audience.pages import Pages
 from live.control.audience.phones import Phone
 from live.control.audience.reading import Reading
 from live.control.audience.refused import Why
 from live.control.audience.teller import Teller
-from live.control.audience.tokens import hue_of, lets_in, number_of, token_of
+from live.control.audience.tokens import Device, device_of, group_number, hue_of, token_of
 from live.control.http_guard import is_ours
 
 HELLO_WITHIN: Final = 5.0
-"""Who has connected asks for a page, or says who it is, so soon [s]."""
+"""Who has connected asks for a page, or says who it is, so soon [s]: first bytes, headers and all."""
 SPARE: Final = 16
 """Connections of one address beside those of its phones."""
-WAITING: Final = 256
+MOST_OF_ADDRESS: Final = 1024
+"""Connections of one address that have not said who they are, whatever the network; a named proxy may have any."""
+WAITING: Final = 512
 """Connections of those who have not said yet who they are."""
 
 
 class Door:
     """Thread: the gateway's loop."""
 
-    def __init__(self, hall: Hall, teller: Teller, secret: bytes, link: str) -> None:
-        """`link`: the address that phones are given."""
+    def __init__(self, hall: Hall, teller: Teller, secret: bytes, plan: dict[str, Any]) -> None:
+        """`plan`: the link that phones are given, and what the network is like."""
         self._hall, self._teller, self._secret = hall, teller, secret
-        self._pages = Pages(link)
+        self._pages = Pages(str(plan["link"]))
+        self._proxies = Proxies(plan.get("proxies", ()))
+        own = plan.get("network", OWN_WIFI) == OWN_WIFI and bool(plan.get("by_card", True))
+        self._neighbours = Neighbours(secret) if own else None
+        of_group = int(plan["per_address"]) if hall.admission.apart else MOST_OF_ADDRESS
+        self._of_address = min(of_group, MOST_OF_ADDRESS) + SPARE
         self._met: dict[Any, float] = {}
         self._upgraded: set[Any] = set()
+        self._greeting: Counter[int] = Counter()
 
     async def answer(self, request: web.Request) -> web.StreamResponse:
         """A page, or a phone that wants to play."""
@@ -44,24 +58,48 @@ class Door:
             return await self._connected(request)
         if request.path != "/" or request.method not in ("GET", "HEAD"):
             return self._refuse(Why.PATH, 404)
-        return self._pages.answer(request)
+        page = self._pages.answer(request)
+        page.force_close()  # what comes next is a WebSocket, on a connection of its own
+        return page
 
     def _refuse(self, why: Why, status: int) -> web.Response:
         self._hall.refused[why] += 1
-        return web.Response(status=status, headers={"Retry-After": "5"} if status == 503 else None)
+        response = web.Response(status=status, headers={"Retry-After": "5"} if status == 503 else None)
+        response.force_close()
+        return response
+
+    async def _group(self, request: web.Request) -> int:
+        """Who comes from there: the network card, if it is known, or the address, as a keyed hash."""
+        headers = request.headers
+        address = self._proxies.sender(
+            request.remote or "", headers.getall("X-Forwarded-For", ()), headers.getall("Forwarded", ())
+        )
+        card = ""
+        if self._neighbours is not None and address is not None:
+            card = await self._neighbours.card_of(address)
+        return group_number(self._secret, card or group_of(address))
+
+    def _browser(self, request: web.Request) -> int:
+        """What a browser says of itself, as a keyed hash."""
+        words = "\n".join(request.headers.get(name, "")[:400] for name in ("User-Agent", "Accept-Language"))
+        digest = hmac.new(self._secret, f"browser {words}".encode("utf-8", "replace"), hashlib.sha256).digest()
+        return int.from_bytes(digest[:6], "big")
 
     async def _connected(self, request: web.Request) -> web.StreamResponse:
         if request.headers.get("Origin", "").partition("://")[2] != request.headers.get("Host", ""):
             return self._refuse(Why.ORIGIN, 403)
         if len(self._upgraded) >= self._hall.phones.most + WAITING:
             return self._refuse(Why.FULL, 503)
+        group = await self._group(request)
+        if self._greeting[group] >= self._of_address:
+            return self._refuse(Why.ADDRESS, 503)
         ws = web.WebSocketResponse(max_msg_size=wire.LONGEST, compress=False, timeout=2.0)
         await ws.prepare(request)
         transport = request.transport
         self._upgraded.add(transport)
         phone: Phone | None = None
         try:
-            phone = await self._greeted(ws, request)
+            phone = await self._greeted(ws, request, group)
             if phone is not None:
                 await phone.gone
         except (ConnectionError, RuntimeError):  # it has gone meanwhile
@@ -74,14 +112,19 @@ class Door:
                 await ws.close()
         return ws
 
-    async def _greeted(self, ws: web.WebSocketResponse, request: web.Request) -> Phone | None:
+    async def _greeted(self, ws: web.WebSocketResponse, request: web.Request, group: int) -> Phone | None:
         """Who it is, and welcome; None if it may not play, which it is told."""
         hall = self._hall
+        self._greeting[group] += 1
         try:
             first = await asyncio.wait_for(ws.receive(), HELLO_WITHIN)
         except TimeoutError:
             hall.refused[Why.SILENT] += 1
             return None
+        finally:
+            self._greeting[group] -= 1
+            if not self._greeting[group]:
+                del self._greeting[group]
         hello = wire.hello_of(first.data) if first.type is WSMsgType.TEXT else None
         if hello is None:
             if first.type in (WSMsgType.TEXT, WSMsgType.BINARY):
@@ -89,42 +132,47 @@ class Door:
             elif first.type is WSMsgType.ERROR:
                 hall.refused[Why.LONG] += 1
             return None
-        address, now = request.remote or "", hall.now()
-        number = number_of(self._secret, hello.token) if hello.token else 0
-        why = self._may_enter(hello, number, address, now)
-        if why is None:
-            if not number:
-                number, hall.phones.next = hall.phones.next, hall.phones.next + 1
-            phone = hall.enter(number, hello.region, address, ws, request.transport)
+        known = device_of(self._secret, hello.token) if hello.token else None
+        answer = self._may_enter(hello, known, group)
+        if answer.why is None:
+            device = known if known is not None else Device(hall.phones.next, answer.ticket, group)
+            hall.phones.next += known is None
+            phone = hall.enter(
+                device, hello.region, group, self._browser(request), ws, request.transport, fresh=known is None
+            )
             if phone is not None:
                 reading = Reading(hall, phone, request.protocol)
                 phone.gone = reading.gone
                 phone.transport.set_protocol(reading)
-                await self._welcome(phone)
+                await self._welcome(phone, device)
                 return phone
-            why = Why.FULL
-        hall.refused[why] += 1
-        await ws.send_str(json.dumps({"no": why.name.lower()}))
+            answer = Answer(Why.FULL, HELLO_WITHIN)
+        assert answer.why is not None
+        hall.refused[answer.why] += 1
+        told = {"no": answer.why.name.lower(), "in": round(answer.wait, 2)}
+        await ws.send_str(json.dumps(told | ({"v": answer.voucher} if answer.voucher else {})))
         return None
 
-    def _may_enter(self, hello: wire.Hello, number: int, address: str, now: float) -> Why | None:
-        """Why not; None if it may."""
-        if not number and not (hello.key and lets_in(self._secret, hello.key, now)):
-            return Why.LINK if hello.key else Why.TOKEN
-        if number in self._hall.phones.by_number:
-            return None
-        return self._hall.phones.may_join(address, now, fresh=not number)
+    def _may_enter(self, hello: wire.Hello, known: Device | None, group: int) -> Answer:
+        """Whether somebody may come in, and when if not now."""
+        hall = self._hall
+        if known is not None:
+            return Answer() if known.number in hall.phones.by_number else hall.admission.known(group, hall.now())
+        answer = hall.admission.fresh(hello.key, hello.voucher, group, hall.now())
+        if answer.why is Why.ADDRESS:
+            hall.share(group)  # it may be a crowd now
+        return answer
 
-    async def _welcome(self, phone: Phone) -> None:
+    async def _welcome(self, phone: Phone, device: Device) -> None:
         hall, number = self._hall, phone.number
         every = self._teller.every()
         region = int(hall.voices.region[phone.row])
-        token = token_of(self._secret, number)
+        token = token_of(self._secret, device)
         await phone.ws.send_str(json.dumps({"w": [token, number, hue_of(number), every, region]}))
         for words in self._teller.present():
             await phone.ws.send_str(words)
 
-    def sweep(self, connections: list[Any]) -> None:
+    def sweep(self, connections: Sequence[Any]) -> None:
         """Close those of the `connections` that ask for nothing, or too slowly, or are too many of one address."""
         now, met, of_address = self._hall.now(), {}, Counter[str]()
         for each in connections:
@@ -134,7 +182,7 @@ class Door:
             met[transport] = self._met.get(transport, now)
             address = str((transport.get_extra_info("peername") or ("",))[0])
             of_address[address] += 1
-            many = of_address[address] > self._hall.phones.per_address + SPARE
+            many = of_address[address] > self._of_address and not self._proxies.names(address_of(address))
             if many or now - met[transport] > HELLO_WITHIN:
                 self._hall.refused[Why.ADDRESS if many else Why.SILENT] += 1
                 transport.abort()

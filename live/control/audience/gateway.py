@@ -19,11 +19,11 @@ import numpy as np
 from aiohttp import web
 
 from live.clock.ticks import TICK
-from live.control.audience.door import Door
+from live.control.audience.door import HELLO_WITHIN, Door
 from live.control.audience.hall import Hall
 from live.control.audience.rules import Beat, Rules
 from live.control.audience.teller import Teller
-from live.control.audience.tokens import link_key
+from live.control.audience.tls import server_context
 from live.control.helper import Told
 
 SAY_EVERY: Final = 0.5
@@ -32,8 +32,10 @@ RULES_WITHIN: Final = 1.0
 TIDY_EVERY: Final = 60.0
 TURNS: Final = 1024
 """Turns of which it is known how late they were: 16 s."""
-FILES: Final = 512
+FILES: Final = 1024
 """Descriptors beside one for each phone."""
+PARTS_WITHIN: Final = 2.0
+"""An encrypted connection says good-bye so soon [s], or is cut."""
 
 
 class Gateway:
@@ -41,10 +43,11 @@ class Gateway:
 
     def __init__(self, told: Told, plan: dict[str, Any]) -> None:
         self._told, self._secret, self._link = told, bytes(plan["secret"]), str(plan["link"])
+        self._certificate: tuple[bytes, bytes] | None = plan.get("certificate")
         self.hall = Hall(plan)
         self._teller = Teller(self.hall)
         self.hall.gather = self.gather
-        self._door = Door(self.hall, self._teller, self._secret, self._link)
+        self._door = Door(self.hall, self._teller, self._secret, plan)
         self._over = asyncio.Event()
         self._ruled = asyncio.Event()
         self._late = np.zeros(TURNS)
@@ -100,7 +103,7 @@ class Gateway:
         while True:
             self.hall.sweep()
             self._door.sweep(list(runner.server.connections) if runner.server is not None else [])
-            fresh = link_key(self._secret, self.hall.now())
+            fresh = self.hall.tickets.key(self.hall.now())
             if fresh != key:
                 link = f"{self._link}/#{fresh}"
                 key = fresh if self._send(("code", link, code_of(link))) else ""
@@ -130,12 +133,18 @@ class Gateway:
         self.hear()
         with contextlib.suppress(TimeoutError):  # whoever comes in is to find the rules of the show
             await asyncio.wait_for(self._ruled.wait(), RULES_WITHIN)
-        await web.SockSite(runner, listening, backlog=1024).start()
+        tls = None if self._certificate is None else server_context(*self._certificate)
+        handler: Any = runner.server
+        server = await asyncio.get_running_loop().create_server(
+            handler, sock=listening, ssl=tls, backlog=1024, ssl_handshake_timeout=None if tls is None else HELLO_WITHIN,
+            ssl_shutdown_timeout=None if tls is None else PARTS_WITHIN,
+        )  # fmt: skip
         tasks = [asyncio.create_task(task) for task in (self._teller.run(), self._teller.lights(), self.say(runner))]
         self._clock()
         await self._over.wait()
         for task in tasks:
             task.cancel()
+        server.close()
         for phone in list(self.hall.phones.by_number.values()):
             phone.transport.abort()
         await runner.cleanup()

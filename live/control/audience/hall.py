@@ -6,10 +6,14 @@ from collections.abc import Callable
 from typing import Any
 
 from live.control.audience import wire
+from live.control.audience.admission import OWN_WIFI, Admission
+from live.control.audience.bans import Bans
 from live.control.audience.phones import PATIENCE, TOO_FAST, Phone, Phones
 from live.control.audience.refused import ALL_BURST, ALL_RATE, BURST, RATE, Why
 from live.control.audience.rules import Beat, Rules
+from live.control.audience.tickets import Tickets
 from live.control.audience.together import Together
+from live.control.audience.tokens import Device
 from live.control.audience.voices import Voices
 
 RESTS = 5.0
@@ -26,7 +30,12 @@ class Hall:
     def __init__(self, plan: dict[str, Any]) -> None:
         most = int(plan["most"])
         self._origin = float(plan["origin"])
-        self.phones = Phones(most, int(plan["per_address"]), int(plan["first"]))
+        secret, network = bytes(plan.get("secret", b"")), str(plan.get("network", OWN_WIFI))
+        devices = int(plan.get("joins_per_code", 0)) or most
+        self.phones = Phones(most, int(plan["first"]))
+        self.tickets = Tickets(secret, float(plan.get("code_s", 30.0)), float(plan.get("grace_s", 120.0)), devices)
+        self.admission = Admission(self.phones, self.tickets, network, int(plan["per_address"]), secret)
+        self.bans = Bans(apart=self.admission.apart, told=plan.get("bans", ()))
         self.voices = Voices(most + SPARE)
         self.together = Together(self.voices, int(plan["visible"]))
         self.rules, self.beat = Rules(), Beat()
@@ -45,54 +54,70 @@ class Hall:
     def rule(self, rules: Rules) -> None:
         """These are the rules from now on."""
         self.rules = rules
-        self.voices.rule(rules.weights, rules.banned, rules.half)
+        now = self.now()
+        if self.bans.rule(rules.banned, self.tickets.newest(now), now):
+            self.bans.spread((one.number, one.group, one.origin) for one in self.phones.by_number.values())
+        self.voices.rule(rules.weights, sorted(self.bans.numbers()), rules.half)
         self.together.order = rules.order
 
     # -- who is there --------------------------------------------------------------------------------------------
 
-    def enter(self, number: int, region: int, address: str, ws: Any, transport: Any) -> Phone | None:
-        """A phone has said who it is: with the voice that it had, if it was there; None if there is no room."""
+    def enter(
+        self, device: Device, region: int, group: int, browser: int, ws: Any, transport: Any, *, fresh: bool
+    ) -> Phone | None:
+        """A phone has said who it is: with the voice that it had, if it was there; None if there is no room.
+
+        `browser`: a keyed hash of what its browser says of itself; `fresh`: it has joined just now.
+        """
+        number, now = device.number, self.now()
         region = min(region, max(len(self.rules.regions) - 1, 0))
         row, _ = self._parted.pop(number, (-1, 0.0))
         before = self.phones.by_number.get(number)
         if before is not None:
             row, before.row = before.row, -1
+        heard = not self.bans.enters(device, group, browser, now, fresh=fresh)
         if row < 0:
-            row = self.voices.add(number, region, heard=number not in self.rules.banned)
+            row = self.voices.add(number, region, heard=heard)
         if row < 0:
             return None
-        self.voices.region[row] = region
-        phone = Phone(number, row, address, ws, transport, at=self.now())
+        self.voices.region[row], self.voices.heard[row] = region, heard
+        phone = Phone(number, row, group, ws, transport, device.origin, at=now)
         self.phones.add(phone)
         if before is not None:
             before.transport.abort()
-        self._share(address)
+        self.share(phone.group, phone.origin)
         return phone
 
-    def _share(self, address: str) -> None:
-        phones, part = self.phones.parts(address)
-        for phone in phones:
-            if phone.row >= 0:
-                self.voices.part[phone.row] = part
+    def share(self, *groups: int) -> None:
+        """Give everybody who is of one of the groups the part of a voice that each has now."""
+        now = self.now()
+        for one in self.phones.related(*groups) if self.admission.apart else ():
+            if one.row >= 0:
+                self.voices.part[one.row] = self.admission.part(one, now)
 
     def part(self, phone: Phone) -> None:
         """A phone is cut off: its finger is lifted, its voice fades; it may come again."""
-        self.phones.remove(phone)
-        self._share(phone.address)
+        now = self.now()
+        self.phones.remove(phone, now)
+        self.share(phone.group, phone.origin)
         if phone.row >= 0:  # else somebody else has it
             self.voices.held[phone.row] = False
-            self._parted[phone.number] = (phone.row, self.now())
+            self._parted[phone.number] = (phone.row, now)
 
     def sweep(self) -> None:
         """Free the rows of those who have gone for good, and cut off who has fallen silent."""
         now = self.now()
         for phone in list(self.phones.by_number.values()):
             if now - phone.at > SILENT:
+                self.refused[Why.IDLE] += 1
                 phone.transport.abort()
         for number, (row, since) in list(self._parted.items()):
             if now - since > RESTS:
                 del self._parted[number]
                 self.voices.remove(row)
+        for group in self.admission.calmed(now):
+            self.share(group)
+        self.tickets.tidy(now)
 
     # -- what they say -------------------------------------------------------------------------------------------
 
@@ -159,9 +184,9 @@ class Hall:
         if vote is None:
             return ""
         counts = [0.0] * len(vote[2])
-        weights, banned = self.rules.weights or (1.0,), set(self.rules.banned)
+        weights = self.rules.weights or (1.0,)
         for phone in self.phones.by_number.values():
-            if phone.vote[0] == vote[0] and phone.number not in banned and phone.row >= 0:
+            if phone.vote[0] == vote[0] and phone.row >= 0 and self.voices.heard[phone.row]:
                 region = min(int(self.voices.region[phone.row]), len(weights) - 1)
                 counts[phone.vote[1]] += weights[region] * float(self.voices.part[phone.row])
         return " ".join(map(str, (vote[0], *(round(100 * count) for count in counts))))
@@ -169,6 +194,7 @@ class Hall:
     def facts(self) -> dict[str, Any]:
         """For the status: nothing of anybody."""
         return {
-            "phones": len(self.phones), "messages": self.messages,
+            "phones": len(self.phones), "messages": self.messages, "crowded": self.admission.crowded,
+            "held": self.bans.held(), "bans": self.bans.tell(),
             "refused": dict(self.refused), "ways_ms": self.together.ways(),
         }  # fmt: skip

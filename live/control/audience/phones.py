@@ -1,17 +1,16 @@
-"""Phones: everybody who is connected, by number, with what each may send; addresses are counted in memory alone."""
+"""Phones: everybody who is connected, by number and by group, with what each may send; in memory alone."""
 
 from dataclasses import dataclass
 from typing import Any, Final
 
-from live.control.audience.refused import ALL_JOINS, BURST, JOIN_BURST, JOIN_RATE, Bucket, Why
+from live.control.audience.refused import BURST
 
 PATIENCE: Final = 4
 """Malformed messages of a phone before it is sent away."""
 TOO_FAST: Final = 300
 """Messages that were too fast before it is."""
-VOICES: Final = 4
-"""Voices that the phones of one address have together at most, as many as are needed for all of the force."""
-MOST_ADDRESSES: Final = 16384
+KEEPS: Final = 60.0
+"""Who has lost its connection has its place for so long [s], before anybody fresh gets it."""
 
 
 @dataclass(slots=True, eq=False)
@@ -20,9 +19,12 @@ class Phone:
 
     number: int
     row: int
-    address: str
+    group: int
+    """Who shares its address, or its network card: see `admission`."""
     ws: Any
     transport: Any
+    origin: int = 0
+    """The group in which it joined first."""
     left: float = BURST
     """Messages that it may still send at once ..."""
     at: float = 0.0
@@ -35,63 +37,67 @@ class Phone:
     """Whether it knows that its light is seen."""
     vote: tuple[int, int] = (0, 0)
     """Number of the vote, and its choice."""
+    left_by_itself: bool = False
+    """Whether it said that it goes: nobody keeps its place then."""
 
 
 class Phones:
     """Thread: one."""
 
-    def __init__(self, most: int, per_address: int, first: int) -> None:
-        """`first`: the next phone's number."""
+    def __init__(self, most: int, first: int) -> None:
+        """`most`: so many at a time; `first`: the next phone's number."""
         self.by_number: dict[int, Phone] = {}
-        self.most, self.per_address, self.next = most, per_address, first
-        self._of_address: dict[str, dict[Phone, None]] = {}
-        self._together = float(VOICES) if per_address < most else float(most)
-        self._joins: dict[str, Bucket] = {}
-        self._all = Bucket(ALL_JOINS, ALL_JOINS)
+        self.most, self.next = most, first
+        self._of_group: dict[int, dict[Phone, None]] = {}
+        self._of_origin: dict[int, dict[Phone, None]] = {}
+        self._kept: dict[int, float] = {}
 
     def __len__(self) -> int:
         return len(self.by_number)
 
-    def may_join(self, address: str, now: float, *, fresh: bool) -> Why | None:
-        """Why not another phone of this address; None if it may. `fresh`: it has no token yet."""
-        if len(self.by_number) >= self.most:
-            return Why.FULL
-        if len(self._of_address.get(address, ())) >= self.per_address:
-            return Why.ADDRESS
-        if not self._all.take(now):
-            return Why.JOINS
-        if not fresh:
-            return None
-        bucket = self._joins.get(address)
-        if bucket is None:
-            if len(self._joins) >= MOST_ADDRESSES:
-                self._joins.clear()
-            many = max(self.per_address / 16.0, 1.0)
-            bucket = self._joins[address] = Bucket(JOIN_RATE * many, JOIN_BURST * many + 6.0)
-        return None if bucket.take(now) else Why.JOINS
+    def is_full(self, now: float, *, fresh: bool) -> bool:
+        """Whether there is no place left. Places of those who have just lost their connection are theirs alone."""
+        kept = 0
+        if fresh:
+            for number in [number for number, until in self._kept.items() if now > until]:
+                del self._kept[number]
+            kept = len(self._kept)
+        return len(self.by_number) + kept >= self.most
+
+    def of(self, group: int) -> list[Phone]:
+        """The phones that are in a group, as they came."""
+        return list(self._of_group.get(group, ()))
+
+    def related(self, *groups: int) -> list[Phone]:
+        """The phones that are in one of the groups, or have joined there."""
+        found: dict[Phone, None] = {}
+        for group in groups:
+            found |= self._of_group.get(group, {}) | self._of_origin.get(group, {})
+        return list(found)
+
+    def relatives(self, phone: Phone) -> int:
+        """How many phones are one with it at most: those in its group, or those that have joined where it has."""
+        return max(len(self._of_group.get(phone.group, ())), len(self._of_origin.get(phone.origin, ())), 1)
 
     def add(self, phone: Phone) -> Phone | None:
         """It is there; returns the one that had its number until now (another tab, a socket that fell asleep)."""
         before = self.by_number.get(phone.number)
         self.by_number[phone.number] = phone
-        self._of_address.setdefault(phone.address, {})[phone] = None
+        self._of_group.setdefault(phone.group, {})[phone] = None
+        self._of_origin.setdefault(phone.origin, {})[phone] = None
+        self._kept.pop(phone.number, None)
         return before
 
-    def parts(self, address: str) -> tuple[list[Phone], float]:
-        """The phones of an address, and which part of a voice each has: together they have no more than `VOICES`.
-
-        Somebody with a hundred tabs is no crowd. Where all may come through one address there is no such limit.
-        """
-        phones = list(self._of_address.get(address, ()))
-        return phones, min(1.0, self._together / max(len(phones), 1))
-
-    def remove(self, phone: Phone) -> bool:
+    def remove(self, phone: Phone, now: float) -> bool:
         """It has gone; whether nobody else has its number now."""
-        left = self._of_address.get(phone.address, {})
-        left.pop(phone, None)
-        if not left:
-            self._of_address.pop(phone.address, None)
+        for of, key in ((self._of_group, phone.group), (self._of_origin, phone.origin)):
+            left = of.get(key, {})
+            left.pop(phone, None)
+            if not left:
+                of.pop(key, None)
         if self.by_number.get(phone.number) is phone:
             del self.by_number[phone.number]
+            if not phone.left_by_itself and len(self._kept) < self.most:
+                self._kept[phone.number] = now + KEEPS
             return True
         return False

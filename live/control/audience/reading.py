@@ -68,6 +68,7 @@ class Reading(asyncio.Protocol):
         if first == PONG:
             return True
         if first == CLOSE:
+            self._phone.left_by_itself = True
             self._transport.write(bytes((CLOSE, 0)))
             self._transport.close()
             return True

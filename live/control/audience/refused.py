@@ -14,6 +14,7 @@ class Why(StrEnum):
     ADDRESS = "phone: too many of one address"
     JOINS = "phone: joins too fast"
     LINK = "phone: old or wrong link"
+    SPENT = "phone: code used up"
     TOKEN = "phone: wrong token"
     SILENT = "phone: did not say who it is"
     MALFORMED = "phone: malformed message"
@@ -21,6 +22,7 @@ class Why(StrEnum):
     FAST = "phone: messages too fast"
     BUSY = "phone: too many messages in all"
     SLOW = "phone: does not listen"
+    IDLE = "phone: said nothing for long"
     CLOSED = "phone: audience closed"
 
 
@@ -44,6 +46,27 @@ class Bucket:
         return True
 
 
+class Line:
+    """A line of those who wait: so many come in at once, and so many a second; whoever waits has her turn reserved.
+
+    A virtual scheduling queue (GCRA, ITU-T I.371), so that it holds two numbers however many wait.
+    """
+
+    __slots__ = ("_next", "_rate", "_tolerance")
+
+    def __init__(self, rate: float, burst: float) -> None:
+        self._rate, self._tolerance = rate, (burst - 1.0) / rate
+        self._next = -1e9
+
+    def wait(self, now: float) -> float:
+        """How long one more has to wait [s]."""
+        return max(self._next - self._tolerance - now, 0.0)
+
+    def reserve(self, now: float) -> None:
+        """One more has its turn."""
+        self._next = max(self._next, now) + 1.0 / self._rate
+
+
 RATE: Final = 15.0
 BURST: Final = 30.0
 """Messages of one phone a second, and at once."""
@@ -51,8 +74,5 @@ ALL_RATE: Final = 30_000.0
 """Messages of all together a second."""
 ALL_BURST: Final = 6000.0
 """And at once."""
-JOIN_RATE: Final = 4.0
-JOIN_BURST: Final = 2.0
-"""Joins of one address a second and at once, times how many phones it may have, in parts of 16."""
 ALL_JOINS: Final = 400.0
 """Joins of all together a second."""

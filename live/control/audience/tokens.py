@@ -1,21 +1,44 @@
-"""Tokens: who may join by the code on the projector, and who has joined before. Nothing of a person is in them.
+"""Tokens: tickets in the link on the projector, devices that have joined by one, and vouchers for a place later on.
 
-The link holds a key that another one follows every minute; old ones let in for a while. Who joins gets a token: her
-number, signed. Whoever knows the show's secret, as a gateway that was started again does, knows both again.
+All are numbers, signed with the show's secret; nothing of a person is in them. Whoever knows the secret, as a gateway
+that was started again does, knows them again. A ticket is what the code on the wall holds: another one follows it after
+a while, and old ones let in for a while. Who joins gets a token: her number, the ticket that she came by, and the group
+(see `admission`) that she came from, as a keyed hash.
 """
 
 import base64
 import hashlib
 import hmac
+from dataclasses import dataclass
 from typing import Final
 
-ROTATES: Final = 60.0
-"""After so many seconds the link's key is another one ..."""
-VALID: Final = 5
-"""... and the last so many still let in: a photograph of the code is of no use tomorrow."""
 KEY_BYTES: Final = 9
 """72 bits, and no padding in base64."""
 MOST_NUMBER: Final = 1 << 31
+MOST_SERIAL: Final = 1 << 48
+
+
+@dataclass(frozen=True, slots=True)
+class Device:
+    """A phone that has joined."""
+
+    number: int
+    ticket: int = 0
+    """By which code ..."""
+    origin: int = 0
+    """... and from which group."""
+
+
+@dataclass(frozen=True, slots=True)
+class Voucher:
+    """A place that somebody with a good ticket waits for."""
+
+    ticket: int
+    slot_ms: int
+    """When she comes in [ms of the show]; 0: whenever there is room."""
+    until_ms: int
+    """How long it is good [ms of the show]."""
+    serial: int
 
 
 def _signed(secret: bytes, words: str) -> str:
@@ -23,32 +46,64 @@ def _signed(secret: bytes, words: str) -> str:
     return base64.urlsafe_b64encode(digest).decode()
 
 
-def link_key(secret: bytes, time: float) -> str:
-    """The key in the link at `time` [s of the show]."""
-    return _signed(secret, f"link {int(time // ROTATES)}")
+def _fits(secret: bytes, words: str, signature: str) -> bool:
+    return hmac.compare_digest(_signed(secret, words).encode(), signature.encode("utf-8", "replace"))
 
 
-def lets_in(secret: bytes, key: str, time: float) -> bool:
-    """Whether a link's key lets in at `time` [s of the show]: that of now, or one of the last minutes."""
-    turn = int(time // ROTATES)
-    good = False
-    for old in range(VALID + 1):  # all of them, whichever fits: time tells nothing
-        good |= hmac.compare_digest(_signed(secret, f"link {turn - old}").encode(), key.encode("utf-8", "replace"))
-    return good
+def _numbers(text: str, count: int) -> tuple[int, ...] | None:
+    """So many whole numbers with points between them; None for anything else. Each is written in one way only."""
+    words = text.split(".")
+    if len(words) != count or not all(word.isascii() and word.isdecimal() and len(word) <= 15 for word in words):
+        return None
+    found = tuple(int(word) for word in words)
+    return found if ".".join(map(str, found)) == text else None
 
 
-def token_of(secret: bytes, number: int) -> str:
+def ticket_key(secret: bytes, ticket: int) -> str:
+    """A ticket's key, as it stands in the link."""
+    return _signed(secret, f"link {ticket}")
+
+
+def ticket_of(secret: bytes, key: str, newest: int, valid: int) -> int:
+    """Which of the `newest` ticket and the `valid` ones before it has that key; -1 for none of them."""
+    found = -1
+    for ticket in range(max(newest - valid, 0), newest + 1):  # all of them, whichever fits: time tells nothing
+        if _fits(secret, f"link {ticket}", key):
+            found = ticket
+    return found
+
+
+def group_number(secret: bytes, group: str) -> int:
+    """A group as a number that tells nothing of its address."""
+    return int.from_bytes(hmac.new(secret, f"group {group}".encode(), hashlib.sha256).digest()[:6], "big")
+
+
+def token_of(secret: bytes, device: Device) -> str:
     """The token of a phone."""
-    return f"{number}.{_signed(secret, f'phone {number}')}"
+    words = f"{device.number}.{device.ticket}.{device.origin}"
+    return f"{words}.{_signed(secret, f'phone {words}')}"
 
 
-def number_of(secret: bytes, token: str) -> int:
-    """The phone's number; 0 for a token that nobody has given."""
-    number, _, signature = token.partition(".")
-    if not (number.isascii() and number.isdecimal() and len(number) <= 10 and 0 < int(number) < MOST_NUMBER):
-        return 0
-    good = hmac.compare_digest(_signed(secret, f"phone {int(number)}").encode(), signature.encode("utf-8", "replace"))
-    return int(number) if good else 0
+def device_of(secret: bytes, token: str) -> Device | None:
+    """The phone; None for a token that nobody has given."""
+    words, _, signature = token.rpartition(".")
+    found = _numbers(words, 3)
+    if found is None or not 0 < found[0] < MOST_NUMBER or not _fits(secret, f"phone {words}", signature):
+        return None
+    return Device(*found)
+
+
+def voucher_text(secret: bytes, voucher: Voucher) -> str:
+    """A voucher as phones keep it."""
+    words = f"{voucher.ticket}.{voucher.slot_ms}.{voucher.until_ms}.{voucher.serial}"
+    return f"{words}.{_signed(secret, f'voucher {words}')}"
+
+
+def voucher_of(secret: bytes, text: str) -> Voucher | None:
+    """The voucher; None for what nobody has given."""
+    words, _, signature = text.rpartition(".")
+    found = _numbers(words, 4)
+    return None if found is None or not _fits(secret, f"voucher {words}", signature) else Voucher(*found)
 
 
 def hue_of(number: int) -> int:

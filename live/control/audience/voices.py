@@ -21,7 +21,7 @@ FRESH: Final = 0.75
 FADES: Final = 1.0
 """Half-life [s] of a voice that is not."""
 GONE: Final = 0.05
-"""A voice that weighs less than this is none."""
+"""A voice of which less than this is left is none."""
 BANDWIDTH: Final = 1.2
 """Voices within this distance [m] of each other are one place."""
 CELL: Final = 0.4
@@ -136,18 +136,24 @@ class Voices:
         """What each row's voice weighs now, (N,)."""
         region = np.minimum(self.region, len(self._weights) - 1)
         age = np.maximum(now - self.said - FRESH * self.held, 0.0)
-        weight = self._weights[region] * self.part * 0.5 ** (age / FADES)
-        weight[(weight < GONE) | (self.mode == 0) | ~self.heard] = 0.0
+        fresh = 0.5 ** (age / FADES)
+        weight = self._weights[region] * self.part * fresh
+        weight[(fresh < GONE) | (self.mode == 0) | ~self.heard] = 0.0
         return weight
 
+    def people(self) -> float:
+        """How many voices there are in all, whether they speak or not: those that have a part of one count so much."""
+        return float(self.part[(self.number > 0) & self.heard].sum())
+
     def shaken(self, now: float) -> float:
-        """Which share of the phones is being shaken."""
-        count = self.count
-        return float(np.count_nonzero((now - self.shook < SHAKES) & self.heard)) / count if count else 0.0
+        """Which share of the voices is being shaken."""
+        people = self.people()
+        shaken = (now - self.shook < SHAKES) & self.heard & (self.number > 0)
+        return min(float(self.part[shaken].sum()) / people, 1.0) if people > 0.0 else 0.0
 
     def force(self, now: float, weight: Float64 | None = None) -> Force:
         """What all of them want together; `weight`: what `weights` said."""
-        count, shaken = self.count, self.shaken(now)
+        count, shaken = self.people(), self.shaken(now)
         weight = self.weights(now) if weight is None else weight
         rows = np.flatnonzero(weight)
         if not len(rows):

@@ -1,6 +1,8 @@
 """What phones and gateway say to each other. Phones have six verbs, and no words of their own.
 
-The first message is text, JSON of at most 256 bytes: `{"k": key}` of a link or `{"t": token}`, with `"r"`: the region.
+The first message is text, JSON of at most 256 bytes: `{"k": key}` of a link, `{"t": token}`, `{"v": voucher}` of who
+was told to come again, with `"r"`: the region. Who cannot come in is told why, in how many seconds to ask again (0: not
+with that), and her voucher: `{"no": why, "in": seconds, "v": voucher}`.
 All others are bytes, little-endian, of one length for each verb: there is nothing to parse, and nothing to get wrong.
 """
 
@@ -36,6 +38,7 @@ class Hello:
 
     key: str = ""
     token: str = ""
+    voucher: str = ""
     region: int = 0
 
 
@@ -47,14 +50,14 @@ def hello_of(text: str) -> Hello | None:
         said = json.loads(text)
     except (ValueError, RecursionError):
         return None
-    if type(said) is not dict or not set(said) <= {"k", "t", "r"}:
+    if type(said) is not dict or not set(said) <= {"k", "t", "v", "r"}:
         return None
-    key, token, region = said.get("k", ""), said.get("t", ""), said.get("r", 0)
-    if type(key) is not str or type(token) is not str or not (key + token).isascii():
+    key, token, voucher, region = said.get("k", ""), said.get("t", ""), said.get("v", ""), said.get("r", 0)
+    if type(key) is not str or type(token) is not str or type(voucher) is not str:
         return None
-    if type(region) is not int or not 0 <= region < 64:
+    if type(region) is not int or not 0 <= region < 64 or not (key + token + voucher).isascii():
         return None
-    return Hello(key, token, region) if key or token else None
+    return Hello(key, token, voucher, region) if key or token or voucher else None
 
 
 def is_well_formed(data: bytes) -> bool:

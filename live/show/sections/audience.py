@@ -24,5 +24,6 @@ class AudienceSection(Section):
     """How many voices are seen as lights on the floor at a time."""
     phones: Annotated[int, Field(ge=1, le=8000)] = 4000
     """How many phones may play at a time."""
-    phones_per_address: Annotated[int, Field(ge=1, le=8000)] = 64
-    """How many of one network address; where all come through one (a proxy, a mobile network), as many as in all."""
+    phones_per_address: Annotated[int, Field(ge=1, le=8000)] = 4
+    """How many of one network address may play at a time, where each has its own; together they have one voice. Behind
+    one address for all (the venue's `network`) there is no such limit, nor where this is as high as `phones`."""

@@ -12,10 +12,11 @@ import aiohttp
 
 from live.control.audience.gateway import Gateway
 from live.control.audience.rules import Beat, Rules
-from live.control.audience.tokens import link_key
+from live.control.audience.tokens import ticket_key
 from live.control.helper import LARGEST
 
 SECRET = b"s" * 32
+CODE_S = 30.0
 
 
 class ToldHere:
@@ -77,8 +78,9 @@ async def made_gateway(**plan):
     for each in (ours, theirs, listening):
         each.setblocking(False)
     address = f"http://127.0.0.1:{listening.getsockname()[1]}"
-    origin = time.perf_counter() - 100.0
-    usual = {"secret": SECRET, "first": 1, "link": address, "most": 64, "per_address": 64, "visible": 8}
+    origin = time.perf_counter() - 1000.0
+    usual = {"secret": SECRET, "first": 1, "link": address, "most": 64, "per_address": 4, "visible": 8}
+    usual |= {"network": "behind nat"}
     told = ToldHere(theirs, {**usual, "origin": origin, **plan})
     gateway, show = Gateway(told, told.plan), Show(ours, origin)
     show.tell(Rules(regions=("left", "right"), weights=(1.0, 1.0)), Beat(time=100.0, beat=0.0))
@@ -108,11 +110,15 @@ class FakePhone:
     def __init__(self, session, address):
         self._session, self._address = session, address
         self.token, self.number, self.said, self.no = "", 0, {}, ""
+        self.voucher, self.wait = "", 0.0
 
-    async def join(self, key=None, token=None, region=0, origin=None):
+    async def join(self, key=None, token=None, region=0, origin=None, voucher=None, headers=None):
         """Say hello; returns itself once it was answered."""
-        self.ws = await self._session.ws_connect(self._address + "/ws", headers={"Origin": origin or self._address})
+        headers = {"Origin": origin or self._address} | (headers or {})
+        self.number, self.no = 0, ""
+        self.ws = await self._session.ws_connect(self._address + "/ws", headers=headers)
         hello = {"r": region} | ({"k": key} if key else {}) | ({"t": token} if token else {})
+        hello |= {"v": voucher} if voucher else {}
         await self.ws.send_str(json.dumps(hello))
         while not self.number and not self.no:
             await self.hear()
@@ -126,7 +132,8 @@ class FakePhone:
             self.said |= said
             if "w" in said:
                 self.token, self.number = said["w"][:2]
-            self.no = said.get("no", self.no)
+            self.no, self.wait = said.get("no", self.no), said.get("in", self.wait)
+            self.voucher = said.get("v", self.voucher)
         return message
 
     async def touch(self, mode, x, z):
@@ -135,4 +142,4 @@ class FakePhone:
 
 def key_of(show):
     """The key of the link of the moment."""
-    return link_key(SECRET, show.now())
+    return ticket_key(SECRET, int(show.now() // CODE_S))

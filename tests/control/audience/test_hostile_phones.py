@@ -7,6 +7,7 @@ import asyncio
 import base64
 import contextlib
 import gc
+import itertools
 import json
 import random
 import struct
@@ -24,6 +25,8 @@ from live.control.http_guard import is_ours
 from tests.control.audience.made_gateway import FakePhone, key_of, made_gateway, until
 
 MASK = b"\x11\x22\x33\x44"
+ADDRESSES = (f"127.0.{k // 250 + 1}.{k % 250 + 1}" for k in itertools.count())
+"""Each has its own, as in a hall."""
 
 
 def frame(payload, opcode=2, *, fin=True, masked=True, length=None, reserved=0):
@@ -68,7 +71,7 @@ def hostile_frames(good):
 HELLOS = (
     "", "{", "[]", "null", "1", '"x"', "{}", '{"k":1}', '{"k":"x","r":-1}', '{"k":"x","r":1e9}', '{"k":"x","r":true}',
     '{"k":"x","z":1}', '{"k":["x"]}', "[" * 200, '{"t":{}}', '{"k":"' + "x" * 240 + '"}', '{"k":"\\ud800"}', "\x00" * 8,
-    '{"k":null}', '{"t":"1.' + "A" * 100 + '"}', "NaN", '{"k":"x","k":"y","r":64}',
+    '{"k":null}', '{"t":"1.' + "A" * 100 + '"}', "NaN", '{"k":"x","k":"y","r":64}', '{"v":7}', '{"v":"1.2.3.4.5"}', '{"v":"é"}',
 )  # fmt: skip
 
 
@@ -76,8 +79,8 @@ def test_first_messages_are_right_or_refused_and_nothing_is_raised():
     for text in HELLOS:
         hello = wire.hello_of(text)
         assert hello is None or (len(hello.key) < 256 and 0 <= hello.region < 64 and hello.key.isascii())
-    assert wire.hello_of('{"k":"abc","r":3}') == wire.Hello("abc", "", 3)
-    chance, good = random.Random(3), '{"t":"12.abcdefghijkl","k":"ABCDEFGHIJKL","r":1}'
+    assert wire.hello_of('{"k":"abc","r":3}') == wire.Hello("abc", "", "", 3)
+    chance, good = random.Random(3), '{"t":"12.3.4.abcdefghijkl","v":"1.2.3.4.x","k":"ABCDEFGHIJKL","r":1}'
     for _ in range(2000):
         text = list(good)
         for _ in range(chance.randrange(1, 6)):
@@ -128,7 +131,7 @@ def test_hosts_and_languages_of_all_kinds():
 async def raw(address, show, chunks, *, hello=True, wait=2.0):
     """Send bytes after a good handshake; returns once the other side has closed, or has had its time."""
     host, port = address.removeprefix("http://").split(":")
-    reader, writer = await asyncio.open_connection(host, int(port))
+    reader, writer = await asyncio.open_connection(host, int(port), local_addr=(next(ADDRESSES), 0))
     name = base64.b64encode(b"k" * 16).decode()
     writer.write(
         f"GET /ws HTTP/1.1\r\nHost: {host}:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nOrigin: {address}\r\n"
@@ -151,7 +154,7 @@ def test_every_class_of_malformed_traffic_is_refused_and_nothing_of_it_is_kept(c
     async def test():
         asyncio.get_running_loop().set_exception_handler(lambda _loop, context: failures.append(context))
         async with (
-            made_gateway(most=2000, per_address=2000) as (gateway, show, address),
+            made_gateway(most=2000, network="own wifi") as (gateway, show, address),
             aiohttp.ClientSession() as session,
         ):
             good = await FakePhone(session, address).join(key_of(show))
@@ -209,7 +212,7 @@ def _mutated(chance, data):
 
 def test_connections_that_say_nothing_are_closed_sooner_the_more_there_are():
     async def test():
-        async with made_gateway(per_address=4) as (gateway, _show, address):
+        async with made_gateway(network="own wifi") as (gateway, _show, address):
             host, port = address.removeprefix("http://").split(":")
             idle = [await asyncio.open_connection(host, int(port)) for _ in range(40)]
             await until(lambda: gateway.hall.refused[Why.ADDRESS] >= 20)

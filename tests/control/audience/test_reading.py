@@ -44,7 +44,7 @@ def read(*chunks):
 
     async def everything():
         hall, wire = Heard(), Wire()
-        reading = Reading(hall, Phone(1, 0, "", None, wire), wire)
+        reading = Reading(hall, Phone(1, 0, 0, None, wire), wire)
         for chunk in chunks:
             if wire.ended != "aborted":
                 reading.data_received(chunk)

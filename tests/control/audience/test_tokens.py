@@ -1,39 +1,99 @@
-"""Links let in for a while, tokens for as long as the show knows its secret; nothing else does."""
+"""Tickets let in for a while and a bounded number of devices, tokens while the show knows its secret; nothing else."""
 
 import itertools
 import random
 
-from live.control.audience.refused import Bucket
-from live.control.audience.tokens import ROTATES, VALID, hue_of, lets_in, link_key, number_of, token_of
+import pytest
+
+from live.control.audience.refused import Bucket, Line
+from live.control.audience.tickets import LATE_BURST, LOADS, VOUCHER_HOLDS, Tickets
+from live.control.audience.tokens import (
+    Device,
+    Voucher,
+    device_of,
+    group_number,
+    hue_of,
+    ticket_key,
+    token_of,
+    voucher_of,
+    voucher_text,
+)
 
 SECRET, OTHER = b"a" * 32, b"b" * 32
 
 
-def test_the_links_key_rotates_and_old_ones_are_valid_for_a_while():
-    key = link_key(SECRET, 1000.0)
+def tickets(devices=100, shown=30.0, grace=120.0):
+    return Tickets(SECRET, shown, grace, devices)
+
+
+def test_the_code_on_the_wall_changes_and_lets_in_for_a_while_after_it_has_gone():
+    book = tickets()
+    key = book.key(1000.0)
+    gone = 1020.0  # the 34th ends
     assert len(key) == 12  # 72 bits
-    assert lets_in(SECRET, key, 1000.0)
-    assert link_key(SECRET, 1000.0 + ROTATES) != key
-    assert lets_in(SECRET, key, 1000.0 + VALID * ROTATES - ROTATES)
-    assert not lets_in(SECRET, key, 1000.0 + (VALID + 1) * ROTATES)
-    assert not lets_in(SECRET, link_key(SECRET, 2000.0), 1000.0)
-    assert not lets_in(OTHER, key, 1000.0)
+    assert book.of(key, 1000.0) == 33
+    assert book.key(gone - 0.01) == key != book.key(gone)
+    assert book.of(key, gone + 119.0) == 33
+    assert book.of(key, gone + 121.0) == -1
+    assert book.of(ticket_key(SECRET, 35), 1000.0) == -1  # one to come
+    assert book.of(ticket_key(OTHER, 33), 1000.0) == -1
+    assert book.of("", 1000.0) == book.of("é" * 12, 1000.0) == -1
+
+
+def test_a_code_lets_in_so_many_devices_and_few_at_a_time_once_it_has_long_gone():
+    book = tickets(devices=7)
+    assert sum(book.spend(33) for _ in range(50)) == 7
+    assert book.spend(34)  # the next code has its own
+    gone = 1020.0
+    assert not any(book.is_late(33, gone + LOADS - 0.1) for _ in range(100))  # pages load slowly
+    assert sum(not book.is_late(33, gone + LOADS + 0.1) for _ in range(100)) == LATE_BURST
+    for time in range(2000):
+        book.spend(40 + time)
+        book.is_late(40 + time, 1e6)
+    assert len(book._spent) <= 4096
+    assert len(book._late) <= 257
+    book.tidy(1e9)
+    assert (book._spent, book._late) == ({}, {})
+
+
+def test_vouchers_are_good_once_for_a_while_and_cannot_be_made_or_multiplied():
+    book = tickets()
+    text = book.voucher(33, 1010.0, 1000.0)
+    voucher = book.redeemable(text, 1005.0)
+    assert (voucher.ticket, voucher.slot_ms) == (33, 1010_000)
+    follows = book.voucher(33, 0.0, 1020.0, voucher.serial)  # she was told again to wait
+    assert book.redeemable(text, 1011.0)
+    assert book.redeemable(text, 1010.0 + VOUCHER_HOLDS + 1.0) is None
+    book.redeem(book.redeemable(follows, 1030.0))
+    assert book.redeemable(follows, 1031.0) is book.redeemable(text, 1031.0) is None  # all of that one place
+    assert book.redeemable(book.voucher(33, 0.0, 1020.0), 1031.0) is not None
+    chance = random.Random(3)
+    for _ in range(200):
+        at = chance.randrange(len(text))
+        forged = text[:at] + chance.choice("0123456789abcXYZ.-_é\0") + text[at + 1 :]
+        assert forged == text or voucher_of(SECRET, forged) is None
+    assert voucher_of(OTHER, text) is None
+    assert voucher_of(SECRET, voucher_text(SECRET, Voucher(1, 2, 3, 4))) == Voucher(1, 2, 3, 4)
+    for _ in range(70_000):
+        book.redeem(Voucher(1, 0, chance.randrange(10**9), chance.randrange(10**12)))
+    assert len(book._used) <= 65_536
 
 
 def test_tokens_are_known_by_whoever_has_the_secret_and_forged_ones_by_nobody():
     chance = random.Random(7)
     for number in (1, 2, 999, 2**31 - 1):
-        token = token_of(SECRET, number)
-        assert number_of(SECRET, token) == number
-        assert number_of(OTHER, token) == 0
+        device = Device(number, 17, group_number(SECRET, "192.0.2.1"))
+        token = token_of(SECRET, device)
+        assert device_of(SECRET, token) == device
+        assert device_of(OTHER, token) is None
         for _ in range(50):
             at = chance.randrange(len(token))
             forged = token[:at] + chance.choice("0123456789abcXYZ.-_é\0") + token[at + 1 :]
-            assert forged == token or number_of(SECRET, forged) in (0, number)
-            if number_of(SECRET, forged):  # the same number in other digits is not possible
-                assert forged == token
-    for rubbish in ("", ".", "1", "1.", ".x", "-1.x", "0." + token_of(SECRET, 1), "9" * 300, "１.x", "1.é"):
-        assert number_of(SECRET, rubbish) == 0
+            assert forged == token or device_of(SECRET, forged) is None
+    good = token_of(SECRET, Device(1))
+    for rubbish in ("", ".", "1", "1.0.0.", "..", "-1.0.0.x", "0" + good, "9" * 300, "１.0.0.x", "1.0.0.é", "1.2.3.4.5"):
+        assert device_of(SECRET, rubbish) is None
+    assert group_number(SECRET, "192.0.2.1") != group_number(OTHER, "192.0.2.1")
 
 
 def test_those_who_join_one_after_the_other_have_other_colours():
@@ -48,3 +108,13 @@ def test_a_bucket_lets_through_its_burst_and_then_its_rate():
     assert sum(bucket.take(5.0) for _ in range(100)) == 20
     assert sum(bucket.take(5.0 + step / 1000) for step in range(1, 2001)) == 20
     assert not bucket.take(6.0)  # a clock that goes back gives nothing
+
+
+def test_a_line_lets_in_its_burst_and_says_everybody_else_her_turn():
+    line, waits = Line(20.0, 40.0), []
+    for _ in range(100):
+        waits.append(line.wait(5.0))
+        line.reserve(5.0)
+    assert waits[:40] == [0.0] * 40
+    assert waits[40:] == pytest.approx([(k + 1) / 20.0 for k in range(60)])
+    assert line.wait(5.0 + 61 / 20.0) == pytest.approx(0.0, abs=1e-9)

@@ -1,0 +1,129 @@
+"""Bans: who is not heard, however she comes back.
+
+The operator bans a phone by its number. Its token stays banned wherever it goes. What else is held by the ban is who is
+the same device as far as the network tells: where phones have groups of their own (see `admission`), its group and the
+one that it joined in; behind nat, whoever joins anew from its address by a code that was on the wall before the ban,
+or, for some minutes, with the same browser and languages. Groups and browsers are keyed hashes, kept in memory alone.
+Those who are held are told nothing, as the banned one is.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from live.control.audience.tokens import Device
+
+BROWSER_HOLDS: Final = 600.0
+"""Behind nat, who joins anew with the banned one's browser is held for so long [s] after the ban."""
+MOST_KNOWN: Final = 16_384
+MOST_HELD: Final = 64
+"""Phones that one ban holds beside its own, by number; the last ones."""
+MOST_TOLD: Final = 128
+"""Bans that the show remembers for the next gateway, the last ones."""
+
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """What is known of a phone that has joined."""
+
+    device: Device
+    group: int
+    browser: int
+
+
+@dataclass(slots=True)
+class Ban:
+    """One ban."""
+
+    groups: set[int] = field(default_factory=set)
+    browser: int = 0
+    ticket: int = -1
+    """The newest ticket that was on the wall when it began."""
+    until: float = 0.0
+    """How long its browser is held [s of the show]."""
+    held: dict[int, None] = field(default_factory=dict)
+    """Numbers of the other phones that it holds."""
+
+
+class Bans:
+    """Thread: the gateway's loop."""
+
+    def __init__(self, *, apart: bool, told: Iterable[Any] = ()) -> None:
+        """`apart`: whether phones have groups of their own; `told`: what `tell` of the gateway before said."""
+        self._apart = apart
+        self._known: dict[int, Trace] = {}
+        self._bans: dict[int, Ban] = {}
+        self._before = {int(number): Ban(set(groups), int(browser), int(ticket), float(until), dict.fromkeys(held))
+                        for number, groups, browser, ticket, until, held in told}  # fmt: skip
+
+    def rule(self, numbers: Iterable[int], ticket: int, now: float) -> bool:
+        """These numbers are banned from now on; whether they are others than before. `ticket`: the newest."""
+        wanted = dict.fromkeys(numbers)
+        if wanted.keys() == self._bans.keys():
+            return False
+        for number in self._bans.keys() - wanted.keys():
+            del self._bans[number]
+        for number in wanted:
+            if number not in self._bans:
+                known = self._before.pop(number, None)
+                self._bans[number] = known or Ban(ticket=ticket, until=now + BROWSER_HOLDS)
+                if number in self._known:
+                    self._trace(self._bans[number], self._known[number])
+        self._before.clear()
+        return True
+
+    def _trace(self, ban: Ban, trace: Trace) -> None:
+        ban.groups |= {trace.group, trace.device.origin}
+        ban.browser = ban.browser or trace.browser
+
+    def enters(self, device: Device, group: int, browser: int, now: float, *, fresh: bool) -> bool:
+        """Somebody comes in; whether a ban holds her. `fresh`: she has just joined."""
+        trace = Trace(device, group, browser)
+        self._known.pop(device.number, None)
+        self._known[device.number] = trace
+        if len(self._known) > MOST_KNOWN:
+            del self._known[next(iter(self._known))]
+        for number, ban in self._bans.items():
+            if number == device.number or device.number in ban.held:
+                self._trace(ban, trace)
+                return True
+            if self._holds(ban, trace, now, fresh=fresh):
+                self._hold(ban, trace)
+                return True
+        return False
+
+    def _holds(self, ban: Ban, trace: Trace, now: float, *, fresh: bool) -> bool:
+        if not ban.groups & {trace.group, trace.device.origin}:
+            return False
+        same_browser = bool(ban.browser) and trace.browser == ban.browser and now < ban.until
+        return self._apart or (fresh and (trace.device.ticket <= ban.ticket or same_browser))
+
+    def _hold(self, ban: Ban, trace: Trace) -> None:
+        ban.held[trace.device.number] = None
+        if self._apart:
+            self._trace(ban, trace)
+        while len(ban.held) > MOST_HELD:
+            del ban.held[next(iter(ban.held))]
+
+    def spread(self, there: Iterable[tuple[int, int, int]]) -> None:
+        """Where phones have groups of their own, a ban holds those of its group that are there: (number, group,
+        origin)."""
+        if not self._apart:
+            return
+        for number, group, origin in there:
+            for banned, ban in self._bans.items():
+                if number != banned and ban.groups & {group, origin}:
+                    self._hold(ban, Trace(Device(number, 0, origin), group, 0))
+
+    def numbers(self) -> set[int]:
+        """Everybody who is not heard."""
+        return {*self._bans, *(number for ban in self._bans.values() for number in ban.held)}
+
+    def held(self) -> dict[str, list[int]]:
+        """For the operator: by banned number, who else is held by it."""
+        return {str(number): list(ban.held)[-8:] for number, ban in list(self._bans.items())[-16:] if ban.held}
+
+    def tell(self) -> list[Any]:
+        """What another gateway has to know of the bans: rows of plain values."""
+        return [[number, sorted(ban.groups)[:8], ban.browser, ban.ticket, ban.until, list(ban.held)[-16:]]
+                for number, ban in list(self._bans.items())[-MOST_TOLD:]]  # fmt: skip
