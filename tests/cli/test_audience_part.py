@@ -25,11 +25,11 @@ REGIONS = '[audience]\nregions = ["stalls", "balcony"]\nvote_measures = 1\n'
 class Stage:
     """A show that runs at 60 frames a second beside what a test does, with its audience."""
 
-    def __init__(self):
+    def __init__(self, **wished):
         self.show, self.clock, self.inbox = made_show(REGIONS), SystemClock(), Inbox()
         self.status = Status(self.show, rejected=dict, memory=lambda: 1.0)
         self.engine = Engine(self.show, clock=self.clock, inbox=self.inbox, status=self.status)
-        wish = Wish(audience=("127.0.0.1", 0), audience_secret=b"s" * 32)
+        wish = Wish(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, **wished)
         self.part = AudiencePart(wish, self.show, self.inbox.lane(), self.clock)
 
     def say(self, kind, **values):

@@ -55,7 +55,10 @@ def test_forwarded_addresses_are_those_that_named_proxies_saw(peer, forwarded_fo
 
 
 def test_hostile_headers_are_read_quickly_and_nobody_names_herself_by_them():
-    chance, parts = random.Random(5), ["for=", '"', ",", ";", "\\", "1.2.3.4", " ", "[", "]", "::1", "x=", "é", "10.0.0.1"]
+    chance, parts = (
+        random.Random(5),
+        ["for=", '"', ",", ";", "\\", "1.2.3.4", " ", "[", "]", "::1", "x=", "é", "10.0.0.1"],
+    )
     for _ in range(3000):
         text = "".join(chance.choice(parts) for _ in range(chance.randrange(1, 60)))
         for headers in (([text + ", 203.0.113.5"], []), ([], [text + '", for=203.0.113.5']), ([text], [text])):

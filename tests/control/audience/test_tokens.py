@@ -91,7 +91,19 @@ def test_tokens_are_known_by_whoever_has_the_secret_and_forged_ones_by_nobody():
             forged = token[:at] + chance.choice("0123456789abcXYZ.-_é\0") + token[at + 1 :]
             assert forged == token or device_of(SECRET, forged) is None
     good = token_of(SECRET, Device(1))
-    for rubbish in ("", ".", "1", "1.0.0.", "..", "-1.0.0.x", "0" + good, "9" * 300, "１.0.0.x", "1.0.0.é", "1.2.3.4.5"):
+    for rubbish in (
+        "",
+        ".",
+        "1",
+        "1.0.0.",
+        "..",
+        "-1.0.0.x",
+        "0" + good,
+        "9" * 300,
+        "１.0.0.x",
+        "1.0.0.é",
+        "1.2.3.4.5",
+    ):
         assert device_of(SECRET, rubbish) is None
     assert group_number(SECRET, "192.0.2.1") != group_number(OTHER, "192.0.2.1")
 

@@ -1,0 +1,121 @@
+"""Phones and connections that say nothing, or hardly anything: bounded time, bounded memory, and nobody is forgotten."""
+
+import asyncio
+import contextlib
+
+import aiohttp
+
+from live.control.audience.door import HELLO_WITHIN
+from live.control.audience.hall import RESTS, SILENT
+from live.control.audience.refused import Why
+from tests.control.audience.made_gateway import FakePhone, key_of, made_gateway, until
+
+
+def run(test, **plan):
+    async def all_of_it():
+        async with made_gateway(**plan) as (gateway, show, address), aiohttp.ClientSession() as session:
+            await test(gateway, show, address, session)
+
+    asyncio.run(asyncio.wait_for(all_of_it(), 60.0))
+
+
+def test_a_phone_that_answers_nothing_for_an_hour_is_cut_off_and_comes_back_as_itself():
+    async def test(gateway, show, address, session):
+        hall = gateway.hall
+        silent = [await FakePhone(session, address).join(key_of(show), region=1) for _ in range(8)]
+        await silent[0].touch(1, 0.5, 0.5)
+        await until(lambda: hall.voices.held.any())
+        hall._origin -= SILENT - 5.0  # it has not waited long enough
+        hall.sweep()
+        assert len(hall.phones) == 8
+        hall._origin -= 3600.0
+        await until(lambda: len(hall.phones) == 0)
+        assert hall.refused[Why.IDLE] == 8
+        hall._origin -= RESTS + 1.0
+        await until(lambda: hall.voices.count == 0)  # its voice is gone, and its row free
+        assert not hall._parted
+        hall._origin -= 3600.0
+        again = await FakePhone(session, address).join(token=silent[0].token, region=1)
+        assert again.number == silent[0].number
+        assert hall.voices.region[hall.phones.by_number[again.number].row] == 1
+
+    run(test, most=8)
+
+
+def test_thousands_that_join_and_fall_silent_leave_nothing_that_grows():
+    async def test(gateway, show, address, session):
+        hall = gateway.hall
+        for turn in range(12):
+            phones = [await FakePhone(session, address).join(gateway.hall.tickets.key(hall.now())) for _ in range(4)]
+            assert all(phone.number for phone in phones), turn
+            hall._origin -= 3600.0
+            hall.sweep()
+            await until(lambda: len(hall.phones) == 0)
+        hall._origin -= 3600.0
+        hall.sweep()
+        assert hall.voices.count == 0
+        assert hall.phones.is_full(hall.now(), fresh=True) is False
+        assert (hall.phones._kept, hall.phones._of_group, hall.phones._of_origin) == ({}, {}, {})
+        assert (hall.tickets._spent, hall.tickets._used) == ({}, {})
+        await until(lambda: not gateway._door._upgraded)
+        assert not gateway._door._greeting
+
+    run(test, most=8)
+
+
+async def dripping(address, words):
+    """A connection that sends a byte now and then, and the text that it would like to send."""
+    host, port = address.removeprefix("http://").split(":")
+    reader, writer = await asyncio.open_connection(host, int(port))
+
+    async def drip():
+        with contextlib.suppress(ConnectionError):
+            while True:
+                for byte in words:
+                    writer.write(bytes([byte]))
+                    await writer.drain()
+                    await asyncio.sleep(0.05)
+
+    task = asyncio.create_task(drip())
+    return reader, writer, task
+
+
+def test_headers_that_come_byte_by_byte_and_hellos_that_never_come_are_cut_off_in_time():
+    async def test(gateway, show, address, session):
+        hall, met = gateway.hall, gateway._door
+        slow = [await dripping(address, b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n" + b"A: b\r\n" * 50) for _ in range(5)]
+        await until(lambda: len(met._met) == 5)
+        hall._origin -= HELLO_WITHIN + 1.0  # so long have they been dripping
+        for reader, writer, task in slow:
+            with contextlib.suppress(ConnectionError):
+                assert await asyncio.wait_for(reader.read(), 20.0) == b""
+            task.cancel()
+            writer.close()
+        assert hall.refused[Why.SILENT] >= 5
+        async with session.get(address) as answer:
+            await answer.read()
+            assert answer.headers["Connection"] == "close"  # no connection is kept for what may come
+        good = await FakePhone(session, address).join(key_of(show))
+        assert good.number
+
+    run(test)
+
+
+def test_sockets_of_one_address_that_do_not_say_who_they_are_keep_nobody_else_out():
+    async def test(gateway, show, address, session):
+        own = aiohttp.ClientSession(connector=aiohttp.TCPConnector(local_addr=("127.0.9.9", 0), limit=0))
+        headers = {"Origin": address}
+        silent, refused = [], 0
+        for _ in range(40):
+            try:
+                silent.append(await own.ws_connect(address + "/ws", headers=headers))
+            except aiohttp.WSServerHandshakeError as error:
+                assert error.status == 503
+                assert error.headers["Retry-After"] == "5"
+                refused += 1
+        assert len(silent) <= 20
+        assert refused >= 20
+        assert (await FakePhone(session, address).join(key_of(show))).number
+        await own.close()
+
+    run(test, network="own wifi")
