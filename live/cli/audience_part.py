@@ -37,6 +37,9 @@ NUMBERS: Final = 500
 """Phones have numbers from this times the seconds of the show on, when a gateway begins: more than any one before it
 can have given (`ALL_JOINS`), in this engine or one that it goes on from."""
 
+RESUMED: Final = 1.0
+"""An engine that starts later [s of the show] goes on from another one."""
+
 
 class AudiencePart:
     """Thread: the one that runs the show."""
@@ -75,17 +78,23 @@ class AudiencePart:
         if importlib.util.find_spec("aiohttp") is None:
             raise PersonError("--audience needs the package aiohttp", "make play installs it")
         try:
+            self._take_identity()
+        except PersonError as error:
+            if self._clock.now() < RESUMED:
+                raise
+            self._note(f"audience: {error}: the show goes on without its audience", "bold red")
+            return
+        try:
             self._socket = listening_socket(self._where, BACKLOG, goes_on=self.goes_on)
         except (OSError, OverflowError) as error:
             where = f"{self._where[0]}:{self._where[1]}"
             raise PersonError(f"--audience {where}: {error}", "choose another port") from None
-        self._take_identity()
         section, venue, http = self._show.patch.audience, self._venue, self._socket.fileno()
         self._plan = {
             "http": http, "secret": self._secret, "first": self._first(), "link": self.address, "most": section.phones,
             "per_address": section.phones_per_address, "visible": section.visible, "network": self.network,
             "proxies": list(venue.proxies), "by_card": venue.by_card, "code_s": venue.code_s,
-            "grace_s": venue.grace_s, "joins_per_code": venue.joins_per_code or section.phones, "bans": [],
+            "grace_s": venue.grace_s, "joins_per_code": venue.joins_per_code, "bans": [],
             "certificate": None if self._identity is None else (self._identity.certificate, self._identity.key),
         }  # fmt: skip
         self._helper = Helper("live.control.audience.gateway", self._clock, self._plan, self._anew, http, on=self._hear)
@@ -164,7 +173,7 @@ class AudiencePart:
 
     def _first(self) -> int:
         now = self._clock.now()
-        return 1 if now < 1.0 else 1 + round(NUMBERS * (now + 1.0))
+        return 1 if now < RESUMED else 1 + round(NUMBERS * (now + 1.0))
 
     # -- each frame ----------------------------------------------------------------------------------------------
 

@@ -26,7 +26,7 @@ class VenueAudience(Section):
     grace_s: Annotated[float, Field(ge=20, le=3600, allow_inf_nan=False)] = 120.0
     """... and lets in, a few at a time, for so long after it has gone."""
     joins_per_code: Annotated[int, Field(ge=1, le=8000)] | None = None
-    """So many devices come in by one code; as many as the patch lets play if left out."""
+    """So many devices come in by one code; twice as many as the patch lets play, and at least 200, if left out."""
     certificate: File | None = None
     """A PEM file with the certificate for https, and those that vouch for it; beside this file, or a whole path."""
     key: File | None = None

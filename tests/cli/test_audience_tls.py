@@ -139,6 +139,20 @@ def test_expired_foreign_and_readable_ones_are_told_and_the_show_begins(tmp_path
     assert [words for words in notes if "expired on" in words]
 
 
+def test_an_engine_that_goes_on_does_so_without_its_audience_where_the_files_have_gone(tmp_path, notes):
+    files = made(tmp_path)
+    files[1].unlink()
+    wish = Wish(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, audience_tls=files)
+    with pytest.raises(PersonError, match=r"cannot read .*hall\.key"):
+        AudiencePart(wish, made_show(), Inbox().lane(), ManualClock()).start()  # before the show: it is put right
+    part = AudiencePart(wish, made_show(), Inbox().lane(), ManualClock(90.0))
+    part.start()
+    for each in (part.before_frame, part.frame, part.stop):
+        each()
+    assert part.status()["at"]
+    assert [words for words in notes if "the show goes on without its audience" in words]
+
+
 def test_the_link_on_the_wall_has_the_certificates_name(tmp_path, notes):
     certificate, key = made(tmp_path, hosts=("*.x.example", "play.example"))
     part = AudiencePart(

@@ -29,12 +29,12 @@ BEAT_WITHIN = 0.015
 class Stage:
     """A show that runs in a thread, with its audience; `lock` to look at it."""
 
-    def __init__(self):
-        self.show = made_show('[audience]\nregions = ["stalls", "balcony"]\nvote_measures = 1\n')
+    def __init__(self, audience='regions = ["stalls", "balcony"]\nvote_measures = 1\n', **wished):
+        self.show = made_show(f"[audience]\n{audience}")
         self.clock, self.inbox, self.lock = SystemClock(), Inbox(), threading.Lock()
         status = Status(self.show, rejected=dict, memory=lambda: 1.0)
         self.engine = Engine(self.show, clock=self.clock, inbox=self.inbox, status=status)
-        wish = Wish(audience=("127.0.0.1", 0), audience_secret=b"s" * 32)
+        wish = Wish(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, **wished)
         self.part = AudiencePart(wish, self.show, self.inbox.lane(), self.clock)
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._run)
@@ -76,8 +76,15 @@ class Stage:
 
 
 @pytest.fixture(scope="module")
-def hall():
-    with Stage() as stage, browser() as (opened, device):
+def chromium():
+    with browser() as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def hall(chromium):
+    opened, device = chromium
+    with Stage() as stage:
         yield stage, lambda link=None, language="en-GB": Phone(opened, device, link or stage.part.link, language)
 
 
@@ -219,4 +226,37 @@ def test_without_a_link_a_phone_is_asked_to_scan_the_code(hall):
     stage, phone_of = hall
     phone = phone_of(stage.part.address)
     phone.until("document.getElementById('said').textContent.includes('scan the code')")
+    phone.context.close()
+
+
+def test_who_finds_all_places_taken_waits_with_a_voucher_and_comes_in_by_itself(chromium):
+    opened, device = chromium
+    with Stage("phones = 1") as stage:
+        first = Phone(opened, device, stage.part.link).ready()
+        waiting = Phone(opened, device, stage.part.link)
+        waiting.until("live.why() === 'full'")
+        assert "All places are taken" in waiting.page.inner_text("#said")
+        waiting.until("document.getElementById('said').textContent.includes('(5 s)')")
+        waiting.page.goto(stage.part.address)  # the code that she scanned is not in the address any more
+        waiting.until("live.why() === 'full'")
+        first.context.close()
+        waiting.ready()
+        assert waiting.page.evaluate("localStorage.getItem('voucher')") == ""
+        assert waiting.page.evaluate("live.me().number") > 1
+        assert waiting.errors == []
+        waiting.context.close()
+
+
+def test_a_phone_that_hears_nothing_for_long_comes_back_as_itself(hall):
+    stage, phone_of = hall
+    phone = phone_of().ready()
+    number = phone.page.evaluate("live.me().number")
+    os.kill(stage.part.process, signal.SIGSTOP)  # as if it were out of reach: no socket is closed
+    try:
+        phone.until("live.why() === 'away'")
+    finally:
+        os.kill(stage.part.process, signal.SIGCONT)
+    phone.ready()
+    assert phone.page.evaluate("live.me().number") == number
+    assert phone.errors == []
     phone.context.close()

@@ -3,7 +3,7 @@
 import time
 from collections import Counter
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Final
 
 from live.control.audience import wire
 from live.control.audience.admission import OWN_WIFI, Admission
@@ -20,6 +20,8 @@ RESTS = 5.0
 """The voice of a phone that is cut off fades; its row is free after so long [s]."""
 SILENT = 50.0
 """A phone says something every 20 s, and be it only a ping; who does not for so long [s] is not there."""
+LEAST_JOINS: Final = 200
+"""A code lets in twice as many as may play at a time, for some wait, and never fewer than so many."""
 SPARE = 64
 """Rows for those who have just gone."""
 
@@ -31,7 +33,7 @@ class Hall:
         most = int(plan["most"])
         self._origin = float(plan["origin"])
         secret, network = bytes(plan.get("secret", b"")), str(plan.get("network", OWN_WIFI))
-        devices = int(plan.get("joins_per_code", 0)) or most
+        devices = int(plan.get("joins_per_code") or max(2 * most, LEAST_JOINS))
         self.phones = Phones(most, int(plan["first"]))
         self.tickets = Tickets(secret, float(plan.get("code_s", 30.0)), float(plan.get("grace_s", 120.0)), devices)
         self.admission = Admission(self.phones, self.tickets, network, int(plan["per_address"]), secret)
