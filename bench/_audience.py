@@ -1,4 +1,5 @@
-"""Two thousand phones: what the gateway takes, how long a finger's way is to the simulation, whether ticks are late."""
+"""Two thousand phones: what the gateway takes, how long a finger's way is to the simulation, whether ticks are late; and
+who is heard: a hall behind one address, and a laptop with forty addresses among forty phones."""
 
 import contextlib
 import gc
@@ -7,8 +8,8 @@ import subprocess
 import sys
 import threading
 import time
-from dataclasses import dataclass, field, replace
-from typing import IO, Any, Final
+from dataclasses import dataclass, field
+from typing import IO, Any, Final, Literal
 
 import numpy as np
 import psutil
@@ -24,8 +25,9 @@ from live.render.pacing import Pacer
 from live.show.engine import Engine
 from live.show.load import load_show
 from live.show.patch_places import DEFAULT_PATCH
-from live.show.sections.audience import AudienceSection
 from live.show.status import Status
+from live.show.venue import Venue
+from live.show.venue_audience import VenueAudience
 
 PHONES: Final = 2000
 RATE: Final = 10.0
@@ -54,22 +56,26 @@ class Found:
 class Stage:
     """A show with an audience, driven frame by frame."""
 
-    def __init__(self) -> None:
-        loaded = load_show(DEFAULT_PATCH)
-        section = AudienceSection(phones_per_address=4000)
-        loaded = replace(loaded, patch=loaded.patch.model_copy(update={"audience": section}))
-        self.show, self.clock = loaded.start(), SystemClock()
+    def __init__(self, network: Literal["own wifi", "behind nat"]) -> None:
+        self.show, self.clock = load_show(DEFAULT_PATCH).start(), SystemClock()
         inbox: Inbox[ControlEvent] = Inbox()
         self.status = Status(self.show, rejected=lambda: self.part.refused(), memory=lambda: 0.0)
         self.engine = Engine(self.show, clock=self.clock, inbox=inbox, status=self.status)
         self.engine.outward.append(self._hear)
         wish = Wish(audience=("127.0.0.1", 0), audience_secret=b"bench" * 7)
-        self.part = AudiencePart(wish, self.show, inbox.lane(), self.clock)
+        venue = Venue(audience=VenueAudience(network=network))
+        self.part = AudiencePart(wish, self.show, inbox.lane(), self.clock, venue)
         self.found = Found()
+        self.places: list[str] = []
+        """Where voices gathered, each time that it was told."""
+        self.most: dict[str, float] = {}
+        """What the status said when there were most voices."""
 
     def _hear(self, event: ControlEvent) -> None:
         if isinstance(event, AudienceHeard):
             self.found.ways.append(self.clock.now() - event.time)
+            if event.places:
+                self.places.append(event.places)
 
     def frame(self) -> None:
         """One frame, without drawing."""
@@ -78,16 +84,43 @@ class Stage:
         self.part.frame()
         gc.collect(0)
 
-    def run(self, seconds: float) -> Found:
-        """Storm and load."""
+    def _open(self) -> Pacer:
+        """Let phones in, and frames pass until there is a link."""
         self.part.start()
         pacer = Pacer(FPS, self.clock.now, time.sleep)
         while not self.part.link:
             pacer.wait()
             self.frame()
-        key, gateway = self.part.link.partition("#")[2], psutil.Process(self.part.process)
-        words = [str(word) for word in (self.part.port, key, PHONES, STORM, seconds, RATE)]
-        process = subprocess.Popen([sys.executable, "-m", "bench._phones", *words], stdout=subprocess.PIPE, text=True)
+        return pacer
+
+    def phones(self, *words: object) -> "subprocess.Popen[str]":
+        """A process of phones with the code of the moment; `words` as `bench._phones` takes them from COUNT on."""
+        key = self.part.link.partition("#")[2]
+        said = [str(word) for word in (self.part.port, key, *words)]
+        return subprocess.Popen([sys.executable, "-m", "bench._phones", *said], stdout=subprocess.PIPE, text=True)
+
+    def meet(self, *crowds: tuple[object, ...]) -> list[dict[str, Any]]:
+        """Let crowds of phones come and play; what each says, and what the status said of all while they played."""
+        pacer = self._open()
+        running = [self.phones(*words) for words in crowds]
+        while any(process.poll() is None for process in running):
+            pacer.wait()
+            self.frame()
+            told = self.part.status()
+            if (told["voices"] or 0.0) >= self.most.get("voices", 0.0):
+                self.most = {name: float(told[name] or 0) for name in ("voices", "crowded")}
+        self.part.stop()
+        found = []
+        for process in running:
+            said, _ = process.communicate()
+            found.append(json.loads(said.splitlines()[-1]))
+        return found
+
+    def run(self, seconds: float) -> Found:
+        """Storm and load."""
+        pacer = self._open()
+        gateway = psutil.Process(self.part.process)
+        process = self.phones(PHONES, STORM, seconds, RATE, 1, 0, 0.7)
         lines: list[str] = []
         assert process.stdout is not None
         reader = threading.Thread(target=_read, args=(process.stdout, lines))
@@ -130,7 +163,39 @@ def _cpu(process: psutil.Process) -> float:
 
 def audience_rows(full: bool) -> list[Row]:
     """The rows of `live bench control`."""
-    found = Stage().run(120.0 if full else 6.0)
+    return [*_load(full), *_fairness()]
+
+
+def _fairness() -> list[Row]:
+    """Who is in, and who is heard."""
+    hall = Stage("behind nat")
+    [told] = hall.meet((200, 1.0, 4.0, RATE, 0, 0, 0.5))
+    rows = [
+        Row("200 phones behind one address: all are in after", told["longest_s"] if told["joined"] == 200 else None, "s",
+            20.0, peers={"joined": told["joined"], "voices": hall.most.get("voices", 0.0)}),
+    ]  # fmt: skip
+    wifi = Stage("own wifi")
+    people, laptop = wifi.meet((40, 1.0, 8.0, RATE, 1, 0, 0.2), (640, 1.0, 8.0, RATE, 16, 1000, 0.9))
+    there = [
+        [tuple(map(int, place.split())) for place in told.split(",")] for told in wifi.places[-200:-20] if told != "-"
+    ]
+    weight = sum(place[2] for places in there for place in places)
+    own = sum(place[2] for places in there for place in places if place[0] > 0)
+    voices = wifi.most.get("voices", 0.0)
+    return [
+        *rows,
+        Row("40 phones and a laptop of 40 addresses with 16 sockets each: the laptop's share of the force",
+            100.0 * own / weight if weight else None, "%", 5.0,
+            peers={"phones in": people["joined"], "its sockets in": laptop["joined"],
+                   "moments at which it has a place": sum(any(place[0] > 0 and place[2] for place in places)
+                                                          for places in there),
+                   "voices in all": voices, "groups that are a crowd": wifi.most.get("crowded", 0.0)}),
+    ]  # fmt: skip
+
+
+def _load(full: bool) -> list[Row]:
+    """Two thousand phones with addresses of their own."""
+    found = Stage("own wifi").run(120.0 if full else 6.0)
     told, ways = found.told, np.array(found.ways or [0.0]) * 1e3
     waits = found.waits[len(found.waits) // 2 :]
     late, middle, wait = (float(value) for value in np.median(waits or [[0.0] * 3], axis=0))

@@ -1,7 +1,10 @@
-"""A process of many phones: `python -m bench._phones PORT KEY COUNT STORM SECONDS RATE`; prints a line of JSON.
+"""A process of many phones: `python -m bench._phones PORT KEY COUNT STORM SECONDS RATE [SOCKETS FIRST X]`; prints a
+line of JSON.
 
-They join evenly within STORM seconds, then each says RATE times a second where its finger is, and pings every other
-second instead. Raw sockets and ready frames, so that the load leaves room for who is loaded.
+They join evenly within STORM seconds, come again when they are told to as the page does, then each says RATE times a
+second where its finger is (about X, the stage's width being 1), and pings every other second instead. SOCKETS of them
+have one address, from the FIRST of 127.0.0.0/8 on; 0: all of them have this machine's. Raw sockets and ready frames, so
+that the load leaves room for who is loaded.
 """
 
 import asyncio
@@ -19,6 +22,10 @@ from typing import Any
 import numpy as np
 import psutil
 
+PATIENCE = 20
+"""So often a phone comes again ..."""
+GIVES_UP = 40.0
+"""... unless it would have to wait longer than so [s] in all."""
 MASK = b"\x11\x22\x33\x44"
 
 
@@ -27,16 +34,24 @@ def frame(payload: bytes, opcode: int = 2) -> bytes:
     return bytes([0x80 | opcode, 0x80 | len(payload)]) + MASK + bytes(b ^ MASK[i & 3] for i, b in enumerate(payload))
 
 
+class NotNow(Exception):
+    """The door says no, or when to come again."""
+
+    def __init__(self, said: dict[str, Any]) -> None:
+        super().__init__(said["no"])
+        self.wait, self.voucher = float(said["in"]), str(said.get("v", ""))
+
+
 class Phone(asyncio.Protocol):
     """One phone; it learns from its own pings how long a message takes."""
 
     trips: list[float]
 
-    def __init__(self, port: int, hello: bytes, trips: list[float]) -> None:
+    def __init__(self, port: int, hello: bytes, trips: list[float], began: float) -> None:
         self._port, self._hello, self._trips = port, hello, trips
         self._data = b""
         self._open = False
-        self._began = time.perf_counter()
+        self._began = began
         self.joined: asyncio.Future[float] = asyncio.get_running_loop().create_future()
         self.lost = False
 
@@ -71,6 +86,8 @@ class Phone(asyncio.Protocol):
                 self._trips.append(now - struct.unpack_from("<d", payload, 1)[0])
             elif payload[:4] == b'{"w"' and not self.joined.done():
                 self.joined.set_result(now - self._began)
+            elif payload[:5] == b'{"no"' and not self.joined.done():
+                self.joined.set_exception(NotNow(json.loads(payload)))
 
     def connection_lost(self, error: Exception | None) -> None:
         """It was cut off."""
@@ -79,26 +96,51 @@ class Phone(asyncio.Protocol):
             self.joined.set_exception(error or ConnectionError("refused"))
 
 
-async def run(port: int, key: str, count: int, storm: float, seconds: float, rate: float) -> dict[str, Any]:
+def address_of(index: int, sockets: int, first: int) -> str:
+    """The address of a phone."""
+    if not sockets:
+        return "127.0.0.1"
+    number = first + index // sockets
+    return f"127.{number // 62500 % 250 + 1}.{number // 250 % 250 + 1}.{number % 250 + 1}"
+
+
+async def run(
+    port: int, key: str, count: int, storm: float, seconds: float, rate: float, sockets: int, first: int, x_at: float
+) -> dict[str, Any]:
     """The storm, then the load."""
     loop, trips, phones = asyncio.get_running_loop(), list[float](), list[Phone]()
-    hello = json.dumps({"k": key}).encode()
 
     async def join(index: int) -> float | None:
         await asyncio.sleep(storm * index / count)
-        with contextlib.suppress(OSError):
-            _, phone = await loop.create_connection(lambda: Phone(port, hello, trips), "127.0.0.1", port)
-            phones.append(phone)
-            with contextlib.suppress(ConnectionError, TimeoutError):
-                return await asyncio.wait_for(phone.joined, 10.0)
+        began, voucher = time.perf_counter(), ""
+        hello = {"k": key}
+        for _ in range(PATIENCE):
+            words = json.dumps(hello | ({"v": voucher} if voucher else {})).encode()
+            try:
+                _, phone = await loop.create_connection(
+                    lambda words=words: Phone(port, words, trips, began), "127.0.0.1", port,
+                    local_addr=(address_of(index, sockets, first), 0),
+                )  # fmt: skip
+                way = await asyncio.wait_for(phone.joined, 10.0)
+            except NotNow as told:
+                phone.transport.close()
+                voucher = told.voucher or voucher
+                if not told.wait or time.perf_counter() + told.wait - began > GIVES_UP:
+                    return None
+                await asyncio.sleep(told.wait)
+            except (OSError, TimeoutError):
+                return None
+            else:
+                phones.append(phone)
+                return way
         return None
 
     came = [way for way in await asyncio.gather(*map(join, range(count))) if way is not None]
     print("joined", flush=True)
     chance, sent = random.Random(5), 0
-    centre = [(chance.gauss(0.7, 0.05), chance.gauss(0.5, 0.05)) for _ in phones]
+    centre = [(chance.gauss(x_at, 0.05), chance.gauss(0.5, 0.05)) for _ in phones]
     began, spent = time.perf_counter(), psutil.Process().cpu_times()
-    due = [(k / len(phones)) / rate for k in range(len(phones))]
+    due = [(k / max(len(phones), 1)) / rate for k in range(len(phones))]
     write: list[Callable[[bytes], None]] = [phone.transport.write for phone in phones]
     turn = 0
     while (gone := time.perf_counter() - began) < seconds:
@@ -120,6 +162,7 @@ async def run(port: int, key: str, count: int, storm: float, seconds: float, rat
     await asyncio.sleep(0.5)
     tell = {
         "joined": len(came), "join_p99_ms": 1e3 * float(np.percentile(came, 99)) if came else 0.0, "sent": sent,
+        "longest_s": max(came, default=0.0),
         "rate": sent / took, "cpu": (now.user + now.system - spent.user - spent.system) / took,
         "trip_p50_ms": 1e3 * float(np.percentile(trips, 50)) if trips else 0.0,
         "trip_p99_ms": 1e3 * float(np.percentile(trips, 99)) if trips else 0.0,
@@ -138,6 +181,7 @@ def main() -> None:
     hard = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
     resource.setrlimit(resource.RLIMIT_NOFILE, (min(count + 256, hard), hard))
     storm, seconds, rate = map(float, sys.argv[4:7])
+    sockets, first, x_at = (int(sys.argv[7]), int(sys.argv[8]), float(sys.argv[9])) if sys.argv[7:] else (0, 0, 0.7)
     try:
         import uvloop
 
@@ -145,7 +189,7 @@ def main() -> None:
     except ImportError:
         make = asyncio.new_event_loop  # type: ignore[assignment]
     with asyncio.Runner(loop_factory=make) as runner:
-        print(json.dumps(runner.run(run(port, key, count, storm, seconds, rate))), flush=True)
+        print(json.dumps(runner.run(run(port, key, count, storm, seconds, rate, sockets, first, x_at))), flush=True)
 
 
 if __name__ == "__main__":

@@ -236,7 +236,7 @@ class AudiencePart:
     def status(self) -> dict[str, Any]:
         """For the status line: nothing of anybody, and no key."""
         facts = {} if self._helper is None else self._helper.facts()
-        told = ("messages", "late_ms", "ways_ms", "left_out", "restarts", "crowded", "held")
+        told = ("messages", "late_ms", "ways_ms", "left_out", "restarts", "voices", "crowded", "held")
         kept = {name: facts.get(name) for name in told}
         until = None if self._identity is None else f"{self._identity.ends:%Y-%m-%dT%H:%M:%SZ}"
         return {"at": self.address, "public": self.is_public, "network": self.network, "certificate_until": until,

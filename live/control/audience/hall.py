@@ -197,6 +197,7 @@ class Hall:
         """For the status: nothing of anybody."""
         return {
             "phones": len(self.phones), "messages": self.messages, "crowded": self.admission.crowded,
+            "voices": round(self.voices.people(), 2),
             "held": self.bans.held(), "bans": self.bans.tell(),
             "refused": dict(self.refused), "ways_ms": self.together.ways(),
         }  # fmt: skip
