@@ -1,5 +1,7 @@
-"""Two thousand phones: what the gateway takes, how long a finger's way is to the simulation, whether ticks are late; and
-who is heard: a hall behind one address, and a laptop with forty addresses among forty phones."""
+"""Two thousand phones: what the gateway takes, how long a finger's way is to the simulation, whether ticks are late.
+
+And who is heard: a hall behind one address, and a laptop with forty addresses among forty phones.
+"""
 
 import contextlib
 import gc
@@ -171,14 +173,14 @@ def _fairness() -> list[Row]:
     hall = Stage("behind nat")
     [told] = hall.meet((200, 1.0, 4.0, RATE, 0, 0, 0.5))
     rows = [
-        Row("200 phones behind one address: all are in after", told["longest_s"] if told["joined"] == 200 else None, "s",
-            20.0, peers={"joined": told["joined"], "voices": hall.most.get("voices", 0.0)}),
+        Row("200 phones behind one address: all are in after",
+            told["longest_s"] if told["joined"] == 200 else None, "s", 20.0,
+            peers={"joined": told["joined"], "voices": hall.most.get("voices", 0.0)}),
     ]  # fmt: skip
     wifi = Stage("own wifi")
     people, laptop = wifi.meet((40, 1.0, 8.0, RATE, 1, 0, 0.2), (640, 1.0, 8.0, RATE, 16, 1000, 0.9))
-    there = [
-        [tuple(map(int, place.split())) for place in told.split(",")] for told in wifi.places[-200:-20] if told != "-"
-    ]
+    said = [told for told in wifi.places[-200:-20] if told != "-"]
+    there = [[tuple(map(int, place.split())) for place in told.split(",")] for told in said]
     weight = sum(place[2] for places in there for place in places)
     own = sum(place[2] for places in there for place in places if place[0] > 0)
     voices = wifi.most.get("voices", 0.0)

@@ -9,7 +9,6 @@ that the load leaves room for who is loaded.
 
 import asyncio
 import base64
-import contextlib
 import json
 import os
 import random
@@ -17,6 +16,7 @@ import struct
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -118,7 +118,7 @@ async def run(
             words = json.dumps(hello | ({"v": voucher} if voucher else {})).encode()
             try:
                 _, phone = await loop.create_connection(
-                    lambda words=words: Phone(port, words, trips, began), "127.0.0.1", port,
+                    partial(Phone, port, words, trips, began), "127.0.0.1", port,
                     local_addr=(address_of(index, sockets, first), 0),
                 )  # fmt: skip
                 way = await asyncio.wait_for(phone.joined, 10.0)

@@ -121,7 +121,8 @@ class FakePhone:
         hello |= {"v": voucher} if voucher else {}
         await self.ws.send_str(json.dumps(hello))
         while not self.number and not self.no:
-            await self.hear()
+            if (await self.hear()).type is not aiohttp.WSMsgType.TEXT:
+                raise ConnectionError("closed without an answer")
         return self
 
     async def hear(self):

@@ -169,22 +169,56 @@ def test_a_laptop_with_forty_addresses_and_sixteen_sockets_each_gets_no_place_an
                 crowd(address, show, laptop, 16, (0.9, 0.5), sessions),
             )
             assert len(people) == 40
+            voices, hall = gateway.hall.voices, gateway.hall
+            await until(lambda: show.look().facts.get("crowded") == 40)
+            now = hall.now()
+            hall.now = lambda: now  # all drag at the same moment, however slow the machine is
             for phone in [*people, *own]:
                 await phone.touch(1, *((0.2, 0.5) if phone in people else (0.9, 0.5)))
-            voices, hall = gateway.hall.voices, gateway.hall
-            await until(lambda: not voices.said_now and np.count_nonzero(voices.held) == len(people) + len(own))
-            weights = voices.weights(hall.now())
+            spoken = len(people) + len(own)
+            await until(lambda: len(voices.said_now) + np.count_nonzero(voices.said == now) >= spoken)
+            voices.take_up()
+            weights = voices.weights(now)
             of_laptop = np.isin(voices.number, [phone.number for phone in own])
-            assert weights[~of_laptop].sum() > 20.0  # they fade where the machine is slow
+            assert weights[~of_laptop].sum() == pytest.approx(40.0)
             assert weights[of_laptop].sum() < 0.05 * weights.sum()
-            force = voices.force(hall.now())
+            force = voices.force(now)
             assert [round(place.x, 1) for place in force.places] == [-3.6]  # one place: that of the phones
             assert force.share == 1.0  # and the laptop's many do not make the phones few
-            await until(lambda: show.look().facts.get("crowded") == 40)
         finally:
             await asyncio.gather(*(session.close() for session in sessions))
 
     run(test, most=4000, network="own wifi")
+
+
+def test_one_network_card_is_one_group_however_many_addresses_it_has():
+    async def test(gateway, show, address):
+        async def card_of(found):
+            return "card of the laptop" if str(found).startswith("127.0.2.") else ""
+
+        gateway._door._neighbours.card_of = card_of
+        sessions = []
+        try:
+            people = await crowd(address, show, [f"127.0.1.{k + 1}" for k in range(8)], 1, (0.2, 0.5), sessions)
+            three = await crowd(address, show, [f"127.0.2.{k + 1}" for k in range(3)], 1, (0.9, 0.5), sessions)
+            assert len(people) == 8
+            assert len(three) == 3
+            assert voices_of(gateway) == pytest.approx(8.0 + 1.0)
+            own = []
+            for k in range(37):
+                own += await crowd(address, show, [f"127.0.2.{k + 4}"], 1, (0.9, 0.5), sessions)
+            assert len(own) == 1  # four of one group may play at a time
+            assert voices_of(gateway) == pytest.approx(8.0)
+        finally:
+            await asyncio.gather(*(session.close() for session in sessions))
+
+    run(test, network="own wifi")
+
+    async def unread(gateway, _show, _address):
+        assert gateway._door._neighbours is None
+
+    run(unread, network="own wifi", by_card=False)
+    run(unread, network="behind nat")
 
 
 def voices_of(gateway):
