@@ -13,7 +13,7 @@ from rich.console import Console
 
 from live.base.errors import PersonError
 from live.base.lane import Lane
-from live.cli.audience_tls import Identity, read_identity
+from live.cli.audience_tls import Identity, files_of, read_identity
 from live.cli.listening_socket import listening_socket
 from live.cli.own_address import own_address
 from live.clock.source import Clock
@@ -23,7 +23,7 @@ from live.control.events import AudienceHeard, ControlEvent
 from live.control.helper import Helper
 from live.show.core import Show
 from live.show.sections.audience import AudienceSection
-from live.show.venue import Venue, venue_path
+from live.show.venue import Venue
 from live.show.venue_audience import VenueAudience
 
 if TYPE_CHECKING:
@@ -36,9 +36,6 @@ BACKLOG: Final = 1024
 NUMBERS: Final = 500
 """Phones have numbers from this times the seconds of the show on, when a gateway begins: more than any one before it
 can have given (`ALL_JOINS`), in this engine or one that it goes on from."""
-
-RESUMED: Final = 1.0
-"""An engine that starts later [s of the show] goes on from another one."""
 
 
 class AudiencePart:
@@ -80,7 +77,7 @@ class AudiencePart:
         try:
             self._take_identity()
         except PersonError as error:
-            if self._clock.now() < RESUMED:
+            if not self.goes_on:
                 raise
             self._note(f"audience: {error}: the show goes on without its audience", "bold red")
             return
@@ -173,7 +170,7 @@ class AudiencePart:
 
     def _first(self) -> int:
         now = self._clock.now()
-        return 1 if now < RESUMED else 1 + round(NUMBERS * (now + 1.0))
+        return 1 if now < 1.0 else 1 + round(NUMBERS * (now + 1.0))
 
     # -- each frame ----------------------------------------------------------------------------------------------
 
@@ -283,12 +280,7 @@ def network_of(section: AudienceSection, *, public: bool) -> str:
 
 def tls_files(wish: "Wish", venue: VenueAudience) -> tuple[Path, Path] | None:
     """Certificate and key, as the command line says, or the venue, whose files lie beside its own; None for http."""
-    if wish.audience_tls is not None:
-        return wish.audience_tls
-    if venue.certificate is None or venue.key is None:
-        return None
-    folder = Path() if wish.venue is None else venue_path(wish.venue).parent
-    return folder / Path(venue.certificate).expanduser(), folder / Path(venue.key).expanduser()
+    return files_of(venue, wish.venue) if wish.audience_tls is None else wish.audience_tls
 
 
 def make_audience(

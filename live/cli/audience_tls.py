@@ -12,6 +12,8 @@ from live.steps.plain_file import read_plain
 if TYPE_CHECKING:
     from cryptography.x509 import Certificate
 
+    from live.show.venue_audience import VenueAudience
+
 LARGEST: Final = 24_000
 """Bytes of each file: both are handed to the gateway's process in one packet."""
 SOON: Final = timedelta(days=7)
@@ -59,6 +61,16 @@ def _names(name: str, host: str) -> bool:
     if name.startswith("*."):
         return host.partition(".")[2] == name[2:]
     return name == host
+
+
+def files_of(venue: "VenueAudience", name: str | None) -> tuple[Path, Path] | None:
+    """Certificate and key of the venue of that name, beside whose file they lie; None if it has none."""
+    if venue.certificate is None or venue.key is None:
+        return None
+    from live.show.venue import venue_path
+
+    folder = Path() if name is None else venue_path(name).parent
+    return folder / Path(venue.certificate).expanduser(), folder / Path(venue.key).expanduser()
 
 
 def parse_tls(text: str | None) -> tuple[Path, Path] | None:

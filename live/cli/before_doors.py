@@ -3,6 +3,7 @@
 import shutil
 import socket
 from collections.abc import Callable, Iterator
+from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -80,6 +81,7 @@ def venue_checks(venue: Venue | None, name: str | None = None) -> Iterator[Check
     if venue is None:
         return
     yield from output_checks(venue, name)
+    yield from certificate_checks(venue, name)
     inputs, outputs = audio()
     wanted = venue.audio
     for what, name, there in (
@@ -96,6 +98,28 @@ def venue_checks(venue: Venue | None, name: str | None = None) -> Iterator[Check
     ):
         if name is not None:
             yield _device(what, name, there)
+
+
+def certificate_checks(venue: Venue, name: str | None) -> Iterator[Check]:
+    """The certificate by which the audience's phones are met: its files, and how long it is good."""
+    from live.cli.audience_tls import files_of, read_identity
+
+    files = files_of(venue.audience, name)
+    if files is None:
+        return
+    try:
+        identity = read_identity(*files, name="audience.certificate")
+    except PersonError as error:
+        yield Check(
+            "audience.certificate", "missing", error.message, error.remedy or "have it issued anew", needed=True
+        )
+        return
+    doubts = identity.doubt(datetime.now(UTC), identity.host or identity.names[0] if identity.names else "")
+    for words in doubts:
+        yield Check("audience.certificate", "limited", words, "renew it, or put its files right")
+    if not doubts:
+        words = f"{identity.host or ', '.join(identity.names)}, until {identity.ends:%Y-%m-%d}"
+        yield Check("audience.certificate", "ok", words, needed=True)
 
 
 def _device(what: str, name: str, there: Section) -> Check:

@@ -20,6 +20,7 @@ from live.base.errors import PersonError
 from live.base.inbox import Inbox
 from live.cli.audience_part import AudiencePart, network_of, tls_files
 from live.cli.audience_tls import parse_tls, read_identity
+from live.cli.before_doors import certificate_checks
 from live.cli.wish import Wish
 from live.clock.source import ManualClock
 from live.show.sections.audience import AudienceSection
@@ -146,6 +147,7 @@ def test_an_engine_that_goes_on_does_so_without_its_audience_where_the_files_hav
     with pytest.raises(PersonError, match=r"cannot read .*hall\.key"):
         AudiencePart(wish, made_show(), Inbox().lane(), ManualClock()).start()  # before the show: it is put right
     part = AudiencePart(wish, made_show(), Inbox().lane(), ManualClock(90.0))
+    part.goes_on = True
     part.start()
     for each in (part.before_frame, part.frame, part.stop):
         each()
@@ -209,6 +211,27 @@ def test_the_venues_files_lie_beside_it_and_the_command_line_goes_first(tmp_path
     assert tls_files(wish, Venue().audience) is None
     own = type(tmp_path)("x"), type(tmp_path)("y")
     assert tls_files(Wish(venue="hall", audience_tls=own), wish.read_venue().audience) == own
+
+
+def test_before_doors_the_venues_certificate_is_looked_at(tmp_path, monkeypatch):
+    monkeypatch.setenv("LIVE_CONFIG_DIR", str(tmp_path))
+    folder = tmp_path / "venues"
+    folder.mkdir()
+
+    def look(**how):
+        made(folder, **how)
+        text = '[audience]\ncertificate = "hall.pem"\nkey = "hall.key"\n'
+        (folder / "hall.toml").write_text(text)
+        return [(one.state, one.detail) for one in certificate_checks(Wish(venue="hall").read_venue(), "hall")]
+
+    assert list(certificate_checks(Venue(), None)) == []
+    [(state, words)] = look()
+    assert (state, words[:20]) == ("ok", "play.example, until ")
+    [(state, words)] = look(ends=NOW + DAY)
+    assert (state, "renew it soon" in words) == ("limited", True)
+    (folder / "hall.key").unlink()
+    [found] = certificate_checks(Wish(venue="hall").read_venue(), "hall")
+    assert (found.state, "hall.key" in str(found)) == ("missing", True)
 
 
 def test_a_network_of_which_no_venue_says_anything():

@@ -62,8 +62,8 @@ AUDIENCE_CONTROLS: Final = (
         "/dance/audience/ban", _ban,
         (Argument("number", "float", "its number, as the status tells; 0 with on = 0: lifts all", "", 0, 2e9),
          _ON),
-        "A phone is not heard or seen any more, nor is who joins anew in its place; others notice nothing, and it is told "
-        "nothing.", "operator",
+        "A phone is not heard or seen any more, nor is who joins anew in its place; it is not told so.",
+        "operator",
     ),
     Control(
         "/dance/audience/vote", _vote,
