@@ -1,7 +1,8 @@
 """Snapshots: the whole state of a show after a tick as bytes, from which it goes on bit by bit (T148, T150).
 
 Taken where nothing is half planned. What patch and steps decide (graph, tables) is named and found again in a fresh
-show; what every tick works out anew is left out; all else is pickled (`live/show/pickled.py`).
+show; what every tick works out anew is left out; all else is written field by field (`live/show/state`): a snapshot is
+data, and reading one calls nothing that it names.
 """
 
 import hashlib
@@ -10,6 +11,9 @@ import zlib
 from dataclasses import dataclass
 from typing import Any, Final
 
+import numpy as np
+import numpy.typing as npt
+
 from live import __version__
 from live.clock.ticks import TICK
 from live.graph.motion_graph import MotionGraph
@@ -17,19 +21,32 @@ from live.show.core import Show
 from live.show.library_hash import steps_hash
 from live.show.load import LoadedShow
 from live.show.patch import Patch
-from live.show.pickled import Known, write_state
-from live.show.state_code import state_code
-from live.show.state_reading import Unreadable, dotted, read_state, resolve
+from live.show.state.checking import check_state
+from live.show.state.constants import Constants, at
+from live.show.state.form import MOST_BYTES, Unreadable
+from live.show.state.reading import read_state
+from live.show.state.writing import StateWriter, Unwritable, Written
 
-FORMAT: Final = 1
-LARGEST: Final = 1 << 28
-"""Bytes of a state at most: a damaged header asks for no more memory."""
-CONSTANT: Final = (
-    "graph", "patch", "scheduler.choosing", "scheduler.aims.foresight", "motion.elements._field._cosines",
-    "prompter.score.written", "dancers.texturing.bank", "answers",
-    "desk.parameters.table", "desk.scenes._views", "desk.scenes._looks", "desk.scenes._scenes", "desk.cues._cues",
-)  # fmt: skip
-"""What patch, steps and seed alone decide: found again in a fresh show, ..."""
+Array = npt.NDArray[Any]
+
+FORMAT: Final = 2
+"""1 was a pickle, and is refused."""
+CONSTANT: Final = {
+    "graph": "graph",
+    "patch": "patch",
+    "choosing": "scheduler.choosing",
+    "foresight": "scheduler.aims.foresight",
+    "cosines": "motion.elements._field._cosines",
+    "score": "prompter.score.written",
+    "texture": "dancers.texturing.bank",
+    "answers": "answers",
+    "parameters": "desk.parameters.table",
+    "views": "desk.scenes._views",
+    "looks": "desk.scenes._looks",
+    "scenes": "desk.scenes._scenes",
+    "cues": "desk.cues._cues",
+}
+"""What patch, steps and seed alone decide, by the name that snapshots have for it: found again in a fresh show, ..."""
 VARIABLE: Final = ("scheduler.choosing.most", "scheduler.choosing.facts")
 """... but for these tables in it, which measures change, ..."""
 SCRATCH: Final = (
@@ -63,7 +80,7 @@ class _Of:
 class Taken:
     """A state as it was taken within the frame; what takes longer is done by whoever calls `seal`."""
 
-    payload: bytes
+    written: Written
     tick: int
     measure: int
     """Measure that runs, from 1."""
@@ -72,16 +89,16 @@ class Taken:
 
     def seal(self) -> bytes:
         """The snapshot: a line of JSON, and the state, compressed. Thread: any one."""
-        packed = zlib.compress(self.payload, 1)
+        payload = self.written.packed()
+        packed = zlib.compress(payload, 1)
         header = {
             "snapshot": FORMAT,
             "version": __version__,
-            "code": state_code(),
             "tick": self.tick,
             "measure": self.measure,
             "seed": self.seed,
             **self.of.hashes(),
-            "size": len(self.payload),
+            "size": len(payload),
         }
         return _line(header | {"check": _check(header, packed)}) + b"\n" + packed
 
@@ -92,41 +109,37 @@ class Snapshots:
     def __init__(self, show: Show) -> None:
         """Looks once through all that is constant: some milliseconds, not within a frame."""
         self.show = show
-        self._known = Known(show, CONSTANT, SCRATCH)
+        self._constants: Constants | None = None
         self._begin()
 
     def _begin(self) -> None:
         show = self.show
         self._of = _Of(show.graph, show.patch)
-        self._known = Known(show, CONSTANT, SCRATCH, self._known)
-        self._variable = [resolve(show, dotted(path)) for path in VARIABLE]
+        self._constants = Constants(show, CONSTANT, SCRATCH, self._constants)
+        self._writer = StateWriter(self._constants)
+        self._variable = [at(show, path) for path in VARIABLE]
 
     def take(self, tick: int) -> Taken | None:
         """The state after the tick `tick`; None while something is half planned: try again at the next tick.
 
-        SnapshotError if the show holds something that is no plain value.
+        SnapshotError if the show holds something that is in no list of kinds.
         """
         show = self.show
         if not at_rest(show):
             return None
         if show.graph is not self._of.graph or show.patch is not self._of.patch:
             self._begin()
-        told, show.follower.on_seed = show.follower.on_seed, None  # whoever listens belongs to the process
         try:
-            payload = write_state((show, self._variable), self._known)
+            written = self._writer.write((show, tuple(array.copy() for array in self._variable)))
         except Exception as error:
             raise SnapshotError(f"the state cannot be written: {error}") from error
-        finally:
-            show.follower.on_seed = told
-        return Taken(payload, tick, show.span.number + 1, show.seed, self._of)
+        return Taken(written, tick, show.span.number + 1, show.seed, self._of)
 
 
 def at_rest(show: Show) -> bool:
     """Whether nothing is half planned, so that the state is plain values."""
-    steps = resolve(show, ("_new_steps",))
-    return bool(
-        show.scheduler.at_rest and show.motion.evolutions.at_rest and steps.at_rest and show.reloading.waiting is None
-    )
+    steps = at(show, "_new_steps").at_rest
+    return bool(show.scheduler.at_rest and show.motion.evolutions.at_rest and steps and show.reloading.waiting is None)
 
 
 def snapshot(show: Show, tick: int | None = None) -> bytes:
@@ -148,9 +161,7 @@ def facts_of(data: bytes) -> dict[str, Any]:
         raise SnapshotError("not a snapshot, or its first line is damaged") from None
     if kind != FORMAT or version != __version__:
         raise SnapshotError(f"the snapshot is of version {version} (format {kind}), this is {__version__} ({FORMAT})")
-    if facts.get("code") != state_code():
-        raise SnapshotError("the snapshot was written by other code than this: a replay can begin at the start")
-    if not whole or facts["size"] > LARGEST or _check(facts, packed) != check:
+    if not whole or not 0 <= facts["size"] <= MOST_BYTES or _check(facts, packed) != check:
         raise SnapshotError("the snapshot is damaged: its check-sum is another")
     known: dict[str, Any] = facts
     return known
@@ -171,17 +182,45 @@ def restore(loaded: LoadedShow, data: bytes, *, fresh: Show | None = None) -> Sh
             raise SnapshotError(f"the snapshot is of other {words} ({facts.get(key)}) than there are ({found})")
     root = loaded.start(seed=facts["seed"], begin=False) if fresh is None else fresh
     try:
-        unpacker = zlib.decompressobj()
-        payload = unpacker.decompress(data.partition(b"\n")[2], facts["size"] + 1)
-        show, variable = read_state(payload, root)
-    except (zlib.error, Unreadable, ValueError, TypeError) as error:
+        show, variable = _read(_unpacked(data, facts["size"]), root)
+    except Unreadable as error:
         raise SnapshotError(f"the snapshot cannot be read: {error}") from None
-    if not isinstance(show, Show):
-        raise SnapshotError("the snapshot holds no show")
     for path, values in zip(VARIABLE, variable, strict=True):
-        resolve(root, dotted(path))[...] = values
-    resolve(show, ("_new_steps",)).stock(loaded.reserve)
+        at(root, path)[...] = values
+    at(show, "_new_steps").stock(loaded.reserve)
     return show
+
+
+def _unpacked(data: bytes, size: int) -> bytes:
+    unpacker = zlib.decompressobj()
+    try:
+        payload = unpacker.decompress(data.partition(b"\n")[2], size + 1)
+    except zlib.error as error:
+        raise Unreadable(str(error)) from None
+    if len(payload) != size:
+        raise Unreadable(f"{size} bytes expected, found {'more' if len(payload) > size else len(payload)}")
+    return payload
+
+
+def _read(payload: bytes, fresh: Show) -> tuple[Show, tuple[Array, ...]]:
+    found = read_state(payload, Constants(fresh, CONSTANT, SCRATCH))
+    if not isinstance(found, tuple) or len(found) != 2 or not isinstance(found[1], tuple):
+        raise Unreadable("it holds no show")
+    show, variable = found
+    check_state(show, "show", fresh, many_of(fresh))
+    like = [at(fresh, path) for path in VARIABLE]
+    if [_form(each) for each in variable] != [_form(each) for each in like]:
+        raise Unreadable("its tables are others")
+    return show, variable
+
+
+def many_of(show: Show) -> dict[str, int]:
+    """How many there are of what indices in a state find, by the word that its kinds have for it."""
+    return {"node": show.graph.library.node_count, "dancer": len(show.group)}
+
+
+def _form(found: object) -> tuple[Any, ...]:
+    return (found.dtype, found.shape) if isinstance(found, np.ndarray) else ()
 
 
 def patch_hash(patch: Patch) -> str:

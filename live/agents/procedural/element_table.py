@@ -1,6 +1,6 @@
 """ElementTable: elements as rows of numbers for the kernels; bounded, the oldest gives way."""
 
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -50,9 +50,9 @@ class ElementTable:
         self.masks: UInt64 = self._all_masks[window]
         self.vertices: Float32 = self._all_vertices[window]
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        serials = self.rows[: len(self.elements), column.SERIAL]  # elements that were read back are others
+    def number_again(self) -> None:
+        """Find elements by those that there are now: those that were read back are others."""
+        serials = self.rows[: len(self.elements), column.SERIAL]
         self._serials = {id(each): int(serial) for each, serial in zip(self.elements, serials, strict=True)}
 
     def row_of(self, element: Element) -> int | None:

@@ -1,0 +1,78 @@
+"""All kinds of objects that a state of a show holds, by name and by class.
+
+What is added to the state of a show is added here: `tests/show/state` walks through the shows of all patches and names
+what is missing.
+"""
+
+from collections.abc import Callable
+from dataclasses import fields
+from typing import Any, Final
+
+from live.base.own_pass import OwnNumber
+from live.control.events import EVENT_TYPES
+from live.graph.choosing.choosing import Choosing
+from live.graph.motion_graph import MotionGraph
+from live.motion.example.staged.read_leader import Lore
+from live.motion.example.stretches import Stretches
+from live.motion.example.units import Units
+from live.motion.texture.bank import TextureBank
+from live.show.answer_bank import AnswerBank
+from live.show.foresight import Foresight
+from live.show.group_motion import GroupMotion
+from live.show.improvise_table import Table
+from live.show.interrupts import Interrupts
+from live.show.parameter_table import ParameterTable
+from live.show.patch import Patch
+from live.show.score import Written
+from live.show.sections.cue import CueSection
+from live.show.sections.improvise import ImproviseSection
+from live.show.sections.mocap import MocapSection
+from live.show.sections.react import ReactSection
+from live.show.sections.score import AtSection, SignalSection
+from live.show.sequences import Sequences
+from live.show.state.kind import Kind
+from live.show.state.kinds_core import KINDS as CORE
+from live.show.state.kinds_dance import KINDS as DANCE
+from live.show.state.kinds_desk import KINDS as DESK
+
+EVENT: Final = "event-"
+"""The kind of an event begins with this; then its type follows as journals have it."""
+
+_EVENTS: Final = [
+    Kind(f"{EVENT}{name}", cls, " ".join(f"{field.name}:{field.type.__name__}" for field in fields(cls)))  # type: ignore[union-attr]
+    for name, cls in EVENT_TYPES.items()
+]
+
+CONSTANT: Final[dict[str, type]] = {
+    "constant-answer-bank": AnswerBank,
+    "constant-at-section": AtSection,
+    "constant-choosing": Choosing,
+    "constant-cue-section": CueSection,
+    "constant-foresight": Foresight,
+    "constant-improvise-section": ImproviseSection,
+    "constant-lore": Lore,
+    "constant-mocap-section": MocapSection,
+    "constant-motion-graph": MotionGraph,
+    "constant-own-number": OwnNumber,
+    "constant-parameter-table": ParameterTable,
+    "constant-patch": Patch,
+    "constant-react-section": ReactSection,
+    "constant-sequences": Sequences,
+    "constant-signal-section": SignalSection,
+    "constant-stretches": Stretches,
+    "constant-table": Table,
+    "constant-texture-bank": TextureBank,
+    "constant-units": Units,
+    "constant-written": Written,
+}
+"""What fields may hold that is named, and never written."""
+
+BY_NAME: Final = {kind.name: kind for kind in (*CORE, *DANCE, *DESK, *_EVENTS)}
+BY_CLASS: Final = {kind.cls: kind for kind in BY_NAME.values()}
+
+METHODS: Final[dict[tuple[str, str], Callable[..., Any]]] = {
+    ("interrupts", "_cut"): Interrupts._cut,
+    ("interrupts", "_sent"): Interrupts._sent,
+    ("group-motion", "_ask_ahead"): GroupMotion._ask_ahead,
+}
+"""The methods that a state may hold, of objects of these kinds."""

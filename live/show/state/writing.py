@@ -1,0 +1,433 @@
+"""Writing a state: within a frame all values are taken, so that nothing that happens later changes them.
+
+What is taken is a table of rows, one for each object, container and array, by number; see `form.py`.
+"""
+
+from collections import Counter, OrderedDict, deque
+from collections.abc import Callable, Collection, Iterable
+from dataclasses import dataclass
+from enum import Enum
+from functools import cache
+from operator import attrgetter, is_
+from types import MethodType
+from typing import Any, Final
+
+import numpy as np
+
+from live.show.state.constants import Constants
+from live.show.state.form import (
+    COUNTER, DEQUE, DICT, HEAD, LAID, LIST, METHOD, ORDERED, PART, SCRATCH, SET, VALUE, WHOLE, Row, Rows,
+    packed_tree,
+)  # fmt: skip
+from live.show.state.kind import NUMBERS, PLAIN, Kind, Type
+from live.show.state.kinds import BY_CLASS, BY_NAME, METHODS
+
+Encode = Callable[[Any], list[Any]]
+
+_PLAIN: Final = frozenset({"int", "float", "bool", "str", "none", "bytes"})
+_FIXED: Final = frozenset({"int", "float", "bool", "str", "none", "complex", "tuple", "row", "frozenset", "|"})
+"""What nobody changes."""
+
+
+class Unwritable(Exception):
+    """A show holds what no snapshot can hold; the message names it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Written:
+    """A state as it was taken: nobody changes anything in it any more."""
+
+    kinds: list[Kind]
+    """Those that rows are of, by number."""
+    rows: list[Row]
+    more: Rows
+    """Rows of arrays and of values that nobody changes, by number, all below zero."""
+    content: dict[int, bytes]
+    """What is in arrays, by number."""
+    root: Any
+
+    def packed(self) -> bytes:
+        """As `form.py` says. Thread: any one."""
+        rows = (*self.rows, *self.more.values())
+        used = {row[0] for row in rows if row[0] >= 0}
+        kinds = {number: [self.kinds[number].name, *_in_order(self.kinds[number])] for number in used}
+        tree = packed_tree([kinds, self.rows, self.more, self.root])
+        content = [self.content[number] for number, row in self.more.items() if row[0] in (WHOLE, LAID)]
+        return b"".join((HEAD.pack(len(tree)), tree, *content))
+
+
+class _Array:
+    """What is remembered of an array: its number, the rows and contents that it needs, and who remembers it."""
+
+    __slots__ = ("contents", "number", "pins", "ref", "rows", "turn", "value")
+
+    def __init__(self, value: Any, number: int) -> None:
+        self.value, self.number = value, number
+        self.ref: list[Any] = [number]
+        self.rows: Rows = {}
+        self.contents: list[tuple[int, Callable[[], bytes]]] = []
+        self.pins = self.turn = 0
+
+
+_Value = tuple[Any, list[int], Rows]
+"""A value that nobody changes, its number, and all rows that it needs."""
+
+
+class _Object:
+    """What is remembered of an object: its arrays, and what they need."""
+
+    __slots__ = ("arrays", "contents", "known", "refs", "rows", "value")
+
+    def __init__(self, value: Any, arrays: tuple[Any, ...], known: list[_Array]) -> None:
+        self.value, self.arrays, self.known = value, arrays, known
+        self.refs = [each.ref for each in known]
+        self.rows = {number: row for each in known for number, row in each.rows.items()}
+        self.contents = list({number: (number, read) for each in known for number, read in each.contents}.values())
+        for each in known:
+            each.pins += 1
+
+
+class StateWriter:
+    """Takes the state of one show again and again. Thread: the show's.
+
+    It runs within a frame: arrays of an object that are the same as last time are only copied, values that nobody
+    changes are written again as they are, and what is plain by its type is not looked at.
+    """
+
+    def __init__(self, constants: Constants) -> None:
+        self._constants = constants
+        self._names, self._scratch = constants.name_of, constants.scratch_of
+        self._kinds = list(BY_CLASS.values())
+        self._number_of = {kind.cls: number for number, kind in enumerate(self._kinds)}
+        self._encoders = _Encoders(self.encoder)
+        self._memo: dict[int, list[Any]] = {}
+        self._rows: list[Row] = []
+        self._more: Rows = {}
+        self._content: dict[int, bytes] = {}
+        self._values: dict[int, _Value] = {}
+        self._values_before: dict[int, _Value] = {}
+        self._objects: dict[int, _Object] = {}
+        self._objects_before: dict[int, _Object] = {}
+        self._arrays: dict[int, _Array] = {}
+        self._last = self._turn = self._many = 0
+
+    def write(self, root: Any) -> Written:
+        """Take `root` and all that it holds; Unwritable for what is in no list of kinds."""
+        self._turn += 1
+        self._values_before, self._values = self._values, {}
+        try:
+            found = self._ref(root)
+            return Written(self._kinds, self._rows.copy(), self._more.copy(), self._content.copy(), found)
+        finally:
+            for each in (self._memo, self._rows, self._more, self._content):
+                each.clear()
+            self._forget()
+
+    def _forget(self) -> None:
+        """Forget objects that nobody holds any more, and arrays once there are many."""
+        for gone in self._objects_before.values():
+            for array in gone.known:
+                array.pins -= 1
+        self._objects_before.clear()
+        self._objects_before, self._objects = self._objects, self._objects_before
+        if len(self._arrays) > 2 * self._many + 256:
+            kept = {key: each for key, each in self._arrays.items() if each.pins or each.turn >= self._turn}
+            self._arrays.clear()
+            self._arrays |= kept
+            self._many = len(kept)
+
+    def _ref(self, value: Any) -> Any:
+        if type(value) in PLAIN:
+            return value
+        found = self._memo.get(id(value))
+        return self._encoders[type(value)](value) if found is None else found
+
+    def _refs(self, values: Collection[Any]) -> Iterable[Any]:
+        if PLAIN.issuperset(map(type, values)):
+            return values
+        return [each if type(each) in PLAIN else self._ref(each) for each in values]
+
+    # -- how objects of each class are taken --------------------------------------------------------------------
+
+    def encoder(self, cls: type) -> Encode:
+        """What takes objects of this class."""
+        if cls in _CONTAINERS:
+            found: Encode = getattr(self, _CONTAINERS[cls])
+            return found
+        kind = BY_CLASS.get(cls)
+        if kind is None:
+            return self._unknown
+        if issubclass(cls, Enum):
+            return lambda value: [VALUE, kind.name, value.value]
+        named = cls in self._constants.classes
+        encode = self._fixed_encoder(kind) if is_fixed(kind) and not named else self._object_encoder(kind)
+        return self._named(encode) if named else encode
+
+    def _named(self, encode: Encode) -> Encode:
+        names = self._names
+
+        def named(value: Any) -> list[Any]:
+            name = names.get(id(value))
+            return encode(value) if name is None else [name]
+
+        return named
+
+    def _unknown(self, value: Any) -> list[Any]:
+        name = self._names.get(id(value))
+        if name is None:
+            raise Unwritable(f"{type(value).__module__}.{type(value).__qualname__} is of no kind that a state holds")
+        return [name]
+
+    def _object_encoder(self, kind: Kind) -> Encode:
+        number, check = self._number_of[kind.cls], _checked(kind)
+        plain, arrays, links = (values_of(names) for names in split_names(kind))
+        has_arrays = bool(split_names(kind)[1])
+        encoders, memo, rows, more, content = self._encoders, self._memo, self._rows, self._more, self._content
+
+        def encode(value: Any) -> list[Any]:
+            check(value)
+            key = id(value)
+            ref = memo[key] = [len(rows)]
+            row: Row = [number, *plain(value)]
+            rows.append(row)
+            if has_arrays:
+                known = self._objects_before.pop(key, None)
+                held = arrays(value)
+                if known is None or known.value is not value or not all(map(is_, held, known.arrays)):
+                    known = self._object(value, held, known)
+                self._objects[key] = known
+                row += known.refs
+                more.update(known.rows)
+                for name, read in known.contents:
+                    content[name] = read()
+            add, met = row.append, memo.get
+            for each in links(value):
+                cls = type(each)
+                if cls in PLAIN:
+                    add(each)
+                else:
+                    found = met(id(each))
+                    add(encoders[cls](each) if found is None else found)
+            return ref
+
+        return encode
+
+    def _object(self, value: Any, arrays: tuple[Any, ...], before: _Object | None) -> _Object:
+        found = _Object(value, arrays, [self._known(each) for each in arrays])
+        for each in () if before is None else before.known:
+            each.pins -= 1
+        return found
+
+    def _fixed_encoder(self, kind: Kind) -> Encode:
+        """Values that nobody changes are taken once, and written again as long as somebody holds them."""
+        memo, more = self._memo, self._more
+
+        def encode(value: Any) -> list[Any]:
+            found = self._value(value, kind)
+            memo[id(value)] = found[1]
+            more.update(found[2])
+            return found[1]
+
+        return encode
+
+    def _value(self, value: Any, kind: Kind) -> _Value:
+        key = id(value)
+        known = self._values.get(key)
+        if known is None:
+            known = self._values_before.get(key)
+            if known is None:
+                self._last -= 1
+                row: Row = [self._number_of[kind.cls]]
+                rows = {self._last: row}
+                known = value, [self._last], rows
+                row += [self._fixed(each, rows) for names in split_names(kind) for each in values_of(names)(value)]
+            self._values[key] = known
+        return known
+
+    def _fixed(self, value: Any, rows: Rows) -> Any:
+        """What a value that nobody changes holds; the rows of more such values go to `rows`."""
+        cls = type(value)
+        if cls in PLAIN:
+            return value
+        if cls is tuple:
+            return [None, *[self._fixed(each, rows) for each in value]]
+        kind = BY_CLASS.get(cls)
+        if kind is None or issubclass(cls, Enum) or id(value) in self._names:
+            return self._encoders[cls](value)
+        _, ref, more = self._value(value, kind)
+        rows.update(more)
+        return ref
+
+    def _method(self, value: MethodType) -> list[Any]:
+        owner, name = value.__self__, value.__func__.__name__
+        kind = BY_CLASS.get(type(owner))
+        if kind is None or (kind.name, name) not in METHODS:
+            raise Unwritable(f"the method {type(owner).__name__}.{name} is none that a state holds")
+        return [METHOD, self._ref(owner), name]
+
+    def _number(self, value: Any) -> list[Any]:
+        return [VALUE, value.dtype.str[1:], value.item()]
+
+    def _complex(self, value: complex) -> list[Any]:
+        return [VALUE, "complex", value.real, value.imag]
+
+    def _frozenset(self, value: frozenset[Any]) -> list[Any]:
+        if not PLAIN.issuperset(map(type, value)):
+            raise Unwritable("a frozenset of what is no plain value is nothing that a state holds")
+        return [VALUE, "frozenset", *value]
+
+    def _tuple(self, value: tuple[Any, ...]) -> list[Any]:
+        return [None, *self._refs(value)]
+
+    def _begin(self, value: Any, row: Row) -> list[Any]:
+        ref = self._memo[id(value)] = [len(self._rows)]
+        self._rows.append(row)
+        return ref
+
+    def _list(self, value: list[Any]) -> list[Any]:
+        row: Row = [LIST]
+        found = self._begin(value, row)
+        row += self._refs(value)
+        return found
+
+    def _set(self, value: set[Any]) -> list[Any]:
+        row: Row = [SET]
+        found = self._begin(value, row)
+        row += self._refs(value)
+        return found
+
+    def _deque(self, value: deque[Any]) -> list[Any]:
+        row: Row = [DEQUE, value.maxlen]
+        found = self._begin(value, row)
+        row += self._refs(value)
+        return found
+
+    def _dict(self, value: dict[Any, Any], code: int = DICT) -> list[Any]:
+        row: Row = [code]
+        found, ref = self._begin(value, row), self._ref
+        for key, each in value.items():
+            row.append(key if type(key) in PLAIN else ref(key))
+            row.append(each if type(each) in PLAIN else ref(each))
+        return found
+
+    def _ordered(self, value: OrderedDict[Any, Any]) -> list[Any]:
+        return self._dict(value, ORDERED)
+
+    def _counter(self, value: Counter[Any]) -> list[Any]:
+        return self._dict(value, COUNTER)
+
+    # -- arrays -------------------------------------------------------------------------------------------------
+
+    def _array(self, value: Any) -> list[Any]:
+        known = self._known(value)
+        known.turn = self._turn
+        self._more.update(known.rows)
+        for number, read in known.contents:
+            self._content[number] = read()
+        return known.ref
+
+    def _known(self, value: Any) -> _Array:
+        known = self._arrays.get(id(value))
+        if known is None or known.value is not value:
+            self._last -= 1
+            known = self._arrays[id(value)] = _Array(value, self._last)
+            self._describe(known, value)
+        known.turn = self._turn
+        return known
+
+    def _describe(self, known: _Array, value: Any) -> None:
+        """How it is written: its name, or its row and what reads its content; those of what it is a part of, too."""
+        name = self._names.get(id(value))
+        if name is not None:
+            known.ref = [name]
+            return
+        if value.dtype.hasobject:
+            raise Unwritable("an array of objects is nothing that a state holds")
+        name = self._scratch.get(id(value))
+        if name is not None:
+            known.rows[known.number] = [SCRATCH, name]
+            return
+        base, numbers = value.base, value.dtype.str
+        if isinstance(base, np.ndarray) and base.flags.c_contiguous:
+            whole = self._known(base)
+            whole.pins += 1
+            offset = value.__array_interface__["data"][0] - base.__array_interface__["data"][0]
+            known.rows |= whole.rows
+            known.contents += whole.contents
+            known.rows[known.number] = [PART, whole.ref, offset, numbers, list(value.shape), list(value.strides)]
+            return
+        axes = sorted(range(value.ndim), key=lambda axis: -abs(value.strides[axis]))
+        laid = value.transpose(axes)
+        if value.flags.c_contiguous and value.flags.writeable:
+            row, laid = [WHOLE, numbers, list(value.shape)], value
+        else:
+            row = [LAID, numbers, list(laid.shape), axes, bool(value.flags.writeable)]
+        known.rows[known.number] = row
+        known.contents.append((known.number, laid.tobytes))
+
+
+_CONTAINERS: Final = {
+    list: "_list", tuple: "_tuple", dict: "_dict", set: "_set", frozenset: "_frozenset", deque: "_deque",
+    OrderedDict: "_ordered", Counter: "_counter", MethodType: "_method", complex: "_complex", np.ndarray: "_array",
+    np.float64: "_number", np.float32: "_number", np.int64: "_number", np.int32: "_number", np.bool_: "_number",
+}  # fmt: skip
+
+
+class _Encoders(dict[type, Encode]):
+    """How objects of each class are taken; those of new classes are looked at when the first one comes."""
+
+    def __init__(self, made: Callable[[type], Encode]) -> None:
+        super().__init__()
+        self._made = made
+
+    def __missing__(self, cls: type) -> Encode:
+        self[cls] = self._made(cls)
+        return self[cls]
+
+
+@cache
+def split_names(kind: Kind) -> tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]:
+    """The fields of a kind in the order in which they are written: plain values, arrays, all others."""
+    types = kind.types()
+    plain = tuple(name for name, found in types.items() if all(each.word in _PLAIN for each in found.either))
+    arrays = tuple(name for name, found in types.items() if found.word in NUMBERS)
+    return plain, arrays, tuple(name for name in types if name not in plain and name not in arrays)
+
+
+def _in_order(kind: Kind) -> list[str]:
+    return [name for names in split_names(kind) for name in names]
+
+
+def values_of(names: tuple[str, ...]) -> Callable[[Any], tuple[Any, ...]]:
+    """What takes the values of these fields out of an object at once."""
+    if len(names) > 1:
+        return attrgetter(*names)
+    return (lambda value: (getattr(value, names[0]),)) if names else (lambda value: ())
+
+
+@cache
+def is_fixed(kind: Kind) -> bool:
+    """Whether nobody can change an object of this kind, nor what it holds."""
+    if issubclass(kind.cls, Enum):
+        return True
+    parameters = getattr(kind.cls, "__dataclass_params__", None)
+    return parameters is not None and parameters.frozen and all(_is_fixed(kind_of) for kind_of in kind.types().values())
+
+
+def _is_fixed(found: Type) -> bool:
+    known = BY_NAME.get(found.word)
+    return (is_fixed(known) if known is not None else found.word in _FIXED) and all(map(_is_fixed, found.of))
+
+
+def _checked(kind: Kind) -> Callable[[Any], None]:
+    """Raises Unwritable for an object that holds a field that is not listed."""
+    if not kind.cls.__dictoffset__:
+        return lambda value: None
+    known = frozenset((*kind.names, *kind.anew))
+
+    def check(value: Any) -> None:
+        if not known.issuperset(value.__dict__):
+            missing = ", ".join(sorted(set(value.__dict__) - known))
+            raise Unwritable(f"the field {missing} of {kind.cls.__qualname__} is not listed in its kind {kind.name!r}")
+
+    return check
