@@ -17,6 +17,7 @@ import numpy.typing as npt
 from live import __version__
 from live.clock.ticks import TICK
 from live.graph.motion_graph import MotionGraph
+from live.motion.skeleton import JOINT_COUNT
 from live.show.core import Show
 from live.show.library_hash import steps_hash
 from live.show.load import LoadedShow
@@ -216,7 +217,20 @@ def _read(payload: bytes, fresh: Show) -> tuple[Show, tuple[Array, ...]]:
 
 def many_of(show: Show) -> dict[str, int]:
     """How many there are of what indices in a state find, by the word that its kinds have for it."""
-    return {"node": show.graph.library.node_count, "dancer": len(show.group)}
+    graph, bank, choosing = show.graph, show.dancers.texturing.bank, show.scheduler.choosing
+    return {
+        "node": graph.library.node_count,
+        "edge": len(graph.edge_target),
+        "candidate": len(choosing.candidates.node),
+        "step": len(graph.library.steps),
+        "dancer": len(show.group),
+        "group": len(show.patch.group),
+        "aim": 2 * len(show.patch.group),
+        "joint": JOINT_COUNT,
+        "side": 2,
+        "gate": len(show.motion.gates),
+        "fragment": 0 if bank is None else bank.legs.shape[1],
+    }
 
 
 def _form(found: object) -> tuple[Any, ...]:

@@ -150,6 +150,18 @@ class PosePipeline:
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
         self._parts = _parts(count, threads)
 
+    def is_whole(self) -> bool:
+        """Whether all arrays are of as many dancers as it is for, so that the kernels can be run on them."""
+        count, joints = self._count, len(self.skeleton.parents)
+        shapes = (
+            (self.sample, (4, count)), (self.placement, (4, count, 4)), (self.share, (5, count)),
+            (self.mean, (2, count)), (self.amplitude, (count,)), (self.head, (count,)),
+            (self.feet, (count, 2, FEET_COLUMNS)), (self.age, (count,)), (self.watched, (joints,)),
+            (self.position, (count, joints, 3)), (self.rotation, (count, joints, 4)),
+        )  # fmt: skip
+        parts = all(0 <= begin <= end <= count for begin, end in self._parts)
+        return parts and all(array.shape == shape for array, shape in shapes)
+
     def run(
         self,
         clips: ClipStore,

@@ -30,8 +30,10 @@ def check_state(root: Any, found: str, fresh: object, many: Mapping[str, int]) -
 
     `fresh`: the same before anything happened; `many`: how many there are of what indices find, by name.
     """
-    _Types(many).check(root, Type(found))
+    types = _Types(many)
+    types.check(root, Type(found))
     _check_shapes(root, fresh)
+    types.finish()
 
 
 class _Types:
@@ -40,6 +42,7 @@ class _Types:
     def __init__(self, many: Mapping[str, int]) -> None:
         self._many = many
         self._known: set[tuple[int, Type]] = set()
+        self._objects: list[tuple[Any, Kind]] = []
         self._waiting: list[tuple[Any, Type, str]] = []
 
     def check(self, root: Any, wanted: Type) -> None:
@@ -54,6 +57,15 @@ class _Types:
                 self._within(value, found, where)
             if (id(value), found) not in self._known:
                 self._look(value, found, where)
+        for value, kind in self._objects:
+            if kind.whole is not None and not kind.whole(value):
+                raise Unreadable(f"what a {kind.name!r} holds does not fit together")
+
+    def finish(self) -> None:
+        """Have objects work out what is not written of them."""
+        for value, kind in self._objects:
+            if kind.after is not None:
+                kind.after(value)
 
     def _within(self, value: Any, wanted: Type, where: str) -> None:
         """Indices must find something; -1 stands for nothing."""
@@ -66,6 +78,7 @@ class _Types:
         kind = BY_CLASS.get(type(value))
         if kind is not None:
             self._known.add((id(value), found))
+            self._objects.append((value, kind))
             for name, wanted in types_of(kind).items():
                 self._waiting.append((getattr(value, name), wanted, f"{kind.name}.{name}"))
         elif found.word in _INSIDE:
@@ -124,7 +137,7 @@ def _check_shapes(root: Any, fresh: Any) -> None:
         if kind is not None:
             known.add(id(value))
             for name, wanted in types_of(kind).items():
-                if not wanted.any_shape:
+                if not wanted.is_loose:
                     waiting.append((getattr(value, name), getattr(like, name), f"{kind.name}.{name}"))
         elif isinstance(value, np.ndarray):
             if value.shape != like.shape or (value.size and value.strides != like.strides):

@@ -45,6 +45,11 @@ class Type:
         """The types of which it is one."""
         return self.of if self.word == "|" else (self,)
 
+    @property
+    def is_loose(self) -> bool:
+        """Whether an array in it may have any shape."""
+        return self.any_shape or any(each.is_loose for each in self.of)
+
     def __str__(self) -> str:
         if self.word == "|":
             return "|".join(map(str, self.of))
@@ -63,7 +68,9 @@ class Kind:
     anew: Mapping[str, Callable[[], Any]] = field(default_factory=dict)
     """Attributes that are not written: of the process, or made of the others. A read object has these."""
     after: Callable[[Any], object] | None = None
-    """Called with each object once all are read."""
+    """Called with each object once all are read and checked."""
+    whole: Callable[[Any], bool] | None = None
+    """Whether what an object holds fits together; asked after all fields were checked."""
 
     @property
     def names(self) -> tuple[str, ...]:

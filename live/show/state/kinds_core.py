@@ -75,12 +75,12 @@ KINDS: Final = [
     Kind("order", Order, ""),
     Kind("delays.ripple", Ripple, "beats:float order:order arrive:arrive"),
     Kind("departure", Departure, """
-        numbers:i4 position:f8 heading:f8 words:row[frozenset[str]] begin:float end:float measure_beats:float
+        numbers:i4(dancer) position:f8 heading:f8 words:row[frozenset[str]] begin:float end:float measure_beats:float
         radius:f8 half:tuple[float,float] seed:int
     """),
     Kind("departure.draft", Draft, "journey:journey|none"),
     Kind("journey", Journey, """
-        locomotion:locomotion slot:i4 retimed:int bent:bool remaining:row[approach] checked:bool
+        locomotion:locomotion slot:i4(dancer) retimed:int bent:bool remaining:row[approach] checked:bool
     """),
     Kind("by", By, ""),
     Kind("evolve", Evolve, "formation:str matching:matching way:way orientation:orientation soft:float"),
@@ -101,7 +101,7 @@ KINDS: Final = [
     Kind("cost", Cost, ""),
     Kind("fill", Fill, ""),
     Kind("motion", Motion, """
-        segment:segment intention:hold|evolve|pause|trajectory|procedural departure:departure who:i4 keep:u1
+        segment:segment intention:hold|evolve|pause|trajectory|procedural departure:departure who:i4(dancer) keep:u1
         journey:journey|none _draft:departure.draft _from:array|none _left:int _pieces:none
     """),
     Kind("orientation.facing", Facing, ""),
@@ -133,7 +133,7 @@ KINDS: Final = [
         _surroundings:surroundings _ask:method _wants:wants _state:agent-state _spare:agent-state
         _stops:list[float] _time:float positions:list[f4]
     """),
-    Kind("parting", Parting, "_gap:float _seed:int _half_width:float _half_depth:float _cell_start:i4 _order:i4"),
+    Kind("parting", Parting, "_gap:float _seed:int _half_width:float _half_depth:float _cell_start:i4 _order:i4(dancer)"),
     Kind("path-parting", PathParting, """
         _radius:f4 _responsibility:f4 _margin_at_end:float _stage:tuple[float,float,int]
         _surroundings:surroundings|none _cells:tuple[i4,i4] _middle:f4 _extent:f4 _yields:f4 _speed:f8 _moved:f8
@@ -155,7 +155,7 @@ KINDS: Final = [
         _density:f8 _numbers:f8 _area:f8 _mesh:f4 _cosines:f4 _start:i4 _order:i4
     """),
     Kind("wants", Wants, "rows:f4 _bits:u4 _kept:u4"),
-    Kind("entrances", Entrances, "gates:row[gate] state:i1 goal:f4 _gate:i4 _size:tuple[float,float] _beyond:f4"),
+    Kind("entrances", Entrances, "gates:row[gate] state:i1 goal:f4 _gate:i4(gate) _size:tuple[float,float] _beyond:f4"),
     Kind("gate", Gate, "name:str x:float z:float width:float out_x:float out_z:float"),
     Kind("stage-view", StageView, """
         joint_position:f4 joint_rotation:f4 group:i4 present:b1 element_kind:i4 element_position:f4
@@ -219,7 +219,7 @@ KINDS: Final = [
         tempo:float beat_origin:float time_origin:float beats_per_measure:int measure_origin:float
     """),
     Kind("wanted", Wanted, "step:int|none measures:int way:str"),
-    Kind("hands", Hands, "other:i4 hand:i4 state:f4 _tempo:float held:bool"),
+    Kind("hands", Hands, "other:i4(dancer) hand:i4(side) state:f4 _tempo:float held:bool"),
     Kind("placing", Placing, """
         turn:complex shift:complex _last_turn:complex _last_shift:complex _speed:complex _turning:float
     """),
@@ -248,8 +248,9 @@ KINDS: Final = [
     Kind("landing", Landing, "lift:f4"),
     Kind("foot-lock", FootLock, "state:f4"),
     Kind("pose-pipeline", PosePipeline, """
-        skeleton:pose-skeleton sample:f8 placement:f8 share:f4 mean:i4 amplitude:f4 head:f4 feet:f4 lock:bool
-        settling:f4 age:f4 watched:i4 position:f4 rotation:f4 _soles:f4 _count:int _parts:list[tuple[int,int]]
-    """, anew={"_pool": nothing}),
-    Kind("pose-skeleton", PoseSkeleton, "offsets:f4 parents:i4 body:i4 legs:i4"),
+        skeleton:pose-skeleton sample:f8* placement:f8* share:f4* mean:i4(node)* amplitude:f4* head:f4* feet:f4*
+        lock:bool settling:f4* age:f4* watched:i4(joint) position:f4* rotation:f4* _soles:f4 _count:int
+        _parts:list[tuple[int,int]]
+    """, anew={"_pool": nothing}, whole=PosePipeline.is_whole),
+    Kind("pose-skeleton", PoseSkeleton, "offsets:f4 parents:i4(joint) body:i4(joint) legs:i4(joint)"),
 ]  # fmt: skip

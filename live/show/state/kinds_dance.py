@@ -55,7 +55,7 @@ KINDS: Final = [
     """),
     Kind("aims", Aims, """
         _patch:constant-patch _dancers:dancers _motion:group-motion _programmes:list[echo|group-programme]
-        _group:i4 order:list[int] headings:headings speed:f4 _asked:list[tuple[int|none,int]] step:i4 row:i4
+        _group:i4(group) order:list[int] headings:headings speed:f4 _asked:list[tuple[int|none,int]] step:i4(step) row:i4(aim)
         heading:f8 _choosing:constant-choosing foresight:constant-foresight ahead:f8 _reach:f8
     """),
     Kind("anchor", Anchor, "offset:tuple[float,float] apart:tuple[float,float] _mean:tuple[float,float]"),
@@ -64,7 +64,7 @@ KINDS: Final = [
         _fresh:list[str]
     """),
     Kind("answer-poses", AnswerPoses, """
-        _leaders:answer-leaders _along:taken-along standing:standing _offsets:f4 _parents:i4
+        _leaders:answer-leaders _along:taken-along standing:standing _offsets:f4 _parents:i4(joint)
     """),
     Kind("answering", Answering, """
         bank:constant-answer-bank _casting:casting _variation:variation _beats:int
@@ -85,7 +85,7 @@ KINDS: Final = [
         scale:float origin:tuple[float,float,float]
     """),
     Kind("carried", Carried, """
-        dancers:dancers motion:group-motion paths:paths node:i4 rows:f8 begin:f8 end:f8 goal:f8 predicted:f8
+        dancers:dancers motion:group-motion paths:paths node:i4(node) rows:f8 begin:f8 end:f8 goal:f8 predicted:f8
         asked:f8 foreseen:f8 room:f8 most:f8 hasty:f8
     """),
     Kind("carrying", Carrying, """
@@ -94,29 +94,29 @@ KINDS: Final = [
         _stood:f8 _ended:bool _begun:bool _open:bool
     """),
     Kind("casting", Casting, """
-        group:i4 names:row[str] half:tuple[float,float] _own:list[set[str]] _named:dict[str,str] roster:roster
+        group:i4(group) names:row[str] half:tuple[float,float] _own:list[set[str]] _named:dict[str,str] roster:roster
     """),
     Kind("choices", Choices, """
-        edge:i4 candidate:i4 terms:f8 end:f8 node:i4 stand:f8 heading:f8 step:i4 wish:f8 target:f8 error:f8
+        edge:i4(edge) candidate:i4(candidate) terms:f8 end:f8 node:i4(node) stand:f8 heading:f8 step:i4(step) wish:f8 target:f8 error:f8
         lag:f8 behind:i4 _decided:bool
     """),
     Kind("coming", Coming, """
         _carried:carried _parting:path-parting most:float paths:paths end:f8 target:f8 wish:f8 room:f8
         _traced:int fresh:bool _goal:f8 _plan:f8 _ease:float
     """),
-    Kind("cutting", Cutting, "_dancers:dancers _joints:f8 _parents:i4 cuts:int"),
+    Kind("cutting", Cutting, "_dancers:dancers _joints:f8 _parents:i4(joint) cuts:int"),
     Kind("cutting.moment", Moment, """
         rows:i4 time:float dt:float fraction:float other:float body:tuple[f4,f4] which:i4 phase:f8 held:b1
         feature:f8 hips:f8 facing:f8
     """),
     Kind("danced", Danced, """
-        graph:constant-motion-graph _ends:danced.ends|none decided:bool node:i4 placement:f8 correction:f8
-        aimed:f8 on_support:f8 take:i4 take_share:f4 amplitude:f8 warp:f8
+        graph:constant-motion-graph _ends:danced.ends|none decided:bool node:i4(node) placement:f8 correction:f8
+        aimed:f8 on_support:f8 take:i4(node) take_share:f4 amplitude:f8 warp:f8
     """),
-    Kind("danced.ends", _Ends, "_node:i4 _take:i4 _share:f4 _graph:constant-motion-graph hips:f8 heading:f8"),
+    Kind("danced.ends", _Ends, "_node:i4(node) _take:i4(node) _share:f4 _graph:constant-motion-graph hips:f8 heading:f8"),
     Kind("dancers", Dancers, """
         graph:constant-motion-graph variation:variation past:danced present:danced coming:danced
-        _pipeline:pose-pipeline _everybody:i8 _phase:f8 lock:foot-lock hands:hands _locked_at:float
+        _pipeline:pose-pipeline _everybody:i8(dancer) _phase:f8 lock:foot-lock hands:hands _locked_at:float
         _aside:pose-pipeline _legs:pose-pipeline inertia:inertia landing:landing texturing:texturing
         captured:dict[str,captured] beats:int answering:answering|none _settled:f4 _bare_legs:tuple[f4,f4]
         shown:f4
@@ -146,7 +146,7 @@ KINDS: Final = [
     Kind("heard-poses", HeardPoses, "count:int _gap:float _catch:float _root:f4 _turned:f4 stamp:f8"),
     Kind("interrupts", Interrupts, """
         _dancers:dancers _motion:group-motion _scheduler:scheduler cutting:cutting _cues:list[interrupts.cue]
-        _half:tuple[int,int]|none _decided:bool _step:i4 _unplanned:b1 _avoiding:avoiding cues:int
+        _half:tuple[int,int]|none _decided:bool _step:i4(step) _unplanned:b1 _avoiding:avoiding cues:int
     """),
     Kind("interrupts.cue", _Cue, "step:int who:b1 measures:int groups:row[int]"),
     Kind("mocap", Mocap, """
@@ -155,13 +155,13 @@ KINDS: Final = [
     """),
     Kind("pair-steering", PairSteering, "_advance:advance _partners:partners"),
     Kind("partners", Partners, """
-        _group:i4 _manner:i4 _arm:f8 _holds:list[row[tuple[int,int]]] of:i4 leader:i4 follower:i4 other:i4
-        hand:i4 _meeting:b1 _own:i4 _dance:bool offset:f8
+        _group:i4(group) _manner:i4 _arm:f8 _holds:list[row[tuple[int,int]]] of:i4(dancer) leader:i4(dancer)* follower:i4(dancer)* other:i4(dancer)
+        hand:i4(side) _meeting:b1 _own:i4(dancer) _dance:bool offset:f8
     """),
     Kind("performers", Performers, "_surroundings:surroundings _radius:float _last:dict[str,event-Performer]"),
     Kind("pieces", Pieces, "_waiting:deque[tuple[float,method]] left:float"),
     Kind("planning", Planning, """
-        _dancers:dancers _motion:group-motion _group:i4 _aims:aims _choices:choices _drafting:drafting
+        _dancers:dancers _motion:group-motion _group:i4(group) _aims:aims _choices:choices _drafting:drafting
         _searching:searching pieces:pieces _looked:bool
     """),
     Kind("presence", Presence, "_motion:group-motion _tick:int"),
@@ -169,14 +169,14 @@ KINDS: Final = [
     Kind("re-aiming", ReAiming, "_carried:carried _parting:path-parting most:float _phase:f8"),
     Kind("ripple", Ripple, "beats:float side:str point:tuple[float,float]"),
     Kind("scheduler", Scheduler, """
-        _patch:constant-patch _dancers:dancers _motion:group-motion _group:i4
+        _patch:constant-patch _dancers:dancers _motion:group-motion _group:i4(group)
         programmes:list[echo|group-programme] carrying:carrying aims:aims order:list[int] speed:f4
         choices:choices _planning:planning choosing:constant-choosing foresight:constant-foresight
         last_target:f8|none last_heading:f8 detours:int dead_ends:int
     """),
     Kind("searching", Searching, """
-        _patch:constant-patch _dancers:dancers _motion:group-motion _aims:aims _choices:choices _asked_from:i4
-        _arguments:row[any] _following:tuple[i4,i4] seconds:float _choosing:constant-choosing _give:f8
+        _patch:constant-patch _dancers:dancers _motion:group-motion _aims:aims _choices:choices _asked_from:i4(node)
+        _arguments:row[any] _following:tuple[i4(dancer)*,i4(dancer)*] seconds:float _choosing:constant-choosing _give:f8
         _usual_give:float
     """),
     Kind("taken-along", TakenAlong, """
@@ -184,14 +184,14 @@ KINDS: Final = [
         _before:f8 _amount:f8 _waited:f8 _known:b1
     """),
     Kind("texturing", Texturing, """
-        bank:constant-texture-bank _variation:variation _seed:int _beats:int level:f4 fragment:i4 chosen:i8
+        bank:constant-texture-bank _variation:variation _seed:int _beats:int level:f4 fragment:i4(fragment) chosen:i8
         switched:f8 _origin:f8 _limits:i4 _signs:i8 _kept:f4 _before:f4 _now:f4 _own:f4 _far:f4 _since:f8
-        _danced_before:f8 _offsets:f4 _parents:i4
+        _danced_before:f8 _offsets:f4 _parents:i4(joint)
     """),
     Kind("variation", Variation, """
-        _varieties:list[variety] _group:i4 _late:f8 _seed:int _beats:int _window:float drift:drift measure:int
-        ripples:list[ripple] _written:row[variety] _rippled:row[ripple] late:f8 _late_before:f8 _like:i4
-        _liked:i4 _paired:i8 _even:f8 _everybody:i8 warp_beats:f8 warp_sequence:f8 larger:f8 amplitude:f8
+        _varieties:list[variety] _group:i4(group) _late:f8 _seed:int _beats:int _window:float drift:drift measure:int
+        ripples:list[ripple] _written:row[variety] _rippled:row[ripple] late:f8 _late_before:f8 _like:i4(dancer)
+        _liked:i4(dancer) _paired:i8(dancer)* _even:f8 _everybody:i8(dancer) warp_beats:f8 warp_sequence:f8 larger:f8 amplitude:f8
         amplitude_sequence:f8 mix:f8 arms:f8 head:f8 lock:f8 on_support:f8 face_average:f8 obedience:f8
         texture:f8 mirror:f8 _drifts:bool _farthest:f8 obeys:bool textures:bool locks:bool
     """),

@@ -63,7 +63,7 @@ KINDS: Final = [
     Kind("chase", Chase, "_motion:group-motion whom:str _who:b1|none _centre:f8 _speed:f8 running:bool"),
     Kind("show", Show, """
         patch:constant-patch graph:constant-motion-graph seed:int follower:timeline-follower _known:bool
-        timeline:timeline casting:casting group:i4 reactions:reactions prompter:prompter motion:group-motion
+        timeline:timeline casting:casting group:i4(group) reactions:reactions prompter:prompter motion:group-motion
         variation:variation dancers:dancers answers:constant-answer-bank scheduler:scheduler
         interrupts:interrupts _controls:group-controls span:measure-span mocap:mocap desk:desk audience:audience
         blackout:bool brightness:float time:float refusals:refusals directions:directions _seen:seen
@@ -80,7 +80,7 @@ KINDS: Final = [
         edits:edits beats:int master:master held:bool
     """),
     Kind("directions", Directions, """
-        _group:i4 _groups:dict[str,int] _dancers:dancers _variation:variation _scheduler:scheduler
+        _group:i4(group) _groups:dict[str,int] _dancers:dancers _variation:variation _scheduler:scheduler
         _interrupts:interrupts _refusals:refusals asked:int|none
     """),
     Kind("drawn-way", DrawnWay, """
@@ -178,7 +178,7 @@ KINDS: Final = [
     Kind("score", Score, "playhead:playhead _sections:dict[str,int] written:constant-written"),
     Kind("facing", Facing, "kind:str degrees:float dancer:int name:str"),
     Kind("seen", Seen, """
-        _dancers:dancers _motion:group-motion _group:i4 _desk:desk _audience:audience _still:stage-view|none
+        _dancers:dancers _motion:group-motion _group:i4(group) _desk:desk _audience:audience _still:stage-view|none
     """),
     Kind("spots", Spots, "_parameters:parameters _chases:row[chase] _levels:list[int]"),
     Kind("turn", Turn, "region:int begins:int ends:int"),

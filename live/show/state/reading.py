@@ -98,12 +98,7 @@ class _Reader:
                 self._fill_object(self._made[number], row)
         for number in later:  # keys may be objects, which are whole by now
             self._fill(self._made[number], self._rows[number])
-        root = self._value(self._root)
-        for number, row in self._rows.items():
-            kind = self._kinds.get(row[0])
-            if kind is not None and kind.after is not None:
-                kind.after(self._made[number])
-        return root
+        return self._value(self._root)
 
     # -- what a row is, still empty -----------------------------------------------------------------------------
 
