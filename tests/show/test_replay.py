@@ -213,7 +213,7 @@ def _some(measures):
     source = Snapshots(show)
     taken = source.take(0)
     assert taken is not None
-    return [type(taken)(taken.payload, n * 100, n, taken.seed, taken.of) for n in range(1, measures + 1)]
+    return [type(taken)(taken.written, n * 100, n, taken.seed, taken.of) for n in range(1, measures + 1)]
 
 
 def test_of_older_snapshots_some_stay(tmp_path):

@@ -58,6 +58,7 @@ from live.motion.inertia.inertia import Inertia
 from live.motion.legs.landing import Landing
 from live.motion.posing.foot_lock import FootLock
 from live.motion.posing.pipeline import PosePipeline, PoseSkeleton
+from live.show.state import whole
 from live.show.state.kind import Kind, nothing
 
 KINDS: Final = [
@@ -77,11 +78,11 @@ KINDS: Final = [
     Kind("departure", Departure, """
         numbers:i4(dancer) position:f8 heading:f8 words:row[frozenset[str]] begin:float end:float measure_beats:float
         radius:f8 half:tuple[float,float] seed:int
-    """),
+    """, whole=whole.departure),
     Kind("departure.draft", Draft, "journey:journey|none"),
     Kind("journey", Journey, """
         locomotion:locomotion slot:i4(dancer) retimed:int bent:bool remaining:row[approach] checked:bool
-    """),
+    """, whole=whole.journey),
     Kind("by", By, ""),
     Kind("evolve", Evolve, "formation:str matching:matching way:way orientation:orientation soft:float"),
     Kind("follow", Follow, ""),
@@ -96,14 +97,14 @@ KINDS: Final = [
     """),
     Kind("trajectory", Trajectory, "path:str follow:follow gap:float orientation:orientation soft:float"),
     Kind("way", Way, ""),
-    Kind("locomotion", Locomotion, "ways:f4 times:f8 turns:f8 soft:float"),
+    Kind("locomotion", Locomotion, "ways:f4 times:f8 turns:f8 soft:float", whole=whole.locomotion),
     Kind("setting", Setting, "position:f4 velocity:f4 heading:f4 under:u1"),
     Kind("cost", Cost, ""),
     Kind("fill", Fill, ""),
     Kind("motion", Motion, """
         segment:segment intention:hold|evolve|pause|trajectory|procedural departure:departure who:i4(dancer) keep:u1
         journey:journey|none _draft:departure.draft _from:array|none _left:int _pieces:none
-    """),
+    """, whole=whole.motion),
     Kind("orientation.facing", Facing, ""),
     Kind("orientation", Orientation, "facing:orientation.facing headings:row[float] smooth:bool turn_beats:float"),
     Kind("plan", Plan, """
@@ -237,12 +238,12 @@ KINDS: Final = [
     Kind("holding", Holding, """
         leader:i4 hand:i4 closed:f8 within:b1 apart:f8 missed:int _left:f8 _place:f4 _wanted:f8 _told:b1
         _amount:f8 _ticks:int _rows:list[tuple[int,int]] _last:dict[tuple[int,int],tuple[float,float,float]]
-        _laid:list[tuple[int,int,int,int]] _who:i4 _hands:i4 _looked:i4 _where:i4 _far:f4
-    """),
+        _laid:list[tuple[int,int,int,int]] _who:i4(dancer)* _hands:i4(side)* _looked:i4(dancer)* _where:i4* _far:f4*
+    """, whole=whole.holding),
     Kind("read-leader", ReadLeader, """
         lore:constant-lore _shift:float partner:live-partner line:int|none still:float root:f4 contact:b1
         turned:f4 answered:bool held:bool news:str _told:tuple[int,int] _facing:complex _points:c16 _heights:f8
-    """),
+    """, whole=whole.read_leader),
     Kind("standing", Standing, "lock:foot-lock _legs:f4 _contact:b1 _pipeline:pose-pipeline"),
     Kind("inertia", Inertia, "settling:f4 began:f8 age:f4 any_settles:bool"),
     Kind("landing", Landing, "lift:f4"),

@@ -45,6 +45,7 @@ from live.show.taken_along import TakenAlong
 from live.show.texturing import Texturing
 from live.show.variation import Variation
 from live.show.variety import Variety
+from live.show.state import whole
 from live.show.state.kind import Kind, nothing
 
 KINDS: Final = [
@@ -78,12 +79,12 @@ KINDS: Final = [
         _things:f8 _tick:int _met:f8 _waiting:list[int] count:int
     """),
     Kind("captured", Captured, """
-        edges:edges rows:i8 delay:f8 share:f8 moved:f8 turned:f8 poses:heard-poses draws:float follower:int
+        edges:edges rows:i8(dancer)* delay:f8* share:f8* moved:f8* turned:f8* poses:heard-poses draws:float follower:int
         _spot:tuple[float,float] _target:tuple[float,float] _tracked:float anchor:anchor
         _suit:tuple[float,float] _anchored:bool section:constant-mocap-section shown:bool mirrored:bool
         obstacle:bool attract:float attracts:str dancer:str|none canon:str canon_beats:float turn:float
         scale:float origin:tuple[float,float,float]
-    """),
+    """, whole=whole.captured),
     Kind("carried", Carried, """
         dancers:dancers motion:group-motion paths:paths node:i4(node) rows:f8 begin:f8 end:f8 goal:f8 predicted:f8
         asked:f8 foreseen:f8 room:f8 most:f8 hasty:f8
@@ -126,7 +127,7 @@ KINDS: Final = [
         _count:int _seed:int phase:f8 _knots:f8 _amplitude_knots:f8 _frequency_knots:f8
         _drawn:tuple[int|none,f8] _knots_of:int|none _passes:f8|none
     """),
-    Kind("edges", Edges, "_half:f8 place:f8 _time:float _floor:row[float] _mirrored:bool"),
+    Kind("edges", Edges, "_half:f8 place:f8* _time:float _floor:row[float] _mirrored:bool"),
     Kind("elements", Elements, """
         _score:score _addressees:addressees _field:element-field _ahead:f4 _last_of:dict[str,element]
         _placed:int _of_line:list[element] gain:float
@@ -143,7 +144,8 @@ KINDS: Final = [
         _now:tuple[timeline,measure-span]|none _speed:f4 _leash:f4
     """),
     Kind("headings", Headings, "_patch:constant-patch _motion:group-motion _facing:list[facing] _raw:f8 _before:f8"),
-    Kind("heard-poses", HeardPoses, "count:int _gap:float _catch:float _root:f4 _turned:f4 stamp:f8"),
+    Kind("heard-poses", HeardPoses, "count:int _gap:float _catch:float _root:f4* _turned:f4* stamp:f8*",
+         whole=whole.heard_poses),
     Kind("interrupts", Interrupts, """
         _dancers:dancers _motion:group-motion _scheduler:scheduler cutting:cutting _cues:list[interrupts.cue]
         _half:tuple[int,int]|none _decided:bool _step:i4(step) _unplanned:b1 _avoiding:avoiding cues:int
