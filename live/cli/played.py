@@ -1,10 +1,11 @@
 """Played: how a wish is to be seen, and its way from the command line to the process that plays it."""
 
 import base64
-import pickle
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
+from live.base.field_types import made_of
 from live.cli.wish import Wish
+from live.control.packet import packet_of, read_packet
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,11 +19,12 @@ class Played:
 
     def packed(self) -> str:
         """As one word, for another process of this program."""
-        return base64.b64encode(pickle.dumps(self)).decode()
+        return base64.b64encode(packet_of(asdict(self))).decode()
 
     @classmethod
     def unpacked(cls, word: str) -> "Played":
-        """What `packed` made. Only for what this program's own supervisor hands over."""
-        played = pickle.loads(base64.b64decode(word))
-        assert isinstance(played, cls)
-        return played
+        """What `packed` made; ValueError for anything else."""
+        told = read_packet(base64.b64decode(word, validate=True))
+        if not isinstance(told, dict):
+            raise ValueError("what is to be played is no table")
+        return made_of(cls, told)

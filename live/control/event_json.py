@@ -1,6 +1,7 @@
-"""Events as JSON, as journals and other processes have them: objects, or rows where they come by the thousand."""
+"""Events as JSON, as journals have them: objects, or rows where they come by the thousand; and in packets."""
 
 import math
+from collections.abc import Callable
 from dataclasses import fields
 from functools import cache
 from typing import Any
@@ -17,6 +18,7 @@ from live.control.events import (
     PlaceObstacle,
     TrackerMoved,
 )
+from live.control.packet import register_as
 
 
 def event_to_json(event: ControlEvent) -> dict[str, Any]:
@@ -91,6 +93,16 @@ def _values_of(row: list[Any], columns: dict[str, list[str]]) -> dict[str, Any]:
     if len(row) - 1 > len(names) and cls is not None:
         raise ValueError(f"event {name}: {len(row) - 1} values, {len(names)} expected")
     return {"type": name, **dict(zip(names, row[1:], strict=False))}
+
+
+def _made(name: str) -> Callable[[tuple[Any, ...]], ControlEvent]:
+    return lambda values: event_from_json([name, *values])
+
+
+def register_events() -> None:
+    """Let events be in packets; they are checked as those of a journal."""
+    for name, cls in EVENT_TYPES.items():
+        register_as(name, cls, _made(name))
 
 
 @cache

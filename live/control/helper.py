@@ -1,12 +1,11 @@
 """Helper: a process beside the show's that is told things and never waited for; and its own end of that.
 
-Packets are whole, in a socket pair that the system ends with either process. What does not fit is left out and counted;
-a helper that has died is started again, and told anew what it has to know.
+Packets (`packet.py`) are whole, in a socket pair that the system ends with either process. What does not fit is left
+out and counted; a helper that has died is started again, and told anew what it has to know.
 """
 
 import contextlib
 import os
-import pickle
 import signal
 import socket
 import subprocess
@@ -17,6 +16,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, Final
 
 from live.clock.source import Clock
+from live.control.packet import PacketError, packet_of, read_packet
 
 LARGEST: Final = 1 << 16
 RESTART_AFTER: Final = 2.0
@@ -47,6 +47,8 @@ class Helper:
         self.left_out = 0
         """Packets for which there was no room."""
         self.restarts = 0
+        self.damaged = 0
+        """Packets of it that could not be read."""
 
     @property
     def process(self) -> int | None:
@@ -84,7 +86,7 @@ class Helper:
         if self._socket is None:
             return False
         try:
-            self._socket.send(pickle.dumps(what))
+            self._socket.send(packet_of(what))
         except OSError:
             self.left_out += 1
             return False
@@ -105,7 +107,11 @@ class Helper:
                 data = b""
             if not data:
                 break
-            told = pickle.loads(data)
+            try:
+                told = read_packet(data)
+            except PacketError:
+                self.damaged += 1
+                continue
             if told == HELLO:
                 self._tell_plan()
             elif isinstance(told, dict):
@@ -163,7 +169,7 @@ class Told:
         self.socket = socket.socket(fileno=descriptor)
         if plan is None:
             self.socket.setblocking(True)
-            plan = pickle.loads(self.socket.recv(LARGEST))
+            plan = read_packet(self.socket.recv(LARGEST))
         self.plan: dict[str, Any] = plan
         self.socket.setblocking(False)
         with contextlib.suppress(OSError):
@@ -183,9 +189,10 @@ class Told:
             if not data:
                 self.ended = True
                 return
-            yield pickle.loads(data)
+            with contextlib.suppress(PacketError):
+                yield read_packet(data)
 
     def say(self, facts: dict[str, Any]) -> None:
         """How things are, for the status."""
         with contextlib.suppress(OSError):
-            self.socket.send(pickle.dumps(facts))
+            self.socket.send(packet_of(facts))

@@ -7,7 +7,6 @@ it has heard waits for the next one.
 """
 
 import os
-import pickle
 import select
 import socket
 import sys
@@ -20,10 +19,12 @@ from live.base.inbox import Inbox
 from live.base.lane import Lane
 from live.clock.source import Clock, SystemClock
 from live.clock.ticks import TICK
+from live.control.event_json import register_events
 from live.control.events import ControlEvent
 from live.control.helper import Helper, Told
 from live.control.osc import OscInput
 from live.control.osc_socket import bound_socket, dropped_by
+from live.control.packet import packet_of
 from live.control.values import Changes
 
 PACE: Final = 0.5 * TICK
@@ -43,6 +44,8 @@ ON_THE_WAY: Final = 4
 PATIENCE: Final = 0.5
 """... unless it has said nothing for so long [s]."""
 SOON: Final = 0.002
+
+register_events()  # both ends have them
 
 
 class OscRemote:
@@ -112,7 +115,7 @@ class OscRemote:
                 for address in some:
                     del self._untold[address]
 
-    def _hear(self, events: list[tuple[Hashable, ControlEvent]]) -> None:
+    def _hear(self, events: tuple[tuple[Hashable, ControlEvent], ...]) -> None:
         self._came += 1
         for key, event in events:
             self._lane.put(event, key, after=True)  # the order is that of the other process
@@ -176,7 +179,7 @@ class Forward:
         if not self._packet:
             events = self._inbox.drain_keyed(min(max(left, 1), IN_A_PACKET), now)
             self._allowance.spend(len(events))
-            self._packet = pickle.dumps(events)
+            self._packet = packet_of(events)
         try:
             self._send(self._packet)
         except OSError:  # the show stands still: this waits, too

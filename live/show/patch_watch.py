@@ -23,11 +23,11 @@ from live.show.load import LoadedShow, told_with_place
 from live.show.long_patches import freed, written_text
 from live.show.patch import Patch
 from live.show.patch_file import own_pass_files, patch_files, read_sources
-from live.show.state.constants import walk_ahead
 from live.show.polite import polite
 from live.show.recorded import patch_for
 from live.show.reloading import Prepared, prepare
 from live.show.scene_of import backgrounds_of
+from live.show.state.constants import walk_ahead
 from live.show.toml_file import field_words
 from live.show.toml_sources import TomlSources
 from live.show.venue_projector import in_hall

@@ -26,7 +26,7 @@ from live.show.state.checking import check_state
 from live.show.state.constants import Constants, at
 from live.show.state.form import MOST_BYTES, Unreadable
 from live.show.state.reading import read_state
-from live.show.state.writing import StateWriter, Unwritable, Written
+from live.show.state.writing import StateWriter, Written
 
 Array = npt.NDArray[Any]
 

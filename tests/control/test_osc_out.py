@@ -1,6 +1,5 @@
 """What is sent to others: beats when they are due, steps, feet and places as python-osc and liblo read them."""
 
-import pickle
 import shutil
 import socket
 import subprocess
@@ -14,6 +13,7 @@ from live.clock.timeline import Timeline
 from live.control.helper import Helper
 from live.control.osc_encode import MOST_BYTES, bundles, encode
 from live.control.osc_out import OUT, SENT, OscOut, Targets
+from live.control.packet import packet_of
 from tests.control.waiting import wait_for
 
 TAGS = {OUT + name: tags for name, tags, _, _ in SENT}
@@ -137,7 +137,7 @@ def test_the_process_sends_and_is_started_again_when_it_is_killed():
         while helper.send(("news", [("step", (1, "x" * 1000, "y"))])):
             pass
         assert helper.left_out == 1
-        assert len(pickle.dumps(helper.facts())) < 1000
+        assert len(packet_of(helper.facts())) < 1000
         helper._process.send_signal(18)
     finally:
         helper.stop()

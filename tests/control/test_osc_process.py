@@ -1,6 +1,5 @@
 """OSC in a process of its own: what the show gets of it, as much as it takes up, and what happens when it is killed."""
 
-import pickle
 import socket
 import threading
 
@@ -9,6 +8,7 @@ from live.base.inbox import Inbox
 from live.clock.source import SystemClock
 from live.control import events
 from live.control.osc_process import IN_A_PACKET, ON_THE_WAY, PACE, PATIENCE, Forward, OscRemote
+from live.control.packet import read_packet
 from tests.control.osc_stage import message
 from tests.control.waiting import wait_for
 
@@ -22,7 +22,7 @@ class Sent:
     def send(self, packet):
         if self.full:
             raise BlockingIOError
-        self.packets.append([event for _, event in pickle.loads(packet)])
+        self.packets.append([event for _, event in read_packet(packet)])
 
     def flood(self, seconds, *, takes=True, every=20):
         """Sixty values in so many milliseconds; what of them was sent."""

@@ -8,7 +8,6 @@ import asyncio
 import contextlib
 import gc
 import logging
-import pickle
 import resource
 import socket
 import sys
@@ -25,6 +24,7 @@ from live.control.audience.rules import Beat, Rules
 from live.control.audience.teller import Teller
 from live.control.audience.tls import server_context
 from live.control.helper import Told
+from live.control.packet import packet_of
 
 SAY_EVERY: Final = 0.5
 RULES_WITHIN: Final = 1.0
@@ -92,7 +92,7 @@ class Gateway:
     def _send(self, packet: tuple[Any, ...]) -> bool:
         """Tell the show something; whether it could be: it may stand still, or have gone."""
         try:
-            self._told.socket.send(pickle.dumps(packet))
+            self._told.socket.send(packet_of(packet))
         except OSError:
             return False
         return True

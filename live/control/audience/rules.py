@@ -3,12 +3,15 @@
 from dataclasses import dataclass
 from typing import Final
 
+from live.control.packet import registered
+
 SLIPS: Final = 0.010
 """Phones are told the clock anew when the beat would be so far [s] from where they believe it ..."""
 AHEAD: Final = 2.0
 """... in so many seconds."""
 
 
+@registered("rules")
 @dataclass(frozen=True, slots=True)
 class Rules:
     """Everything but the clock. Beats are the Timeline's."""
@@ -30,6 +33,7 @@ class Rules:
     won: tuple[int, str] = (0, "")
 
 
+@registered("beat")
 @dataclass(frozen=True, slots=True)
 class Beat:
     """Where the beat is: `beat` at `time` [s of the show], and where measures begin."""

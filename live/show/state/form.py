@@ -36,7 +36,7 @@ DEQUE: Final = -6
 WHOLE: Final = -7
 """An array: type of its numbers as numpy writes it, shape; its content is the next of the contents."""
 LAID: Final = -8
-"""The same, laid out otherwise: type, shape as it is laid out, which axis each of these is, whether it can be changed."""
+"""The same, laid out otherwise: type, shape as it is laid out, which axis each is, whether it can be changed."""
 PART: Final = -9
 """An array that is a part of another one: the other, first byte, type, shape, strides."""
 SCRATCH: Final = -10
@@ -71,9 +71,7 @@ def read_tree(data: bytes | memoryview) -> Any:
     if len(data) > MOST_TREE:
         raise Unreadable(f"its tree has {len(data)} bytes, more than {MOST_TREE}")
     try:
-        return msgpack.unpackb(
-            data, strict_map_key=False, unicode_errors="surrogatepass", ext_hook=_short, raw=False
-        )
+        return msgpack.unpackb(data, strict_map_key=False, unicode_errors="surrogatepass", ext_hook=_short, raw=False)
     except Unreadable:
         raise
     except Exception as error:  # damaged bytes raise many things

@@ -8,7 +8,19 @@ from live.agents.crowd.surroundings import Surroundings, _Rows
 from live.agents.evolutions.clearance import Approach
 from live.agents.evolutions.delays import Arrive, Order, Ripple
 from live.agents.evolutions.departure import Departure, Draft, Journey
-from live.agents.evolutions.intention import By, Evolve, Follow, Hold, Matching, Pause, Places, Procedural, Repertoire, Trajectory, Way
+from live.agents.evolutions.intention import (
+    By,
+    Evolve,
+    Follow,
+    Hold,
+    Matching,
+    Pause,
+    Places,
+    Procedural,
+    Repertoire,
+    Trajectory,
+    Way,
+)
 from live.agents.evolutions.locomotion import Locomotion, Setting
 from live.agents.evolutions.matching import Cost, Fill
 from live.agents.evolutions.motion import Motion
@@ -66,8 +78,8 @@ KINDS: Final = [
     Kind("agent-model", AgentModel, "radius:f4 responsibility:f4 steering:steering seed:int"),
     Kind("agent-state", AgentState, "acceleration:f4 flat:f4 heed:f4 position:f4 rest:f4 velocity:f4"),
     Kind("steering", Steering, """
-        half_width:float|none half_depth:float|none avoidance:str acceleration:float turn_rate:float
-        relaxation:float horizon:float strength:float side:float d_s:float d_f:float edge:float lag:float
+        half_width:float|none half_depth:float|none avoidance:str acceleration:float turn_rate:float relaxation:float
+        horizon:float strength:float side:float d_s:float d_f:float edge:float lag:float
     """),
     Kind("surroundings", Surroundings, "flat:f4 _walls:surroundings.rows _obstacles:surroundings.rows refused:int"),
     Kind("surroundings.rows", _Rows, "rows:f4 _count:f4 names:list[str] _place:dict[str,int]"),
@@ -108,33 +120,34 @@ KINDS: Final = [
     Kind("orientation.facing", Facing, ""),
     Kind("orientation", Orientation, "facing:orientation.facing headings:row[float] smooth:bool turn_beats:float"),
     Kind("plan", Plan, """
-        roster:roster available:b1 measure_beats:float _repertoire:repertoire _half:tuple[float,float]
-        _radius:f8 _seed:int _entries:list[plan.entry] _motions:list[motion] _coming:dict[int,list[motion]]
-        _at_work:list[motion] _now:setting _target:setting _boundary:setting
+        roster:roster available:b1 measure_beats:float _repertoire:repertoire _half:tuple[float,float] _radius:f8
+        _seed:int _entries:list[plan.entry] _motions:list[motion] _coming:dict[int,list[motion]] _at_work:list[motion]
+        _now:setting _target:setting _boundary:setting
     """),
     Kind("plan.entry", _Entry, "segment:segment without:b1"),
     Kind("segment", Segment, """
-        intention:str|hold|evolve|pause|trajectory|procedural group:str start:int measures:int
-        ripple:delays.ripple mirror:relations.line|none later:float
+        intention:str|hold|evolve|pause|trajectory|procedural group:str start:int measures:int ripple:delays.ripple
+        mirror:relations.line|none later:float
     """),
     Kind("formation-spec", FormationSpec, """
         shape:str name:str centre:tuple[float,float] size:tuple[float,float]|none proportions:str|none
         rotation_deg:float corners:int inner:float turns:float arc_deg:float text:str path:row[str]
-        points:row[row[tuple[float,float]]] closed:bool|none dancers:str|none pattern:str|none
-        mark_corners:bool|none weights:row[float] focus:tuple[float,float]|none focus_reach:float
-        focus_strength:float count:int|none density:float|none spacing:float|none
-        mirror:str|tuple[tuple[float,float],tuple[float,float]]|none mirror_keep:str|none soloists:int
-        soloist_place:str soloist_gap:float sections:row[int] section_names:row[str] heading:str
-        heading_deg:float
+        points:row[row[tuple[float,float]]] closed:bool|none dancers:str|none pattern:str|none mark_corners:bool|none
+        weights:row[float] focus:tuple[float,float]|none focus_reach:float focus_strength:float count:int|none
+        density:float|none spacing:float|none mirror:str|tuple[tuple[float,float],tuple[float,float]]|none
+        mirror_keep:str|none soloists:int soloist_place:str soloist_gap:float sections:row[int] section_names:row[str]
+        heading:str heading_deg:float
     """),
     Kind("relations.line", Line, "x:float z:float heading:float"),
     Kind("roster", Roster, "attributes:row[frozenset[str]] groups:dict[str,str] known:frozenset[str]"),
     Kind("look-ahead", LookAhead, """
         _advance:advance|agent-model|agent-state|steering|surroundings|surroundings.rows|approach|arrive|order|delays.ripple|departure|departure.draft|journey|by|evolve|follow|hold|matching|pause|places|procedural|repertoire|trajectory|way|locomotion|setting|cost|fill|motion|orientation.facing|orientation|plan|plan.entry|segment|formation-spec|relations.line|roster|look-ahead|parting|path-parting|paths|element|element-table|element-field|wants|entrances|gate|stage-view|consensus|consensus.heard|preference|timeline-follower|audio-source|beat-filter|consensus-ear|counting-in|direct-source|hand-source|jump|level|measures|pointer-ear|ruling|run|said|grid|tap-tempo|timeline|wanted|hands|placing|live-partner|live-reader|holding|read-leader|standing|inertia|landing|foot-lock|pose-pipeline|pose-skeleton|addressees|agenda|agents-ahead|aims|anchor|answer-leaders|answer-pairs.asked|answer-pairs.pair|answer-poses|answering|answering-agents|audience|audience.place|avoiding|camera-rig|captured|carried|carrying|casting|chase|choices|coming|show|cues|cues.given|cutting|cutting.moment|danced|danced.ends|dancers|desk|directions|drafting|drawn-way|drift|echo|edges|edited-facings|edited-formations|edited-mocap|edited-parameters|edited-ripples|edited-scenes|edited-sequences|edited-set|edited-stand-by|edits|edits.edit|elements|evolutions|floor|formations|named-formation|group-controls|group-motion|headings|heard-poses|improvised-motion|improviser|interrupts|interrupts.cue|ledger|master|measure-span|mocap|mood|new-steps|occasions|pair-steering|parameters|part|partners|performers|pieces|places.asked|places.place|stand|stretch|planning|playhead|presence|group-programme|programme.call|prompter|pushing|re-aiming|reactions|refusals|reloading|ripple|scene|scenes|scheduler|score|searching|facing|seen|spots|taken-along|texturing|turn|vote|variation|variety
-        _surroundings:surroundings _ask:method _wants:wants _state:agent-state _spare:agent-state
-        _stops:list[float] _time:float positions:list[f4]
+        _surroundings:surroundings _ask:method _wants:wants _state:agent-state _spare:agent-state _stops:list[float]
+        _time:float positions:list[f4]
     """),
-    Kind("parting", Parting, "_gap:float _seed:int _half_width:float _half_depth:float _cell_start:i4 _order:i4(dancer)"),
+    Kind("parting", Parting, """
+        _gap:float _seed:int _half_width:float _half_depth:float _cell_start:i4 _order:i4(dancer)
+    """),
     Kind("path-parting", PathParting, """
         _radius:f4 _responsibility:f4 _margin_at_end:float _stage:tuple[float,float,int]
         _surroundings:surroundings|none _cells:tuple[i4,i4] _middle:f4 _extent:f4 _yields:f4 _speed:f8 _moved:f8
@@ -142,14 +155,14 @@ KINDS: Final = [
     """),
     Kind("paths", Paths, "path:f4 share:f4"),
     Kind("element", Element, """
-        kind:int points:row[tuple[float,float]] strength:float start_beat:float end_beat:float groups:int
-        source:str closed:bool radius:float fair:bool flow:int decay:float|none target:int target_group:int
-        wedge:bool separation:float|none alignment:float cohesion:float
+        kind:int points:row[tuple[float,float]] strength:float start_beat:float end_beat:float groups:int source:str
+        closed:bool radius:float fair:bool flow:int decay:float|none target:int target_group:int wedge:bool
+        separation:float|none alignment:float cohesion:float
     """),
     Kind("element-table", ElementTable, """
-        elements:list[element] _all_rows:f8 _all_masks:u8 _all_vertices:f4 _first:int _fair:int grids:f4
-        active:i4 _half:tuple[float,float] _separation:float _capacity:int _serial:int _slot_use:list[int]
-        rows:f8 masks:u8 vertices:f4
+        elements:list[element] _all_rows:f8 _all_masks:u8 _all_vertices:f4 _first:int _fair:int grids:f4 active:i4
+        _half:tuple[float,float] _separation:float _capacity:int _serial:int _slot_use:list[int] rows:f8 masks:u8
+        vertices:f4
     """, anew={"_serials": dict}, after=ElementTable.number_again),
     Kind("element-field", ElementField, """
         _table:element-table influence:f4 _memory:f8 _sums:f8 _near:f8 _spreading:f8 _places:f8 _audience:u8
@@ -159,13 +172,12 @@ KINDS: Final = [
     Kind("entrances", Entrances, "gates:row[gate] state:i1 goal:f4 _gate:i4(gate) _size:tuple[float,float] _beyond:f4"),
     Kind("gate", Gate, "name:str x:float z:float width:float out_x:float out_z:float"),
     Kind("stage-view", StageView, """
-        joint_position:f4 joint_rotation:f4 group:i4 present:b1 element_kind:i4 element_position:f4
-        element_level:f4 element_radius:f4 element_strength:f4 element_flow:i4 element_first:i4
-        element_corners:i4 element_corner:f4 element_count:int light:f4 light_count:int obstacle:f4
-        obstacle_count:int wall:f4 wall_count:int time:float beat:float measure:int phase:float
-        beats_per_measure:int tempo:float stage_size:tuple[float,float] brightness:float flashes:bool
-        filled:bool picture:f8|none energy:float spot:f8 count_in:float overlay:row[str] guide:f4
-        guide_count:int
+        joint_position:f4 joint_rotation:f4 group:i4 present:b1 element_kind:i4 element_position:f4 element_level:f4
+        element_radius:f4 element_strength:f4 element_flow:i4 element_first:i4 element_corners:i4 element_corner:f4
+        element_count:int light:f4 light_count:int obstacle:f4 obstacle_count:int wall:f4 wall_count:int time:float
+        beat:float measure:int phase:float beats_per_measure:int tempo:float stage_size:tuple[float,float]
+        brightness:float flashes:bool filled:bool picture:f8|none energy:float spot:f8 count_in:float overlay:row[str]
+        guide:f4 guide_count:int
     """),
     Kind("consensus", Consensus, "_heard:deque[consensus.heard] half_beats:bool"),
     Kind("consensus.heard", Heard, "time:float period:float weight:float"),
@@ -173,8 +185,8 @@ KINDS: Final = [
     Kind("timeline-follower", TimelineFollower, """
         _audio:audio-source _internal:hand-source _tap:hand-source
         _sources:dict[str,audio-source|direct-source|hand-source] _run:run _measures:measures _ruling:ruling
-        _taps:tap-tempo _counting:counting-in _one_at:float|none _now:float _scale:float _locked:bool
-        _share:float rejected:int hand_tempo:tuple[int,float] refused:int refusal:str
+        _taps:tap-tempo _counting:counting-in _one_at:float|none _now:float _scale:float _locked:bool _share:float
+        rejected:int hand_tempo:tuple[int,float] refused:int refusal:str
     """, anew={"on_seed": nothing}),
     Kind("audio-source", AudioSource, """
         name:str state:str confidence:float heard_at:float silent_since:float|none jumped:bool offset:float
@@ -191,8 +203,7 @@ KINDS: Final = [
     Kind("counting-in", CountingIn, "_measures:int _armed_until:float _now:float _one:float|none"),
     Kind("direct-source", DirectSource, """
         name:str state:str confidence:float heard_at:float silent_since:float|none jumped:bool offset:float
-        level:level detail:str _grid:grid|none _line:float|none _beats:int _measure:int anchored:bool
-        _fresh:bool
+        level:level detail:str _grid:grid|none _line:float|none _beats:int _measure:int anchored:bool _fresh:bool
     """),
     Kind("hand-source", HandSource, """
         name:str state:str confidence:float jumped:bool _grid:grid|none rules_until:float
@@ -201,8 +212,8 @@ KINDS: Final = [
     Kind("level", Level, "factor:float _pivot_in:float _pivot_out:float"),
     Kind("measures", Measures, "follow_metre:bool coming:int|none _pinned:bool _agreed:bool _fresh:bool"),
     Kind("pointer-ear", PointerEar, """
-        _filter:beat-filter|none _suspects:list[said] _line:float|none _beats:int _votes:int _voted:int
-        share:float restarts:int
+        _filter:beat-filter|none _suspects:list[said] _line:float|none _beats:int _votes:int _voted:int share:float
+        restarts:int
     """),
     Kind("ruling", Ruling, """
         _sources:dict[str,audio-source|direct-source|hand-source] _run:run _measures:measures _priority:row[str]
@@ -211,8 +222,7 @@ KINDS: Final = [
     """),
     Kind("run", Run, "timeline:timeline goal:grid jumps:int last_jump:jump|none _leap:str|none"),
     Kind("said", Said, """
-        time:float period:float confidence:float beat:int beats_per_measure:int measure:int jump:bool
-        anchored:bool
+        time:float period:float confidence:float beat:int beats_per_measure:int measure:int jump:bool anchored:bool
     """),
     Kind("grid", Grid, "time:float period:float number:int"),
     Kind("tap-tempo", TapTempo, "_taps:list[float]"),
@@ -229,20 +239,20 @@ KINDS: Final = [
         _placing:placing _offset:f8 _speed:f8 _age:float
     """),
     Kind("live-reader", LiveReader, """
-        units:constant-units rate:float k:float _stretches:constant-stretches _longest:int _ring:int _at:int
-        _x:c16 _x_height:f8 _score:f8 _end:f8 _cell:i8 _before:i8 _first:i8 _offset:i8 _real:f8 _imaginary:f8
-        _heights:f8 _work:f8 _control:c16 _control_height:f8 _record_first:i8 _record_stop:i8 _head:c16
-        _head_height:f8 _root:c16 _facing:c16 nearest:float _step:f8 _sums:c16 _squares:f8 _input_sum:c16
-        _input_square:f8 _frames:f8 _value:f8 _expected:c16 _shortest:f8 _most:f8
+        units:constant-units rate:float k:float _stretches:constant-stretches _longest:int _ring:int _at:int _x:c16
+        _x_height:f8 _score:f8 _end:f8 _cell:i8 _before:i8 _first:i8 _offset:i8 _real:f8 _imaginary:f8 _heights:f8
+        _work:f8 _control:c16 _control_height:f8 _record_first:i8 _record_stop:i8 _head:c16 _head_height:f8 _root:c16
+        _facing:c16 nearest:float _step:f8 _sums:c16 _squares:f8 _input_sum:c16 _input_square:f8 _frames:f8 _value:f8
+        _expected:c16 _shortest:f8 _most:f8
     """),
     Kind("holding", Holding, """
-        leader:i4 hand:i4 closed:f8 within:b1 apart:f8 missed:int _left:f8 _place:f4 _wanted:f8 _told:b1
-        _amount:f8 _ticks:int _rows:list[tuple[int,int]] _last:dict[tuple[int,int],tuple[float,float,float]]
+        leader:i4 hand:i4 closed:f8 within:b1 apart:f8 missed:int _left:f8 _place:f4 _wanted:f8 _told:b1 _amount:f8
+        _ticks:int _rows:list[tuple[int,int]] _last:dict[tuple[int,int],tuple[float,float,float]]
         _laid:list[tuple[int,int,int,int]] _who:i4(dancer)* _hands:i4(side)* _looked:i4(dancer)* _where:i4* _far:f4*
     """, whole=whole.holding),
     Kind("read-leader", ReadLeader, """
-        lore:constant-lore _shift:float partner:live-partner line:int|none still:float root:f4 contact:b1
-        turned:f4 answered:bool held:bool news:str _told:tuple[int,int] _facing:complex _points:c16 _heights:f8
+        lore:constant-lore _shift:float partner:live-partner line:int|none still:float root:f4 contact:b1 turned:f4
+        answered:bool held:bool news:str _told:tuple[int,int] _facing:complex _points:c16 _heights:f8
     """, whole=whole.read_leader),
     Kind("standing", Standing, "lock:foot-lock _legs:f4 _contact:b1 _pipeline:pose-pipeline"),
     Kind("inertia", Inertia, "settling:f4 began:f8 age:f4 any_settles:bool"),

@@ -41,12 +41,12 @@ from live.show.re_aiming import ReAiming
 from live.show.ripple import Ripple
 from live.show.scheduler import Scheduler
 from live.show.searching import Searching
+from live.show.state import whole
+from live.show.state.kind import Kind
 from live.show.taken_along import TakenAlong
 from live.show.texturing import Texturing
 from live.show.variation import Variation
 from live.show.variety import Variety
-from live.show.state import whole
-from live.show.state.kind import Kind, nothing
 
 KINDS: Final = [
     Kind("addressees", Addressees, "_casting:casting _words:list[str|none] _lasting:list[bool] bits:u8"),
@@ -56,8 +56,8 @@ KINDS: Final = [
     """),
     Kind("aims", Aims, """
         _patch:constant-patch _dancers:dancers _motion:group-motion _programmes:list[echo|group-programme]
-        _group:i4(group) order:list[int] headings:headings speed:f4 _asked:list[tuple[int|none,int]] step:i4(step) row:i4(aim)
-        heading:f8 _choosing:constant-choosing foresight:constant-foresight ahead:f8 _reach:f8
+        _group:i4(group) order:list[int] headings:headings speed:f4 _asked:list[tuple[int|none,int]] step:i4(step)
+        row:i4(aim) heading:f8 _choosing:constant-choosing foresight:constant-foresight ahead:f8 _reach:f8
     """),
     Kind("anchor", Anchor, "offset:tuple[float,float] apart:tuple[float,float] _mean:tuple[float,float]"),
     Kind("answer-leaders", AnswerLeaders, """
@@ -68,10 +68,10 @@ KINDS: Final = [
         _leaders:answer-leaders _along:taken-along standing:standing _offsets:f4 _parents:i4(joint)
     """),
     Kind("answering", Answering, """
-        bank:constant-answer-bank _casting:casting _variation:variation _beats:int
-        asked:list[answer-pairs.asked] pairs:list[answer-pairs.pair] leaders:answer-leaders along:taken-along
-        live:b1 _poses:answer-poses holding:holding _ways:dict[int,drawn-way] _agents:f4 _danced:f8
-        _written:list[answer-pairs.asked] _roster:roster _leaving:list[answer-pairs.pair]
+        bank:constant-answer-bank _casting:casting _variation:variation _beats:int asked:list[answer-pairs.asked]
+        pairs:list[answer-pairs.pair] leaders:answer-leaders along:taken-along live:b1 _poses:answer-poses
+        holding:holding _ways:dict[int,drawn-way] _agents:f4 _danced:f8 _written:list[answer-pairs.asked]
+        _roster:roster _leaving:list[answer-pairs.pair]
     """),
     Kind("answering-agents", AnsweringAgents, "_radius:f4 _usual:float _answering:answering|none"),
     Kind("avoiding", Avoiding, """
@@ -79,11 +79,11 @@ KINDS: Final = [
         _things:f8 _tick:int _met:f8 _waiting:list[int] count:int
     """),
     Kind("captured", Captured, """
-        edges:edges rows:i8(dancer)* delay:f8* share:f8* moved:f8* turned:f8* poses:heard-poses draws:float follower:int
-        _spot:tuple[float,float] _target:tuple[float,float] _tracked:float anchor:anchor
-        _suit:tuple[float,float] _anchored:bool section:constant-mocap-section shown:bool mirrored:bool
-        obstacle:bool attract:float attracts:str dancer:str|none canon:str canon_beats:float turn:float
-        scale:float origin:tuple[float,float,float]
+        edges:edges rows:i8(dancer)* delay:f8* share:f8* moved:f8* turned:f8* poses:heard-poses draws:float
+        follower:int _spot:tuple[float,float] _target:tuple[float,float] _tracked:float anchor:anchor
+        _suit:tuple[float,float] _anchored:bool section:constant-mocap-section shown:bool mirrored:bool obstacle:bool
+        attract:float attracts:str dancer:str|none canon:str canon_beats:float turn:float scale:float
+        origin:tuple[float,float,float]
     """, whole=whole.captured),
     Kind("carried", Carried, """
         dancers:dancers motion:group-motion paths:paths node:i4(node) rows:f8 begin:f8 end:f8 goal:f8 predicted:f8
@@ -98,43 +98,44 @@ KINDS: Final = [
         group:i4(group) names:row[str] half:tuple[float,float] _own:list[set[str]] _named:dict[str,str] roster:roster
     """),
     Kind("choices", Choices, """
-        edge:i4(edge) candidate:i4(candidate) terms:f8 end:f8 node:i4(node) stand:f8 heading:f8 step:i4(step) wish:f8 target:f8 error:f8
-        lag:f8 behind:i4 _decided:bool
+        edge:i4(edge) candidate:i4(candidate) terms:f8 end:f8 node:i4(node) stand:f8 heading:f8 step:i4(step) wish:f8
+        target:f8 error:f8 lag:f8 behind:i4 _decided:bool
     """),
     Kind("coming", Coming, """
-        _carried:carried _parting:path-parting most:float paths:paths end:f8 target:f8 wish:f8 room:f8
-        _traced:int fresh:bool _goal:f8 _plan:f8 _ease:float
+        _carried:carried _parting:path-parting most:float paths:paths end:f8 target:f8 wish:f8 room:f8 _traced:int
+        fresh:bool _goal:f8 _plan:f8 _ease:float
     """),
     Kind("cutting", Cutting, "_dancers:dancers _joints:f8 _parents:i4(joint) cuts:int"),
     Kind("cutting.moment", Moment, """
-        rows:i4 time:float dt:float fraction:float other:float body:tuple[f4,f4] which:i4 phase:f8 held:b1
-        feature:f8 hips:f8 facing:f8
+        rows:i4 time:float dt:float fraction:float other:float body:tuple[f4,f4] which:i4 phase:f8 held:b1 feature:f8
+        hips:f8 facing:f8
     """),
     Kind("danced", Danced, """
         graph:constant-motion-graph _ends:danced.ends|none decided:bool node:i4(node) placement:f8 correction:f8
         aimed:f8 on_support:f8 take:i4(node) take_share:f4 amplitude:f8 warp:f8
     """),
-    Kind("danced.ends", _Ends, "_node:i4(node) _take:i4(node) _share:f4 _graph:constant-motion-graph hips:f8 heading:f8"),
+    Kind("danced.ends", _Ends, """
+        _node:i4(node) _take:i4(node) _share:f4 _graph:constant-motion-graph hips:f8 heading:f8
+    """),
     Kind("dancers", Dancers, """
         graph:constant-motion-graph variation:variation past:danced present:danced coming:danced
         _pipeline:pose-pipeline _everybody:i8(dancer) _phase:f8 lock:foot-lock hands:hands _locked_at:float
         _aside:pose-pipeline _legs:pose-pipeline inertia:inertia landing:landing texturing:texturing
-        captured:dict[str,captured] beats:int answering:answering|none _settled:f4 _bare_legs:tuple[f4,f4]
-        shown:f4
+        captured:dict[str,captured] beats:int answering:answering|none _settled:f4 _bare_legs:tuple[f4,f4] shown:f4
     """),
     Kind("drafting", Drafting, "_dancers:dancers _choices:choices _aims:aims draft:danced _choosing:constant-choosing"),
     Kind("drift", Drift, """
-        _count:int _seed:int phase:f8 _knots:f8 _amplitude_knots:f8 _frequency_knots:f8
-        _drawn:tuple[int|none,f8] _knots_of:int|none _passes:f8|none
+        _count:int _seed:int phase:f8 _knots:f8 _amplitude_knots:f8 _frequency_knots:f8 _drawn:tuple[int|none,f8]
+        _knots_of:int|none _passes:f8|none
     """),
     Kind("edges", Edges, "_half:f8 place:f8* _time:float _floor:row[float] _mirrored:bool"),
     Kind("elements", Elements, """
-        _score:score _addressees:addressees _field:element-field _ahead:f4 _last_of:dict[str,element]
-        _placed:int _of_line:list[element] gain:float
+        _score:score _addressees:addressees _field:element-field _ahead:f4 _last_of:dict[str,element] _placed:int
+        _of_line:list[element] gain:float
     """),
     Kind("evolutions", Evolutions, """
-        _patch:constant-patch _casting:casting _score:score _formations:formations _beats:int _plan:plan
-        _added:int _measure:int _of_line:list[segment] _next:int _fresh:bool _heading:f8|none _ways:int
+        _patch:constant-patch _casting:casting _score:score _formations:formations _beats:int _plan:plan _added:int
+        _measure:int _of_line:list[segment] _next:int _fresh:bool _heading:f8|none _ways:int
     """),
     Kind("group-motion", GroupMotion, """
         _patch:constant-patch casting:casting _seed:int _beats:int _half:f4 model:agent-model floor:floor
@@ -152,13 +153,13 @@ KINDS: Final = [
     """),
     Kind("interrupts.cue", _Cue, "step:int who:b1 measures:int groups:row[int]"),
     Kind("mocap", Mocap, """
-        _patch:constant-patch _motion:group-motion _dancers:dancers _scheduler:scheduler
-        performers:dict[str,captured] _led:b1 _place:f8 _speed:f8 _presence:presence _time:float
+        _patch:constant-patch _motion:group-motion _dancers:dancers _scheduler:scheduler performers:dict[str,captured]
+        _led:b1 _place:f8 _speed:f8 _presence:presence _time:float
     """),
     Kind("pair-steering", PairSteering, "_advance:advance _partners:partners"),
     Kind("partners", Partners, """
-        _group:i4(group) _manner:i4 _arm:f8 _holds:list[row[tuple[int,int]]] of:i4(dancer) leader:i4(dancer)* follower:i4(dancer)* other:i4(dancer)
-        hand:i4(side) _meeting:b1 _own:i4(dancer) _dance:bool offset:f8
+        _group:i4(group) _manner:i4 _arm:f8 _holds:list[row[tuple[int,int]]] of:i4(dancer) leader:i4(dancer)*
+        follower:i4(dancer)* other:i4(dancer) hand:i4(side) _meeting:b1 _own:i4(dancer) _dance:bool offset:f8
     """),
     Kind("performers", Performers, "_surroundings:surroundings _radius:float _last:dict[str,event-Performer]"),
     Kind("pieces", Pieces, "_waiting:deque[tuple[float,method]] left:float"),
@@ -172,14 +173,14 @@ KINDS: Final = [
     Kind("ripple", Ripple, "beats:float side:str point:tuple[float,float]"),
     Kind("scheduler", Scheduler, """
         _patch:constant-patch _dancers:dancers _motion:group-motion _group:i4(group)
-        programmes:list[echo|group-programme] carrying:carrying aims:aims order:list[int] speed:f4
-        choices:choices _planning:planning choosing:constant-choosing foresight:constant-foresight
-        last_target:f8|none last_heading:f8 detours:int dead_ends:int
+        programmes:list[echo|group-programme] carrying:carrying aims:aims order:list[int] speed:f4 choices:choices
+        _planning:planning choosing:constant-choosing foresight:constant-foresight last_target:f8|none last_heading:f8
+        detours:int dead_ends:int
     """),
     Kind("searching", Searching, """
         _patch:constant-patch _dancers:dancers _motion:group-motion _aims:aims _choices:choices _asked_from:i4(node)
-        _arguments:row[any] _following:tuple[i4(dancer)*,i4(dancer)*] seconds:float _choosing:constant-choosing _give:f8
-        _usual_give:float
+        _arguments:row[any] _following:tuple[i4(dancer)*,i4(dancer)*] seconds:float _choosing:constant-choosing
+        _give:f8 _usual_give:float
     """),
     Kind("taken-along", TakenAlong, """
         level:f8 share:f8 following:b1 carried:b1 led:b1 seeks:b1 goal:f8 moved:f8 answered:f8 place:f8 turn:f8
@@ -193,8 +194,8 @@ KINDS: Final = [
     Kind("variation", Variation, """
         _varieties:list[variety] _group:i4(group) _late:f8 _seed:int _beats:int _window:float drift:drift measure:int
         ripples:list[ripple] _written:row[variety] _rippled:row[ripple] late:f8 _late_before:f8 _like:i4(dancer)
-        _liked:i4(dancer) _paired:i8(dancer)* _even:f8 _everybody:i8(dancer) warp_beats:f8 warp_sequence:f8 larger:f8 amplitude:f8
-        amplitude_sequence:f8 mix:f8 arms:f8 head:f8 lock:f8 on_support:f8 face_average:f8 obedience:f8
+        _liked:i4(dancer) _paired:i8(dancer)* _even:f8 _everybody:i8(dancer) warp_beats:f8 warp_sequence:f8 larger:f8
+        amplitude:f8 amplitude_sequence:f8 mix:f8 arms:f8 head:f8 lock:f8 on_support:f8 face_average:f8 obedience:f8
         texture:f8 mirror:f8 _drifts:bool _farthest:f8 obeys:bool textures:bool locks:bool
     """),
     Kind("variety", Variety, """

@@ -3,8 +3,10 @@
 from typing import Final
 
 from live.show.agenda import Agenda
-from live.show.answer_pairs import Asked as AnswerPairsAsked, Pair
-from live.show.audience import Audience, Place as AudiencePlace
+from live.show.answer_pairs import Asked as AnswerPairsAsked
+from live.show.answer_pairs import Pair
+from live.show.audience import Audience
+from live.show.audience import Place as AudiencePlace
 from live.show.camera_rig import CameraRig
 from live.show.chase import Chase
 from live.show.core import Show
@@ -13,7 +15,17 @@ from live.show.desk import Desk
 from live.show.directions import Directions
 from live.show.drawn_ways import DrawnWay
 from live.show.echo import Echo
-from live.show.edited_parts import EditedFacings, EditedFormations, EditedMocap, EditedParameters, EditedRipples, EditedScenes, EditedSequences, EditedSet, EditedStandBy
+from live.show.edited_parts import (
+    EditedFacings,
+    EditedFormations,
+    EditedMocap,
+    EditedParameters,
+    EditedRipples,
+    EditedScenes,
+    EditedSequences,
+    EditedSet,
+    EditedStandBy,
+)
 from live.show.edits import Edits, _Edit
 from live.show.floor import Floor
 from live.show.formations import Formations, NamedFormation
@@ -28,7 +40,9 @@ from live.show.new_steps import NewSteps
 from live.show.occasions import Occasions
 from live.show.parameters import Parameters
 from live.show.part import Part
-from live.show.places import Asked as PlacesAsked, Place as PlacesPlace, Stand, Stretch
+from live.show.places import Asked as PlacesAsked
+from live.show.places import Place as PlacesPlace
+from live.show.places import Stand, Stretch
 from live.show.playhead import Playhead
 from live.show.programme import GroupProgramme, _Call
 from live.show.prompter import Prompter
@@ -40,23 +54,22 @@ from live.show.score import Score
 from live.show.sections.facing import Facing
 from live.show.seen import Seen
 from live.show.spots import Spots
-from live.show.turns_and_votes import Turn, Vote
 from live.show.state.kind import Kind, nothing
+from live.show.turns_and_votes import Turn, Vote
 
 KINDS: Final = [
     Kind("agenda", Agenda, """
-        _heap:list[tuple[float,int,float,event]] _order:int _before:float _tick:float fired:int
-        late_ticks_max:int late:int dropped:int
+        _heap:list[tuple[float,int,float,event]] _order:int _before:float _tick:float fired:int late_ticks_max:int
+        late:int dropped:int
     """),
     Kind("answer-pairs.asked", AnswerPairsAsked, """
         name:str leader:str follower:str on:bool amount:float window:float place:str|none hands:float
     """),
     Kind("answer-pairs.pair", Pair, "partner:int leader:int follower:int own_place:bool"),
     Kind("audience", Audience, """
-        _seed:int regions:row[str] _vote_measures:int open:bool gain:float muted:bool shaking:bool
-        weights:list[float] turn:turn|none vote:vote|none result:tuple[int,str] banned:dict[int,none] order:int
-        phones:int _votes:int _share:float _places:row[audience.place] _shaken:bool _number:i8 _lit:b1 _goal:f4
-        _light:f4
+        _seed:int regions:row[str] _vote_measures:int open:bool gain:float muted:bool shaking:bool weights:list[float]
+        turn:turn|none vote:vote|none result:tuple[int,str] banned:dict[int,none] order:int phones:int _votes:int
+        _share:float _places:row[audience.place] _shaken:bool _number:i8 _lit:b1 _goal:f4 _light:f4
     """),
     Kind("audience.place", AudiencePlace, "x:float z:float weight:float repels:bool"),
     Kind("camera-rig", CameraRig, "_parameters:parameters _beats:int start:str chase:chase"),
@@ -64,15 +77,14 @@ KINDS: Final = [
     Kind("show", Show, """
         patch:constant-patch graph:constant-motion-graph seed:int follower:timeline-follower _known:bool
         timeline:timeline casting:casting group:i4(group) reactions:reactions prompter:prompter motion:group-motion
-        variation:variation dancers:dancers answers:constant-answer-bank scheduler:scheduler
-        interrupts:interrupts _controls:group-controls span:measure-span mocap:mocap desk:desk audience:audience
-        blackout:bool brightness:float time:float refusals:refusals directions:directions _seen:seen
-        _new_steps:new-steps reloading:reloading
+        variation:variation dancers:dancers answers:constant-answer-bank scheduler:scheduler interrupts:interrupts
+        _controls:group-controls span:measure-span mocap:mocap desk:desk audience:audience blackout:bool
+        brightness:float time:float refusals:refusals directions:directions _seen:seen _new_steps:new-steps
+        reloading:reloading
     """),
     Kind("cues", Cues, """
         _cues:row[constant-cue-section] _playhead:playhead _beats:int standby:int last:int fired:int bounced:int
-        _given:list[cues.given] late_ticks_max:int _before:float _tick:float _pressed:dict[str,float]
-        _ways:row[any]
+        _given:list[cues.given] late_ticks_max:int _before:float _tick:float _pressed:dict[str,float] _ways:row[any]
     """),
     Kind("cues.given", _Given, "index:int due:float earliest:float back:event|none"),
     Kind("desk", Desk, """
@@ -89,8 +101,7 @@ KINDS: Final = [
     """),
     Kind("echo", Echo, """
         _leader:group-programme _own:group-programme _later:int _free:bool
-        _said:ordered[int,tuple[int,row[wanted],int]] travel_step:int|none steps:list[int] coming:row[wanted]
-        into:int
+        _said:ordered[int,tuple[int,row[wanted],int]] travel_step:int|none steps:list[int] coming:row[wanted] into:int
     """),
     Kind("edited-facings", EditedFacings, "_headings:headings"),
     Kind("edited-formations", EditedFormations, "_motion:group-motion"),
@@ -122,22 +133,20 @@ KINDS: Final = [
         _score:score _seed:int _tables:list[tuple[int,int,int,int|none,constant-improvise-section]]
     """),
     Kind("improviser", Improviser, """
-        _tables:list[constant-table] _usual:constant-table _score:score _ledger:ledger _mood:mood _group:int
-        _seed:int _graph:constant-motion-graph kept:tuple[int,int,int] asked:bool
+        _tables:list[constant-table] _usual:constant-table _score:score _ledger:ledger _mood:mood _group:int _seed:int
+        _graph:constant-motion-graph kept:tuple[int,int,int] asked:bool
     """),
     Kind("ledger", Ledger, "kept:int _of:list[ordered[int,tuple[int,int]]]"),
     Kind("master", Master, """
-        level:float frozen:bool flashes:bool goal:float cards:dict[str,str] _from:float _length:float
-        _passed:float
+        level:float frozen:bool flashes:bool goal:float cards:dict[str,str] _from:float _length:float _passed:float
     """),
     Kind("measure-span", MeasureSpan, "number:int end:float _beats:float _anchor_beat:float _anchor_fraction:float"),
     Kind("mood", Mood, "_values:dict[str,float] _heard:bool notes:event-NotesHeard|none"),
     Kind("new-steps", NewSteps, "_refusals:refusals", anew={"_offered": dict, "_reserve": dict, "_next": nothing}),
     Kind("occasions", Occasions, "_signals:list[constant-signal-section] _there:list[bool]"),
     Kind("parameters", Parameters, """
-        table:constant-parameter-table _variation:variation value:f8 _heard:list[variety]|none _numbers:f8
-        start:f8 _from:f8 _goal:f8 _began:f8 _length:f8 _fading:b1 _running:int _ticks:int beat:float held:bool
-        touched:bool
+        table:constant-parameter-table _variation:variation value:f8 _heard:list[variety]|none _numbers:f8 start:f8
+        _from:f8 _goal:f8 _began:f8 _length:f8 _fading:b1 _running:int _ticks:int beat:float held:bool touched:bool
     """),
     Kind("part", Part, "_score:score _sequences:constant-sequences _improviser:improviser"),
     Kind("places.asked", PlacesAsked, "section:int|none measure:int at_section:bool leave:bool"),
@@ -150,8 +159,8 @@ KINDS: Final = [
     """),
     Kind("group-programme", GroupProgramme, """
         _graph:constant-motion-graph _seed:tuple[int,int] _random:bool steps:list[int] travel_step:int|none
-        _own:list[wanted] _live:list[wanted] _asked:tuple[int,int]|none _slot:int _into:int _drawn:int
-        _drawn_left:int _call:programme.call|none
+        _own:list[wanted] _live:list[wanted] _asked:tuple[int,int]|none _slot:int _into:int _drawn:int _drawn_left:int
+        _call:programme.call|none
         _before:tuple[tuple[int,int]|none,int,int,int,int,programme.call|none,tuple[int,int,int]|none]|none
         coming:row[wanted] into:int part:part|none stands:bool
     """),

@@ -15,7 +15,21 @@ import numpy.typing as npt
 
 from live.show.state.constants import Constants
 from live.show.state.form import (
-    COUNTER, DEQUE, DICT, HEAD, LAID, LIST, METHOD, ORDERED, PART, SCRATCH, SET, VALUE, WHOLE, Row, Unreadable,
+    COUNTER,
+    DEQUE,
+    DICT,
+    HEAD,
+    LAID,
+    LIST,
+    METHOD,
+    ORDERED,
+    PART,
+    SCRATCH,
+    SET,
+    VALUE,
+    WHOLE,
+    Row,
+    Unreadable,
     read_tree,
 )  # fmt: skip
 from live.show.state.kind import NUMBERS, PLAIN, Kind
@@ -118,7 +132,7 @@ class _Reader:
         if code == DEQUE:
             if len(row) < 2 or not (row[1] is None or (type(row[1]) is int and 0 <= row[1] < 1 << 20)):
                 raise Unreadable("a deque has no length")
-            return deque((), row[1])
+            return deque(maxlen=row[1])
         made = _CONTAINERS.get(code)
         if made is None:
             raise Unreadable(f"there is no row of sort {code}")

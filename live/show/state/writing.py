@@ -16,7 +16,21 @@ import numpy as np
 
 from live.show.state.constants import Constants
 from live.show.state.form import (
-    COUNTER, DEQUE, DICT, HEAD, LAID, LIST, METHOD, ORDERED, PART, SCRATCH, SET, VALUE, WHOLE, Row, Rows,
+    COUNTER,
+    DEQUE,
+    DICT,
+    HEAD,
+    LAID,
+    LIST,
+    METHOD,
+    ORDERED,
+    PART,
+    SCRATCH,
+    SET,
+    VALUE,
+    WHOLE,
+    Row,
+    Rows,
     packed_tree,
 )  # fmt: skip
 from live.show.state.kind import NUMBERS, PLAIN, Kind, Type

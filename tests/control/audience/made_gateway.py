@@ -3,7 +3,6 @@
 import asyncio
 import contextlib
 import json
-import pickle
 import socket
 import struct
 import time
@@ -14,6 +13,7 @@ from live.control.audience.gateway import Gateway
 from live.control.audience.rules import Beat, Rules
 from live.control.audience.tokens import ticket_key
 from live.control.helper import LARGEST
+from live.control.packet import packet_of, read_packet
 
 SECRET = b"s" * 32
 CODE_S = 30.0
@@ -36,10 +36,10 @@ class ToldHere:
             if not data:
                 self.ended = True
                 return
-            yield pickle.loads(data)
+            yield read_packet(data)
 
     def say(self, facts):
-        self.socket.send(pickle.dumps(facts))
+        self.socket.send(packet_of(facts))
 
 
 class Show:
@@ -54,13 +54,13 @@ class Show:
 
     def tell(self, *packets):
         for packet in packets:
-            self._ours.send(pickle.dumps(packet))
+            self._ours.send(packet_of(packet))
 
     def look(self):
         """Take up what has come; returns itself."""
         with contextlib.suppress(BlockingIOError):
             while True:
-                packet = pickle.loads(self._ours.recv(LARGEST))
+                packet = read_packet(self._ours.recv(LARGEST))
                 if isinstance(packet, dict):
                     self.facts = packet
                 elif packet[0] == "code":

@@ -1,0 +1,89 @@
+"""Packets between this program's own processes: values as MessagePack, and the dataclasses that are registered here.
+
+What comes out is data: plain values (sequences are tuples), and registered classes whose fields have the types of their
+annotations. Nothing is called or imported that a packet names.
+"""
+
+from collections.abc import Callable
+from dataclasses import fields
+from pathlib import PurePath
+from typing import Any, Final, TypeVar
+
+import msgpack
+import numpy as np
+
+from live.base.field_types import made_of
+
+Kind = TypeVar("Kind")
+
+_OBJECT: Final = 1
+"""MessagePack's extension type of an object: its name and its fields in their order."""
+
+_names: dict[type, str] = {}
+_makers: dict[str, Callable[[tuple[Any, ...]], Any]] = {}
+
+
+class PacketError(ValueError):
+    """Bytes that are no packet, or a value that cannot be one; the message says why."""
+
+
+def registered(name: str) -> Callable[[type[Kind]], type[Kind]]:
+    """Dataclasses that this decorates may be in packets, by this name."""
+
+    def register(cls: type[Kind]) -> type[Kind]:
+        names = [each.name for each in fields(cls)]  # type: ignore[arg-type]
+
+        def make(values: tuple[Any, ...]) -> Any:
+            return made_of(cls, dict(zip(names, values, strict=True)))
+
+        register_as(name, cls, make)
+        return cls
+
+    return register
+
+
+def register_as(name: str, cls: type, make: Callable[[tuple[Any, ...]], Any]) -> None:
+    """Objects of `cls` may be in packets, by this name; `make` makes them of their fields, or raises ValueError."""
+    _names[cls] = name
+    _makers[name] = make
+
+
+def packet_of(value: object) -> bytes:
+    """A value as bytes; PacketError for one that holds something else than is registered."""
+    try:
+        found: bytes = msgpack.packb(value, default=_packed)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise PacketError(str(error)) from None
+    return found
+
+
+def read_packet(data: bytes) -> Any:
+    """The value that `packet_of` gave as bytes; PacketError for anything else."""
+    try:
+        return msgpack.unpackb(data, use_list=False, ext_hook=_read, strict_map_key=False)
+    except PacketError:
+        raise
+    except Exception as error:  # damaged bytes raise many things
+        raise PacketError(f"{type(error).__name__}: {error}"[:300]) from None
+
+
+def _packed(value: object) -> Any:
+    name = _names.get(type(value))
+    if name is not None:
+        row = [name, *(getattr(value, each.name) for each in fields(value))]  # type: ignore[arg-type]
+        return msgpack.ExtType(_OBJECT, packet_of(row))
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, PurePath):
+        return str(value)
+    if isinstance(value, set | frozenset):
+        return list(value)
+    raise TypeError(f"{type(value).__name__} is nothing that a packet holds")
+
+
+def _read(code: int, data: bytes) -> Any:
+    found = read_packet(data) if code == _OBJECT else None
+    make = _makers.get(found[0]) if isinstance(found, tuple) and found and isinstance(found[0], str) else None
+    if make is None:
+        raise PacketError(f"extension {code} is nothing that a packet holds")
+    return make(found[1:])

@@ -1,0 +1,95 @@
+"""Whole: whether the arrays of an object fit each other, where kernels take it for granted and they may be of any size.
+
+Each of these is asked after every field was found to be of its type.
+"""
+
+from typing import Any, Final
+
+import numpy.typing as npt
+
+from live.agents.evolutions.departure import Departure, Journey
+from live.agents.evolutions.locomotion import Locomotion
+from live.agents.evolutions.motion import Motion
+from live.motion.example.staged.holding import Holding
+from live.motion.example.staged.read_leader import ReadLeader
+from live.motion.skeleton import JOINT_COUNT
+from live.show.captured import Captured
+from live.show.heard_poses import CANON_MEMORY, MEMORY, HeardPoses
+from live.show.state.constants import at
+
+Array = npt.NDArray[Any]
+
+_INDICES: Final = ("_first", "_offset", "_record_first", "_record_stop")
+_OF_READERS: Final = (
+    "_x", "_x_height", "_score", "_end", "_cell", "_before", "_real", "_imaginary", "_heights", "_work", "_control",
+    "_control_height", "_head", "_head_height", "_root", "_facing", "_step", "_sums", "_squares", "_input_sum",
+    "_input_square", "_frames", "_value", "_expected", "_shortest", "_most",
+)  # fmt: skip
+
+
+def locomotion(value: Locomotion) -> bool:
+    """Knots, times and turns of as many dancers."""
+    value.__post_init__()
+    return True
+
+
+def departure(value: Departure) -> bool:
+    """As many places as dancers."""
+    count = len(value.numbers)
+    return (
+        value.numbers.shape == value.heading.shape == value.radius.shape == (count,)
+        and value.position.shape == (count, 2)
+        and len(value.words) == count
+    )
+
+
+def journey(value: Journey) -> bool:
+    """A way for everybody who has a place."""
+    return value.slot.shape == (value.locomotion.count,)
+
+
+def motion(value: Motion) -> bool:
+    """A way for everybody who goes."""
+    count = len(value.who)
+    ways = value.journey is None or value.journey.locomotion.count == count
+    return value.who.shape == value.keep.shape == (count,) and ways
+
+
+def heard_poses(value: HeardPoses) -> bool:
+    """As many poses as moments, and one more."""
+    root, turned, stamp, count = value.kept
+    size = len(stamp)
+    return (
+        size in (MEMORY, CANON_MEMORY)
+        and stamp.shape == (size, 2)
+        and root.shape == (size + 1, 3)
+        and turned.shape == (size + 1, JOINT_COUNT, 4)
+        and count >= 0
+    )
+
+
+def captured(value: Captured) -> bool:
+    """As much of everybody who wears her poses."""
+    count = len(value.rows)
+    ones = (value.rows, value.delay, value.share, value.turned)
+    place = at(value, "edges.place")
+    return all(array.shape == (count,) for array in ones) and value.moved.shape == place.shape == (count, 2)
+
+
+def holding(value: Holding) -> bool:
+    """As much of every hold."""
+    laid: list[tuple[int, ...]] = at(value, "_laid")
+    if not hasattr(value, "_who"):
+        return not laid
+    who, hands, where, far = (at(value, name) for name in ("_who", "_hands", "_where", "_far"))
+    count, looked = len(laid), len(at(value, "_looked"))
+    rows = (who, hands, where)
+    within = where.min(initial=0) >= 0 and where.max(initial=-1) < looked
+    return all(array.shape == (count, 2) for array in rows) and far.shape == (count, 6) and bool(within)
+
+
+def read_leader(value: ReadLeader) -> bool:
+    """A reader like the one of the examples that she is read by, and of the same units."""
+    reader, like = value.partner.reader, value.lore.reader
+    same = all(at(reader, name) is at(like, name) for name in _INDICES) and reader.units is like.units
+    return same and all(at(reader, name).shape == at(like, name).shape for name in _OF_READERS)
