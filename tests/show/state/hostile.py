@@ -1,0 +1,133 @@
+"""Snapshots as somebody makes them who wants harm: damaged and crafted ones, each with a check-sum that is right."""
+
+import hashlib
+import json
+import zlib
+
+import msgpack
+import numpy as np
+
+from live.show.snapshot import SnapshotError, restore
+from live.show.state.form import HEAD
+
+STRANGE = (
+    None, True, False, 0, -1, 1, 7, 2**31 - 1, -(2**31), 2**63 - 1, 2**64 - 1, -(2**63), 1e308, -1e308, 0.5,
+    float("nan"), float("inf"), "", "x", "graph", "patch", "__class__", "show", "complex", "frozenset", b"", b"\x00" * 9,
+    [], [None], [0], [1], [-1], ["graph"], ["patch"], ["graph.library"], ["__class__.__init__.__globals__"],
+    [True, "complex", 0.0, 0.0], [True, "frozenset", [0]], [True, "f8", 1.0], [False, [0], "tick"],
+    [False, [0], "__init__"], [None, [None, [None]]], {}, {"a": 1}, msgpack.ExtType(1, b"\xff" * 40),
+    msgpack.ExtType(7, b"x"), -10, -9, -8, -7, -6, -5, -4, -3, -2, "<f8", "|O8", "O", "<M8[s]", [1 << 40], [-1, 5],
+)  # fmt: skip
+EXTREME = {
+    "f": (np.nan, np.inf, -np.inf, 1e30, -1e30, 1e-30, -1.0, 1e9),
+    "i": (-1, -2, 2**31 - 1, -(2**31), 1000, 65536),
+    "u": (255, 128, 7),
+    "b": (1, 0),
+}
+
+
+def sealed(payload, facts, **other):
+    """A snapshot of these bytes, as if nothing were wrong with it."""
+    packed = zlib.compress(payload, 1)
+    header = {**facts, "size": len(payload), **other}
+    line = json.dumps(header, separators=(",", ":")).encode()
+    check = hashlib.blake2b(line + packed, digest_size=16).hexdigest()
+    return json.dumps(header | {"check": check}, separators=(",", ":")).encode() + b"\n" + packed
+
+
+def opened(data):
+    """Payload and facts of a snapshot."""
+    line, _, packed = data.partition(b"\n")
+    facts = json.loads(line)
+    facts.pop("check")
+    return zlib.decompress(packed), facts
+
+
+def halves(payload):
+    """The tree of a payload, and the content of its arrays."""
+    (size,) = HEAD.unpack_from(payload)
+    tree = msgpack.unpackb(payload[HEAD.size : HEAD.size + size], strict_map_key=False)
+    return tree, payload[HEAD.size + size :]
+
+
+def joined(tree, content):
+    """The payload of both."""
+    data = msgpack.packb(tree)
+    return HEAD.pack(len(data)) + data + content
+
+
+class Mutations:
+    """Endless mutations of one snapshot, by a seed."""
+
+    def __init__(self, data, seed):
+        self.payload, self.facts = opened(data)
+        self.data, self.chance = data, np.random.default_rng(seed)
+
+    def next(self):
+        """Another one."""
+        kinds = (self.flipped, self.flipped_within, self.crafted, self.crafted, self.crafted, self.filled, self.cut)
+        return kinds[int(self.chance.integers(len(kinds)))]()
+
+    def flipped(self):
+        """Bytes of the whole file are others."""
+        data = bytearray(self.data)
+        for _ in range(int(self.chance.integers(1, 8))):
+            data[int(self.chance.integers(len(data)))] = int(self.chance.integers(256))
+        return bytes(data)
+
+    def flipped_within(self):
+        """Bytes of the tree are others."""
+        (size,) = HEAD.unpack_from(self.payload)
+        data = bytearray(self.payload)
+        for _ in range(int(self.chance.integers(1, 6))):
+            data[int(self.chance.integers(HEAD.size + size))] = int(self.chance.integers(256))
+        return sealed(bytes(data), self.facts)
+
+    def cut(self):
+        """Something is missing, or said to be longer."""
+        end = int(self.chance.integers(len(self.payload)))
+        size = int(self.chance.choice([len(self.payload), 0, end, 1 << 24, 1 << 40]))
+        return sealed(self.payload[:end], self.facts, size=size)
+
+    def crafted(self):
+        """Values of the tree are others, of all types."""
+        tree, content = halves(self.payload)
+        rows = [*tree[1], *tree[2].values()]
+        for _ in range(int(self.chance.integers(1, 4))):
+            row = rows[int(self.chance.integers(len(rows)))]
+            if row:
+                row[int(self.chance.integers(len(row)))] = self.strange(rows)
+        return sealed(joined(tree, content), self.facts)
+
+    def strange(self, rows):
+        """A value that does not belong here."""
+        if self.chance.random() < 0.4:
+            return [int(self.chance.integers(-len(rows), len(rows)))]
+        if self.chance.random() < 0.3:
+            return [int(each) for each in self.chance.integers(-5, 400, int(self.chance.integers(4)))]
+        return STRANGE[int(self.chance.integers(len(STRANGE)))]
+
+    def filled(self):
+        """Arrays hold numbers that no show holds."""
+        tree, content = halves(self.payload)
+        data, place = bytearray(content), 0
+        for row in tree[2].values():
+            if row[0] not in (-7, -8):
+                continue
+            kind = np.dtype(row[1])
+            count = int(np.prod(row[2]))
+            numbers = np.frombuffer(data, kind, count, place)
+            place += count * kind.itemsize
+            if count and self.chance.random() < 0.05:
+                numbers[self.chance.integers(count, size=1 + count // 9)] = self.chance.choice(
+                    EXTREME.get(kind.kind, (0,))
+                )
+        return sealed(joined(tree, bytes(data)), self.facts)
+
+
+def tried(loaded, data, fresh):
+    """The show that is read of these bytes, or None and in which words they were refused."""
+    try:
+        return restore(loaded, data, fresh=fresh), ""
+    except SnapshotError as error:
+        return None, str(error)
