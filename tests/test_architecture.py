@@ -111,3 +111,33 @@ def test_nothing_uses_the_generator_without_a_seed() -> None:
                 assert ast.unparse(node.value) not in ("np.random", "numpy.random"), f"{_identify(path)}:{node.lineno}"
             if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("random.default_rng"):
                 assert node.args or node.keywords, f"{_identify(path)}:{node.lineno}: default_rng() without a seed"
+
+
+_CODE_FROM_BYTES = {"pickle", "_pickle", "marshal", "shelve", "dill", "cloudpickle", "joblib", "copyreg", "code"}
+"""Modules that make code or objects of bytes."""
+_CALLS = {"eval", "exec", "compile", "__import__"}
+_BY_NAME = {"import_module", "load_module", "exec_module", "find_class", "resolve_name"}
+_OWN_NAMES = {"live/cli/bench.py", "live/cli/born.py", "live/cli/warm.py"}
+"""Files that import by names that stand in the program, or on the command line of a bench."""
+
+
+def _makes_code(node: ast.Call, path: str) -> bool:
+    """Whether a call could make code or objects of what it is given."""
+    called, name = ast.unparse(node.func), node.func.attr if isinstance(node.func, ast.Attribute) else ""
+    pickles = [word.value for word in node.keywords if word.arg == "allow_pickle"]
+    arrays = called in ("np.load", "numpy.load") and not pickles
+    unpickles = any(not (isinstance(value, ast.Constant) and value.value is False) for value in pickles)
+    by_name = name in _BY_NAME and path not in _OWN_NAMES
+    return called in _CALLS or by_name or arrays or unpickles or called.endswith("yaml.load")
+
+
+def test_no_bytes_are_ever_unpickled_evaluated_or_imported() -> None:
+    """Files and sockets hold data: what makes code or objects of bytes is not there to be reached."""
+    assert [_identify(path) for path in MODULES if _imports(path) & _CODE_FROM_BYTES] == []
+    calls = ((path, node) for path in MODULES for node in ast.walk(_tree(path)) if isinstance(node, ast.Call))
+    found = [
+        f"{_identify(path)}:{node.lineno}: {ast.unparse(node)[:80]}"
+        for path, node in calls
+        if _makes_code(node, _identify(path))
+    ]
+    assert found == []

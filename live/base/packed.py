@@ -10,8 +10,10 @@ from typing import Final
 
 LONG: Final = 4096
 """Texts of more characters are packed."""
-MOST: Final = 64_000_000
-"""Bytes that a packed text may become: a damaged or hostile one asks for no more memory."""
+MOST: Final = 16_000_000
+"""Bytes that a packed text may become ..."""
+MOST_VALUES: Final = 500_000
+"""... and values that it may hold as JSON: a damaged or hostile one asks for no more memory."""
 _MARK: Final = "zlib:"
 
 
@@ -31,6 +33,14 @@ def unpacked(text: str) -> str:
         found = worker.decompress(base64.b64decode(text[len(_MARK) :], validate=True), MOST)
         if not worker.eof:
             raise ValueError("a packed text is cut off or too long")
+        if values_in(found) > MOST_VALUES:
+            raise ValueError("a packed text holds too much")
         return found.decode()
     except (zlib.error, binascii.Error, UnicodeDecodeError) as error:
         raise ValueError(f"a packed text is damaged: {error}") from None
+
+
+def values_in(text: str | bytes) -> int:
+    """At least as many as a text holds as JSON: so much memory it takes to read it."""
+    marks = (b",", b"[", b"{", b":") if isinstance(text, bytes) else (",", "[", "{", ":")
+    return 1 + sum(text.count(mark) for mark in marks)  # type: ignore[arg-type]

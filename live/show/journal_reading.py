@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, TextIO
 
+from live.base.packed import values_in
 from live.control.event import ControlEvent
 from live.control.event_json import event_from_json
 from live.control.events import TicksSkipped
@@ -17,8 +18,10 @@ from live.show.left_out import Gap, left_out
 FORMAT: Final = 2
 """What is written; 1 had no snapshots, and no line without a word that is as usual."""
 READ: Final = (1, 2)
-LONGEST: Final = 1 << 26
-"""Characters of a line at most: a file that is no journal is not read into memory."""
+LONGEST: Final = 1 << 24
+"""Characters of a line at most ..."""
+MOST_VALUES: Final = 1 << 20
+"""... and values in it: a file that is no journal is not read into memory."""
 
 
 LONGEST_GAP: Final = 64 * 600
@@ -139,6 +142,8 @@ def _row(file: TextIO) -> str | None:
 
 
 def _parse(row: str, path: Path, number: int) -> dict[str, Any]:
+    if values_in(row) > MOST_VALUES:
+        raise JournalError(f"{path}, line {number}: more values than any line has")
     try:
         value = json.loads(row)
     except (ValueError, RecursionError):

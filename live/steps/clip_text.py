@@ -6,6 +6,7 @@ fifth as long when they are compressed.
 
 import base64
 import io
+import zipfile
 import zlib
 from collections.abc import Sequence
 from typing import Any, Final
@@ -43,6 +44,9 @@ def clips_from_text(text: str) -> list[StepClip]:
         data = worker.decompress(base64.b64decode(text, validate=True), LARGEST)
         if not worker.eof:
             raise ValueError("they are cut off or too long")
+        with zipfile.ZipFile(io.BytesIO(data)) as members:
+            if sum(member.file_size for member in members.infolist()) > LARGEST:
+                raise ValueError("they would become too long")
         with np.load(io.BytesIO(data), allow_pickle=False) as found:
             arrays: dict[str, Any] = dict(found)
         for name in _NUMBERS:

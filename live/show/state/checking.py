@@ -13,7 +13,7 @@ import numpy as np
 
 from live.control.event import ControlEvent
 from live.show.state.form import Unreadable
-from live.show.state.kind import NUMBERS, Kind, Type
+from live.show.state.kind import FARTHEST, NUMBERS, Kind, Type
 from live.show.state.kinds import BY_CLASS, BY_NAME, CONSTANT
 
 _CLASSES: Final[dict[str, tuple[type, ...]]] = {
@@ -31,9 +31,14 @@ def check_state(root: Any, found: str, fresh: object, many: Mapping[str, int]) -
     `fresh`: the same before anything happened; `many`: how many there are of what indices find, by name.
     """
     types = _Types(many)
-    types.check(root, Type(found))
-    _check_shapes(root, fresh)
-    types.finish()
+    try:
+        types.check(root, Type(found))
+        _check_shapes(root, fresh)
+        types.finish()
+    except Unreadable:
+        raise
+    except Exception as error:  # what is crafted may lack what nobody lacks
+        raise Unreadable(f"{type(error).__name__}: {error}"[:400]) from None
 
 
 class _Types:
@@ -55,6 +60,10 @@ class _Types:
                 raise Unreadable(f"{where} is {type(value).__name__}, {wanted} expected"[:300])
             if found.finds:
                 self._within(value, found, where)
+            if isinstance(value, np.ndarray) and value.dtype.kind in "fc" and not found.any_number:
+                most = np.abs(value).max(initial=0.0)
+                if not most <= FARTHEST:
+                    raise Unreadable(f"{where} holds {most}, more than {FARTHEST:g}")
             if (id(value), found) not in self._known:
                 self._look(value, found, where)
         for value, kind in self._objects:

@@ -13,7 +13,8 @@ are written in a few words:
     T|U                                     either
 
 An array has the shape that it has in a fresh show; `f4*` may have any. `i4(node)` holds indices of nodes: what a kernel
-finds something by is checked against how many there are.
+finds something by is checked against how many there are. Numbers of arrays are finite, and no farther from 0 than
+`FARTHEST`; those of `f4~` may be any.
 """
 
 import re
@@ -27,18 +28,23 @@ NUMBERS: Final = {
 }  # fmt: skip
 """Arrays by the word for what is in them, as numpy calls it."""
 
+FARTHEST: Final = 1e9
+"""No number of an array is farther from 0: as a whole one of 32 bits it is still itself."""
+
 PLAIN: Final = frozenset({type(None), bool, int, float, str, bytes})
 """Classes of values that are written as they are."""
 
 
 @dataclass(frozen=True, slots=True)
 class Type:
-    """What a field may hold: the word, what is in it, what its numbers find, whether an array may have any shape."""
+    """What a field may hold: the word, what is in it, what its numbers find, whether an array may have any shape, and
+    hold any number."""
 
     word: str
     of: tuple["Type", ...] = ()
     finds: str = ""
     any_shape: bool = False
+    any_number: bool = False
 
     @property
     def either(self) -> tuple["Type", ...]:
@@ -82,13 +88,11 @@ class Kind:
         return {name: type_of(text) for name, _, text in (word.partition(":") for word in self.words.split())}
 
 
-
-
 def nothing() -> None:
     """The value of an attribute that belongs to the process."""
 
 
-_WORDS: Final = re.compile(r"[\w.-]+|[][|,()*]")
+_WORDS: Final = re.compile(r"[\w.-]+|[][|,()*~]")
 
 
 def type_of(text: str) -> Type:
@@ -111,12 +115,13 @@ def _either(words: list[str]) -> Type:
 
 
 def _one(words: list[str]) -> Type:
-    word, finds, any_shape, inside = words.pop(0), "", False, []
+    word, finds, inside = words.pop(0), "", []
     if words and words[0] == "(":
         finds = words[1]
         del words[:3]
-    if words and words[0] == "*":
-        any_shape = bool(words.pop(0))
+    signs = ""
+    while words and words[0] in "*~":
+        signs += words.pop(0)
     if words and words[0] == "[":
         words.pop(0)
         while words[0] != "]":
@@ -124,4 +129,4 @@ def _one(words: list[str]) -> Type:
             if words[0] == ",":
                 words.pop(0)
         words.pop(0)
-    return Type(word, tuple(inside), finds, any_shape)
+    return Type(word, tuple(inside), finds, "*" in signs, "~" in signs)

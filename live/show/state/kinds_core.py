@@ -74,14 +74,16 @@ from live.show.state import whole
 from live.show.state.kind import Kind, nothing
 
 KINDS: Final = [
-    Kind("advance", Advance, "_agent_count:int _fixed:f4 _rows:f4 _numbers:i4"),
+    Kind("advance", Advance, "_agent_count:int _fixed:f4~ _rows:f4 _numbers:i4"),
     Kind("agent-model", AgentModel, "radius:f4 responsibility:f4 steering:steering seed:int"),
     Kind("agent-state", AgentState, "acceleration:f4 flat:f4 heed:f4 position:f4 rest:f4 velocity:f4"),
     Kind("steering", Steering, """
         half_width:float|none half_depth:float|none avoidance:str acceleration:float turn_rate:float relaxation:float
         horizon:float strength:float side:float d_s:float d_f:float edge:float lag:float
     """),
-    Kind("surroundings", Surroundings, "flat:f4 _walls:surroundings.rows _obstacles:surroundings.rows refused:int"),
+    Kind("surroundings", Surroundings, """
+        flat:f4 _walls:surroundings.rows _obstacles:surroundings.rows refused:int
+    """, whole=whole.surroundings),
     Kind("surroundings.rows", _Rows, "rows:f4 _count:f4 names:list[str] _place:dict[str,int]"),
     Kind("approach", Approach, "first:int second:int beat:float distance:float"),
     Kind("arrive", Arrive, ""),
@@ -158,15 +160,15 @@ KINDS: Final = [
         kind:int points:row[tuple[float,float]] strength:float start_beat:float end_beat:float groups:int source:str
         closed:bool radius:float fair:bool flow:int decay:float|none target:int target_group:int wedge:bool
         separation:float|none alignment:float cohesion:float
-    """),
+    """, whole=whole.element),
     Kind("element-table", ElementTable, """
-        elements:list[element] _all_rows:f8 _all_masks:u8 _all_vertices:f4 _first:int _fair:int grids:f4 active:i4
-        _half:tuple[float,float] _separation:float _capacity:int _serial:int _slot_use:list[int] rows:f8 masks:u8
+        elements:list[element] _all_rows:f8~ _all_masks:u8 _all_vertices:f4 _first:int _fair:int grids:f4 active:i4
+        _half:tuple[float,float] _separation:float _capacity:int _serial:int _slot_use:list[int] rows:f8~ masks:u8
         vertices:f4
-    """, anew={"_serials": dict}, after=ElementTable.number_again),
+    """, anew={"_serials": dict}, after=ElementTable.number_again, whole=whole.element_table),
     Kind("element-field", ElementField, """
-        _table:element-table influence:f4 _memory:f8 _sums:f8 _near:f8 _spreading:f8 _places:f8 _audience:u8
-        _density:f8 _numbers:f8 _area:f8 _mesh:f4 _cosines:f4 _start:i4 _order:i4
+        _table:element-table influence:f4 _memory:f8 _sums:f8 _near:f8~ _spreading:f8 _places:f8 _audience:u8
+        _density:f8 _numbers:f8~ _area:f8 _mesh:f4 _cosines:f4 _start:i4 _order:i4
     """),
     Kind("wants", Wants, "rows:f4 _bits:u4 _kept:u4"),
     Kind("entrances", Entrances, "gates:row[gate] state:i1 goal:f4 _gate:i4(gate) _size:tuple[float,float] _beyond:f4"),
@@ -240,9 +242,9 @@ KINDS: Final = [
     """),
     Kind("live-reader", LiveReader, """
         units:constant-units rate:float k:float _stretches:constant-stretches _longest:int _ring:int _at:int _x:c16
-        _x_height:f8 _score:f8 _end:f8 _cell:i8 _before:i8 _first:i8 _offset:i8 _real:f8 _imaginary:f8 _heights:f8
+        _x_height:f8 _score:f8~ _end:f8~ _cell:i8 _before:i8 _first:i8 _offset:i8 _real:f8 _imaginary:f8 _heights:f8
         _work:f8 _control:c16 _control_height:f8 _record_first:i8 _record_stop:i8 _head:c16 _head_height:f8 _root:c16
-        _facing:c16 nearest:float _step:f8 _sums:c16 _squares:f8 _input_sum:c16 _input_square:f8 _frames:f8 _value:f8
+        _facing:c16 nearest:float _step:f8 _sums:c16 _squares:f8 _input_sum:c16 _input_square:f8 _frames:f8 _value:f8~
         _expected:c16 _shortest:f8 _most:f8
     """),
     Kind("holding", Holding, """
@@ -255,7 +257,7 @@ KINDS: Final = [
         answered:bool held:bool news:str _told:tuple[int,int] _facing:complex _points:c16 _heights:f8
     """, whole=whole.read_leader),
     Kind("standing", Standing, "lock:foot-lock _legs:f4 _contact:b1 _pipeline:pose-pipeline"),
-    Kind("inertia", Inertia, "settling:f4 began:f8 age:f4 any_settles:bool"),
+    Kind("inertia", Inertia, "settling:f4 began:f8~ age:f4 any_settles:bool"),
     Kind("landing", Landing, "lift:f4"),
     Kind("foot-lock", FootLock, "state:f4"),
     Kind("pose-pipeline", PosePipeline, """

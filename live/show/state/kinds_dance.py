@@ -142,10 +142,10 @@ KINDS: Final = [
         gates:row[gate] entrances:entrances surroundings:surroundings performers:performers part:parting
         evolutions:evolutions elements:elements partners:partners starting_heading:f8 state:agent-state
         _spare:agent-state _advance:pair-steering wants:wants _along:answering-agents _ahead:agents-ahead
-        _now:tuple[timeline,measure-span]|none _speed:f4 _leash:f4
+        _now:tuple[timeline,measure-span]|none _speed:f4 _leash:f4~
     """),
     Kind("headings", Headings, "_patch:constant-patch _motion:group-motion _facing:list[facing] _raw:f8 _before:f8"),
-    Kind("heard-poses", HeardPoses, "count:int _gap:float _catch:float _root:f4* _turned:f4* stamp:f8*",
+    Kind("heard-poses", HeardPoses, "count:int _gap:float _catch:float _root:f4* _turned:f4* stamp:f8*~",
          whole=whole.heard_poses),
     Kind("interrupts", Interrupts, """
         _dancers:dancers _motion:group-motion _scheduler:scheduler cutting:cutting _cues:list[interrupts.cue]
@@ -188,7 +188,7 @@ KINDS: Final = [
     """),
     Kind("texturing", Texturing, """
         bank:constant-texture-bank _variation:variation _seed:int _beats:int level:f4 fragment:i4(fragment) chosen:i8
-        switched:f8 _origin:f8 _limits:i4 _signs:i8 _kept:f4 _before:f4 _now:f4 _own:f4 _far:f4 _since:f8
+        switched:f8 _origin:f8 _limits:i4 _signs:i8 _kept:f4 _before:f4 _now:f4 _own:f4 _far:f4 _since:f8~
         _danced_before:f8 _offsets:f4 _parents:i4(joint)
     """),
     Kind("variation", Variation, """

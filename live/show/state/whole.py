@@ -5,17 +5,25 @@ Each of these is asked after every field was found to be of its type.
 
 from typing import Any, Final
 
+import numpy as np
 import numpy.typing as npt
 
+from live.agents.crowd.bounds.kernels import CAPACITY
+from live.agents.crowd.surroundings import Surroundings
 from live.agents.evolutions.departure import Departure, Journey
 from live.agents.evolutions.locomotion import Locomotion
 from live.agents.evolutions.motion import Motion
+from live.agents.procedural.element import Element
+from live.agents.procedural.element_table import SLOTS, ElementTable
+from live.agents.procedural.kinds import FLOW_NAMES, KIND_COUNT, POINT_LIMIT, VERTEX_COUNT
+from live.agents.procedural.table import kernels as column
 from live.motion.example.staged.holding import Holding
 from live.motion.example.staged.read_leader import ReadLeader
 from live.motion.skeleton import JOINT_COUNT
 from live.show.captured import Captured
 from live.show.heard_poses import CANON_MEMORY, MEMORY, HeardPoses
 from live.show.state.constants import at
+from live.show.state.kind import FARTHEST
 
 Array = npt.NDArray[Any]
 
@@ -25,6 +33,36 @@ _OF_READERS: Final = (
     "_control_height", "_head", "_head_height", "_root", "_facing", "_step", "_sums", "_squares", "_input_sum",
     "_input_square", "_frames", "_value", "_expected", "_shortest", "_most",
 )  # fmt: skip
+
+
+def element_table(value: ElementTable) -> bool:
+    """Rows by whose numbers kernels find corners, grids and what acts; an element may go on for ever."""
+    rows: Array = at(value, "_all_rows")
+    first, most = at(value, "_first"), at(value, "_capacity")
+    others = np.delete(rows, column.END, axis=1)
+    whole = not np.isnan(rows).any() and bool(np.abs(others).max(initial=0.0) <= FARTHEST)
+    within = all(
+        low <= rows[:, place].min(initial=0.0) and rows[:, place].max(initial=0.0) <= high
+        for place, low, high in _ROWS_WITHIN
+    )
+    return whole and within and 0 <= first <= most and len(value) <= most == len(value.rows)
+
+
+_ROWS_WITHIN: Final = (
+    (column.KIND, 0, KIND_COUNT - 1), (column.CORNERS, 0, VERTEX_COUNT), (column.FLOW_KIND, -1, len(FLOW_NAMES)),
+    (column.SLOT, -1, SLOTS - 1), (column.TARGET_GROUP, -1, 63),
+)  # fmt: skip
+
+
+def element(value: Element) -> bool:
+    """One of the kinds that there are."""
+    return 0 <= value.kind < KIND_COUNT and -1 <= value.target_group < 64 and len(value.points) <= POINT_LIMIT
+
+
+def surroundings(value: Surroundings) -> bool:
+    """As many walls and obstacles as have a name."""
+    counts = value.flat[9 * CAPACITY :].tolist()
+    return counts == [len(value.wall_names), len(value.obstacle_names)] and max(counts) <= CAPACITY
 
 
 def locomotion(value: Locomotion) -> bool:

@@ -12,15 +12,17 @@ from live.show.state.form import HEAD
 
 STRANGE = (
     None, True, False, 0, -1, 1, 7, 2**31 - 1, -(2**31), 2**63 - 1, 2**64 - 1, -(2**63), 1e308, -1e308, 0.5,
-    float("nan"), float("inf"), "", "x", "graph", "patch", "__class__", "show", "complex", "frozenset", b"", b"\x00" * 9,
+    float("nan"), float("inf"), "", "x", "graph", "patch", "__class__", "show", "complex", "frozenset", b"", bytes(9),
     [], [None], [0], [1], [-1], ["graph"], ["patch"], ["graph.library"], ["__class__.__init__.__globals__"],
     [True, "complex", 0.0, 0.0], [True, "frozenset", [0]], [True, "f8", 1.0], [False, [0], "tick"],
     [False, [0], "__init__"], [None, [None, [None]]], {}, {"a": 1}, msgpack.ExtType(1, b"\xff" * 40),
     msgpack.ExtType(7, b"x"), -10, -9, -8, -7, -6, -5, -4, -3, -2, "<f8", "|O8", "O", "<M8[s]", [1 << 40], [-1, 5],
 )  # fmt: skip
+SHARES = (0.1, 0.1, 0.2, 0.2, 0.1, 0.2, 0.1)
+"""How often each kind of mutation comes."""
 EXTREME = {
-    "f": (np.nan, np.inf, -np.inf, 1e30, -1e30, 1e-30, -1.0, 1e9),
-    "i": (-1, -2, 2**31 - 1, -(2**31), 1000, 65536),
+    "f": (1e9, -1e9, 1e9, -1e9, 1e-30, -1.0, 0.5, 7.0, 63.0, 1e4, -1e4, 3e7, np.nan, np.inf),
+    "i": (-1, -1, 0, 0, 1, 2, 5, 10, 1000, 2**31 - 1),
     "u": (255, 128, 7),
     "b": (1, 0),
 }
@@ -65,8 +67,8 @@ class Mutations:
 
     def next(self):
         """Another one."""
-        kinds = (self.flipped, self.flipped_within, self.crafted, self.crafted, self.crafted, self.filled, self.cut)
-        return kinds[int(self.chance.integers(len(kinds)))]()
+        kinds = (self.flipped, self.flipped_within, self.crafted, self.alike, self.alike, self.filled, self.cut)
+        return kinds[int(self.chance.choice(len(kinds), p=SHARES))]()
 
     def flipped(self):
         """Bytes of the whole file are others."""
@@ -99,6 +101,31 @@ class Mutations:
                 row[int(self.chance.integers(len(row)))] = self.strange(rows)
         return sealed(joined(tree, content), self.facts)
 
+    def alike(self):
+        """One value is another one of its type: what no check of types finds."""
+        tree, content = halves(self.payload)
+        rows = [*tree[1], *tree[2].values()]
+        while True:
+            row = rows[int(self.chance.integers(len(rows)))]
+            place = int(self.chance.integers(len(row)))
+            if row[0] >= -6 and place and (found := self.like(row[place], rows)) is not None:
+                row[place] = found
+                return sealed(joined(tree, content), self.facts)
+
+    def like(self, value, rows):
+        """Another value of the same type; None where there is none."""
+        if type(value) is bool:
+            return not value
+        if type(value) is int:
+            return int(self.chance.choice((0, 1, -1, 2, 7, 63, 64, 1000, 2**31 - 1, -(2**31), 2**62)))
+        if type(value) is float:
+            return float(self.chance.choice((0.0, -1.0, 1e-300, 1e300, -1e300, np.inf, -np.inf, np.nan, 1e9, 0.5)))
+        if type(value) is str:
+            return str(self.chance.choice(("", "x", "*", "a" * 4000, "now", "circle", "\x00")))
+        if isinstance(value, list) and len(value) == 1 and type(value[0]) is int:
+            return [int(self.chance.integers(-len(rows), len(rows)))]
+        return None
+
     def strange(self, rows):
         """A value that does not belong here."""
         if self.chance.random() < 0.4:
@@ -118,7 +145,7 @@ class Mutations:
             count = int(np.prod(row[2]))
             numbers = np.frombuffer(data, kind, count, place)
             place += count * kind.itemsize
-            if count and self.chance.random() < 0.05:
+            if count and self.chance.random() < 0.02:
                 numbers[self.chance.integers(count, size=1 + count // 9)] = self.chance.choice(
                     EXTREME.get(kind.kind, (0,))
                 )

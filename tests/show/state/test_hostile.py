@@ -209,11 +209,10 @@ def _danced_on(show, at):
 def test_a_file_of_snapshots_with_hostile_ones_is_read_on(tmp_path, taken):
     """Those that are whole are there all the same."""
     path = tmp_path / "night.jsonl.snap"
-    payload, facts = opened(taken[1])
+    _, facts = opened(taken[1])
     path.write_bytes(taken[1] + sealed(pickle.dumps(Calls()), facts, snapshot=1) + taken[1][:-7] + taken[1])
     problems = []
     assert len(list(read_snapshots(path, problems))) == 2
     assert len(problems) == 2
     assert "format 1" in problems[0]
     assert ran == []
-
