@@ -28,7 +28,7 @@ def made_of(cls: type[Kind], values: dict[str, Any]) -> Kind:
 
 
 @cache
-def _hints(cls: type) -> dict[str, Any]:
+def _hints(cls: Any) -> dict[str, Any]:
     hints = get_type_hints(cls)
     return {each.name: hints[each.name] for each in fields(cls)}
 

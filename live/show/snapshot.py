@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live import __version__
+from live.agents.wings.entrances import LEAVING
 from live.clock.ticks import TICK
 from live.graph.motion_graph import MotionGraph
 from live.motion.skeleton import JOINT_COUNT
@@ -54,7 +55,7 @@ SCRATCH: Final = (
     "dancers._pipeline.position", "dancers._pipeline.rotation", "dancers._pipeline.feet",
     "dancers._legs.position", "dancers._legs.rotation", "dancers._legs.feet", "dancers._bare_legs",
     "motion.elements._field._mesh", "motion.elements._field._start", "motion.elements._field._sums",
-    "motion.elements._field._near",
+    "motion.elements._field._near", "motion._advance._advance._rows", "motion._advance._advance._numbers",
 )  # fmt: skip
 """... and what is worked out before it is read."""
 
@@ -228,6 +229,7 @@ def many_of(show: Show) -> dict[str, int]:
         "aim": 2 * len(show.patch.group),
         "joint": JOINT_COUNT,
         "side": 2,
+        "presence": 1 + LEAVING,
         "gate": len(show.motion.gates),
         "fragment": 0 if bank is None else bank.legs.shape[1],
     }

@@ -1,10 +1,14 @@
 """Journals that somebody, or a disk, has changed: what is wrong is told with its line; no traceback."""
 
 import json
+import os
 
+import numpy as np
+import psutil
 import pytest
 
-from live.show.journal_reading import JournalError, read_journal
+from live.base.packed import MOST, packed, unpacked
+from live.show.journal_reading import MOST_VALUES, JournalError, read_journal
 from live.show.journal_survey import survey
 from live.show.patch_file import parse_patch
 from live.show.replay_start import ReplayError, loaded_by, loaded_of
@@ -60,3 +64,54 @@ def test_a_first_line_that_is_no_table_is_no_journal(tmp_path):
     (tmp_path / "a.jsonl").write_text("[1]\n")
     with pytest.raises(JournalError, match="line 1"):
         read_journal(tmp_path / "a.jsonl")
+
+
+ROWS = [
+    {"tick": 3, "event": {"type": "Attract", "time": 0.05, "source": "osc", "x": 1.0, "z": 0.5}},
+    {"tick": 5, "event": ["BeatHeard", 0.07, "audio", 0.06, 0.5, 0.9]},
+    {"tick": 64, "measure": 2, "hash": "0d4c161ec809ed2b"},
+    {"tick": 70, "event": {"type": "PatchChanged", "time": 1.1, "source": "patch", "patch": "{}", "version": "1"}},
+    {"tick": 80, "event": {"type": "StepsAdded", "time": 1.2, "source": "steps", "clips": "a", "library": "b"}},
+    {"tick": 90, "event": {"type": "TicksSkipped", "time": 1.4, "source": "engine", "count": 3}, "gap": 2},
+    {"tick": 200, "end": True},
+]
+MANY = int(os.environ.get("HOSTILE_JOURNALS", "400"))
+"""How many are tried; HOSTILE_JOURNALS=100000 takes some minutes."""
+
+
+def test_mutated_journals_are_read_or_refused(tmp_path):
+    """Bytes that are others, cut, doubled: what can be read is read, and what cannot is told."""
+    chance, path = np.random.default_rng(8), tmp_path / "a.jsonl"
+    whole = ("\n".join(json.dumps(row) for row in (HEAD, *ROWS)) + "\n").encode()
+    before, read = psutil.Process().memory_info().rss, 0
+    for _ in range(MANY):
+        data = bytearray(whole)
+        for place in chance.integers(len(data), size=int(chance.integers(1, 12))):
+            data[place] = chance.choice(np.frombuffer(b'0123456789[]{}",:eE-.ntxu\\\n\x00\xff', np.uint8))
+        begin, end = sorted(chance.integers(len(data), size=2).tolist())
+        path.write_bytes(bytes(data[:end] + data[begin:] if chance.random() < 0.3 else data))
+        try:
+            journal = read_journal(path)
+        except JournalError:
+            continue
+        read += 1
+        survey(journal)
+        assert all(line.tick >= 0 for line in journal.usable())
+        assert journal.last_tick >= 0
+    assert read
+    assert (psutil.Process().memory_info().rss - before) / 1e6 < 200.0
+
+
+@pytest.mark.parametrize("row", ["[" + "[]," * MOST_VALUES + "0]", '{"tick":1,"a":[' + "{}," * MOST_VALUES + "0]}"])
+def test_a_line_of_more_values_than_any_has_is_not_read_into_memory(tmp_path, row):
+    path = tmp_path / "a.jsonl"
+    path.write_text(json.dumps(HEAD) + "\n" + row + "\n")
+    found = survey(read_journal(path))
+    assert found.damaged == 1
+    assert "more values" in found.problems[0]
+
+
+@pytest.mark.parametrize("text", ["x" * (MOST + 1), "[" + "[]," * 600_000 + "0]"])
+def test_a_packed_text_that_would_take_much_memory_is_refused(text):
+    with pytest.raises(ValueError, match=r"too long|too much"):
+        unpacked(packed(text))

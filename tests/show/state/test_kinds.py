@@ -1,0 +1,203 @@
+"""Every class that a show's state holds is listed with its fields and their types, in the shows of all patches."""
+
+import tempfile
+from enum import Enum
+from pathlib import Path
+
+import pytest
+
+from live.control import events
+from live.rehearse.soak import Soak
+from live.rehearse.soak_report import Plan
+from live.show.load import LoadedShow
+from live.show.patch_file import parse_patch
+from live.show.patch_places import find_patch
+from live.show.snapshot import SnapshotError, Snapshots, at_rest, many_of, restore
+from live.show.state.checking import check_state
+from live.show.state.constants import attributes
+from live.show.state.kind import NUMBERS, type_of
+from live.show.state.kinds import BY_CLASS, BY_NAME, CONSTANT, METHODS
+from tests.show.desk_show import DESK
+from tests.show.made_show import GRAPH, PATCH
+from tests.show.state.hostile import opened
+from tests.show.test_snapshot import MADE, SCRIPT, run, taken_at
+
+WORDS = {
+    "int", "float", "bool", "str", "none", "bytes", "complex", "any", "array", "method", "event", "list", "row",
+    "tuple", "set", "frozenset", "deque", "dict", "ordered", "counter", "|", *NUMBERS,
+}  # fmt: skip
+
+
+def words_of(found):
+    yield found.word
+    for each in found.of:
+        yield from words_of(each)
+
+
+def finds_of(found):
+    yield found.finds
+    for each in found.of:
+        yield from finds_of(each)
+
+
+def test_every_word_of_a_type_is_known():
+    many = many_of(MADE.start())
+    for kind in BY_NAME.values():
+        for name, found in kind.types().items():
+            unknown = set(words_of(found)) - WORDS - set(BY_NAME) - set(CONSTANT)
+            assert not unknown, f"{kind.name}.{name}: {unknown}"
+            assert set(finds_of(found)) <= {"", *many}, f"{kind.name}.{name}"
+
+
+def test_every_kind_has_a_class_and_a_name_of_its_own_that_is_no_path():
+    assert len(BY_CLASS) == len(BY_NAME)
+    for name, kind in BY_NAME.items():
+        assert not name.startswith("live.")
+        assert kind.cls.__module__ not in name
+    assert {kind for kind, _ in METHODS} <= set(BY_NAME)
+
+
+def test_all_slots_of_a_class_are_fields():
+    for kind in BY_NAME.values():
+        if issubclass(kind.cls, Enum) or kind.cls.__dictoffset__:
+            continue
+        slots = {name for cls in kind.cls.__mro__ for name in _slots(cls)} - {"__weakref__"}
+        assert slots == {*kind.names, *kind.anew}, kind.name
+
+
+def _slots(cls):
+    slots = cls.__dict__.get("__slots__", ())
+    return (slots,) if isinstance(slots, str) else slots
+
+
+def test_types_are_read_and_said_as_they_are_written():
+    for text in ("int", "list[int|none]", "dict[str,tuple[float,float]]", "i4(node)", "row[str]|none", "tuple[]"):
+        assert str(type_of(text)) == text
+    assert type_of("f8*~").any_shape
+    assert type_of("f8*~").any_number
+    for text in ("", "[int]", "int]", "list[int", "a b"):
+        with pytest.raises((ValueError, IndexError)):
+            type_of(text)
+
+
+class Strange:
+    """What nobody has listed."""
+
+
+def test_a_class_and_a_field_that_are_not_listed_are_named():
+    show = MADE.start()
+    show.desk.master.cards["x"] = Strange()
+    with pytest.raises(SnapshotError, match="Strange is of no kind"):
+        Snapshots(show).take(0)
+    show = MADE.start()
+    show.desk.master.fresh = 1
+    with pytest.raises(SnapshotError, match="the field fresh of Master is not listed in its kind 'master'"):
+        Snapshots(show).take(0)
+
+
+def test_a_kind_that_has_another_field_now_is_named(monkeypatch):
+    show = MADE.start()
+    run(show, 1, 20)
+    _, data = taken_at(show, 20)
+    kind = BY_NAME["master"]
+    monkeypatch.setitem(BY_NAME, "master", type(kind)(kind.name, kind.cls, f"{kind.words} fresh:int"))
+    with pytest.raises(SnapshotError, match="'master' is of another version there, with other fields: fresh"):
+        restore(MADE, data)
+
+
+def test_a_snapshot_stays_readable_when_its_classes_move(monkeypatch):
+    """Neither modules nor classes are named in it."""
+    show = MADE.start()
+    run(show, 1, 60)
+    at, data = taken_at(show, 60)
+    payload, _ = opened(data)
+    assert b"live." not in payload
+    assert b"GroupMotion" not in payload
+    for kind in BY_NAME.values():
+        if not issubclass(kind.cls, Enum):
+            monkeypatch.setattr(kind.cls, "__module__", "somewhere.else")
+    assert run(restore(MADE, data), at + 1, at + 40) == run(show, at + 1, at + 40)
+
+
+def test_what_is_written_does_not_change_with_the_show():
+    """What is taken within a frame is sealed later, by another thread."""
+    show, watched = MADE.start(), MADE.start()
+    for each in (show, watched):
+        run(each, 1, 300)
+    source = Snapshots(watched)
+    taken = source.take(300)
+    then = Snapshots(show).take(300).seal()
+    run(watched, 301, 420)
+    assert source.take(420) is not None
+    assert restore(MADE, taken.seal()).state_hash() == restore(MADE, then).state_hash() == show.state_hash()
+
+
+def test_arrays_that_are_one_stay_one_and_parts_stay_parts():
+    show = MADE.start()
+    run(show, 1, 100)
+    restored = restore(MADE, taken_at(show, 100)[1])
+    state = restored.motion.state
+    assert state.position.base is state.velocity.base is state.flat
+    assert restored.motion.casting is restored.casting
+    assert restored.dancers is restored.scheduler.carrying._dancers
+    assert restored.graph is not None
+
+
+@pytest.mark.parametrize("tick", [1, 60, 150, 300, 460, 640])
+def test_what_a_show_holds_is_of_its_types(tick):
+    for loaded in (MADE, LoadedShow(Path("desk.toml"), parse_patch(PATCH + DESK, "desk.toml"), GRAPH)):
+        show = loaded.start()
+        run(show, 1, tick, SCRIPT)
+        check_state(show, "show", loaded.start(), many_of(show))
+        assert Snapshots(show).take(tick) is not None or not at_rest(show)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    "name",
+    ["first_show", "samba", "tap", "contemporary", "ballet", "formations", "pairs", "cues", "score", "partner"],
+)
+def test_the_shows_of_all_patches_hold_what_is_listed(name):
+    """A minute with twelve players who do everything, whose patch is edited meanwhile: looked at once a second."""
+    path = find_patch(None if name == "first_show" else name)
+    with tempfile.TemporaryDirectory() as folder:
+        soak = Soak(Plan(path, seed=13, hours=60.0 / 3600.0, players=12, calls=20, faults=3), Path(folder))
+        looked = _looked_at(soak)
+        soak.run()
+    assert len(looked) > 20
+    assert not soak.report.problems
+
+
+def _looked_at(soak):
+    source, looked, frame = Snapshots(soak.show), [], soak._frame
+
+    def watched():
+        frame()
+        show, now = soak.show, soak.clock.now()
+        if looked and now < looked[-1] + 1.0:
+            return
+        taken = source.take(soak.engine.ticks.index)
+        if taken is None:
+            return
+        looked.append(now)
+        listens, show.follower.on_seed = show.follower.on_seed, None
+        try:
+            check_state(show, "show", show.another(show.patch, show.graph), many_of(show))
+        finally:
+            show.follower.on_seed = listens
+
+    soak._frame = watched
+    return looked
+
+
+def test_events_are_kinds_by_the_names_that_journals_have():
+    for name, cls in events.EVENT_TYPES.items():
+        assert BY_NAME[f"event-{name}"].cls is cls
+        assert set(BY_NAME[f"event-{name}"].names) == set(attributes(cls(**_values(cls)))) - {"__weakref__"}
+
+
+def _values(cls):
+    from dataclasses import MISSING, fields
+
+    usual = {"float": 0.0, "int": 0, "str": "", "bool": False}
+    return {each.name: usual[each.type.__name__] for each in fields(cls) if each.default is MISSING}
