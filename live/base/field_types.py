@@ -16,7 +16,7 @@ def made_of(cls: type[Kind], values: dict[str, Any]) -> Kind:
 
     Sequences become tuples, texts paths, and values of fields that are dataclasses these, wherever the annotation says.
     """
-    hints = _hints(cls)
+    hints = _hints(cls)  # type: ignore[arg-type]
     unknown = sorted(map(str, set(values) - set(hints)))
     if unknown:
         raise ValueError(f"{cls.__name__}: there is no field {unknown[0]:.80}")
@@ -28,7 +28,7 @@ def made_of(cls: type[Kind], values: dict[str, Any]) -> Kind:
 
 
 @cache
-def _hints(cls: Any) -> dict[str, Any]:
+def _hints(cls: type) -> dict[str, Any]:
     hints = get_type_hints(cls)
     return {each.name: hints[each.name] for each in fields(cls)}
 

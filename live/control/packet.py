@@ -82,7 +82,7 @@ def _packed(value: object) -> Any:
 
 
 def _read(code: int, data: bytes) -> Any:
-    found = read_packet(data) if code == _OBJECT else None
+    found = read_packet(data) if code == _OBJECT else ()
     make = _makers.get(found[0]) if isinstance(found, tuple) and found and isinstance(found[0], str) else None
     if make is None:
         raise PacketError(f"extension {code} is nothing that a packet holds")

@@ -6,7 +6,7 @@ breaker is tripped: the show goes on without it until a person resets it. Each s
 """
 
 from enum import IntEnum
-from typing import Any, Final
+from typing import Final
 
 from live.control.events import EVENT_TYPES
 
@@ -97,10 +97,6 @@ class Breakers:
         """The stage that runs now, or ran when a tick ended in an error."""
         self._level: dict[int, int] = {}
         self._page: memoryview | None = None
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Without what belongs to the process."""
-        return {"why": self.why, "running": int(Stage.OUTSIDE), "_level": self._level, "_page": None}
 
     def publish(self, page: memoryview) -> None:
         """Write the number of the stage that runs into `page`, one word of 64 bits that another process reads."""

@@ -2,9 +2,9 @@
 
 from collections import OrderedDict
 from collections.abc import Sequence
-from dataclasses import InitVar, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -38,22 +38,12 @@ class NamedFormation:
     _made: "OrderedDict[int, Places]"
     half: Float64 | None = None
     """Half sizes [m] of the stage that it has to be fitted to, (2,); None: it stands as it is."""
-    counts: InitVar[tuple[int, ...]] = ()
-    """Numbers of dancers for which it is made at once."""
 
     @staticmethod
     def of(name: str, spec: FormationSpec, seed: int) -> "NamedFormation":
         """Raises PersonError if the spec gives no formation."""
         check_formation(spec)
         return NamedFormation(name, spec, seed, OrderedDict())
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """What it was made for is made again by whoever reads this."""
-        return NamedFormation, (self.name, self.spec, self.seed, OrderedDict(), self.half, tuple(self._made))
-
-    def __post_init__(self, counts: tuple[int, ...]) -> None:
-        for count in counts:
-            self.made(count)
 
     def made(self, count: int) -> Places:
         """The places for `count` dancers: made smaller, and moved, as far as a stage that shrank asks for it."""

@@ -1,7 +1,6 @@
 """New steps: a motion graph that has grown while the show runs waits here for the next measure line."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -54,9 +53,6 @@ class NewSteps:
     def stock(self, reserve: Mapping[str, StepClip]) -> None:
         """Hold these clips for events that add them, by name."""
         self._reserve = dict(reserve)
-
-    def __getstate__(self) -> dict[str, Any]:
-        return self.__dict__ | {"_offered": {}, "_reserve": {}}  # of the process, not of the show's state
 
     def offer(self, library: str, graph: MotionGraph) -> None:
         """Hold a graph ready for the event StepsAdded that names its library's hash. Thread: any."""

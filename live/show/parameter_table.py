@@ -113,9 +113,6 @@ class ParameterTable:
         self.switches = frozenset(one.first for found in self._at.values() for one in found if one.switch)
         """Places of those that cannot fade."""
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return ParameterTable, (self._groups,)  # all else follows
-
     def take_patch(self, fresh: "ParameterTable") -> None:
         """Groups may have other names in an edited patch."""
         self._groups = fresh._groups

@@ -100,10 +100,6 @@ class Reloading:
         self.spent: list[Patch] = []
         """Patches that were taken out of force, for another thread to free."""
 
-    def __getstate__(self) -> dict[str, Any]:
-        """Without what was prepared: that belongs to the process."""
-        return {**self.__dict__, "_offered": {}, "spent": []}
-
     def offer(self, prepared: Prepared) -> None:
         """Hold a patch ready for the event that names its version. Thread: any."""
         self._offered[prepared.version] = prepared

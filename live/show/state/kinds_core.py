@@ -171,7 +171,9 @@ KINDS: Final = [
         _density:f8 _numbers:f8~ _area:f8 _mesh:f4 _cosines:f4 _start:i4 _order:i4
     """),
     Kind("wants", Wants, "rows:f4 _bits:u4 _kept:u4"),
-    Kind("entrances", Entrances, "gates:row[gate] state:i1(presence) goal:f4 _gate:i4(gate) _size:tuple[float,float] _beyond:f4"),
+    Kind("entrances", Entrances, """
+        gates:row[gate] state:i1(presence) goal:f4 _gate:i4(gate) _size:tuple[float,float] _beyond:f4
+    """),
     Kind("gate", Gate, "name:str x:float z:float width:float out_x:float out_z:float"),
     Kind("stage-view", StageView, """
         joint_position:f4 joint_rotation:f4 group:i4 present:b1 element_kind:i4 element_position:f4 element_level:f4

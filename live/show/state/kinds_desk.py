@@ -7,6 +7,7 @@ from live.show.answer_pairs import Asked as AnswerPairsAsked
 from live.show.answer_pairs import Pair
 from live.show.audience import Audience
 from live.show.audience import Place as AudiencePlace
+from live.show.breakers import Breakers, Stage
 from live.show.camera_rig import CameraRig
 from live.show.chase import Chase
 from live.show.core import Show
@@ -44,7 +45,7 @@ from live.show.places import Asked as PlacesAsked
 from live.show.places import Place as PlacesPlace
 from live.show.places import Stand, Stretch
 from live.show.playhead import Playhead
-from live.show.programme import GroupProgramme, _Call
+from live.show.programme import GroupProgramme, _Before, _Call, _Place
 from live.show.prompter import Prompter
 from live.show.reactions import Reactions
 from live.show.refusals import Refusals
@@ -56,6 +57,12 @@ from live.show.seen import Seen
 from live.show.spots import Spots
 from live.show.state.kind import Kind, nothing
 from live.show.turns_and_votes import Turn, Vote
+
+
+def _outside() -> int:
+    """No stage runs between two ticks."""
+    return int(Stage.OUTSIDE)
+
 
 KINDS: Final = [
     Kind("agenda", Agenda, """
@@ -80,8 +87,9 @@ KINDS: Final = [
         variation:variation dancers:dancers answers:constant-answer-bank scheduler:scheduler interrupts:interrupts
         _controls:group-controls span:measure-span mocap:mocap desk:desk audience:audience blackout:bool
         brightness:float time:float refusals:refusals directions:directions _seen:seen _new_steps:new-steps
-        reloading:reloading
+        reloading:reloading breakers:breakers _beat:float _beats_per_tick:float
     """),
+    Kind("breakers", Breakers, "why:dict[str,str] _level:dict[int,int]", anew={"running": _outside, "_page": nothing}),
     Kind("cues", Cues, """
         _cues:row[constant-cue-section] _playhead:playhead _beats:int standby:int last:int fired:int bounced:int
         _given:list[cues.given] late_ticks_max:int _before:float _tick:float _pressed:dict[str,float] _ways:row[any]
@@ -159,12 +167,12 @@ KINDS: Final = [
     """),
     Kind("group-programme", GroupProgramme, """
         _graph:constant-motion-graph _seed:tuple[int,int] _random:bool steps:list[int] travel_step:int|none
-        _own:list[wanted] _live:list[wanted] _asked:tuple[int,int]|none _slot:int _into:int _drawn:int _drawn_left:int
-        _call:programme.call|none
-        _before:tuple[tuple[int,int]|none,int,int,int,int,programme.call|none,tuple[int,int,int]|none]|none
-        coming:row[wanted] into:int part:part|none stands:bool
+        _own:list[wanted] _live:list[wanted] _asked:tuple[int,int]|none _place:programme.place
+        _before:programme.before|none coming:row[wanted] into:int part:part|none stands:bool
     """),
+    Kind("programme.before", _Before, "asked:tuple[int,int]|none place:programme.place kept:tuple[int,int,int]|none"),
     Kind("programme.call", _Call, "step:int left:int done:int"),
+    Kind("programme.place", _Place, "drawn:int drawn_left:int slot:int into:int call:programme.call|none"),
     Kind("prompter", Prompter, """
         playhead:playhead score:score agenda:agenda mood:mood signals:counter[str] last_signal:str
         _given:list[constant-at-section] _reactions:reactions _occasions:occasions _motion:improvised-motion
