@@ -167,7 +167,8 @@ class _Reader:
         like = self._constants.scratch.get(name) if isinstance(name, str) else None
         if like is None or name in self._scratch:
             raise Unreadable(f"there is no scratch array {name!r:.80}, or it is there twice")
-        self._scratch[name] = found = np.zeros_like(like)
+        found: Array = np.zeros_like(like)
+        self._scratch[name] = found
         return found
 
     def _part(self, row: Row) -> Array:

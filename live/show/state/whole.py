@@ -62,7 +62,7 @@ def element(value: Element) -> bool:
 def surroundings(value: Surroundings) -> bool:
     """As many walls and obstacles as have a name."""
     counts = value.flat[9 * CAPACITY :].tolist()
-    return counts == [len(value.wall_names), len(value.obstacle_names)] and max(counts) <= CAPACITY
+    return bool(counts == [len(value.wall_names), len(value.obstacle_names)] and max(counts) <= CAPACITY)
 
 
 def locomotion(value: Locomotion) -> bool:
