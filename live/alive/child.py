@@ -58,7 +58,11 @@ class Child:
         self.role = role
         self.heart = Heartbeat()
         self.watch = Watchdog()
-        mine, theirs = socket.socketpair()
+        try:
+            mine, theirs = socket.socketpair()
+        except OSError:
+            self.heart.close()
+            raise
         self.wire = Wire(mine)
         self.process: Process
         try:

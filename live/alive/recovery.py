@@ -98,7 +98,8 @@ class Recovery:
                 continue
             assert following.show is not None
             self._note_measure(following.show, before)
-            return Recovered(following.show, tuple(self._lines), tuple(self._notes))
+            lines = sorted(self._lines, key=lambda line: int(json.loads(line)["tick"]))
+            return Recovered(following.show, tuple(lines), tuple(self._notes))
         raise TickFailed(following.tick, int(Stage.TICK), RuntimeError("nothing has helped"))
 
     # -- where it begins -----------------------------------------------------------------------------------------
@@ -161,7 +162,8 @@ class Recovery:
     def _trip(self, tick: int, stage: int, why: str) -> None:
         """Put a stage out of service for that tick and all after it."""
         line = line_of(tick - 1, self._tripped(stage, why, tick - 1))
-        self._told.append(json.loads(line))
+        later = next((at for at, value in enumerate(self._told) if value["tick"] >= tick), len(self._told))
+        self._told.insert(later, json.loads(line))  # one for a later tick may have been foreseen
         self._lines.append(line)
 
     def _trip_before(self, failed: TickFailed) -> None:
