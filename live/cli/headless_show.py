@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 
 from live.base.errors import PersonError
+from live.base.part_faults import FAULTS
 from live.base.stage_view import Scene, StageView
 from live.cli.headless_picture import HeadlessPicture
 from live.cli.session import Session
@@ -26,9 +27,7 @@ def play_headless(
     """Run until the seconds are over or Ctrl-C; draws only if somebody takes the picture. `picture`, `sharing`: made
     already, by who stood by; whoever made them gives them back."""
     if session.lifeline is not None:
-        session.engine.on_error = lambda error: console.print(
-            f"a frame could not be drawn: {error}", style="red", markup=False
-        )
+        session.engine.on_error = lambda error: FAULTS.note("drawing", error)
     if session.wish.record is None and not session.wish.share:
         with session.running():
             _loop(session, lambda view: None, session.wish.film_fps)

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from live.base.errors import PersonError
+from live.base.part_faults import FAULTS
 from live.control.midi_binding import Binding
 
 
@@ -34,6 +35,9 @@ class MidiKeeping:
                 write_whole(changed_learned(self._patch, learned, forgotten).encode(), path, "MIDI map")
         except (PersonError, OSError) as error:
             self._told(f"MIDI: NOT KEPT for the next show: {error}")
+        except Exception as error:
+            FAULTS.note("the keeping of what MIDI was taught", error)
+            self._told(f"MIDI: NOT KEPT for the next show: {type(error).__name__}: {error}")
         else:
             self._told(f"MIDI: kept in {path}")
 

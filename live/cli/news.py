@@ -4,6 +4,8 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import Final
 
+from live.base.part_faults import Bulkhead, keep_running, name_of
+
 PERIOD_S: Final = 1.0
 """Seconds between two looks: whoever floods the inputs fills a terminal with a line a second, no faster."""
 Words = Callable[[], str]
@@ -21,6 +23,7 @@ class News:
         self._before = [""] * (len(refusals) + len(others))
         self.refused = ""
         """The last refusal of all parts: the one whose words have changed last."""
+        self._calls = Bulkhead()
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="news", daemon=True)
 
@@ -39,7 +42,7 @@ class News:
     def look(self) -> None:
         """Look once, and say what has changed."""
         for index, words in enumerate([*self._refusals, *self._others]):
-            now, before = words(), self._before[index]
+            now, before = self._calls.call(f"what {name_of(words)} has to tell", words) or "", self._before[index]
             if now == before:
                 continue
             self._before[index] = now
@@ -50,5 +53,8 @@ class News:
                 self._say(f"refused: {now}" if refusal else now)
 
     def _run(self) -> None:
+        keep_running("the news on the terminal", self._look_on, self._ended.wait)
+
+    def _look_on(self) -> None:
         while not self._ended.wait(PERIOD_S):
             self.look()

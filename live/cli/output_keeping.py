@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from live.base.errors import PersonError
+from live.base.part_faults import FAULTS
 from live.render.outputs.output import Output
 
 
@@ -58,6 +59,9 @@ class OutputKeeping:
                 write_whole(text.encode(), path, "--venue")
         except (PersonError, OSError) as error:
             self._told(f"NOT KEPT: {error}; Enter tries again")
+        except Exception as error:
+            FAULTS.note("the keeping of outputs", error)
+            self._told(f"NOT KEPT: {type(error).__name__}: {error}; Enter tries again")
         else:
             self._told(f"kept in {path}")
 

@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Callable
 from typing import Any, Protocol
 
+from live.base.part_faults import FAULTS, Bulkhead, name_of, run_once
 from live.cli.audience_part import AudiencePart
 
 
@@ -32,6 +33,8 @@ class Parts:
 
     def __init__(self) -> None:
         self._parts: list[Part] = []
+        self.bulkhead = Bulkhead()
+        """Keeps errors of each part away from the frame and from the others."""
         self.refused: list[Callable[[], Counter[str]]] = []
         """What was refused by parts that refuse, by reason."""
         self.early: list[Callable[[], None]] = []
@@ -45,24 +48,32 @@ class Parts:
         """One more; before `start`."""
         self._parts.append(part)
 
-    def start(self) -> None:
-        """Start all of them; the first that refuses ends it."""
-        for part in self._parts:
-            part.start()
+    def start(self, *, forgiving: bool = False) -> None:
+        """Start all of them; the first that refuses ends it. `forgiving`: a show that is gone on with is not ended by a
+        part that cannot go on; it is left out, and told."""
+        for part in list(self._parts):
+            try:
+                part.start()
+            except Exception as error:
+                if not forgiving:
+                    raise
+                FAULTS.note(f"the start of {name_of(part.start)}", error)
+                self._parts.remove(part)
+                run_once(f"the end of {name_of(part.stop)}", part.stop)
 
     def before_frame(self) -> None:
         """Before each frame."""
         for take in self.early:
-            take()
+            self.bulkhead.call(f"{name_of(take)}, before a frame", take)
 
     def frame(self) -> None:
         """After each frame."""
         for part in self._parts:
-            part.frame()
+            self.bulkhead.call(name_of(part.frame), part.frame)
 
     def stop(self) -> None:
         """Stop all of them, for good: nothing is sent or played from here any more."""
         for part in self._parts:
-            part.stop()
+            run_once(f"the end of {name_of(part.stop)}", part.stop)
         self._parts.clear()
         self.early.clear()

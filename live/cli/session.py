@@ -8,6 +8,7 @@ from live.alive.heartbeat import Phase
 from live.alive.lifeline import Lifeline
 from live.base.errors import PersonError
 from live.base.inbox import Inbox
+from live.base.part_faults import FAULTS, Bulkhead, name_of, run_once
 from live.cli.audience_part import AudiencePart
 from live.cli.beside import Beside
 from live.cli.memory import resident_megabytes
@@ -84,6 +85,9 @@ class Session:
             self.engine.progress = lifeline.heart
             self.engine.gives_up = True
             show.breakers.publish(lifeline.heart.stage)
+        self.engine.bulkhead = self._calls = Bulkhead()
+        self.status.more["parts"] = FAULTS.facts
+        self.status.notes.append(FAULTS.problem)
         self.engine.outward.append(self._tell_devices)
         self.pressure = Pressure()
         """How hard it is to keep up, for whoever can draw less."""
@@ -136,7 +140,7 @@ class Session:
             self.osc.start()
             self._records.open_status(self.status)
             self._audio.start()
-            self._parts.start()
+            self._parts.start(forgiving=self._resumed is not None)
             self._records.open_journal(
                 self.engine, self.status, tempo=self._tempo, origin=self.clock.origin, begun=self._audio.begun
             )
@@ -181,16 +185,13 @@ class Session:
     def before_frame(self) -> None:
         """What other processes heard since the last frame; a frame's own time begins here."""
         self._processor_at = self.processor.now()
-        self._audio.frame()
-        self.osc.frame()
+        self._calls.call("the sound", self._audio.frame)
+        self._calls.call("the OSC port", self.osc.frame)
         self._parts.before_frame()
 
     def _stop(self, *, ended: bool) -> None:
-        self._audio.stop()
-        self._parts.stop()
-        self.osc.stop()
-        self._watch.stop()
-        self.news.stop()
+        for part in (self._audio, self._parts, self.osc, self._watch, self.news):
+            run_once(f"the end of {name_of(part.stop)}", part.stop)
         self._records.close(self.engine.ticks.index, self.clock.now(), ended=ended)
         self._records.tell()
 
@@ -201,8 +202,8 @@ class Session:
         self.status.frame_times.add(started - previous)
         self.pressure.frame(self.status.late_frames, started - previous, self.overload)
         self._parts.frame()
-        self._telling.frame(started)
-        self._records.frame(started)
+        self._calls.call("telling values", self._telling.frame, started)
+        self._calls.call("the records", self._records.frame, started)
         if self.lifeline is not None:
             self.lifeline.frame(self.engine.ticks.index)
             if self.lifeline.fenced and not self.engine.dark:

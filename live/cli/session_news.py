@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from rich.console import Console
 
+from live.base.part_faults import FAULTS
 from live.cli.news import News
 from live.cli.operators_port import OperatorsPort
 from live.show.core import Show
@@ -33,7 +34,7 @@ def session_news(
     """
     console = Console(stderr=True, highlight=False)
     refusals: list[Callable[[], str]] = [osc.refusal, lambda: show.refusals.words, *more]
-    others: list[Callable[[], str]] = [journal]
+    others: list[Callable[[], str]] = [journal, FAULTS.news]
     if listens is not None:
         others.append(lambda: _audio_problem(listens))
     if midi is not None:

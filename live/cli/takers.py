@@ -3,6 +3,7 @@
 import moderngl
 from rich.console import Console
 
+from live.base.part_faults import Bulkhead, name_of
 from live.cli.recording import LiveRecording, live_rate
 from live.cli.session import Session
 from live.cli.sharing import LiveSharing
@@ -17,6 +18,7 @@ class Takers:
         """As was wished for; PersonError if one cannot be made. `sharing`: made already, and not ended here."""
         self._lent = sharing
         wish, music, fps = session.wish, session.sound.music, live_rate(session.wish, ctx)
+        self._calls = Bulkhead()
         self._all: list[LiveRecording | LiveSharing] = []
         if wish.record is not None:
             self._all.append(LiveRecording(wish.record, ctx, size, fps, music))
@@ -34,7 +36,7 @@ class Takers:
     def frame(self, framebuffer: moderngl.Framebuffer, time: float) -> None:
         """The picture just drawn at `time` [s of the show]."""
         for each in self._all:
-            each.frame(framebuffer, time)
+            self._calls.call(name_of(each.frame), each.frame, framebuffer, time)
 
     def close(self, console: Console) -> None:
         """End them, and say what became of each."""

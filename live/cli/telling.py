@@ -4,6 +4,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Final
 
+from live.base.part_faults import Bulkhead, name_of
 from live.control.control import Plain
 from live.control.values import Changes
 from live.show.core import Show
@@ -21,6 +22,7 @@ class Telling:
     def __init__(self, show: Show, status: Status, latencies: Latencies) -> None:
         self._readable = Readable(show, status)
         self._next = 0.0
+        self._calls = Bulkhead()
         self.to: list[Callable[[Changes], None]] = []
         """Told what has another value."""
         for what in ("input", "output", "display", "projector"):
@@ -38,7 +40,7 @@ class Telling:
         changes = self._readable.changes()
         if changes:
             for tell in self.to:
-                tell(changes)
+                self._calls.call(f"{name_of(tell)}, which tells values", tell, changes)
 
 
 def _milliseconds(latencies: Latencies, what: str) -> float | None:

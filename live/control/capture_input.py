@@ -5,6 +5,7 @@ import socket
 import threading
 from typing import Any, Final
 
+from live.base.part_faults import keep_running
 from live.clock.source import Clock
 from live.control.datagrams import Datagrams
 from live.control.osc_socket import dropped_by
@@ -78,6 +79,9 @@ class CaptureInput:
         return self._lost if not self._sockets else sum(dropped_by(each) for each in self._sockets)
 
     def _run(self) -> None:
+        keep_running(f"the thread that hears {self._name}", self._receive_all, self._stopping.wait)
+
+    def _receive_all(self) -> None:
         assert self._wake is not None
         with selectors.DefaultSelector() as selector:
             for each in self._sockets:

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.errors import PersonError
+from live.base.part_faults import keep_running
 from live.clock.sample_clock import SampleClock
 from live.clock.source import Clock
 from live.clock.timeline import Timeline
@@ -171,10 +172,13 @@ class ClickOutput:
 
     def _run(self) -> None:
         try:
-            while not self._stop.wait(POLL):
-                self.turn()
+            keep_running("the click", self._turns, self._stop.wait)
         finally:
             self._close()
+
+    def _turns(self) -> None:
+        while not self._stop.wait(POLL):
+            self.turn()
 
     def turn(self) -> None:
         """One round, which never raises: where the samples are, whether the output is there. Thread: the click's."""

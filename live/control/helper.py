@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any, Final
 
+from live.base.part_faults import run_once
 from live.clock.source import Clock
 from live.control.packet import PacketError, packet_of, read_packet
 
@@ -131,9 +132,12 @@ class Helper:
             self._starting.start()
 
     def _start_again(self) -> None:
-        with contextlib.suppress(OSError):  # a system that has no room for one now is asked again
-            self._reap()
-            self.start()
+        def again() -> None:
+            with contextlib.suppress(OSError):  # a system that has no room for one now is asked again
+                self._reap()
+                self.start()
+
+        run_once(f"the restart of {self._module}", again)
 
     def stop(self) -> None:
         """End it."""

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any, Final, Literal
 
 from live.base.inbox import Inbox
+from live.base.part_faults import keep_running
 from live.clock.source import Clock
 from live.clock.timeline import Timeline, next_phase_match
 from live.control.events import ControlEvent
@@ -155,6 +156,9 @@ class LinkSession:
     # -- the thread --------------------------------------------------------------------------------------------
 
     def _run(self) -> None:
+        keep_running("Ableton Link", self._take_part, self._stop.wait)
+
+    def _take_part(self) -> None:
         self._link.enabled = True
         try:
             while not self._stop.wait(POLL):

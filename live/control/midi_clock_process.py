@@ -14,8 +14,10 @@ import subprocess
 import sys
 import threading
 import time
+from functools import partial
 from typing import Any, Final
 
+from live.base.part_faults import keep_running, run_once
 from live.clock.source import Clock, SystemClock
 from live.clock.timeline import Timeline
 from live.control.midi_clock_out import MidiClockOut
@@ -63,7 +65,8 @@ class MidiClockProcess:
         os.set_blocking(self._process.stdin.fileno(), False)
         self._told = None
         self._started_at = self._clock.now()
-        threading.Thread(target=self._read, args=(self._process,), name="midi clock out", daemon=True).start()
+        reading = partial(run_once, "the reader of the MIDI clock's figures", partial(self._read, self._process))
+        threading.Thread(target=reading, name="midi clock out", daemon=True).start()
 
     def follow(self, timeline: Timeline) -> None:
         """From now on pulses fall as this Timeline says; a process that has ended is started again."""
@@ -123,6 +126,9 @@ def main(name: str, origin: float) -> None:
     ended = threading.Event()
 
     def tell() -> None:
+        keep_running("the MIDI clock's figures", say, ended.wait)
+
+    def say() -> None:
         while not ended.wait(FIGURES_EVERY):
             with contextlib.suppress(OSError):  # the show has gone
                 print(json.dumps(sends.facts()), flush=True)

@@ -4,6 +4,7 @@ import threading
 from collections.abc import Callable
 from typing import Any, Final
 
+from live.base.part_faults import keep_running
 from live.control.midi_streams import Port
 
 RETRY: Final = 2.0
@@ -37,7 +38,7 @@ class PortThread:
     def start(self) -> None:
         """Begin; a port that is not there is waited for."""
         self._stop.clear()
-        self._thread = threading.Thread(target=self._run, name=f"{self._what} {self.name}", daemon=True)
+        self._thread = threading.Thread(target=self._keep_running, name=f"{self._what} {self.name}", daemon=True)
         self._thread.start()
 
     def stop(self) -> None:
@@ -50,6 +51,9 @@ class PortThread:
     def facts(self) -> dict[str, Any]:
         """For the status line."""
         return {"port": self.connected or self.name, "problem": self.problem}
+
+    def _keep_running(self) -> None:
+        keep_running(f"{self._what} {self.name}", self._run, self._stop.wait)
 
     def _run(self) -> None:
         """Work until `_stop`, and `_close` in the end whatever happens."""

@@ -14,6 +14,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Final, Literal, Protocol
 
+from live.base.part_faults import keep_running
 from live.control.midi_tokens import MidiTokens
 
 Direction = Literal["input", "output"]
@@ -143,6 +144,10 @@ class StreamPort:
         self._senders[number] = _Sender(number, connection)
 
     def _run(self, receive: Receive) -> None:
+        keep_running(f"MIDI at {self.name}", lambda: self._hear(receive), self._stop.wait)
+        self.there = False
+
+    def _hear(self, receive: Receive) -> None:
         while not self._stop.is_set():
             now = time.monotonic()
             ready = [number for number, sender in self._senders.items() if sender.may_read(now)]
@@ -161,7 +166,6 @@ class StreamPort:
                     self.rejected += sender.tokens.rejected
             if self._listener is None and not self._senders:
                 break
-        self.there = False
 
     def _accept(self) -> None:
         assert self._listener is not None

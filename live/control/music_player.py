@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.inbox import Inbox
+from live.base.part_faults import keep_running
 from live.clock.sample_clock import SampleClock
 from live.clock.source import Clock
 from live.control.audio_analysis import AudioAnalysis, MakeAnalysis
@@ -189,12 +190,15 @@ class MusicPlayer:
 
     def _run(self) -> None:
         try:
-            while not self._stop.wait(POLL):
-                now = self._clock.now()
-                self._follow_output(now)
-                self._analyse_safely(now)
+            keep_running("the music's player", self._turns, self._stop.wait)
         finally:
             self._close()
+
+    def _turns(self) -> None:
+        while not self._stop.wait(POLL):
+            now = self._clock.now()
+            self._follow_output(now)
+            self._analyse_safely(now)
 
     def _close(self) -> None:
         if self._stream is not None:

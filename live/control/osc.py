@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterable
 from typing import Any, Final
 
 from live.base.lane import Lane
+from live.base.part_faults import keep_running
 from live.clock.source import Clock
 from live.control.control import Role
 from live.control.datagrams import AT_A_TIME, Datagrams
@@ -182,6 +183,9 @@ class OscInput:
             self._moved.extend(changes)
 
     def _run(self) -> None:
+        keep_running("the thread that hears OSC", self._receive, self._stopping.wait)
+
+    def _receive(self) -> None:
         assert self._socket is not None
         assert self._wake is not None
         datagrams = Datagrams(self._socket, MAX_PACKET_BYTES)

@@ -5,7 +5,6 @@ other sites are refused (Origin and Host are checked).
 """
 
 import asyncio
-import contextlib
 import ipaddress
 import json
 import socket
@@ -15,6 +14,7 @@ from typing import Any, Final
 
 from aiohttp import WSMsgType, web
 
+from live.base.part_faults import FAULTS
 from live.control.helper import Told
 from live.control.http_guard import (
     HEARTBEAT,
@@ -28,6 +28,7 @@ from live.control.mdns import Announcement, service_host
 from live.control.osc_encode import bundles, encode
 from live.control.oscquery import Namespace, host_info
 from live.control.registry import REGISTRY
+from live.control.task_guard import keep_task
 from live.control.values import READABLE, Rows, Values
 
 MOST_CLIENTS: Final = 32
@@ -93,7 +94,7 @@ class Server:
         asyncio.get_running_loop().add_reader(self._told.socket, self._hear)
         announcement = Announcement(self._name, self._http, self._osc[1])
         self._problem = await announcement.begin()
-        tasks = [asyncio.create_task(self._stream()), asyncio.create_task(self._say())]
+        tasks = [keep_task("streaming of OSCQuery", self._stream), keep_task("the figures of OSCQuery", self._say)]
         await self._over.wait()
         for task in tasks:
             task.cancel()
@@ -179,8 +180,13 @@ class Server:
             await asyncio.sleep(EVERY)
             for listener in list(self._listeners):
                 if listener.due:
-                    with contextlib.suppress(ConnectionError, RuntimeError):
+                    try:
                         await listener.tell(self.values)
+                    except (ConnectionError, RuntimeError):  # it has gone
+                        pass
+                    except Exception as error:  # one that cannot be told anything is not told anything
+                        FAULTS.note("telling one listener", error)
+                        self._listeners.discard(listener)
 
     async def _say(self) -> None:
         while True:

@@ -4,6 +4,7 @@ import threading
 from collections.abc import Callable
 from typing import Final
 
+from live.base.part_faults import keep_running
 from live.clock.source import Clock
 
 POLL: Final = 0.010
@@ -52,10 +53,13 @@ class Rounds:
             self.thread = None
 
     def _run(self, mine: threading.Event) -> None:
-        try:
+        def rounds() -> None:
             while not mine.wait(POLL):
                 self.round_at = self._clock.now()
                 self._turn()
+
+        try:
+            keep_running(self._name, rounds, mine.wait)
         finally:
             if mine is self.mine:
                 self._end()

@@ -8,6 +8,7 @@ import threading
 import time
 from typing import Final
 
+from live.base.part_faults import keep_running
 from live.control.midi_streams import RTP, Direction, Receive, address_of
 from live.control.osc_subscribers import is_near
 from live.control.rtp_midi import RtpMidi
@@ -67,6 +68,10 @@ class RtpPort:
         self.there = False
 
     def _run(self, receive: Receive) -> None:
+        keep_running(f"MIDI at {self.name}", lambda: self._hear(receive), self._stop.wait)
+        self.there = False
+
+    def _hear(self, receive: Receive) -> None:
         control, data = self._sockets
         while not self._stop.is_set():
             try:
@@ -77,7 +82,6 @@ class RtpPort:
                 for _ in range(AT_ONCE):
                     if not self._read(sock, receive, control=sock is control):
                         break
-        self.there = False
 
     def _read(self, sock: socket.socket, receive: Receive, *, control: bool) -> bool:
         """Read one datagram, if there is one."""

@@ -9,6 +9,7 @@ from types import ModuleType
 from typing import Any, Final
 
 from live.base.errors import PersonError
+from live.base.part_faults import run_once
 
 ANSWERS_WITHIN: Final = 5.0
 """Seconds after which the sound system, asked by somebody else, counts as hung."""
@@ -158,7 +159,11 @@ def open_stream(kind: str, **options: Any) -> Any:
 
 def close_stream(stream: Any) -> None:
     """Stop and close a stream of `open_stream`, dead or alive; one that hangs is left behind. Thread: any."""
-    closing = threading.Thread(target=_close, args=(stream,), name="closes a sound device", daemon=True)
+    closing = threading.Thread(
+        target=lambda: run_once("closing a sound device", lambda: _close(stream)),
+        name="closes a sound device",
+        daemon=True,
+    )
     closing.start()
     closing.join(CLOSES_WITHIN)
 

@@ -7,7 +7,6 @@ or where a browser opens the WebSocket, the subprotocols `live.operator, live.ke
 """
 
 import asyncio
-import contextlib
 import json
 import secrets
 import socket
@@ -18,6 +17,7 @@ from typing import Final
 
 from aiohttp import WSMsgType, web
 
+from live.base.part_faults import FAULTS
 from live.control.control import Plain
 from live.control.helper import Told
 from live.control.http_guard import (
@@ -34,6 +34,7 @@ from live.control.osc_encode import encode
 from live.control.readings import READINGS
 from live.control.registry import REGISTRY
 from live.control.rejections import Rejection
+from live.control.task_guard import keep_task
 from live.control.values import READABLE, Values
 
 PAGE: Final = Path(__file__).with_name("web_page.html")
@@ -99,7 +100,7 @@ class WebServer:
         """Serve until the show has gone."""
         runner = await serve(self._server, self._socket)
         asyncio.get_running_loop().add_reader(self._told.socket, self._hear)
-        tasks = [asyncio.create_task(self._stream()), asyncio.create_task(self._say())]
+        tasks = [keep_task("telling pages", self._stream), keep_task("the page's figures", self._say)]
         await self._over.wait()
         for task in tasks:
             task.cancel()
@@ -196,8 +197,13 @@ class WebServer:
             await asyncio.sleep(EVERY)
             for client in list(self._clients):
                 if client.due:
-                    with contextlib.suppress(ConnectionError, RuntimeError):
+                    try:
                         await self._tell(client)
+                    except (ConnectionError, RuntimeError):  # it has gone
+                        pass
+                    except Exception as error:  # one that cannot be told anything is not told anything
+                        FAULTS.note("telling one client", error)
+                        self._clients.discard(client)
 
     async def _tell(self, client: Client) -> None:
         """Send what has changed: of a value that groups have each their own the first; of named ones each."""

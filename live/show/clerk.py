@@ -5,6 +5,8 @@ import queue
 import threading
 from typing import Generic, TypeVar
 
+from live.base.part_faults import FAULTS
+
 Item = TypeVar("Item")
 
 
@@ -63,6 +65,9 @@ class Clerk(Generic[Item]):
                 self._write(item)
             except OSError:
                 self.dropped += 1
+            except Exception as error:  # one thing that cannot be written must not be the last one
+                self.dropped += 1
+                FAULTS.note(f"the writer of the {self._thread.name}", error)
         try:
             self._finish()
         except OSError:

@@ -1,10 +1,11 @@
 """Engine: the frame loop's body. Live and offline differ only in the clock and in who calls `frame`."""
 
 from collections.abc import Callable, Iterable
-from typing import Protocol
+from typing import Any, Protocol, TypeVar
 
 from live.base.allowance import Allowance
 from live.base.inbox import Inbox
+from live.base.part_faults import Bulkhead, name_of
 from live.base.stage_view import StageView
 from live.clock.source import Clock
 from live.clock.ticks import STALL, TICK, Ticks
@@ -42,6 +43,7 @@ FROM_SOURCES = (TicksSkipped, BeatHeard, SourceChanged, MusicHeard, NotesHeard, 
 _MEASURED = (BeatHeard, MusicHeard, NotesHeard, MocapFrame, TrackerMoved)
 """Events whose numbers a device has measured, or not."""
 
+Result = TypeVar("Result")
 Picture = Callable[[StageView], None]
 """Whatever draws a snapshot: the renderer on its target, or nothing at all."""
 
@@ -106,6 +108,9 @@ class Engine:
         """Whether the operator's guides are drawn: agents, predictions, held feet."""
         self.forgiving = False
         """Whether an event that ends in an error is refused, as by who replays or goes on; else the error is raised."""
+        self.bulkhead: Bulkhead | None = None
+        """Keeps errors of devices and others that are told or asked away from the show; None (in tests and offline):
+        they are raised."""
         self.failed = 0
         """Events that ended in an error, since the start."""
         self.progress: Progress | None = None
@@ -139,7 +144,7 @@ class Engine:
         if self.show.patch is not self._patch:
             self._patch = self.show.patch
             for tell in self.patched:
-                tell(self._patch)
+                self._call(tell, self._patch)
         self.mark("simulation")
         self._fill(max(target, self.ticks.time), now)
         self.mark("poses")
@@ -152,8 +157,8 @@ class Engine:
             self.show.fill(self.view, time)
             self.view.guide_count = 0
             if self.guides:
-                draw_guides(self.show, self.view)
-            self.view.overlay = self._status.overlay(now) if self.overlay else ()
+                self._call(draw_guides, self.show, self.view)
+            self.view.overlay = (self._call(self._status.overlay, now) or ()) if self.overlay else ()
         except Exception as error:
             self._fail(error)
         if self.dark:
@@ -195,7 +200,11 @@ class Engine:
         if acted and not isinstance(event, FROM_SOURCES):
             self._status.events_accepted += 1
         for told in self.outward:
-            told(event)
+            self._call(told, event)
+
+    def _call(self, act: Callable[..., Result], *arguments: Any) -> Result | None:
+        """Call what is beside the show."""
+        return act(*arguments) if self.bulkhead is None else self.bulkhead.call(name_of(act), act, *arguments)
 
     def _run_ticks(self, now: float, target: float) -> None:
         lost = self.ticks.stalled(target)
@@ -217,5 +226,9 @@ class Engine:
                     self.journal.measure(self.ticks.index, self.show.span.number + 1, self.show.state_hash())
                 self.journal.keep(self.show, self.ticks.index, begins=crossed)
             for tell in self.timed:
-                for event in tell(time + TICK):
+                for event in self._call(_all_of, tell, time + TICK) or ():
                     self.apply(event)
+
+
+def _all_of(tell: Callable[[float], Iterable[ControlEvent]], until: float) -> list[ControlEvent]:
+    return list(tell(until))

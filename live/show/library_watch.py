@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from live.base.errors import PersonError
+from live.base.part_faults import FAULTS, keep_running
 from live.control.events import ControlEvent, StepsAdded, StepsChanged
 from live.graph.insertion import insert_clips
 from live.graph.motion_graph import MotionGraph
@@ -73,6 +74,9 @@ class LibraryWatch:
             self._thread.join(timeout=10.0)
 
     def _run(self) -> None:
+        keep_running("the watch of the steps", self._watch, self._ended.wait)
+
+    def _watch(self) -> None:
         while not self._ended.wait(POLL_S):
             self.look()
 
@@ -95,6 +99,10 @@ class LibraryWatch:
                 return self._take(clips)
         except (PersonError, UnknownStep, ValueError, OSError) as error:
             self.problem = f"new steps: {error}"
+            return False
+        except Exception as error:  # the program's own fault: the watch goes on, and whoever added them is told
+            FAULTS.note("the reader of new steps", error)
+            self.problem = f"new steps: they cannot be read ({type(error).__name__}: {error})"
             return False
 
     def _take(self, clips: list[StepClip]) -> bool:

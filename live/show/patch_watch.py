@@ -12,6 +12,7 @@ from typing import Any, Final
 
 from live.base.errors import PersonError
 from live.base.packed import packed
+from live.base.part_faults import FAULTS, keep_running
 from live.control.events import ControlEvent, PatchChanged
 from live.graph.motion_graph import MotionGraph
 from live.render.pass_trial import try_passes
@@ -88,6 +89,9 @@ class PatchWatch:
         return {"version": self.version, "problem": self.problem, "waits": list(self.waits)}
 
     def _run(self) -> None:
+        keep_running("the watch of the patch", self._watch, self._ended.wait)
+
+    def _watch(self) -> None:
         turn = 0
         while not self._ended.wait(POLL_S):
             turn += 1
@@ -116,6 +120,10 @@ class PatchWatch:
                 return self._read()
         except (PersonError, OSError) as error:
             self.problem = f"patch: {error}; the last good one goes on"
+            return False
+        except Exception as error:  # the program's own fault: the watch goes on, and whoever saved it is told
+            FAULTS.note("the reader of the patch", error)
+            self.problem = f"patch: it cannot be taken ({type(error).__name__}: {error}); the last good one goes on"
             return False
 
     def _read(self) -> bool:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from live.base.part_faults import Bulkhead, name_of
 from live.clock.follow import TimelineFollower
 from live.show.choices import why_in_words
 from live.show.core import Show
@@ -81,6 +82,7 @@ class Status:
         """What other parts have to say, by its key in the snapshot."""
         self.tool = ""
         """What the pointer places, for the overlay; empty until the operator chose."""
+        self._calls = Bulkhead()
         self.notes: list[Callable[[], str]] = []
         """What is wrong now, for the overlay: a line of words from each, or nothing."""
         self.faults = 0
@@ -141,7 +143,7 @@ class Status:
             **show.prompter.facts(),
             "agenda": show.prompter.agenda.figures(),
             **show.desk.facts(show.danced),
-            **{key: tell() for key, tell in self.more.items()},
+            **{key: self._calls.call(f"the figures of {key}", tell) for key, tell in self.more.items()},
         }
 
     def overlay(self, time: float) -> tuple[str, ...]:
@@ -169,7 +171,7 @@ class Status:
         more = (*more, f"pointer: {self.tool}") if self.tool else more
         record = [f"{name}: {told['record']}" for name, told in s["behind"].items() if told["record"]]
         more = (*more, *record[:1], *(why_in_words(s["why"]) if s["why"] else ()))
-        more = (*more, *(note for tell in self.notes if (note := tell())))
+        more = (*more, *(note for tell in self.notes if (note := self._calls.call(name_of(tell), tell))))
         return (*lines, *more, f"last refused: {refusal}") if refusal else (*lines, *more)
 
 

@@ -6,6 +6,7 @@ import pytest
 
 from live.base.allowance import FLOODED_PER_SECOND
 from live.base.inbox import Inbox
+from live.base.part_faults import Bulkhead, PartFaults
 from live.clock.source import ManualClock
 from live.clock.ticks import TICK
 from live.control.events import Attract, Blackout, CallStep, SetPicture
@@ -160,3 +161,45 @@ def test_a_picture_shows_the_moment_at_which_it_will_be_seen(lead):
     clock.advance(0.021)
     engine.frame(nothing)
     assert engine.view.time == pytest.approx(clock.now() + lead + 0.05)
+
+
+def test_errors_of_what_is_beside_the_show_end_no_frame_and_change_no_state():
+    """Devices that are told events or the patch, files that are asked what happens next, figures for the overlay."""
+    engine, clock, inbox, status = made_engine()
+    plain, plain_clock, plain_inbox, _ = made_engine()
+    engine.bulkhead = Bulkhead(faults := PartFaults())
+    told = []
+
+    def fails(*values):
+        raise IndexError("made by a test")
+
+    def fails_late(time):
+        yield from ()
+        fails()
+
+    for row in (engine.outward, engine.timed, engine.patched):
+        row.append(fails)
+    engine.timed.append(fails_late)
+    engine.outward.append(told.append)
+    engine.overlay = engine.guides = True
+    status.notes.append(fails)
+    status.more["made"] = fails
+    for frame in range(1, 60):
+        for inbox_of in (inbox, plain_inbox):
+            if frame == 20:
+                inbox_of.put(Blackout(time=frame / 30, source="test", on=True))
+        for clock_of, one in ((clock, engine), (plain_clock, plain)):
+            clock_of.set(frame / 30)
+            one.frame(nothing)
+    assert len(told) == 1
+    assert engine.show.state_hash() == plain.show.state_hash()
+    assert faults.total >= 5
+    assert status.snapshot(2.0)["made"] is None
+
+
+def test_offline_and_in_tests_an_error_of_what_is_beside_the_show_is_raised():
+    engine, clock, _, _ = made_engine()
+    engine.timed.append(lambda time: [][1])
+    clock.set(0.1)
+    with pytest.raises(IndexError):
+        engine.frame(nothing)

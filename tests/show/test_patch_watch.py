@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from live.base.part_faults import FAULTS
 from live.base.picture import LEVEL
 from live.control import events
 from live.control.events import GiveCue, PatchChanged
@@ -349,3 +350,21 @@ values = [0.7, "*"]
     assert show.desk.parameters.picture[LEVEL] == pytest.approx(0.9, abs=0.02)
     assert show.refusals.words == ""
     assert night.replayed().differences == ()
+
+
+def test_a_fault_of_the_program_while_it_reads_an_edit_is_told_and_the_next_edit_is_taken(patch, monkeypatch):
+    night = Night(patch)
+    night.run(2.5)
+    counted = FAULTS.total
+
+    def fails(path):
+        raise IndexError("made by a test")
+
+    with monkeypatch.context() as broken:
+        broken.setattr("live.show.patch_watch.read_sources", fails)
+        assert not night.edit('["groove"]', '["side step"]')
+    assert FAULTS.total == counted + 1
+    assert "IndexError" in night.watch.problem
+    assert "the last good one goes on" in night.watch.problem
+    assert night.edit(more="[motion]\nhead = 0.5\n")
+    assert night.watch.problem == ""

@@ -25,6 +25,7 @@ from live.control.audience.teller import Teller
 from live.control.audience.tls import server_context
 from live.control.helper import Told
 from live.control.packet import packet_of
+from live.control.task_guard import guarded, keep_task
 
 SAY_EVERY: Final = 0.5
 RULES_WITHIN: Final = 1.0
@@ -86,7 +87,7 @@ class Gateway:
     def _clock(self) -> None:
         """A timer that gathers when nobody else does."""
         if self.hall.now() >= self.hall.due:
-            self.gather()
+            guarded("gathering voices", self.gather)()
         asyncio.get_running_loop().call_later(max(self.hall.due - self.hall.now(), 0.001), self._clock)
 
     def _send(self, packet: tuple[Any, ...]) -> bool:
@@ -139,7 +140,11 @@ class Gateway:
             handler, sock=listening, ssl=tls, backlog=1024, ssl_handshake_timeout=None if tls is None else HELLO_WITHIN,
             ssl_shutdown_timeout=None if tls is None else PARTS_WITHIN,
         )  # fmt: skip
-        tasks = [asyncio.create_task(task) for task in (self._teller.run(), self._teller.lights(), self.say(runner))]
+        tasks = [
+            keep_task("telling phones", self._teller.run),
+            keep_task("the phones' lights", self._teller.lights),
+            keep_task("the gateway's figures", lambda: self.say(runner)),
+        ]
         self._clock()
         await self._over.wait()
         for task in tasks:

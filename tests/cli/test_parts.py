@@ -1,0 +1,78 @@
+"""Parts beside a show: an error of one, when it starts, in a frame or when it ends, is its own."""
+
+import pytest
+
+from live.base.part_faults import FAULTS
+from live.cli.parts import Parts
+
+
+class Device:
+    """A part that fails where it is told to."""
+
+    def __init__(self, *fails):
+        self.fails, self.done = fails, []
+
+    def _do(self, what):
+        self.done.append(what)
+        if what in self.fails:
+            raise IndexError(f"made by a test: {what}")
+
+    def start(self):
+        self._do("start")
+
+    def stop(self):
+        self._do("stop")
+
+    def frame(self):
+        self._do("frame")
+
+    def early(self):
+        self._do("early")
+
+    def status(self):
+        return {}
+
+
+class Lamp(Device):
+    """Another one, so that it has another name."""
+
+
+@pytest.fixture
+def parts():
+    made = Parts()
+    made.bad, made.good = Device("frame", "early", "stop"), Lamp()
+    for part in (made.bad, made.good):
+        made.add(part)
+        made.early.append(part.early)
+    return made
+
+
+def test_a_part_that_fails_in_each_frame_is_left_out_and_the_others_are_not(parts):
+    before = FAULTS.total
+    for _ in range(300):
+        parts.before_frame()
+        parts.frame()
+    assert parts.good.done.count("frame") == parts.good.done.count("early") == 300
+    assert 3 <= parts.bad.done.count("frame") < 10
+    assert FAULTS.total - before == parts.bad.done.count("frame") + parts.bad.done.count("early")
+    assert "device" in FAULTS.problem()
+
+
+def test_one_that_cannot_end_keeps_nobody_else_from_it(parts):
+    parts.stop()
+    assert parts.good.done == ["stop"]
+
+
+def test_one_that_cannot_start_ends_a_start_but_not_a_show_that_is_gone_on_with():
+    for forgiving in (False, True):
+        parts, bad, good = Parts(), Device("start"), Lamp()
+        parts.add(bad)
+        parts.add(good)
+        if not forgiving:
+            with pytest.raises(IndexError):
+                parts.start()
+            continue
+        parts.start(forgiving=True)
+        parts.frame()
+        assert bad.done == ["start", "stop"]
+        assert good.done == ["start", "frame"]
