@@ -37,10 +37,16 @@ format: ## put every file into the project's form
 	$(BIN)/ruff format
 	$(BIN)/ruff check --fix
 
-soak: ## a long show with all that may happen to it (ARGS="--hours 24 --seed 3")
+soak: ## some minutes of all that may happen to a show, and of chaos (ARGS="--hours 24 --seed 3": that instead)
 	@tools/setup.sh test
 	@$(BIN)/python -m pytest -m soak || { [ $$? -eq 5 ] && echo "no soak tests here"; }
+ifeq ($(strip $(ARGS)),)
+	@$(BIN)/live soak contemporary --minutes 10 --faults 6 --players 24
+	@$(BIN)/live soak contemporary --chaos --virtual --minutes 30 --sites 12
+	@$(BIN)/live soak first_show --chaos --minutes 2
+else
 	@$(BIN)/live soak $(ARGS)
+endif
 
 clean: ## remove .venv, caches and films made by `make play`
 	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache out first-show.mp4

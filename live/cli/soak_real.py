@@ -10,12 +10,14 @@ from typing import Any, Final
 import numpy as np
 from rich.console import Console
 
+from live.base.part_faults import FAULTS
 from live.cli.session import Session
 from live.cli.session_sound import Sound
 from live.cli.wish import Wish
 from live.control.events import ControlEvent
 from live.rehearse.band import FakeBand
 from live.rehearse.edits import Edits
+from live.rehearse.failure import Failure
 from live.rehearse.faults import Fault, faults
 from live.rehearse.players import FakePlayers
 from live.rehearse.sending import Outlet, Timed, packet_of, packets, send_all
@@ -76,7 +78,7 @@ def soak_real(plan: Plan, folder: Path, console: Console) -> tuple[Report, Path]
         fps=plan.fps,
     )  # fmt: skip
     session = Session(wish, wish.load(), Sound())
-    report, figures = Report(plan), Figures()
+    report, figures, failed = Report(plan), Figures(), dict(FAULTS.counts)
     with session.running():
         people = _People(session, plan, edits, report)
         people.start()
@@ -85,7 +87,7 @@ def soak_real(plan: Plan, folder: Path, console: Console) -> tuple[Report, Path]
         finally:
             people.stop()
     report.seconds = report.took = session.clock.now()
-    _sum_up(session, report, figures, edits)
+    _sum_up(session, report, figures, edits, failed)
     return report, journal
 
 
@@ -108,7 +110,7 @@ def _loop(session: Session, plan: Plan, figures: Figures) -> None:
     figures.close(previous, pacer.late, memory())
 
 
-def _sum_up(session: Session, report: Report, figures: Figures, edits: Edits) -> None:
+def _sum_up(session: Session, report: Report, figures: Figures, edits: Edits, faults: dict[str, int]) -> None:
     status = session.status
     report.status = status.snapshot(session.clock.now())
     report.measures = session.show.span.number
@@ -126,6 +128,7 @@ def _sum_up(session: Session, report: Report, figures: Figures, edits: Edits) ->
         report.problems.append(f"{status.faults} frames could not be drawn")
     if report.journal.get("dropped"):
         report.problems.append(f"{report.journal['dropped']} lines of the journal were dropped")
+    report.problems += FAULTS.since(faults)
     report.count = len(report.problems)
 
 
@@ -164,7 +167,10 @@ class _People:
             (self._keyed(self._band.events()), self._hear),
             (self._keyed(self._faults), self._do),
         ]
-        send_all(streams, now=self._session.clock.now, wait=self._ended.wait, until=self._until)
+        try:
+            send_all(streams, now=self._session.clock.now, wait=self._ended.wait, until=self._until)
+        except Exception as error:  # a report has to come
+            self._report.fail(Failure.of(error), "the people of the soak end: ")
 
     def _keyed(self, things: Iterator[Any]) -> Iterator[Timed]:
         """Things with times, as what `send_all` sends: each under a key."""

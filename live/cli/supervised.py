@@ -29,6 +29,8 @@ WISHED: Final = tuple(128 + number for number in (signal.SIGHUP, signal.SIGINT, 
 """Exit codes of shows that a signal ended."""
 PORT: Final = 9020
 """Where a machine that leads is found, if nothing else is said."""
+ENGINE: Final = ["live.cli.engine_process"]
+"""The module that is an engine, and its first arguments."""
 SHARE: Final = 0.6
 """Share of the machine's memory that an engine may come to need."""
 
@@ -88,7 +90,7 @@ def supervise(played: Played, *, lead: str | None, standby: str | None, service:
     python = [sys.executable, "-m"]
     silent = played.wish.audio is None and (played.wish.bpm is not None or played.wish.practises)
     orders = Orders(
-        engine=[*python, "live.cli.engine_process"],
+        engine=[*python, *ENGINE],
         show=played.packed() if adoption is None else adoption.show,
         audio=[] if silent else [*python, "live.cli.audio_process"],
         guard=() if played.headless else [*python, "live.cli.guard_process"],

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from live.rehearse.failure import Failure
 from live.show.journal_reading import JournalError, read_journal
 from live.show.replay import ReplayError, run_from
 from live.show.replay_start import first_start, loaded_by, start_before
@@ -18,7 +19,8 @@ STRETCH = 24
 def prove(path: Path, *, seed: int = 0, stretches: int = 3, whole: bool = True) -> dict[str, Any]:
     """Replay a journal: the `whole` of it, and so many stretches from the snapshot before a measure drawn by `seed`.
 
-    Counts of measures compared and different, the first differences (measure, tick, then, now), problems in words.
+    Counts of measures compared and different, the first differences (measure, tick, then, now), problems in words: a
+    replay that ends in an exception is one, too, for a report has to come whatever happens.
     """
     begin = _time.perf_counter()
     facts: dict[str, Any] = {"measures": 0, "different": 0, "differences": [], "problems": [], "stretches": 0}
@@ -39,6 +41,10 @@ def prove(path: Path, *, seed: int = 0, stretches: int = 3, whole: bool = True) 
             facts["stretches"] += 1
     except (JournalError, ReplayError) as error:
         problems.append(str(error))
+    except Exception as error:  # the replay meets what ended the show: that is what the report is for
+        failure = Failure.of(error)
+        problems.append(f"the replay ends in an exception: {failure}")
+        facts["failure"] = failure.facts()
     facts["took"] = _time.perf_counter() - begin
     return facts
 

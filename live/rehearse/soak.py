@@ -7,7 +7,6 @@ moved by hand, and frames are drawn nowhere.
 import gc
 import json
 import time as _time
-import traceback
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Final
@@ -16,11 +15,13 @@ import numpy as np
 import psutil
 
 from live.base.inbox import Inbox
+from live.base.part_faults import FAULTS
 from live.clock.source import ManualClock
 from live.control.events import BeatHeard, ControlEvent, MusicHeard
 from live.control.registry import REGISTRY
 from live.rehearse.band import FakeBand
 from live.rehearse.edits import Edits
+from live.rehearse.failure import Failure
 from live.rehearse.faults import Fault, faults
 from live.rehearse.mishaps import Mishaps
 from live.rehearse.players import Call, FakePlayers
@@ -28,6 +29,7 @@ from live.rehearse.soak_report import Plan, Report
 from live.rehearse.watching import Watching
 from live.rehearse.words import Words
 from live.show.engine import Engine
+from live.show.journal import JournalSink
 from live.show.load import LoadedShow, load_show
 from live.show.patch_watch import PatchWatch
 from live.show.status import Status
@@ -40,8 +42,9 @@ MEMORY_EVERY: Final = 60.0
 class Soak:
     """One run."""
 
-    def __init__(self, plan: Plan, folder: Path) -> None:
-        """`folder`: where the copy of the patch and the journal go. PersonError for a patch that does not start."""
+    def __init__(self, plan: Plan, folder: Path, *, sink: JournalSink | None = None) -> None:
+        """`folder`: where the copy of the patch and the journal go; `sink`: who writes the journal there. PersonError
+        for a patch that does not start."""
         self.plan = plan
         self._chance = np.random.default_rng([plan.seed, SALT])
         self.edits = Edits(plan.patch, folder / "patch", plan.seed)
@@ -55,7 +58,7 @@ class Soak:
         self.status = Status(self.show, rejected=lambda: self._rejected, memory=self._memory)  # type: ignore[arg-type,return-value]
         self.journal_path = folder / "journal.jsonl"
         header = self.loaded.header(self.show, tempo=None)
-        self.journal = Watching(self.journal_path, header)
+        self.journal = Watching(self.journal_path, header, sink=sink)
         self.journal.prepare(self.show)
         self.engine = Engine(self.show, clock=self.clock, inbox=self.inbox, status=self.status, journal=self.journal)
         self.watch = PatchWatch(self.loaded, self.show, post=self.inbox.put, now=self.clock.now)
@@ -77,16 +80,25 @@ class Soak:
             band=self.band, beats_per_measure=beats, chance=self._chance,
         )  # fmt: skip
         self._look = 0.0
+        self._failed_before = dict(FAULTS.counts)
+        self.between: Callable[[], None] = lambda: None
+        """Done before each frame."""
+        self.until: Callable[[], bool] = lambda: False
+        """Whether the run may end before its time."""
+        self.failure: Failure | None = None
+        """What ended the run before its time."""
 
     def run(self, tell: Callable[[float, Report], None] | None = None) -> Report:
-        """Run it all; `tell` hears of it once a minute of the show. An exception is noted, and ends the run."""
+        """Run it all; `tell` hears of it once a minute of the show. An exception is noted, and ends the run;
+        the report holds what was found whatever ends it, Ctrl-C too."""
         report, begin, end = self.report, _time.perf_counter(), self.plan.hours * 3600.0
         gc.collect()
         gc.freeze()
         gc.disable()
         told = 0.0
         try:
-            while self.clock.now() < end:
+            while self.clock.now() < end and not self.until():
+                self.between()
                 self._frame()
                 if self.clock.now() >= told:
                     told += MEMORY_EVERY
@@ -94,14 +106,14 @@ class Soak:
                     report.took = _time.perf_counter() - begin
                     if tell is not None:
                         tell(self.clock.now(), report)
-        except Exception:
-            self.journal.add(f"tick {self.engine.ticks.index}: {traceback.format_exc()}")
+        except Exception as error:
+            self.failure = Failure.of(error, self.engine.ticks.index)
         finally:
             gc.enable()
             gc.unfreeze()
             self.journal.close(self.engine.ticks.index)
-        report.took = _time.perf_counter() - begin
-        self._sum_up()
+            report.took = _time.perf_counter() - begin
+            self._sum_up()
         return report
 
     def _sum_up(self) -> None:
@@ -110,9 +122,14 @@ class Soak:
         report.measures, report.leapt = self.journal.lines, self.journal.leapt
         report.frames, report.skipped = self.status.frames, self.engine.ticks.skipped
         report.problems, report.count = list(self.journal.problems), self.journal.count
+        if self.failure is not None:
+            report.fail(self.failure, "the show ends: ")
         report.faults = self.mishaps.done
         report.events, report.band, report.edits = self.journal.told, self.band.did, self.edits.saved
         report.journal = {**self.journal.facts(), "bytes_an_hour": self._bytes_an_hour()}
+        for words in FAULTS.since(self._failed_before):
+            report.count += 1
+            report.problems.append(words)
         if report.journal["dropped"]:
             report.count += 1
             report.problems.append(f"{report.journal['dropped']} lines of the journal were dropped")

@@ -4,6 +4,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
+from live.rehearse.failure import Failure
+
 GROWTH_MB: Final = 20.0
 """So much memory may change after the first hour (or the first third of a shorter run)."""
 
@@ -51,9 +53,17 @@ class Report:
     """Seconds of the show, resident memory [MB]."""
     objects: list[tuple[float, int]] = field(default_factory=list)
     journal: dict[str, Any] = field(default_factory=dict)
+    failures: list[dict[str, Any]] = field(default_factory=list)
+    """Exceptions, each with its place and its whole traceback (`Failure.facts`)."""
     replay: dict[str, Any] = field(default_factory=dict)
     status: dict[str, Any] = field(default_factory=dict)
     """The last figures of the show."""
+
+    def fail(self, failure: Failure, what: str = "") -> None:
+        """Note an exception: a line among the problems, all of it beside them."""
+        self.count += 1
+        self.problems.append(f"{what}{failure}")
+        self.failures.append(failure.facts())
 
     @property
     def growth(self) -> float | None:

@@ -82,6 +82,14 @@ class Watching(JournalWriter):
         if step <= 1 and begins:
             self._skipped = 0.0
 
+    def resume(self, show: Show, tick: int) -> None:
+        """Another engine goes on with `show`, which stands after `tick`: it may have crossed one line on the way."""
+        number, last = show.span.number, self._measure
+        if last is not None and not last <= number <= last + 1:
+            self.add(f"tick {tick}: another engine goes on in measure {number + 1}, the last one was in {last + 1}")
+        self.lines += 0 if last is None else max(number - last, 0)
+        self._measure, self._danced = number, show.danced
+
     def look(self, view: StageView, tick: int) -> None:
         """Look at a picture's values."""
         for name in PICTURED:

@@ -130,3 +130,27 @@ def test_a_picture_that_is_no_number_names_its_dancers_and_its_moment(watched):
     watching.look(view, 3)
     assert watching.count == 1
     assert "joint_position is no number in rows 1, 3 of 4, 2 in all; 1.250 beats" in watching.problems[0]
+
+
+def test_a_show_that_ends_in_an_exception_is_told_in_a_line_and_its_replay_in_another(tmp_path, monkeypatch):
+    soak = Soak(Plan(find_patch("score"), seed=4, hours=20.0 / 3600.0, fps=8.0, faults=0.0), tmp_path)
+    show = type(soak.show)
+    was = show.tick
+
+    def tick(self, time):
+        if time > 4.0:
+            return [0][int(time)]
+        return was(self, time)
+
+    monkeypatch.setattr(show, "tick", tick)
+    report = soak.run()
+    assert not report.ok
+    assert report.count == 1
+    assert report.problems[0].startswith("the show ends: tick ")
+    assert "IndexError" in report.problems[0]
+    assert "\n" not in report.problems[0]
+    assert "Traceback" in report.failures[0]["trace"]
+    report.replay = prove(soak.journal_path, seed=1)
+    assert len(report.replay["problems"]) == 1
+    assert "the replay ends in an exception: IndexError" in report.replay["problems"][0]
+    json.dumps(report.as_json(), allow_nan=False)

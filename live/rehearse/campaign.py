@@ -1,0 +1,117 @@
+"""Campaign: many runs, one after another, each of a patch and a seed; what is done stays done when it is begun again.
+
+A state file in the folder of the campaign says what came of each run. It is written anew after each, whole or not at
+all. A run that meets an exception of the harness itself is one that failed, with the exception in its report; the
+campaign goes on with the next.
+"""
+
+import json
+import os
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from live.base.errors import PersonError
+from live.rehearse.failure import Failure
+
+STATE: Final = "campaign.json"
+"""The state file, in the campaign's folder."""
+PROBLEMS_TOLD: Final = 8
+"""Problems of one run that are told; the report as JSON has all that were kept."""
+
+Facts = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """One run of a campaign."""
+
+    name: str
+    """A patch and a seed, as a folder may be called."""
+    run: Callable[[Path], Facts]
+    """Runs it with its files in that folder; the facts have "ok", "problems" and "summary" (lines for people)."""
+
+
+class Campaign:
+    """Runs jobs. Thread: one."""
+
+    def __init__(self, folder: Path, plan: Facts, tell: Callable[[str], None] = lambda words: None) -> None:
+        """`plan`: what is run, in plain values; a folder that holds the state of another plan is a PersonError."""
+        self._folder, self._plan, self._tell = folder, plan, tell
+        folder.mkdir(parents=True, exist_ok=True)
+        self._path = folder / STATE
+        self.done: dict[str, Facts] = self._read()
+        """What came of the runs that are over, by name."""
+
+    def run(self, jobs: Sequence[Job]) -> Facts:
+        """Run those that are not done yet; the report of all."""
+        for number, job in enumerate(jobs, 1):
+            if job.name in self.done:
+                self._tell(f"{job.name}: done already")
+                continue
+            self._tell(f"{job.name} ({number} of {len(jobs)})")
+            self.done[job.name] = guarded(job, self._folder / job.name)
+            self._write()
+        return self.report([job.name for job in jobs])
+
+    def report(self, names: Sequence[str]) -> Facts:
+        """What is known of these runs by now."""
+        runs = {name: self.done[name] for name in names if name in self.done}
+        missing = [name for name in names if name not in runs]
+        ok = not missing and all(facts.get("ok") for facts in runs.values())
+        return {"ok": ok, "plan": self._plan, "runs": runs, "not_run": missing}
+
+    def _read(self) -> dict[str, Facts]:
+        try:
+            state = json.loads(self._path.read_text(encoding="utf-8"))
+            done = dict(state["done"])
+            plan = state["plan"]
+        except FileNotFoundError:
+            return {}
+        except (OSError, ValueError, KeyError, TypeError):
+            raise PersonError(f"{self._path} is no state of a campaign", "name another --folder") from None
+        if plan != json.loads(json.dumps(self._plan)):
+            raise PersonError(f"{self._path} is of a campaign with other options", "name another --folder")
+        return done
+
+    def _write(self) -> None:
+        beside = self._path.with_suffix(".new")
+        beside.write_text(json.dumps({"plan": self._plan, "done": self.done}, indent=1) + "\n", encoding="utf-8")
+        os.replace(beside, self._path)
+
+
+def guarded(job: Job, folder: Path) -> Facts:
+    """What comes of a job, whatever it is: an exception of the harness is a problem in its report."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        return job.run(folder)
+    except PersonError:
+        raise
+    except Exception as error:
+        failure = Failure.of(error)
+        words = f"the harness itself failed: {failure}"
+        return {"ok": False, "problems": [words], "count": 1, "failures": [failure.facts()], "summary": []}
+
+
+def lines_of(report: Facts) -> Iterator[str]:
+    """A campaign's report for people: a line for each run, and under it what went wrong."""
+    runs = report["runs"]
+    for name, facts in runs.items():
+        summary = "; ".join(facts.get("summary", ()))
+        yield f"{'ok  ' if facts.get('ok') else 'FAIL'} {name}" + (f": {summary}" if summary else "")
+        yield from problem_lines(facts)
+    if report["not_run"]:
+        yield f"not run: {', '.join(report['not_run'])}"
+    good = sum(bool(facts.get("ok")) for facts in runs.values())
+    yield f"{good} of {len(runs) + len(report['not_run'])} runs went well"
+
+
+def problem_lines(facts: Facts, indent: str = "     ") -> Iterator[str]:
+    """What went wrong in one run, the first of it, each in a line."""
+    problems = [" ".join(str(problem).split()) for problem in facts.get("problems", ())]
+    problems += [" ".join(str(problem).split()) for problem in facts.get("replay", {}).get("problems", ())]
+    for problem in problems[:PROBLEMS_TOLD]:
+        yield indent + problem
+    if len(problems) > PROBLEMS_TOLD:
+        yield f"{indent}and {len(problems) - PROBLEMS_TOLD} more"

@@ -1,0 +1,60 @@
+"""SmallDisk: a file system of its own for the journal of a chaos run, which can really be full."""
+
+import contextlib
+import os
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Final
+
+SIZE_MB: Final = 64
+FILLER: Final = "filler"
+PIECE: Final = 1 << 16
+
+
+class SmallDisk:
+    """A folder on a tmpfs where that may be mounted (root), else a plain one, which is never full. Thread: one."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.real = False
+        """Whether it is a file system of its own."""
+
+    def open(self) -> None:
+        """Make it, empty."""
+        shutil.rmtree(self.path, ignore_errors=True)
+        self.path.mkdir(parents=True, exist_ok=True)
+        if os.geteuid() == 0:
+            command = ["mount", "-t", "tmpfs", "-o", f"size={SIZE_MB}m", "live-chaos", str(self.path)]
+            with contextlib.suppress(OSError):
+                self.real = subprocess.run(command, capture_output=True, check=False).returncode == 0
+
+    def fill(self) -> bool:
+        """Fill it to the last byte; False if that cannot be."""
+        if not self.real:
+            return False
+        with (self.path / FILLER).open("ab", buffering=0) as file, contextlib.suppress(OSError):
+            for size in (PIECE, 4096, 1):
+                with contextlib.suppress(OSError):
+                    while True:
+                        file.write(bytes(size))
+                        if size == 1:
+                            break
+        return True
+
+    def free(self) -> None:
+        """Make room again."""
+        (self.path / FILLER).unlink(missing_ok=True)
+
+    def keep(self, folder: Path) -> None:
+        """Copy what was written to it into `folder`."""
+        self.free()
+        for file in self.path.iterdir():
+            if file.is_file():
+                shutil.copy(file, folder / file.name)
+
+    def close(self) -> None:
+        """Take it away."""
+        if self.real:
+            subprocess.run(["umount", "-l", str(self.path)], capture_output=True, check=False)
+            self.real = False

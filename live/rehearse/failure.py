@@ -1,0 +1,63 @@
+"""Failure: what went wrong in a run, in a line that a person can read, and by what it is known again."""
+
+import traceback
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Final
+
+OURS: Final = Path(__file__).parents[1]
+"""The folder of the program: of a traceback its deepest place in there is told."""
+DIFFERENT: Final = "different state"
+"""The kind of a failure that is no exception: the same events led to another state."""
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """An exception and where it was raised, or a state that differs."""
+
+    kind: str
+    """Class of the exception, or DIFFERENT."""
+    words: str
+    """What it says."""
+    place: str = ""
+    """File (from the program's folder) and function of the deepest place in the program: these stay when lines move."""
+    line: int = 0
+    tick: int = -1
+    """The tick at which it happened; -1: none."""
+    trace: str = ""
+    """The whole traceback, for the report's JSON."""
+
+    @classmethod
+    def of(cls, error: BaseException, tick: int = -1) -> "Failure":
+        """Of an exception that was caught."""
+        place, line = deepest(error.__traceback__)
+        text = "".join(traceback.format_exception(error))
+        return cls(type(error).__name__, " ".join(str(error).split()), place, line, tick, text)
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """By what it is the same failure: kind and place."""
+        return self.kind, self.place
+
+    def __str__(self) -> str:
+        at = f"tick {self.tick}: " if self.tick >= 0 else ""
+        where = f" in {self.place}, line {self.line}" if self.place else ""
+        return f"{at}{self.kind}{where}" + (f": {self.words}" if self.words else "")
+
+    def facts(self) -> dict[str, Any]:
+        """For a report."""
+        return {"kind": self.kind, "words": self.words, "place": self.place, "line": self.line, "tick": self.tick,
+                "trace": self.trace}  # fmt: skip
+
+
+def deepest(trace: TracebackType | None) -> tuple[str, int]:
+    """The deepest place of a traceback in the program, as "show/programme.py, _sequence_next", and its line."""
+    place, line = "", 0
+    while trace is not None:
+        code = trace.tb_frame.f_code
+        path = Path(code.co_filename)
+        if path.is_relative_to(OURS):
+            place, line = f"{path.relative_to(OURS).as_posix()}, {code.co_name}", trace.tb_lineno
+        trace = trace.tb_next
+    return place, line

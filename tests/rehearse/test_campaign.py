@@ -1,0 +1,74 @@
+"""Campaigns go on where they were; a harness that fails is in the report; a report can be read whatever happens."""
+
+import json
+
+import pytest
+
+from live.base.errors import PersonError
+from live.rehearse.campaign import STATE, Campaign, Job, guarded, lines_of
+
+
+def _job(name, done, **facts):
+    def run(folder):
+        assert folder.is_dir()
+        done.append(name)
+        return {"ok": True, "problems": [], "summary": ["12 measures"], **facts}
+
+    return Job(name, run)
+
+
+def test_what_is_done_is_not_run_again(tmp_path):
+    done = []
+    jobs = [_job("a-0", done), _job("b-0", done)]
+    Campaign(tmp_path, {"hours": 1.0}).run(jobs[:1])
+    facts = Campaign(tmp_path, {"hours": 1.0}).run(jobs)
+    assert done == ["a-0", "b-0"]
+    assert facts["ok"]
+    assert list(facts["runs"]) == ["a-0", "b-0"]
+    assert json.loads((tmp_path / STATE).read_text())["done"].keys() == {"a-0", "b-0"}
+
+
+def test_a_folder_of_another_campaign_is_refused(tmp_path):
+    Campaign(tmp_path, {"hours": 1.0}).run([_job("a-0", [])])
+    with pytest.raises(PersonError, match="other options"):
+        Campaign(tmp_path, {"hours": 2.0})
+    (tmp_path / STATE).write_text("[1")
+    with pytest.raises(PersonError, match="no state"):
+        Campaign(tmp_path, {"hours": 1.0})
+
+
+def test_an_exception_of_the_harness_is_a_problem_and_the_campaign_goes_on(tmp_path):
+    def breaks(folder):
+        return {}["no such"]
+
+    done = []
+    facts = Campaign(tmp_path, {}).run([Job("a-0", breaks), _job("b-0", done)])
+    assert done == ["b-0"]
+    assert not facts["ok"]
+    told = list(lines_of(facts))
+    assert told[0].startswith("FAIL a-0")
+    assert "the harness itself failed: KeyError" in told[1]
+    assert told[-1] == "1 of 2 runs went well"
+    json.dumps(facts)
+
+
+def test_what_was_interrupted_says_what_was_not_run(tmp_path):
+    def interrupted(folder):
+        raise KeyboardInterrupt
+
+    campaign = Campaign(tmp_path, {})
+    with pytest.raises(KeyboardInterrupt):
+        campaign.run([_job("a-0", []), Job("b-0", interrupted)])
+    facts = campaign.report(["a-0", "b-0"])
+    assert facts["not_run"] == ["b-0"]
+    assert not facts["ok"]
+    assert any("not run: b-0" in line for line in lines_of(facts))
+
+
+def test_long_problems_are_cut_in_lines_and_whole_in_the_report(tmp_path):
+    facts = guarded(_job("a", [], ok=False, problems=[f"first\n  line {n}" for n in range(30)]), tmp_path / "a")
+    report = {"runs": {"a": facts}, "not_run": []}
+    told = list(lines_of(report))
+    assert told[1].strip() == "first line 0"
+    assert "and 22 more" in told[9]
+    assert len(facts["problems"]) == 30

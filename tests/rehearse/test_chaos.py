@@ -1,0 +1,247 @@
+"""Chaos: call sites are found and fail as they are told to; what a journal says of measures; the plan is seeded."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+
+import pytest
+
+from live.rehearse.call_sites import Injected, Injector, Looker, Site, instead_of_tick
+from live.rehearse.chaos_acts import ACTS, STALLS
+from live.rehearse.chaos_checks import measures_of
+from live.rehearse.chaos_disk import SmallDisk
+from live.rehearse.chaos_inside import THREADS, raise_in_thread
+from live.rehearse.chaos_plan import DISK, ENDS_ENGINE, KINDS, blows
+from live.rehearse.chaos_tree import Tree, descriptors, few_descriptors, pressure, process
+from live.rehearse.chaos_virtual import Row, virtual_chaos
+from live.rehearse.fault_page import FaultPage, Word
+from live.rehearse.soak_report import Plan
+from live.show.patch_places import find_patch
+from tests.control.waiting import wait_for
+from tests.show.made_show import made_show
+
+
+@pytest.fixture(scope="module")
+def sites():
+    """The call sites of some seconds of a made show."""
+    show, looker = made_show(), Looker()
+    with instead_of_tick(looker.run):
+        for tick in range(1, 400):
+            show.tick(tick / 64.0)
+    return sorted(looker.sites)
+
+
+def test_call_sites_are_found_in_the_tick_and_in_what_it_does_at_measure_lines(sites):
+    callers = {site.caller.split(", ")[1] for site in sites}
+    assert {"Show._tick", "Show._move", "Show._cross_measure_line"} <= callers
+    assert len(sites) > 50
+    assert any(site.callee == "show/dancing.py, Dancing.begin_heading" or "begin" in site.callee for site in sites)
+    assert any(", " not in site.callee for site in sites)  # what is not ours, too
+    assert sys.getprofile() is None
+
+
+def test_an_exception_is_raised_at_a_site_as_often_as_it_is_told(sites):
+    site = next(site for site in sites if site.caller.endswith("Show._move") and "GroupMotion.tick" in site.callee)
+    injector, show, raised = Injector(), made_show(), []
+    injector.arm(site, 3, since=1.0)
+    with instead_of_tick(injector.run):
+        for tick in range(1, 200):
+            try:
+                show.tick(tick / 64.0)
+            except Injected as error:
+                raised.append((tick, str(error)))
+    assert [tick >= 64 and str(site) in words for tick, words in raised] == [True] * 3
+    assert injector.raised == 3
+    assert injector.left == 0
+
+
+def test_a_site_that_is_nowhere_fails_nothing():
+    injector, show = Injector(), made_show()
+    injector.arm(Site("show/core.py, Show.nothing", 1, "none"), 3, since=0.0)
+    with instead_of_tick(injector.run):
+        for tick in range(1, 80):
+            show.tick(tick / 64.0)
+    assert injector.raised == 0
+
+
+@pytest.mark.long
+def test_wherever_the_tick_fails_the_show_goes_on_and_its_journal_replays(tmp_path):
+    plan = Plan(find_patch("score"), seed=2, hours=0.2, fps=16.0, faults=0.0)
+    facts = virtual_chaos(plan, tmp_path, sites=4)
+    assert facts["problems"] == []
+    assert facts["tried"] == facts["wanted"] >= 8
+    assert facts["deaths"] >= 4
+    assert facts["replay"]["different"] == 0
+    assert facts["replay"]["measures"] > 5
+    json.dumps(facts)
+
+
+def test_a_failure_that_nothing_helps_against_is_a_problem_with_its_site(tmp_path, monkeypatch):
+    """A recovery that gives up is told, with what failed at that time."""
+
+    class Gives:
+        def __init__(self, following, death):
+            pass
+
+        def run(self):
+            raise RuntimeError("nothing has helped")
+
+    monkeypatch.setattr("live.rehearse.chaos_virtual.Recovery", Gives)
+    monkeypatch.setattr("live.rehearse.chaos_virtual.LOOKS_FOR", 2.0)
+    plan = Plan(find_patch("score"), seed=2, hours=0.02, fps=16.0, faults=0.0)
+    facts = virtual_chaos(plan, tmp_path, sites=2)
+    assert not facts["ok"]
+    assert "nothing has helped" in facts["problems"][0]
+    assert facts["problems"][1].startswith("at that time failed: show/")
+
+
+def test_the_plan_is_seeded_and_every_kind_comes_once_before_any_comes_again():
+    first, again, other = (list(blows(seed, until=600.0)) for seed in (1, 1, 2))
+    assert first == again != other
+    assert {blow.kind for blow in first[: len(KINDS)]} == set(KINDS)
+    assert [blow.time for blow in first] == sorted(blow.time for blow in first)
+    assert all(blow.time < 600.0 for blow in first)
+    assert {*DISK, *ENDS_ENGINE} <= set(KINDS)
+    assert len(list(blows(1, until=300.0, rate=2.0))) > 1.8 * len(list(blows(1, until=300.0)))
+
+
+def test_every_kind_of_fault_can_be_done():
+    assert set(ACTS) == set(KINDS)
+    assert set(STALLS) < set(KINDS)
+
+
+def _journal(path, *lines):
+    path.write_text("\n".join(json.dumps(line) for line in ({"journal": 2}, *lines)) + "\n")
+    return measures_of(path)
+
+
+def _begins(number, tick, **more):
+    return {"tick": tick, "measure": number, "hash": "0", **more}
+
+
+def test_measures_of_a_journal_are_judged_by_what_it_says_itself(tmp_path):
+    path = tmp_path / "j"
+    skipped = {"tick": 30, "event": {"type": "TicksSkipped", "time": 1.0, "source": "engine", "count": 500}}
+    good = _journal(path, _begins(2, 10), _begins(3, 20), skipped, _begins(6, 700), {"tick": 800, "end": True})
+    assert (good.twice, good.missed, good.leapt, good.lacking, good.ended) == ([], [], [4, 5], [], True)
+    assert good.skipped == 500
+    lost = _journal(path, _begins(2, 10), _begins(5, 20, gap=7))
+    assert (lost.missed, lost.lacking, lost.lost, lost.ended) == ([], [3, 4], 7, False)
+    missed = _journal(path, _begins(2, 10), _begins(4, 20))
+    assert missed.missed == [3]
+    twice = _journal(path, _begins(2, 10), _begins(3, 20), _begins(3, 30))
+    assert twice.twice == [3]
+
+
+def test_an_exception_reaches_a_thread_that_is_somewhere_else(tmp_path):
+    ended, found = threading.Event(), []
+
+    def work():
+        try:
+            while not ended.wait(0.001):
+                pass
+        except Injected as error:
+            found.append(error)
+
+    thread = threading.Thread(target=work, name="a device of a test", daemon=True)
+    thread.start()
+    names = [one.name for one in threading.enumerate() if not one.name.startswith(("MainThread", "Thread-"))]
+    assert raise_in_thread(sorted(names).index("a device of a test"), tmp_path) == "a device of a test"
+    assert wait_for(lambda: bool(found), 5.0)
+    assert (tmp_path / THREADS).read_text() == "a device of a test\n"
+    ended.set()
+    thread.join()
+
+
+def test_the_page_is_one_for_all_processes(tmp_path):
+    page = FaultPage(tmp_path / "page", make=True)
+    page[Word.LEFT] = -3
+    code = (
+        "import sys; from pathlib import Path; from live.rehearse.fault_page import FaultPage, Word\n"
+        "page = FaultPage(Path(sys.argv[1])); page[Word.RAISED] = page[Word.LEFT] + 10; page.close()"
+    )
+    subprocess.run([sys.executable, "-c", code, str(tmp_path / "page")], check=True)
+    assert page[Word.RAISED] == 7
+    page.close()
+    with pytest.raises(FileNotFoundError):
+        FaultPage(tmp_path / "none")
+
+
+@pytest.fixture
+def sleeper():
+    """A process that waits."""
+    started = subprocess.Popen([sys.executable, "-S", "-c", "import sys; print(1, flush=True); sys.stdin.read()"],
+                               stdin=subprocess.PIPE, stdout=subprocess.PIPE)  # fmt: skip
+    started.stdout.readline()
+    yield started
+    started.stdin.close()
+    started.wait(5.0)
+    started.stdout.close()
+
+
+def test_processes_are_seen_stopped_and_let_go_on(sleeper, tmp_path):
+    tree = Tree(os.getpid(), tmp_path)
+    assert any(one.pid == sleeper.pid for one in tree.below())
+    assert tree.signal(sleeper.pid, signal.SIGSTOP)
+    assert wait_for(lambda: process(sleeper.pid).state == "T", 5.0)
+    tree.go_on()
+    assert wait_for(lambda: process(sleeper.pid).state == "S", 5.0)
+    assert not tree.zombies() & {sleeper.pid}
+    assert process(1 << 22) is None
+    assert 0.0 <= pressure() <= 1.0
+
+
+def test_a_process_without_descriptors_gets_them_back(sleeper):
+    import resource
+
+    before = resource.prlimit(sleeper.pid, resource.RLIMIT_NOFILE)
+    with few_descriptors(sleeper.pid):
+        assert resource.prlimit(sleeper.pid, resource.RLIMIT_NOFILE)[0] == descriptors(sleeper.pid) > 0
+    assert resource.prlimit(sleeper.pid, resource.RLIMIT_NOFILE) == before
+
+
+def test_a_small_disk_is_full_and_has_room_again(tmp_path):
+    disk = SmallDisk(tmp_path / "disk")
+    disk.open()
+    try:
+        (disk.path / "journal.jsonl").write_text("first\n")
+        if disk.fill():
+            with pytest.raises(OSError, match="space"):
+                (disk.path / "more").write_bytes(bytes(8192))
+        disk.free()
+        (disk.path / "more").write_bytes(bytes(8192))
+        disk.keep(tmp_path)
+    finally:
+        disk.close()
+    assert (tmp_path / "journal.jsonl").read_text() == "first\n"
+    assert not os.path.ismount(disk.path)
+
+
+def test_sites_are_taken_in_turn_and_a_loop_is_seen():
+    class Made:
+        def __init__(self):
+            self.told, self.inbox, self.foreseen = [], [], False
+            self.clock = type("", (), {"now": staticmethod(lambda: Made.now)})
+            self.deaths = type("", (), {"count": 0})()
+            self.journal = type("", (), {"add": self.told.append})()
+            self.show = type("", (), {"breakers": type("", (), {"why": {}})()})()
+
+    Made.now = 0.0
+    soak = Made()
+    row = Row(soak, [(Site("a", 1, "b"), "always"), (Site("a", 2, "b"), "once")])
+    row.frame()
+    assert row.injector.site == Site("a", 1, "b")
+    soak.deaths.count = 20
+    row.injector.raised = 20
+    row.frame()
+    assert "20 engines ended" in soak.told[0]
+    Made.now = 5.0
+    row.frame()
+    assert row.injector.site == Site("a", 2, "b")
+    Made.now = 50.0
+    row.frame()
+    assert row.over
+    assert row.never == ["a, line 2 -> b (once)"]

@@ -1,0 +1,24 @@
+"""Journals that ended a show once (`live soak --minimise`): none of them ever does again."""
+
+from pathlib import Path
+
+import pytest
+
+from live.rehearse.minimise import Trial, entries_of, loaded_for
+from live.show.journal_reading import read_journal
+
+KEPT = Path(__file__).parents[1] / "journals"
+MORE = 256
+"""Ticks that the show goes on behind the place where it failed."""
+
+
+@pytest.mark.parametrize("path", sorted(KEPT.glob("*.jsonl")), ids=lambda path: path.stem)
+@pytest.mark.parametrize("snapshots", [False, True], ids=["run through", "from a snapshot"])
+def test_what_ended_a_show_once_does_not_again(path, snapshots):
+    journal = read_journal(path)
+    entries, end = entries_of(journal)
+    assert entries
+    assert end > 0
+    trial = Trial(loaded_for(journal), journal.header, snapshots=snapshots)
+    assert trial.run(entries, end + MORE) is None
+    assert len(trial.lines) >= 2

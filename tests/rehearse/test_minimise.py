@@ -1,0 +1,115 @@
+"""Minimising: of a long journal that fails the few events stay that make it fail, moved to its beginning."""
+
+import json
+
+import pytest
+
+from live.clock.ticks import TICK
+from live.control.events import Attract, Blackout, ControlEvent
+from live.rehearse.failure import DIFFERENT, Failure
+from live.rehearse.minimise import Minimiser, Trial, entries_of, minimise, running
+from live.show.journal import line_of
+from live.show.journal_reading import read_journal
+from live.show.load import load_show
+from live.show.patch_places import find_patch
+
+MEASURE = 100
+
+
+class _Trial(Trial):
+    """Fails 10 ticks after a blackout that was said in the measure of an attractor with x = 2."""
+
+    def __init__(self):
+        self.count, self.lines = 0, []
+
+    def run(self, entries, end):
+        self.count += 1
+        self.lines = list(range(MEASURE, end, MEASURE))
+        drawn = {tick // MEASURE for tick, event in entries if isinstance(event, Attract) and event.x == 2.0}
+        for tick, event in entries:
+            if isinstance(event, Blackout) and tick // MEASURE in drawn and tick + 10 <= end:
+                return Failure("IndexError", "", "show/made.py, tick", 7, tick + 10)
+        return None
+
+
+def _said(tick: int, x: float | None) -> tuple[int, ControlEvent]:
+    if x is None:
+        return tick, Blackout(time=tick * TICK, source="osc", on=True)
+    return tick, Attract(time=tick * TICK, source="osc", x=x, z=0.0)
+
+
+def test_only_the_events_that_count_stay_and_move_to_the_beginning():
+    entries = [_said(tick, 1.0) for tick in range(5, 5000, 10)]
+    entries += [_said(4520, 2.0), _said(4530, None), _said(4990, None)]
+    entries.sort(key=lambda entry: entry[0])
+    trial = _Trial()
+    found = Minimiser(trial, {}, beats=4).run(entries, 5000)
+    assert [type(event) for _, event in found.entries] == [Attract, Blackout]
+    assert found.end < 3 * MEASURE
+    assert found.failure.key == ("IndexError", "show/made.py, tick")
+    assert found.before == (503, 5000)
+    for tick, event in found.entries:
+        assert event.time == tick * TICK
+    assert trial.count < 200
+
+
+def test_what_does_not_fail_is_left_alone():
+    assert Minimiser(_Trial(), {}).run([_said(5, 1.0)], 500) is None
+
+
+def test_without_time_the_journal_stays_as_it_is():
+    entries = [_said(4500, 1.0), _said(4520, 2.0), _said(4530, None)]
+    found = Minimiser(_Trial(), {}, seconds=-1.0).run(entries, 5000)
+    assert [tick for tick, _ in found.entries] == [4500, 4520, 4530]
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    return load_show(find_patch("score"))
+
+
+def test_a_journal_that_fails_becomes_a_short_one_that_can_be_kept(tmp_path, loaded, monkeypatch):
+    show = loaded.start(seed=3)
+    said = [_said(tick, 1.0) for tick in range(20, 700, 20)]
+    said[20] = said[20][0], Blackout(time=said[20][1].time, source="osc", on=True)
+    path = tmp_path / "long.jsonl"
+    header = {"journal": 2, **loaded.header(show, tempo=None)}
+    path.write_text(
+        "\n".join([json.dumps(header), *(line_of(*entry) for entry in said), '{"tick":700,"end":true}', ""])
+    )
+
+    was = type(show).tick
+
+    def tick(self, time):
+        if self.blackout and self.brightness < 0.5:
+            raise KeyError("dark")
+        return was(self, time)
+
+    monkeypatch.setattr(type(show), "tick", tick)
+    found = minimise(path, seconds=60.0)
+    assert [type(event) for _, event in found.entries] == [Blackout]
+    assert found.failure.kind == "KeyError"
+    kept = tmp_path / "short.jsonl"
+    found.write(kept)
+    assert kept.stat().st_size < 100_000
+    journal = read_journal(kept)
+    assert journal.header["patch_path"] == "score/show.toml"
+    assert journal.header["fails"]["kind"] == "KeyError"
+    assert entries_of(journal) == (found.entries, found.end)
+    monkeypatch.undo()
+    assert minimise(kept, seconds=5.0) is None
+
+
+def test_a_snapshot_that_leads_to_another_state_is_a_failure(loaded, monkeypatch):
+    trial = Trial(loaded, {"seed": 3, "tempo": None}, snapshots=True)
+    assert trial.run([_said(20, 1.0)], 500) is None
+
+    def other(show, entries, end, *, begin=0):
+        for tick, begins in running(show, entries, end, begin=begin):
+            if begin and tick == begin + 5:
+                show.state.position[0, 0] += 0.001
+            yield tick, begins
+
+    monkeypatch.setattr("live.rehearse.minimise.running", other)
+    failure = trial.run([_said(20, 1.0)], 500)
+    assert failure.kind == DIFFERENT
