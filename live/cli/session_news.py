@@ -34,7 +34,13 @@ def session_news(
     """
     console = Console(stderr=True, highlight=False)
     refusals: list[Callable[[], str]] = [osc.refusal, lambda: show.refusals.words, *more]
-    others: list[Callable[[], str]] = [journal, FAULTS.news]
+    before = FAULTS.news()  # of another show in this process, if there was one
+
+    def faults() -> str:
+        news = FAULTS.news()
+        return news if news != before else ""
+
+    others: list[Callable[[], str]] = [journal, faults]
     if listens is not None:
         others.append(lambda: _audio_problem(listens))
     if midi is not None:

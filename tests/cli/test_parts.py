@@ -37,6 +37,13 @@ class Lamp(Device):
     """Another one, so that it has another name."""
 
 
+@pytest.fixture(autouse=True)
+def alone():
+    """What is left out here is of no other test."""
+    yield
+    FAULTS.resting.clear()
+
+
 @pytest.fixture
 def parts():
     made = Parts()
