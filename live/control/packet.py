@@ -10,7 +10,6 @@ from pathlib import PurePath
 from typing import Any, Final, TypeVar
 
 import msgpack
-import numpy as np
 
 from live.base.field_types import made_of
 
@@ -72,8 +71,8 @@ def _packed(value: object) -> Any:
     if name is not None:
         row = [name, *(getattr(value, each.name) for each in fields(value))]  # type: ignore[arg-type]
         return msgpack.ExtType(_OBJECT, packet_of(row))
-    if isinstance(value, np.generic):
-        return value.item()
+    if type(value).__module__ == "numpy":  # a number; the supervisor, which reads packets too, has no arrays
+        return value.item()  # type: ignore[attr-defined]
     if isinstance(value, PurePath):
         return str(value)
     if isinstance(value, set | frozenset):

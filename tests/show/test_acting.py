@@ -5,6 +5,7 @@ import json
 import pytest
 
 from live.alive.following import Following
+from live.alive.recovery import Recovery
 from live.base.inbox import Inbox
 from live.clock.source import ManualClock
 from live.control import events
@@ -63,7 +64,7 @@ def test_the_show_its_replay_and_its_heir_refuse_it_alike(poison, tmp_path):
     for row in (tmp_path / "a.jsonl").read_text().splitlines():
         if not json.loads(row).get("end"):
             following.take(row)
-    heir = following.finish()
+    heir = Recovery(following).run().show
     assert following.refused == 1
     assert engine.show.state_hash() == start.show.state_hash()
     assert (following.differences, heir.refusals.words) == (0, engine.show.refusals.words)
