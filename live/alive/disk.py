@@ -5,9 +5,11 @@ import json
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Final
 
+from live.base.part_faults import run_once
 from live.show.journal_file import SNAPSHOTS, JournalFile, keep_aside
 from live.show.line_writer import Unwritten, Written
 
@@ -107,7 +109,8 @@ class Disk:
     def _begin_anew(self, file: JournalFile) -> None:
         """Another show begins, which this machine follows: the journal of the one before is kept beside it."""
         self._file, self._path = None, self._place
-        threading.Thread(target=file.close, name="journal", daemon=True).start()  # it may wait for the disk
+        ending = partial(run_once, "the end of the journal before", file.close)
+        threading.Thread(target=ending, name="journal", daemon=True).start()  # it may wait for the disk
 
     def _open(self, path: Path) -> None:
         self._path = None

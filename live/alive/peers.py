@@ -19,6 +19,7 @@ from typing import Final
 from live.alive.identity import Identity, Pairings, Peer
 from live.alive.starter import Starter
 from live.alive.tls import HANDSHAKE_WITHIN, Handshake, SecureWire, Trust
+from live.base.part_faults import run_once
 
 AGAIN: Final = 0.5
 """Seconds between two attempts to reach a machine."""
@@ -250,6 +251,9 @@ class Call:
         return self._found, self._refused
 
     def _run(self) -> None:
+        run_once(f"the call of {self._to[0]}", self._reach)  # a name may be none that can be looked up
+
+    def _reach(self) -> None:
         try:
             self._found = socket.create_connection(self._to, timeout=ANSWERS_WITHIN)
         except ConnectionRefusedError:
