@@ -2,9 +2,12 @@
 
 The tree is an array of kinds, rows and the root:
 
-    kinds   [name, [field, ...]] of each kind that rows are of
-    rows    {number: row}: [kind, value, ...] an object, its fields in their order; else a code below, and what it says
+    kinds   {number: [name, [field, ...], [field, ...]]} of each kind that rows are of: plain fields, and all others
+    rows    {number: row}: [kind, [plain, ...], value, ...] an object, its fields in their order; else a code below,
+            and what it says
     root    a value
+
+Plain is None, a bool, a number, a text or bytes; an array is a tuple of such.
 
 A value is None, a bool, a number, a text or bytes; or an array:
 

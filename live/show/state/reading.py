@@ -74,21 +74,14 @@ class _Reader:
     """Makes the objects of one tree."""
 
     def __init__(self, tree: Any, content: memoryview, constants: Constants) -> None:
-        if not (isinstance(tree, list) and len(tree) == 4):
+        if not (isinstance(tree, list) and len(tree) == 3 and isinstance(tree[0], dict) and isinstance(tree[1], dict)):
             raise Unreadable("its tree is no table of kinds, rows and a root")
-        kinds, rows, more, self._root = tree
-        if not (isinstance(kinds, dict) and isinstance(rows, list) and isinstance(more, dict)):
-            raise Unreadable("its tree is no table of kinds, rows and a root")
-        if len(rows) + len(more) > MOST_ROWS:
-            raise Unreadable(f"it has {len(rows) + len(more)} rows, more than {MOST_ROWS}")
+        kinds, self._rows, self._root = tree
+        if len(self._rows) > MOST_ROWS:
+            raise Unreadable(f"it has {len(self._rows)} rows, more than {MOST_ROWS}")
         found = {number: _kind(number, said) for number, said in kinds.items()}
-        self._kinds = {number: kind for number, (kind, _) in found.items()}
-        self._names = {number: names for number, (_, names) in found.items()}
-        self._rows: dict[int, Row] = dict(enumerate(rows))
-        for number, row in more.items():
-            if type(number) is not int or number >= 0:
-                raise Unreadable(f"row {number!r:.40} has no number of its own")
-            self._rows[number] = row
+        self._kinds = {number: kind for number, (kind, _, _) in found.items()}
+        self._names = {number: (plain, others) for number, (_, plain, others) in found.items()}
         self._content, self._place = content, 0
         self._constants = constants
         self._made: dict[int, Any] = {}
@@ -97,8 +90,8 @@ class _Reader:
     def read(self) -> Any:
         """All rows, and what the root is."""
         for number, row in self._rows.items():
-            if not (isinstance(row, list) and row and type(row[0]) is int):
-                raise Unreadable(f"row {number} is none")
+            if type(number) is not int or not (isinstance(row, list) and row and type(row[0]) is int):
+                raise Unreadable(f"row {number!r:.40} is none")
             if row[0] != PART:
                 self._made[number] = self._empty(row)
         if self._place != len(self._content):
@@ -122,8 +115,9 @@ class _Reader:
             kind = self._kinds.get(code)
             if kind is None:
                 raise Unreadable(f"there is no kind {code}")
-            if len(row) != 1 + len(kind.names):
-                raise Unreadable(f"{kind.name!r} has {len(row) - 1} values, {len(kind.names)} expected")
+            plain, others = self._names[code]
+            if len(row) != 2 + len(others) or not isinstance(row[1], list) or len(row[1]) != len(plain):
+                raise Unreadable(f"{kind.name!r} has another number of values than fields")
             return object.__new__(kind.cls)
         if code in (WHOLE, LAID):
             return self._array(row)
@@ -150,7 +144,7 @@ class _Reader:
         if size > len(self._content) - begin:
             raise Unreadable("the content of an array is cut off")
         self._place += size
-        found = np.frombuffer(self._content[begin : begin + size], kind).reshape(shape).copy()
+        found: Array = np.frombuffer(self._content[begin : begin + size], kind).reshape(shape).copy()
         if kind == np.bool_ and found.view(np.uint8).max(initial=0) > 1:
             raise Unreadable("an array of booleans holds others")
         if row[0] == WHOLE:
@@ -198,7 +192,10 @@ class _Reader:
 
     def _fill_object(self, made: Any, row: Row) -> None:
         kind = self._kinds[row[0]]
-        for name, value in zip(self._names[row[0]], row[1:], strict=True):
+        plain, others = self._names[row[0]]
+        for name, value in zip(plain, row[1], strict=True):
+            object.__setattr__(made, name, _plain(value))
+        for name, value in zip(others, row[2:], strict=True):
             object.__setattr__(made, name, self._value(value))
         for name, anew in kind.anew.items():
             object.__setattr__(made, name, anew())
@@ -263,17 +260,27 @@ _CONTAINERS: Final[dict[int, Callable[[], Any]]] = {
 }  # fmt: skip
 
 
-def _kind(number: object, said: Any) -> tuple[Kind, list[str]]:
+def _kind(number: object, said: Any) -> tuple[Kind, list[str], list[str]]:
     """The kind that a tree says, and its fields in their order there: they must be those that it has here."""
-    if type(number) is not int or number < 0 or not isinstance(said, list) or not said:
+    if type(number) is not int or number < 0 or not isinstance(said, list) or len(said) != 3:
         raise Unreadable("its kinds are none")
-    kind = BY_NAME.get(said[0]) if isinstance(said[0], str) else None
-    if kind is None or issubclass(kind.cls, Enum):
-        raise Unreadable(f"there is no kind {said[0]!r:.80}")
-    names, differ = said[1:], sorted(set(map(str, said[1:])) ^ set(kind.names))
+    name, plain, others = said
+    kind = BY_NAME.get(name) if isinstance(name, str) else None
+    if kind is None or issubclass(kind.cls, Enum) or not isinstance(plain, list) or not isinstance(others, list):
+        raise Unreadable(f"there is no kind {name!r:.80}")
+    names = [*plain, *others]
+    differ = sorted(set(map(str, names)) ^ set(kind.names))
     if differ or len(names) != len(kind.names):
         raise Unreadable(f"{kind.name!r} is of another version there, with other fields: {', '.join(differ)}"[:400])
-    return kind, names
+    return kind, plain, others
+
+
+def _plain(said: Any, depth: int = 0) -> Any:
+    if type(said) in PLAIN:
+        return said
+    if type(said) is not list or depth > DEEPEST:
+        raise Unreadable("a plain value is none, or lies too deep")
+    return tuple([_plain(each, depth + 1) for each in said])
 
 
 def _whole_numbers(found: Any) -> bool:

@@ -33,7 +33,7 @@ from live.show.state.form import (
     Rows,
     packed_tree,
 )  # fmt: skip
-from live.show.state.kind import NUMBERS, PLAIN, Kind, Type
+from live.show.state.kind import PLAIN, Kind, Type
 from live.show.state.kinds import BY_CLASS, BY_NAME, METHODS
 
 Encode = Callable[[Any], list[Any]]
@@ -53,20 +53,17 @@ class Written:
 
     kinds: list[Kind]
     """Those that rows are of, by number."""
-    rows: list[Row]
-    more: Rows
-    """Rows of arrays and of values that nobody changes, by number, all below zero."""
+    rows: Rows
     content: dict[int, bytes]
-    """What is in arrays, by number."""
+    """What is in arrays, by the numbers of their rows."""
     root: Any
 
     def packed(self) -> bytes:
         """As `form.py` says. Thread: any one."""
-        rows = (*self.rows, *self.more.values())
-        used = {row[0] for row in rows if row[0] >= 0}
-        kinds = {number: [self.kinds[number].name, *_in_order(self.kinds[number])] for number in used}
-        tree = packed_tree([kinds, self.rows, self.more, self.root])
-        content = [self.content[number] for number, row in self.more.items() if row[0] in (WHOLE, LAID)]
+        used = {row[0] for row in self.rows.values() if row[0] >= 0}
+        kinds = {number: [self.kinds[number].name, *split_names(self.kinds[number])] for number in used}
+        tree = packed_tree([kinds, self.rows, self.root])
+        content = [self.content[number] for number, row in self.rows.items() if row[0] in (WHOLE, LAID)]
         return b"".join((HEAD.pack(len(tree)), tree, *content))
 
 
@@ -87,25 +84,42 @@ _Value = tuple[Any, list[int], Rows]
 """A value that nobody changes, its number, and all rows that it needs."""
 
 
+class _Shape:
+    """How objects of one kind are taken: what takes their plain values, and all others."""
+
+    __slots__ = ("check", "fixed", "links", "number", "plain")
+
+    def __init__(self, number: int, kind: Kind) -> None:
+        plain, others = split_names(kind)
+        types = kind.types()
+        self.fixed = [_is_fixed(types[name]) for name in others]
+        """Whether nobody changes what a field holds, a tuple too."""
+        self.number, self.plain, self.links, self.check = number, values_of(plain), values_of(others), _checked(kind)
+
+
 class _Object:
-    """What is remembered of an object: its arrays, and what they need."""
+    """What is remembered of an object: what it holds beside plain values, and what is written of that."""
 
-    __slots__ = ("arrays", "contents", "known", "refs", "rows", "value")
+    __slots__ = ("arrays", "children", "contents", "dynamic", "held", "ref", "rows", "said", "shape", "turn", "value")
 
-    def __init__(self, value: Any, arrays: tuple[Any, ...], known: list[_Array]) -> None:
-        self.value, self.arrays, self.known = value, arrays, known
-        self.refs = [each.ref for each in known]
-        self.rows = {number: row for each in known for number, row in each.rows.items()}
-        self.contents = list({number: (number, read) for each in known for number, read in each.contents}.values())
-        for each in known:
-            each.pins += 1
+    def __init__(self, value: Any, number: int, shape: _Shape) -> None:
+        self.value, self.shape, self.ref = value, shape, [number]
+        self.held: tuple[Any, ...] | None = None
+        self.said: list[Any] = []
+        """What is written of each, as long as it is the same; of containers, at the places `dynamic`, nothing."""
+        self.dynamic: list[int] = []
+        self.children: list[_Object] = []
+        self.arrays: list[_Array] = []
+        self.rows: Rows = {}
+        self.contents: list[tuple[int, Callable[[], bytes]]] = []
+        self.turn = 0
 
 
 class StateWriter:
     """Takes the state of one show again and again. Thread: the show's.
 
-    It runs within a frame: arrays of an object that are the same as last time are only copied, values that nobody
-    changes are written again as they are, and what is plain by its type is not looked at.
+    It runs within a frame. What an object holds is mostly the very same as last time: then its arrays are only copied,
+    what is plain by its type is taken as it is, and only containers are looked through.
     """
 
     def __init__(self, constants: Constants) -> None:
@@ -113,42 +127,118 @@ class StateWriter:
         self._names, self._scratch = constants.name_of, constants.scratch_of
         self._kinds = list(BY_CLASS.values())
         self._number_of = {kind.cls: number for number, kind in enumerate(self._kinds)}
+        self._shapes = {cls: _Shape(number, self._kinds[number]) for cls, number in self._number_of.items()}
         self._encoders = _Encoders(self.encoder)
-        self._memo: dict[int, list[Any]] = {}
-        self._rows: list[Row] = []
-        self._more: Rows = {}
-        self._content: dict[int, bytes] = {}
+        self._objects: dict[int, _Object] = {}
+        self._arrays: dict[int, _Array] = {}
         self._values: dict[int, _Value] = {}
         self._values_before: dict[int, _Value] = {}
-        self._objects: dict[int, _Object] = {}
-        self._objects_before: dict[int, _Object] = {}
-        self._arrays: dict[int, _Array] = {}
         self._last = self._turn = self._many = 0
+        self._memo: dict[int, list[Any]] = {}
+        self._queue: list[_Object] = []
+        self._rows: Rows = {}
+        self._content: dict[int, bytes] = {}
 
     def write(self, root: Any) -> Written:
         """Take `root` and all that it holds; Unwritable for what is in no list of kinds."""
         self._turn += 1
         self._values_before, self._values = self._values, {}
-        try:
-            found = self._ref(root)
-            return Written(self._kinds, self._rows.copy(), self._more.copy(), self._content.copy(), found)
-        finally:
-            for each in (self._memo, self._rows, self._more, self._content):
-                each.clear()
-            self._forget()
+        self._memo, self._queue, self._rows, self._content = {}, [], {}, {}
+        found = self._ref(root)
+        self._take()
+        self._forget()
+        return Written(self._kinds, self._rows, self._content, found)
+
+    def _take(self) -> None:
+        """Take all objects that are asked for, and what that asks for."""
+        turn, queue, rows, content = self._turn, self._queue, self._rows, self._content
+        for known in queue:
+            value, shape = known.value, known.shape
+            shape.check(value)
+            held = shape.links(value)
+            if known.held is None or not all(map(is_, held, known.held)):
+                self._look(known, held)
+            row = [shape.number, shape.plain(value), *known.said]
+            for place in known.dynamic:
+                row[2 + place] = self._ref(held[place])
+            rows[known.ref[0]] = row
+            if known.rows:
+                rows.update(known.rows)
+                for number, read in known.contents:
+                    content[number] = read()
+            for child in known.children:
+                if child.turn != turn:
+                    child.turn = turn
+                    queue.append(child)
+
+    def _look(self, known: _Object, held: tuple[Any, ...]) -> None:
+        """What an object holds has changed: say anew what is written of it."""
+        before = known.arrays
+        known.said, known.dynamic, known.children, known.arrays = [], [], [], []
+        known.rows, contents = {}, {}
+        for place, value in enumerate(held):
+            cls = type(value)
+            if cls is np.ndarray:
+                array = self._known(value)
+                array.pins += 1
+                known.arrays.append(array)
+                known.rows.update(array.rows)
+                contents.update(array.contents)
+                known.said.append(array.ref)
+            elif cls in PLAIN:
+                known.said.append(value)
+            elif cls is tuple and known.shape.fixed[place]:
+                known.said.append(self._fixed(value, known.rows))
+            elif cls in _CONTAINERS:
+                known.dynamic.append(place)
+                known.said.append(None)
+            else:
+                known.said.append(self._said(value, known))
+        known.held, known.contents = held, list(contents.items())
+        for array in before:
+            array.pins -= 1
+
+    def _said(self, value: Any, known: _Object) -> list[Any]:
+        cls = type(value)
+        kind = BY_CLASS.get(cls)
+        name = self._names.get(id(value)) if cls in self._constants.classes or kind is None else None
+        if name is not None:
+            return [name]
+        if kind is not None and issubclass(cls, Enum):
+            return [VALUE, kind.name, value.value]
+        if kind is not None and is_fixed(kind) and cls not in self._constants.classes:
+            _, ref, rows = self._value(value, kind)
+            known.rows.update(rows)
+            return ref
+        child = self._object(value)
+        known.children.append(child)
+        return child.ref
+
+    def _object(self, value: Any) -> _Object:
+        known = self._objects.get(id(value))
+        if known is None or known.value is not value:
+            shape = self._shapes.get(type(value))
+            if shape is None:
+                raise Unwritable(
+                    f"{type(value).__module__}.{type(value).__qualname__} is of no kind that a state holds"
+                )
+            self._last += 1
+            known = self._objects[id(value)] = _Object(value, self._last, shape)
+        return known
 
     def _forget(self) -> None:
-        """Forget objects that nobody holds any more, and arrays once there are many."""
-        for gone in self._objects_before.values():
-            for array in gone.known:
-                array.pins -= 1
-        self._objects_before.clear()
-        self._objects_before, self._objects = self._objects, self._objects_before
-        if len(self._arrays) > 2 * self._many + 256:
-            kept = {key: each for key, each in self._arrays.items() if each.pins or each.turn >= self._turn}
-            self._arrays.clear()
-            self._arrays |= kept
-            self._many = len(kept)
+        """Forget objects and arrays that nobody holds any more, once there are many."""
+        if len(self._objects) + len(self._arrays) <= 2 * self._many + 256:
+            return
+        for key, known in list(self._objects.items()):
+            if known.turn != self._turn:
+                del self._objects[key]
+                for array in known.arrays:
+                    array.pins -= 1
+        for key, array in list(self._arrays.items()):
+            if not array.pins and array.turn != self._turn:
+                del self._arrays[key]
+        self._many = len(self._objects) + len(self._arrays)
 
     def _ref(self, value: Any) -> Any:
         if type(value) in PLAIN:
@@ -161,20 +251,21 @@ class StateWriter:
             return values
         return [each if type(each) in PLAIN else self._ref(each) for each in values]
 
-    # -- how objects of each class are taken --------------------------------------------------------------------
+    # -- how what containers hold is taken -----------------------------------------------------------------------
 
     def encoder(self, cls: type) -> Encode:
         """What takes objects of this class."""
         if cls in _CONTAINERS:
             found: Encode = getattr(self, _CONTAINERS[cls])
             return found
+        if cls is np.ndarray:
+            return self._array
         kind = BY_CLASS.get(cls)
-        if kind is None:
-            return self._unknown
-        if issubclass(cls, Enum):
+        if kind is not None and issubclass(cls, Enum):
             return lambda value: [VALUE, kind.name, value.value]
-        named = cls in self._constants.classes
-        encode = self._fixed_encoder(kind) if is_fixed(kind) and not named else self._object_encoder(kind)
+        named = cls in self._constants.classes or kind is None
+        fixed = kind is not None and is_fixed(kind) and not named
+        encode = self._fixed_encoder(kind) if kind is not None and fixed else self._queued
         return self._named(encode) if named else encode
 
     def _named(self, encode: Encode) -> Encode:
@@ -186,61 +277,21 @@ class StateWriter:
 
         return named
 
-    def _unknown(self, value: Any) -> list[Any]:
-        name = self._names.get(id(value))
-        if name is None:
-            raise Unwritable(f"{type(value).__module__}.{type(value).__qualname__} is of no kind that a state holds")
-        return [name]
-
-    def _object_encoder(self, kind: Kind) -> Encode:
-        number, check = self._number_of[kind.cls], _checked(kind)
-        plain, arrays, links = (values_of(names) for names in split_names(kind))
-        has_arrays = bool(split_names(kind)[1])
-        encoders, memo, rows, more, content = self._encoders, self._memo, self._rows, self._more, self._content
-
-        def encode(value: Any) -> list[Any]:
-            check(value)
-            key = id(value)
-            ref = memo[key] = [len(rows)]
-            row: Row = [number, *plain(value)]
-            rows.append(row)
-            if has_arrays:
-                known = self._objects_before.pop(key, None)
-                held = arrays(value)
-                if known is None or known.value is not value or not all(map(is_, held, known.arrays)):
-                    known = self._object(value, held, known)
-                self._objects[key] = known
-                row += known.refs
-                more.update(known.rows)
-                for name, read in known.contents:
-                    content[name] = read()
-            add, met = row.append, memo.get
-            for each in links(value):
-                cls = type(each)
-                if cls in PLAIN:
-                    add(each)
-                else:
-                    found = met(id(each))
-                    add(encoders[cls](each) if found is None else found)
-            return ref
-
-        return encode
-
-    def _object(self, value: Any, arrays: tuple[Any, ...], before: _Object | None) -> _Object:
-        found = _Object(value, arrays, [self._known(each) for each in arrays])
-        for each in () if before is None else before.known:
-            each.pins -= 1
-        return found
+    def _queued(self, value: Any) -> list[Any]:
+        known = self._object(value)
+        if known.turn != self._turn:
+            known.turn = self._turn
+            self._queue.append(known)
+        return known.ref
 
     def _fixed_encoder(self, kind: Kind) -> Encode:
         """Values that nobody changes are taken once, and written again as long as somebody holds them."""
-        memo, more = self._memo, self._more
 
         def encode(value: Any) -> list[Any]:
-            found = self._value(value, kind)
-            memo[id(value)] = found[1]
-            more.update(found[2])
-            return found[1]
+            _, ref, rows = self._value(value, kind)
+            self._memo[id(value)] = ref
+            self._rows.update(rows)
+            return ref
 
         return encode
 
@@ -250,11 +301,11 @@ class StateWriter:
         if known is None:
             known = self._values_before.get(key)
             if known is None:
-                self._last -= 1
-                row: Row = [self._number_of[kind.cls]]
-                rows = {self._last: row}
-                known = value, [self._last], rows
-                row += [self._fixed(each, rows) for names in split_names(kind) for each in values_of(names)(value)]
+                self._last += 1
+                shape = self._shapes[kind.cls]
+                row: Row = [shape.number, shape.plain(value)]
+                known = value, [self._last], {self._last: row}
+                row += [self._fixed(each, known[2]) for each in shape.links(value)]
             self._values[key] = known
         return known
 
@@ -294,8 +345,9 @@ class StateWriter:
         return [None, *self._refs(value)]
 
     def _begin(self, value: Any, row: Row) -> list[Any]:
-        ref = self._memo[id(value)] = [len(self._rows)]
-        self._rows.append(row)
+        number = -1 - len(self._memo)
+        ref = self._memo[id(value)] = [number]
+        self._rows[number] = row
         return ref
 
     def _list(self, value: list[Any]) -> list[Any]:
@@ -334,8 +386,7 @@ class StateWriter:
 
     def _array(self, value: Any) -> list[Any]:
         known = self._known(value)
-        known.turn = self._turn
-        self._more.update(known.rows)
+        self._rows.update(known.rows)
         for number, read in known.contents:
             self._content[number] = read()
         return known.ref
@@ -343,7 +394,7 @@ class StateWriter:
     def _known(self, value: Any) -> _Array:
         known = self._arrays.get(id(value))
         if known is None or known.value is not value:
-            self._last -= 1
+            self._last += 1
             known = self._arrays[id(value)] = _Array(value, self._last)
             self._describe(known, value)
         known.turn = self._turn
@@ -382,7 +433,7 @@ class StateWriter:
 
 _CONTAINERS: Final = {
     list: "_list", tuple: "_tuple", dict: "_dict", set: "_set", frozenset: "_frozenset", deque: "_deque",
-    OrderedDict: "_ordered", Counter: "_counter", MethodType: "_method", complex: "_complex", np.ndarray: "_array",
+    OrderedDict: "_ordered", Counter: "_counter", MethodType: "_method", complex: "_complex",
     np.float64: "_number", np.float32: "_number", np.int64: "_number", np.int32: "_number", np.bool_: "_number",
 }  # fmt: skip
 
@@ -400,16 +451,16 @@ class _Encoders(dict[type, Encode]):
 
 
 @cache
-def split_names(kind: Kind) -> tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]:
-    """The fields of a kind in the order in which they are written: plain values, arrays, all others."""
+def split_names(kind: Kind) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The fields of a kind in the order in which they are written: plain values, and all others."""
     types = kind.types()
-    plain = tuple(name for name, found in types.items() if all(each.word in _PLAIN for each in found.either))
-    arrays = tuple(name for name, found in types.items() if found.word in NUMBERS)
-    return plain, arrays, tuple(name for name in types if name not in plain and name not in arrays)
+    plain = tuple(name for name, found in types.items() if _is_plain(found))
+    return plain, tuple(name for name in types if name not in plain)
 
 
-def _in_order(kind: Kind) -> list[str]:
-    return [name for names in split_names(kind) for name in names]
+def _is_plain(found: Type) -> bool:
+    """Whether it is a plain value, or a tuple of such."""
+    return (found.word in _PLAIN or found.word in ("|", "tuple", "row")) and all(map(_is_plain, found.of))
 
 
 def values_of(names: tuple[str, ...]) -> Callable[[Any], tuple[Any, ...]]:

@@ -64,6 +64,7 @@ class Mutations:
     def __init__(self, data, seed):
         self.payload, self.facts = opened(data)
         self.data, self.chance = data, np.random.default_rng(seed)
+        self.numbers = tuple(halves(self.payload)[0][1])
 
     def next(self):
         """Another one."""
@@ -94,9 +95,9 @@ class Mutations:
     def crafted(self):
         """Values of the tree are others, of all types."""
         tree, content = halves(self.payload)
-        rows = [*tree[1], *tree[2].values()]
+        rows = list(tree[1].values())
         for _ in range(int(self.chance.integers(1, 4))):
-            row = rows[int(self.chance.integers(len(rows)))]
+            row = self.values(rows)
             if row:
                 row[int(self.chance.integers(len(row)))] = self.strange(rows)
         return sealed(joined(tree, content), self.facts)
@@ -104,13 +105,19 @@ class Mutations:
     def alike(self):
         """One value is another one of its type: what no check of types finds."""
         tree, content = halves(self.payload)
-        rows = [*tree[1], *tree[2].values()]
+        rows = list(tree[1].values())
         while True:
-            row = rows[int(self.chance.integers(len(rows)))]
-            place = int(self.chance.integers(len(row)))
-            if row[0] >= -6 and place and (found := self.like(row[place], rows)) is not None:
+            row = self.values(rows)
+            place = int(self.chance.integers(len(row))) if row else 0
+            if row and (found := self.like(row[place], rows)) is not None:
                 row[place] = found
                 return sealed(joined(tree, content), self.facts)
+
+    def values(self, rows):
+        """A row, or the plain values of one."""
+        row = rows[int(self.chance.integers(len(rows)))]
+        plain = type(row[0]) is int and row[0] >= 0 and isinstance(row[1], list)
+        return row[1] if plain and self.chance.random() < 0.6 else row
 
     def like(self, value, rows):
         """Another value of the same type; None where there is none."""
@@ -123,13 +130,13 @@ class Mutations:
         if type(value) is str:
             return str(self.chance.choice(("", "x", "*", "a" * 4000, "now", "circle", "\x00")))
         if isinstance(value, list) and len(value) == 1 and type(value[0]) is int:
-            return [int(self.chance.integers(-len(rows), len(rows)))]
+            return [int(self.chance.choice(list(self.numbers)))]
         return None
 
     def strange(self, rows):
         """A value that does not belong here."""
         if self.chance.random() < 0.4:
-            return [int(self.chance.integers(-len(rows), len(rows)))]
+            return [int(self.chance.choice(list(self.numbers)))]
         if self.chance.random() < 0.3:
             return [int(each) for each in self.chance.integers(-5, 400, int(self.chance.integers(4)))]
         return STRANGE[int(self.chance.integers(len(STRANGE)))]
@@ -138,7 +145,7 @@ class Mutations:
         """Arrays hold numbers that no show holds."""
         tree, content = halves(self.payload)
         data, place = bytearray(content), 0
-        for row in tree[2].values():
+        for row in tree[1].values():
             if row[0] not in (-7, -8):
                 continue
             kind = np.dtype(row[1])
