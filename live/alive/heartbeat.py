@@ -38,6 +38,7 @@ class Heartbeat:
         """To be inherited by the process that is watched."""
         self._page = mmap.mmap(descriptor, SIZE)
         self._words = memoryview(self._page).cast("Q")
+        self._stage = self._words[3:4]
 
     def beat(self, tick: int, phase: Phase) -> None:
         """I live, and stand at `tick`."""
@@ -63,7 +64,7 @@ class Heartbeat:
     @property
     def stage(self) -> memoryview:
         """The word for the stage that runs now: a show writes it by itself (`Breakers.publish`)."""
-        return self._words[3:4]
+        return self._stage
 
     def begin_tick(self, tick: int) -> None:
         """The tick `tick` is run now, which is a beat as well."""
@@ -77,6 +78,7 @@ class Heartbeat:
 
     def close(self) -> None:
         """Give the memory back."""
+        self._stage.release()
         self._words.release()
         self._page.close()
         os.close(self.descriptor)

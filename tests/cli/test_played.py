@@ -16,6 +16,7 @@ WISH = Wish(
     tempo_share=0.8, osc=("0.0.0.0", 9010), osc_process=True, osc_musicians=("::", 9011),
     osc_out=(("127.0.0.1", 9000), ("localhost", 9001)), dmx=("sacn:1",), vmc_out=("127.0.0.1:39539",),
     vmc=(("0.0.0.0", 39540),), oscquery=("127.0.0.1", 8000), web=("127.0.0.1", 8001), web_key="k",
+    web_hosts=("stage.example",), audience_tls=(Path("cert.pem"), Path("key.pem")),
     audience=("0.0.0.0", 80), audience_link="http://x", audience_secret=b"\x00\xff" * 16, journal=Path("night.jsonl"),
     status_json=Path("s.json"), seconds=3.5, record=Path("film.mp4"), share=("shm:x",), operator="2", size=(640, 360),
     fps=30.0, shaders=Path("shaders"), quality=2,
