@@ -74,7 +74,7 @@ from live.show.state import whole
 from live.show.state.kind import Kind, nothing
 
 KINDS: Final = [
-    Kind("advance", Advance, "_agent_count:int _fixed:f4~ _rows:f4 _numbers:i4"),
+    Kind("advance", Advance, "_agent_count:int _fixed:f4~ _rows:f4 _numbers:i4", whole=whole.advance),
     Kind("agent-model", AgentModel, "radius:f4 responsibility:f4 steering:steering seed:int"),
     Kind("agent-state", AgentState, "acceleration:f4 flat:f4 heed:f4 position:f4 rest:f4 velocity:f4"),
     Kind("steering", Steering, """

@@ -152,7 +152,8 @@ class _Reader:
         axes, writeable = row[3], row[4]
         if not _whole_numbers(axes) or sorted(axes) != list(range(len(shape))) or type(writeable) is not bool:
             raise Unreadable("an array has no axes")
-        found = found.transpose(np.argsort(axes)) if axes != sorted(axes) else found
+        if axes != sorted(axes):
+            found = found.transpose(np.argsort(axes))
         found.flags.writeable = writeable
         return found
 

@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.agents.crowd.advance import Advance
 from live.agents.crowd.bounds.kernels import CAPACITY
 from live.agents.crowd.surroundings import Surroundings
 from live.agents.evolutions.departure import Departure, Journey
@@ -33,6 +34,14 @@ _OF_READERS: Final = (
     "_control_height", "_head", "_head_height", "_root", "_facing", "_step", "_sums", "_squares", "_input_sum",
     "_input_square", "_frames", "_value", "_expected", "_shortest", "_most",
 )  # fmt: skip
+
+
+def advance(value: Advance) -> bool:
+    """Numbers of all agents and of how they are steered; only the stage may be without end."""
+    begin = 2 * at(value, "_agent_count")
+    fixed: Array = at(value, "_fixed")
+    stage, others = fixed[begin : begin + 2], np.delete(fixed, [begin, begin + 1])
+    return bool((stage > 0.0).all() and np.abs(others).max() <= FARTHEST)
 
 
 def element_table(value: ElementTable) -> bool:

@@ -175,7 +175,8 @@ class StateWriter:
         """What an object holds has changed: say anew what is written of it."""
         before = known.arrays
         known.said, known.dynamic, known.children, known.arrays = [], [], [], []
-        known.rows, contents = {}, {}
+        known.rows = {}
+        contents: dict[int, Callable[[], bytes]] = {}
         for place, value in enumerate(held):
             cls = type(value)
             if cls is np.ndarray:
