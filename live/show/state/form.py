@@ -1,10 +1,11 @@
 """The form of a state as bytes: a tree of MessagePack, and the content of all arrays one after another.
 
-The tree is an array of kinds, rows and the root:
+The tree is an array of kinds, rows, sizes and the root:
 
     kinds   {number: [name, [field, ...], [field, ...]]} of each kind that rows are of: plain fields, and all others
     rows    {number: row}: [kind, [plain, ...], value, ...] an object, its fields in their order; else a code below,
             and what it says
+    sizes   of the content of each array, in the order of their rows [bytes]; what is missing at its end is 0
     root    a value
 
 Plain is None, a bool, a number, a text or bytes; an array is a tuple of such.

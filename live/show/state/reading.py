@@ -22,6 +22,7 @@ from live.show.state.form import (
     LAID,
     LIST,
     METHOD,
+    MOST_NUMBERS,
     ORDERED,
     PART,
     SCRATCH,
@@ -74,9 +75,13 @@ class _Reader:
     """Makes the objects of one tree."""
 
     def __init__(self, tree: Any, content: memoryview, constants: Constants) -> None:
-        if not (isinstance(tree, list) and len(tree) == 3 and isinstance(tree[0], dict) and isinstance(tree[1], dict)):
-            raise Unreadable("its tree is no table of kinds, rows and a root")
-        kinds, self._rows, self._root = tree
+        if not (isinstance(tree, list) and len(tree) == 4 and isinstance(tree[0], dict) and isinstance(tree[1], dict)):
+            raise Unreadable("its tree is no table of kinds, rows, sizes and a root")
+        kinds, self._rows, sizes, self._root = tree
+        if not _whole_numbers(sizes) or min(sizes, default=0) < 0 or sum(sizes) != len(content):
+            raise Unreadable("the content of its arrays is cut off, or of none")
+        self._sizes = iter(sizes)
+        self._room = MOST_NUMBERS
         if len(self._rows) > MOST_ROWS:
             raise Unreadable(f"it has {len(self._rows)} rows, more than {MOST_ROWS}")
         found = {number: _kind(number, said) for number, said in kinds.items()}
@@ -94,8 +99,8 @@ class _Reader:
                 raise Unreadable(f"row {number!r:.40} is none")
             if row[0] != PART:
                 self._made[number] = self._empty(row)
-        if self._place != len(self._content):
-            raise Unreadable(f"{len(self._content) - self._place} bytes are of no array")
+        if next(self._sizes, None) is not None:
+            raise Unreadable("there is content of no array")
         for number, row in self._rows.items():
             if row[0] == PART:
                 self._made[number] = self._part(row)
@@ -140,11 +145,13 @@ class _Reader:
         for length in shape:
             count *= length
         kind = np.dtype(numbers)
-        begin, size = self._place, count * kind.itemsize
-        if size > len(self._content) - begin:
-            raise Unreadable("the content of an array is cut off")
-        self._place += size
-        found: Array = np.frombuffer(self._content[begin : begin + size], kind).reshape(shape).copy()
+        begin, used, size = self._place, next(self._sizes, -1), count * kind.itemsize
+        self._room -= size
+        if not 0 <= used <= size or self._room < 0:
+            raise Unreadable("the content of an array is cut off, or too much")
+        self._place += used
+        found: Array = np.zeros(shape, kind)
+        found.reshape(-1).view(np.uint8)[:used] = np.frombuffer(self._content[begin : begin + used], np.uint8)
         if kind == np.bool_ and found.view(np.uint8).max(initial=0) > 1:
             raise Unreadable("an array of booleans holds others")
         if row[0] == WHOLE:

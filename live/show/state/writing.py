@@ -7,7 +7,7 @@ from collections import Counter, OrderedDict, deque
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 from enum import Enum
-from functools import cache
+from functools import cache, partial
 from operator import attrgetter, is_
 from types import MethodType
 from typing import Any, Final
@@ -38,6 +38,10 @@ from live.show.state.kinds import BY_CLASS, BY_NAME, METHODS
 
 Encode = Callable[[Any], list[Any]]
 
+LARGE: Final = 1 << 15
+"""Bytes from which on it is worth looking for zeros at the end of an array: looking is quicker than copying."""
+LEAST: Final = 64
+"""Words that are always copied."""
 _PLAIN: Final = frozenset({"int", "float", "bool", "str", "none", "bytes"})
 _FIXED: Final = frozenset({"int", "float", "bool", "str", "none", "complex", "tuple", "row", "frozenset", "|"})
 """What nobody changes."""
@@ -62,8 +66,9 @@ class Written:
         """As `form.py` says. Thread: any one."""
         used = {row[0] for row in self.rows.values() if row[0] >= 0}
         kinds = {number: [self.kinds[number].name, *split_names(self.kinds[number])] for number in used}
-        tree = packed_tree([kinds, self.rows, self.root])
-        content = [self.content[number] for number, row in self.rows.items() if row[0] in (WHOLE, LAID)]
+        numbers = [number for number, row in self.rows.items() if row[0] in (WHOLE, LAID)]
+        content = [self.content[number] for number in numbers]
+        tree = packed_tree([kinds, self.rows, list(map(len, content)), self.root])
         return b"".join((HEAD.pack(len(tree)), tree, *content))
 
 
@@ -429,7 +434,18 @@ class StateWriter:
         else:
             row = [LAID, numbers, list(laid.shape), axes, bool(value.flags.writeable)]
         known.rows[known.number] = row
-        known.contents.append((known.number, laid.tobytes))
+        known.contents.append((known.number, laid.tobytes if laid.nbytes < LARGE else partial(used_bytes, laid)))
+
+
+def used_bytes(array: Any) -> bytes:
+    """What is in a large array, but for most of the zeros at its end: tables have room to spare."""
+    if not array.flags.c_contiguous or array.nbytes % 8:
+        return bytes(array.tobytes())
+    words = array.reshape(-1).view(np.uint64)
+    end = len(words)
+    while end > LEAST and not words[end // 2 : end].any():
+        end //= 2
+    return bytes(words[:end].tobytes())
 
 
 _CONTAINERS: Final = {

@@ -144,18 +144,16 @@ class Mutations:
     def filled(self):
         """Arrays hold numbers that no show holds."""
         tree, content = halves(self.payload)
-        data, place = bytearray(content), 0
+        data, place, sizes = bytearray(content), 0, iter(tree[2])
         for row in tree[1].values():
             if row[0] not in (-7, -8):
                 continue
-            kind = np.dtype(row[1])
-            count = int(np.prod(row[2]))
-            numbers = np.frombuffer(data, kind, count, place)
-            place += count * kind.itemsize
-            if count and self.chance.random() < 0.02:
-                numbers[self.chance.integers(count, size=1 + count // 9)] = self.chance.choice(
-                    EXTREME.get(kind.kind, (0,))
-                )
+            kind, size = np.dtype(row[1]), next(sizes)
+            numbers = np.frombuffer(data, kind, size // kind.itemsize, place)
+            place += size
+            if size and self.chance.random() < 0.02:
+                places = self.chance.integers(len(numbers), size=1 + len(numbers) // 9)
+                numbers[places] = self.chance.choice(EXTREME.get(kind.kind, (0,)))
         return sealed(joined(tree, bytes(data)), self.facts)
 
 

@@ -105,8 +105,12 @@ def test_a_kind_is_one_of_the_list_with_its_fields(taken, fresh, said, words):
 def test_a_method_is_one_of_the_list(taken, fresh, name):
     tree, content = halves(opened(taken[1])[0])
     show = next(n for n, row in tree[1].items() if row[0] >= 0 and tree[0][row[0]][0] == "show")
-    row = next(row for row in tree[1].values() if any(isinstance(each, list) and each[:1] == [False] for each in row))
-    place = next(n for n, each in enumerate(row) if isinstance(each, list) and each[:1] == [False])
+    row, place = next(
+        (row, place)
+        for row in tree[1].values()
+        for place, each in enumerate(row)
+        if row[0] >= 0 and place > 1 and isinstance(each, list) and each[:1] == [False]
+    )
     row[place] = [False, [show], name]
     assert "has no method" in refused(sealed(joined(tree, content), opened(taken[1])[1]), fresh)
 
@@ -134,15 +138,9 @@ def test_a_field_of_another_type_an_index_too_large_and_another_shape_are_named(
     row = next(row for row in rows_of(tree, "danced"))
     name = row[2 + tree[0][row[0]][2].index("node")][0]
     tree, content = halves(payload)
-    place = 0
-    for number, row in tree[1].items():
-        if row[0] in (-7, -8):
-            size = int(row[1][2:])
-            for length in row[2]:
-                size *= length
-            if number == name:
-                content = content[:place] + b"\xff\xff\xff\x7f" + content[place + 4 :]
-            place += size
+    arrays = [number for number, row in tree[1].items() if row[0] in (-7, -8)]
+    place = sum(tree[2][: arrays.index(name)])
+    content = content[:place] + b"\xff\xff\xff\x7f" + content[place + 4 :]
     words = refused(sealed(joined(tree, content), facts), fresh)
     assert "danced.node finds node" in words
 
@@ -153,7 +151,9 @@ def test_what_says_that_it_is_large_asks_for_no_memory(taken, fresh):
     tree, content = halves(payload)
     number = next(n for n, row in tree[1].items() if row[0] == -7)
     tree[1][number][2] = [1 << 39]
+    large = [{}, {n: [-7, "<f8", [1 << 21]] for n in range(100)}, [0] * 100, [0]]
     bombs = [
+        sealed(joined(large, b""), facts),
         sealed(joined(tree, content), facts),
         sealed(payload, facts, size=1 << 62),
         sealed(payload, facts, size=-1),
@@ -161,7 +161,7 @@ def test_what_says_that_it_is_large_asks_for_no_memory(taken, fresh):
         sealed(HEAD.pack(MOST_TREE + 8) + b"\x90" * (MOST_TREE + 8), facts),
         sealed(HEAD.pack(400) + b"\x91" * 400, facts),
         sealed(HEAD.pack(1 << 20) + b"\xdc\xff\xff" + b"\x90" * (1 << 20), facts),
-        sealed(joined([{}, {n: [-1] for n in range(300_000)}, [0]], b""), facts),
+        sealed(joined([{}, {n: [-1] for n in range(300_000)}, [], [0]], b""), facts),
         sealed(zlib.compress(bytes(1 << 25)), facts, size=1 << 25),
     ]
     for bomb in bombs:
