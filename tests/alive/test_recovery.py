@@ -246,7 +246,9 @@ STAGES: dict[str, list[tuple[type, str]]] = {
     ("stage", "kind", "name"), [(stage, *row) for stage, rows in STAGES.items() for row in rows],
     ids=lambda value: getattr(value, "__name__", value),
 )  # fmt: skip
-@pytest.mark.parametrize("in_ticks", [True, False], ids=["from-a-tick-on", "everywhere"])
+@pytest.mark.parametrize(
+    "in_ticks", [pytest.param(True, marks=pytest.mark.long), False], ids=["from-a-tick-on", "everywhere"]
+)
 def test_whatever_fails_for_good_is_left_out_and_measures_go_on(
     loaded, monkeypatch, tmp_path, stage, kind, name, in_ticks
 ):
