@@ -90,12 +90,12 @@ KINDS: Final = [
     Kind("order", Order, ""),
     Kind("delays.ripple", Ripple, "beats:float order:order arrive:arrive"),
     Kind("departure", Departure, """
-        numbers:i4(dancer) position:f8 heading:f8 words:row[frozenset[str]] begin:float end:float measure_beats:float
-        radius:f8 half:tuple[float,float] seed:int
+        numbers:i4(dancer)* position:f8* heading:f8* words:row[frozenset[str]] begin:float end:float measure_beats:float
+        radius:f8* half:tuple[float,float] seed:int
     """, whole=whole.departure),
     Kind("departure.draft", Draft, "journey:journey|none"),
     Kind("journey", Journey, """
-        locomotion:locomotion slot:i4(dancer) retimed:int bent:bool remaining:row[approach] checked:bool
+        locomotion:locomotion slot:i4(dancer)* retimed:int bent:bool remaining:row[approach] checked:bool
     """, whole=whole.journey),
     Kind("by", By, ""),
     Kind("evolve", Evolve, "formation:str matching:matching way:way orientation:orientation soft:float"),
@@ -103,21 +103,21 @@ KINDS: Final = [
     Kind("hold", Hold, "formation:str matching:matching"),
     Kind("matching", Matching, "by:by cost:cost equal_weight:float fill:fill"),
     Kind("pause", Pause, ""),
-    Kind("places", Places, "name:str slots:f8 heading:f8 marks:list[str]|row[str]"),
+    Kind("places", Places, "name:str slots:f8* heading:f8* marks:list[str]|row[str]", whole=whole.places),
     Kind("procedural", Procedural, "marks:row[str]"),
     Kind("repertoire", Repertoire, """
-        formations:dict[str,places|named-formation] paths:dict[str,array]
+        formations:dict[str,places|named-formation] paths:dict[str,array*]
         intentions:dict[str,hold|evolve|pause|trajectory|procedural]
     """),
     Kind("trajectory", Trajectory, "path:str follow:follow gap:float orientation:orientation soft:float"),
     Kind("way", Way, ""),
-    Kind("locomotion", Locomotion, "ways:f4 times:f8 turns:f8 soft:float", whole=whole.locomotion),
+    Kind("locomotion", Locomotion, "ways:f4* times:f8* turns:f8* soft:float", whole=whole.locomotion),
     Kind("setting", Setting, "position:f4 velocity:f4 heading:f4 under:u1"),
     Kind("cost", Cost, ""),
     Kind("fill", Fill, ""),
     Kind("motion", Motion, """
-        segment:segment intention:hold|evolve|pause|trajectory|procedural departure:departure who:i4(dancer) keep:u1
-        journey:journey|none _draft:departure.draft _from:array|none _left:int _pieces:none
+        segment:segment intention:hold|evolve|pause|trajectory|procedural departure:departure who:i4(dancer)* keep:u1*
+        journey:journey|none _draft:departure.draft _from:array*|none _left:int _pieces:none
     """, whole=whole.motion),
     Kind("orientation.facing", Facing, ""),
     Kind("orientation", Orientation, "facing:orientation.facing headings:row[float] smooth:bool turn_beats:float"),

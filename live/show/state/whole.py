@@ -12,6 +12,7 @@ from live.agents.crowd.advance import Advance
 from live.agents.crowd.bounds.kernels import CAPACITY
 from live.agents.crowd.surroundings import Surroundings
 from live.agents.evolutions.departure import Departure, Journey
+from live.agents.evolutions.intention import Places
 from live.agents.evolutions.locomotion import Locomotion
 from live.agents.evolutions.motion import Motion
 from live.agents.procedural.element import Element
@@ -78,6 +79,12 @@ def locomotion(value: Locomotion) -> bool:
     """Knots, times and turns of as many dancers."""
     value.__post_init__()
     return True
+
+
+def places(value: Places) -> bool:
+    """A heading for every place."""
+    count = len(value.slots)
+    return value.slots.shape == (count, 2) and value.heading.shape == (count,) and len(value.marks) in (0, count)
 
 
 def departure(value: Departure) -> bool:
