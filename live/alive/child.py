@@ -131,6 +131,14 @@ class Child:
                 return os.waitstatus_to_exitcode(int(words[CODE]))
         return None
 
+    def ends(self, within: float) -> bool:
+        """Whether it ends by itself within so many seconds; waits for that."""
+        try:
+            self.process.wait(within)
+        except subprocess.TimeoutExpired:
+            return False
+        return True
+
     def signal(self, number: int) -> None:
         """Send it a signal, if it still lives."""
         with contextlib.suppress(OSError):

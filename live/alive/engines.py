@@ -20,6 +20,8 @@ from live.alive.starter import Starter
 from live.alive.watchdog import overload
 from live.alive.wire import Wire
 
+ENDS_WITHIN: Final = 0.2
+"""Seconds in which a process is gone whose end was seen at its wire."""
 STEPS: Final = ('"StepsAdded"', '"StepsChanged"')
 """Events that only an engine can act on that has read the steps since."""
 CALM_APART: Final = 5.0
@@ -262,6 +264,9 @@ class Engines:
             return
         self._starter.hear_rest(engine.wire, LEAVES_WITHIN, dead=code is not None)
         ended, running = self._ended.pop(engine.process.pid, None), engine.heart.running
+        if ended is None and code is None and not engine.ends(ENDS_WITHIN):
+            engine.kill()  # only its wire is broken: it would dance on, and write on, beside the next one
+            code = -signal.SIGKILL
         code = self._bury(engine, code)
         if ended is not None:
             self.code = ended

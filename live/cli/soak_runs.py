@@ -57,7 +57,7 @@ def run_all(plans: list[Plan], folder: Path | None, console: Console, wanted: Wa
     jobs = [Job(name_of(plan), lambda into, plan=plan: run(plan, into, console, wanted)) for plan in plans]  # type: ignore[misc]
     try:
         facts = campaign.run(jobs)
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, SystemExit):
         facts = campaign.report([job.name for job in jobs])
     return _kept(facts, there, folder)
 
@@ -107,9 +107,9 @@ def run(plan: Plan, folder: Path, console: Console, wanted: Wanted) -> Facts:
             report.replay = prove(journal, seed=plan.seed)
     except PersonError:
         raise
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, SystemExit):  # Ctrl-C, or `kill`
         report.count += 1
-        report.problems.append("interrupted by Ctrl-C")
+        report.problems.append("interrupted")
     except Exception as error:
         report.fail(Failure.of(error), "the harness itself failed: ")
     return {**report.as_json(), "summary": summary(report)}

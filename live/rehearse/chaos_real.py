@@ -55,8 +55,8 @@ def real_chaos(plan: Plan, folder: Path, tell: Callable[[str], None]) -> dict[st
     run = ChaosRun(plan, folder, tell)
     try:
         run.run()
-    except KeyboardInterrupt:
-        run.problem("interrupted by Ctrl-C")
+    except (KeyboardInterrupt, SystemExit):  # Ctrl-C, or `kill`
+        run.problem("interrupted")
     except Exception as error:
         run.fail(Failure.of(error), "the harness itself failed: ")
     finally:

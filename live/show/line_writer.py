@@ -1,5 +1,6 @@
 """LineWriter: lines of text into a file by a thread of its own, so that the show never waits for the disk."""
 
+import contextlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +11,8 @@ from live.show.whole_writes import WholeWrites
 
 CAPACITY: Final = 65536
 """Lines that may wait for the disk."""
+CLAIM_WITHIN: Final = 5.0
+"""Seconds in which another process that writes the file ends, or is ended; two never write it at once."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +59,9 @@ class LineWriter(Clerk[tuple[str, int, int]]):
         self._path = path
         self._due, self._aside = unwritten, aside
         self._file = None if unwritten is not None else WholeWrites(path, more=more)
+        if self._file is not None and mark is not None:
+            with contextlib.suppress(BlockingIOError):
+                self._file.claim()
         self._mark = mark
         self._missed = 0  # that found too many waiting, since the last that did not
         self._first = b"" if unwritten is None else unwritten.first.encode() + b"\n"
@@ -85,6 +91,11 @@ class LineWriter(Clerk[tuple[str, int, int]]):
         if not begins_with(self._path, self._first):
             self._aside(self._path)
         file = WholeWrites(self._path, more=True)
+        try:
+            file.claim(CLAIM_WITHIN)
+        except OSError:
+            file.close()
+            raise
         there = file.lines_from(due.written.end)
         self._file, self._due = file, None
         self.missing += due.written.missing

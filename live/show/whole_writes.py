@@ -2,9 +2,16 @@
 
 import contextlib
 import os
+import sys
+import time
 from pathlib import Path
 from typing import Final
 
+if sys.platform != "win32":
+    import fcntl
+
+LOOK: Final = 0.02
+"""Seconds between two attempts to be the only one who writes."""
 MOST: Final = 1 << 26
 """Bytes that are read back at most."""
 
@@ -43,6 +50,23 @@ class WholeWrites:
         if torn:
             self.cut(self.end - len(torn))
         return whole
+
+    def claim(self, within: float = 0.0) -> None:
+        """Be the only process that writes it, until it is closed; BlockingIOError if another one still is after so
+        many seconds. Where the file system knows no locks (flock(2)) nothing is claimed."""
+        if sys.platform == "win32":
+            return
+        deadline = time.monotonic() + within
+        while True:
+            try:
+                fcntl.flock(self._file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+                return
+            except BlockingIOError:
+                if time.monotonic() >= deadline:
+                    raise
+            except OSError:
+                return
+            time.sleep(LOOK)
 
     def cut(self, end: int) -> None:
         """Forget what lies behind so many bytes."""

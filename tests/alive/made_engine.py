@@ -4,6 +4,7 @@ The brief's `show` is a JSON object: `ends` (exit code when it has counted to `t
 that began or took over kill themselves, one after another), `crashes` (tick and exit code of one engine after the
 other, in the stage of the tick that `stage` says), `hangs` (tick at which it stops beating), `hangs_again` (so does the
 first one that goes on), `cannot` (why it cannot stand by), `burns` (seconds of the processor that each tick takes),
+`cuts` (tick at which the first one's wire is cut while it dances on),
 `loops` (tick at which it goes into a loop without end), `helpers` (so many processes of its own that end when it does),
 `journal` (where it goes on with the journal when it is alone), `alone` (seconds that it dances so at most; without it,
 not at all).
@@ -12,6 +13,7 @@ not at all).
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -85,8 +87,10 @@ def begin_helpers(count: int) -> list[subprocess.Popen[bytes]]:
     return [subprocess.Popen(wait, stdin=subprocess.PIPE, start_new_session=True) for _ in range(count)]
 
 
-def work(plan: dict[str, Any], tick: int, *, first: bool) -> None:
+def work(plan: dict[str, Any], tick: int, *, first: bool, wire: socket.socket) -> None:
     """A tick's work, which may have no end. `first`: for the engine that began the show."""
+    if first and tick == plan.get("cuts"):
+        wire.shutdown(socket.SHUT_RDWR)
     if first and tick == plan.get("hangs"):
         time.sleep(600)
     if first and tick == plan.get("loops"):
@@ -134,7 +138,7 @@ def main() -> None:
         sink.put(compact({"tick": tick, "event": {"type": "made", "number": tick}}))
         if kills and tick >= kills[0]:
             os.kill(os.getpid(), signal.SIGKILL)
-        work(plan, tick, first=brief.role == "engine")
+        work(plan, tick, first=brief.role == "engine", wire=lifeline.wire.socket)
         sink.flush()
         lifeline.frame(tick)
         if lifeline.fenced:

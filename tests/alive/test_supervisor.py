@@ -78,6 +78,20 @@ def test_who_hangs_before_it_dances_is_ended_as_well(tmp_path):
     assert any("no sign of life" in line for line in said)
 
 
+def test_an_engine_whose_wire_is_cut_does_not_dance_and_write_beside_the_next_one(tmp_path):
+    """It takes its supervisor for dead, and would go on with the journal by itself. (Found by chaos: for 20 s it did,
+    in the same file.)"""
+    plan = {"cuts": 60, "ticks": 160, "alone": 60.0, "journal": str(tmp_path / "j")}
+    code, lines, supervisor, said = supervised(tmp_path, plan, spare=False)
+    assert code == 0
+    assert numbers(lines) == sorted(set(numbers(lines)))
+    assert set(range(1, 59)) | set(range(70, 161)) <= set(numbers(lines))
+    assert [line for line in lines if line.get("end")] == [lines[-1]]
+    assert supervisor.report.restarts == 1
+    assert supervisor.report.takeover_s < 5.0
+    assert "SIGKILL" in said[0]
+
+
 def test_a_killed_engine_has_lost_no_line_and_the_spare_goes_on_from_the_last_one(tmp_path):
     """Every line was with the supervisor before the engine killed itself right after it."""
     code, lines, supervisor, said = supervised(tmp_path, {"kills": [200], "ticks": 260})

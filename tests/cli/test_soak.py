@@ -1,6 +1,9 @@
 """`live soak` and `live sim`: reports, exit codes, refusals; what is judged in real time."""
 
 import json
+import signal
+import subprocess
+import sys
 import wave
 
 import pytest
@@ -77,3 +80,21 @@ def test_growing_frame_times_are_seen_and_noise_is_not():
     assert first == pytest.approx(last)
     assert [row["late"] for row in rising.rows] == [0, *([1] * 8)]
     assert Figures().grown() is None
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_soak_that_is_ended_by_hand_reports_what_it_has_found(tmp_path, number):
+    report = tmp_path / "report.json"
+    command = [sys.executable, "-m", "live", "soak", "score", "--hours", "20", "--report", str(report)]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=tmp_path) as running:
+        for line in running.stderr:
+            if "times as fast as life" in line:
+                break
+        running.send_signal(number)
+        told, _ = running.communicate(timeout=120)
+    assert running.returncode == 1
+    assert "interrupted" in told
+    facts = json.loads(report.read_text())
+    assert facts["problems"] == ["interrupted"]
+    assert facts["frames"] > 0

@@ -1,12 +1,15 @@
 """LineWriter: every line in order; a disk that refuses or hangs stops nothing."""
 
+import json
 import threading
 from pathlib import Path
 
 import pytest
 
 from live.show import line_writer
-from live.show.line_writer import LineWriter
+from live.show.journal_file import with_gap
+from live.show.line_writer import LineWriter, Unwritten
+from tests.control.waiting import wait_for
 
 
 def test_lines_arrive_in_order(tmp_path):
@@ -50,3 +53,40 @@ def test_a_disk_that_hangs_makes_nobody_wait(tmp_path, monkeypatch):
     release.set()
     writer.close()
     assert (tmp_path / "a").read_text().split() == ["first", *map(str, range(8))]
+
+
+def test_two_never_write_a_journal_at_once_and_what_waits_is_written_when_the_other_has_ended(tmp_path):
+    """A process that takes its supervisor for dead goes on with the journal, and the supervisor lives."""
+    path = tmp_path / "j"
+    first = LineWriter(path, name="first", mark=with_gap)
+    for number in range(1, 4):
+        first.line(f'{{"tick":{number}}}', number)
+    assert wait_for(lambda: first.written is not None and first.written.number == 3, 5.0)
+    rest = Unwritten('{"tick":1}', first.written, [(4, '{"tick":4}')])
+    second = LineWriter(path, name="second", mark=with_gap, unwritten=rest)
+    second.line('{"tick":5}', 5)
+    first.line('{"tick":6}', 6)
+    assert wait_for(lambda: first.written.number == 6, 5.0)
+    assert second.written is None
+    first.close()
+    assert wait_for(lambda: second.written is not None and second.written.number == 5, 10.0)
+    second.close()
+    ticks = [json.loads(line)["tick"] for line in path.read_text().splitlines()]
+    assert ticks == [1, 2, 3, 6, 4, 5]
+
+
+def test_who_cannot_be_the_only_writer_writes_nothing_and_says_what_is_missing(tmp_path, monkeypatch):
+    monkeypatch.setattr("live.show.line_writer.CLAIM_WITHIN", 0.05)
+    path = tmp_path / "j"
+    first = LineWriter(path, name="first", mark=with_gap)
+    first.line('{"tick":1}', 1)
+    assert wait_for(lambda: first.written is not None, 5.0)
+    second = LineWriter(path, name="second", mark=with_gap, unwritten=Unwritten('{"tick":1}', first.written, []))
+    second.line('{"tick":2}', 2)
+    second.line('{"tick":3}', 3)
+    assert wait_for(lambda: second.missing == 2, 5.0)
+    assert path.read_text() == '{"tick":1}\n'
+    first.close()
+    second.line('{"tick":4}', 4)
+    second.close()
+    assert path.read_text() == '{"tick":1}\n{"tick":4,"gap":2}\n'
