@@ -166,7 +166,7 @@ def _sizes(night: Night) -> list[Row]:
 
 def _snapshot(loaded: LoadedShow) -> list[Row]:
     show = loaded.start()
-    source, spent, sealed = Snapshots(show), [], []
+    source, spent, last = Snapshots(show), [], None
     tick = 0
     for tick in range(1, round(30.0 / TICK)):
         show.tick(tick * TICK)
@@ -174,8 +174,9 @@ def _snapshot(loaded: LoadedShow) -> list[Row]:
         taken = source.take(tick) if tick % 16 == 0 else None
         if taken is not None:
             spent.append((time.thread_time() - begin) * 1e3)
-            sealed.append(taken)
-    data = sealed[-1].seal()
+            last = taken  # a show keeps none: they are sealed at once
+    assert last is not None
+    data = last.seal()
     begin = time.thread_time()
     restored: Show = restore(loaded, data)
     back = time.thread_time() - begin

@@ -29,14 +29,12 @@ class Casting:
         self.names = tuple(section.name.casefold() for section in patch.group)
         self.half = (patch.stage.width / 2, patch.stage.depth / 2)
         """Half the stage's width and depth [m], for words that name places on it."""
-        self._own: list[set[str]] = [set() for _ in range(count)]
-        begin = 0
+        own: list[frozenset[str]] = []
         for section, size in zip(patch.group, sizes, strict=True):
-            for dancer in range(begin, begin + size):
-                self._own[dancer] |= {word.casefold() for word in section.attributes}
-            for dancer in range(begin, begin + section.soloists):
-                self._own[dancer].add(SOLOIST)
-            begin += size
+            words = frozenset(word.casefold() for word in section.attributes)
+            own += [words | {SOLOIST} if dancer < section.soloists else words for dancer in range(size)]
+        self._own = (*own, *[frozenset[str]()] * (count - len(own)))
+        """What each dancer is beside her group, A long."""
         self._named = {name.casefold(): words.casefold() for name, words in patch.selections.items()}
         self.roster = self._made()
         """What each dancer is, for selections."""

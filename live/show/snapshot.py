@@ -26,8 +26,9 @@ from live.show.patch import Patch
 from live.show.state.checking import check_state
 from live.show.state.constants import Constants, at
 from live.show.state.form import MOST_BYTES, Unreadable
+from live.show.state.packing import Written
 from live.show.state.reading import read_state
-from live.show.state.writing import StateWriter, Written
+from live.show.state.writing import StateWriter
 
 Array = npt.NDArray[Any]
 
@@ -90,8 +91,14 @@ class Taken:
     of: _Of
 
     def seal(self) -> bytes:
-        """The snapshot: a line of JSON, and the state, compressed. Thread: any one."""
-        payload = self.written.packed()
+        """The snapshot: a line of JSON, and the state, compressed. Thread: any one.
+
+        SnapshotError if the show held something that is in no list of kinds, or a field that its kind does not list.
+        """
+        try:
+            payload = self.written.packed()
+        except Exception as error:
+            raise _unwritable(error) from error
         packed = zlib.compress(payload, 1)
         header = {
             "snapshot": FORMAT,
@@ -134,7 +141,7 @@ class Snapshots:
         try:
             written = self._writer.write((show, tuple(array.copy() for array in self._variable)))
         except Exception as error:
-            raise SnapshotError(f"the state cannot be written: {error}") from error
+            raise _unwritable(error) from error
         return Taken(written, tick, show.span.number + 1, show.seed, self._of)
 
 
@@ -242,6 +249,10 @@ def _form(found: object) -> tuple[Any, ...]:
 def patch_hash(patch: Patch) -> str:
     """A short hash over all that a patch says."""
     return hashlib.blake2b(patch.model_dump_json().encode(), digest_size=8).hexdigest()
+
+
+def _unwritable(error: Exception) -> SnapshotError:
+    return SnapshotError(f"the state cannot be written: {error}")
 
 
 def _line(facts: dict[str, Any]) -> bytes:

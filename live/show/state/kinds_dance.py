@@ -95,7 +95,8 @@ KINDS: Final = [
         _stood:f8 _ended:bool _begun:bool _open:bool
     """),
     Kind("casting", Casting, """
-        group:i4(group) names:row[str] half:tuple[float,float] _own:list[set[str]] _named:dict[str,str] roster:roster
+        group:i4(group) names:row[str] half:tuple[float,float] _own:row[frozenset[str]] _named:dict[str,str]
+        roster:roster
     """),
     Kind("choices", Choices, """
         edge:i4(edge) candidate:i4(candidate) terms:f8 end:f8 node:i4(node) stand:f8 heading:f8 step:i4(step) wish:f8

@@ -92,7 +92,7 @@ def test_a_class_and_a_field_that_are_not_listed_are_named():
     show = MADE.start()
     show.desk.master.fresh = 1
     with pytest.raises(SnapshotError, match="the field fresh of Master is not listed in its kind 'master'"):
-        Snapshots(show).take(0)
+        Snapshots(show).take(0).seal()
 
 
 def test_a_kind_that_has_another_field_now_is_named(monkeypatch):
