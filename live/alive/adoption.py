@@ -10,12 +10,13 @@ import signal
 import socket
 import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, Final
 
 from live import __version__
 from live.alive.heartbeat import Heartbeat
+from live.alive.orphan import end_if_hung, holders
 from live.alive.rendezvous import ENDING, in_folder, own_folder, same_user, told_by
 from live.alive.wire import Wire, WireBroken
 from live.show.line_writer import Unwritten, Written
@@ -35,6 +36,10 @@ UNKNOWN: Final = 1
 
 class CannotAdopt(Exception):
     """An engine of this show dances without a supervisor, and cannot be taken over; says why."""
+
+
+class EngineHung(Exception):
+    """An engine of this show danced without a supervisor, hung and was ended: the show goes on from its journal."""
 
 
 class Adopted:
@@ -97,7 +102,7 @@ class Adoption:
 def find_engine(label: str) -> Adoption | None:
     """Take over the engine that dances alone; None if there is none. `label`: which show it is.
 
-    CannotAdopt if there is one that cannot be had.
+    CannotAdopt if there is one that cannot be had, EngineHung if there was one that had to be ended.
     """
     with _sockets(f"{label}.") as paths:
         for name, path in paths.items():
@@ -111,7 +116,9 @@ def end_engines(label: str) -> list[int]:
     ended = []
     with _sockets(label) as paths:
         for path in paths.values():
-            sock = _reached(path)
+            sock = None
+            with contextlib.suppress(TimeoutError):
+                sock = _reached(path)
             if sock is None:
                 continue
             with sock, contextlib.suppress(OSError, ValueError):
@@ -138,7 +145,10 @@ def _sockets(begin: str) -> Iterator[dict[str, str]]:
 
 
 def _reached(path: str) -> socket.socket | None:
-    """A connection; None where nobody listens any more, and then the name is forgotten."""
+    """A connection; None where nobody listens any more, and then the name is forgotten.
+
+    TimeoutError where so many wait already that somebody listens, and never looks.
+    """
     sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     sock.settimeout(ANSWERS_WITHIN)
     try:
@@ -148,6 +158,9 @@ def _reached(path: str) -> socket.socket | None:
     except ConnectionRefusedError:
         with contextlib.suppress(OSError):
             os.unlink(path)
+    except BlockingIOError:
+        sock.close()
+        raise TimeoutError from None
     except OSError:
         pass
     sock.close()
@@ -155,7 +168,11 @@ def _reached(path: str) -> socket.socket | None:
 
 
 def _ask(name: str, path: str) -> Adoption | None:
-    sock = _reached(path)
+    try:
+        sock = _reached(path)
+    except TimeoutError:
+        _end_if_hung(name, path, lambda: False)
+        return None
     if sock is None:
         return None
     descriptors: list[int] = []
@@ -163,12 +180,14 @@ def _ask(name: str, path: str) -> Adoption | None:
         sock.sendall(f'{{"alive":"adopt","version":"{__version__}"}}\n'.encode())
         words, descriptors = _hello(sock)
         return _taken_over(name, sock, words, descriptors)
-    except TimeoutError:
-        raise CannotAdopt("an engine that dances alone does not answer") from None
     except (OSError, ValueError, KeyError, TypeError, WireBroken) as error:
         for descriptor in descriptors:
             with contextlib.suppress(OSError):
                 os.close(descriptor)
+        if isinstance(error, TimeoutError):
+            with sock:
+                _end_if_hung(name, path, lambda: bool(select.select([sock], [], [], 0)[0]))
+            return None
         sock.close()
         if isinstance(error, OSError):  # who had the socket has ended
             return None
@@ -176,6 +195,18 @@ def _ask(name: str, path: str) -> Adoption | None:
     except BaseException:
         sock.close()
         raise
+
+
+def _end_if_hung(name: str, path: str, answers: Callable[[], bool]) -> None:
+    """EngineHung if it hung and has been ended; CannotAdopt if it is only slow; neither if it has ended by itself."""
+    killed = end_if_hung(name, answers)
+    if killed:
+        with contextlib.suppress(OSError):
+            os.unlink(path)
+        numbers = ", ".join(map(str, killed))
+        raise EngineHung(f"an engine (process {numbers}) danced without a supervisor and hung: it was ended")
+    if holders(name):
+        raise CannotAdopt("an engine that dances alone does not answer yet: try again")
 
 
 def _hello(sock: socket.socket) -> tuple[bytes, list[int]]:

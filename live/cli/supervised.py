@@ -7,13 +7,15 @@ import os
 import signal
 import socket
 import sys
+import time
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Final
 
 from rich.console import Console
 
-from live.alive.adoption import CannotAdopt, find_engine
+from live.alive.adoption import Adoption, CannotAdopt, EngineHung, find_engine
 from live.alive.cut_off import cut_off
 from live.alive.identity import Identity, Pairings, load_identity
 from live.alive.orders import Orders
@@ -27,6 +29,9 @@ SHORT: Final = 60.0
 """A run of so few seconds [s] is a try-out: nobody waits to take over."""
 WISHED: Final = tuple(128 + number for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM))
 """Exit codes of shows that a signal ended."""
+FREE_WITHIN: Final = 5.0
+"""Seconds in which the port of a killed engine is free."""
+PAUSE: Final = 0.05
 PORT: Final = 9020
 """Where a machine that leads is found, if nothing else is said."""
 ENGINE: Final = ["live.cli.engine_process"]
@@ -58,7 +63,7 @@ def is_supervised(played: Played, *, alone: bool, machines: bool) -> bool:
 
 def supervise(played: Played, *, lead: str | None, standby: str | None, service: str | None = None) -> None:
     """Run the show with everything that keeps it alive; ends with the engine's exit code."""
-    from live.control.osc import CannotListen, bound_socket
+    from live.control.osc import CannotListen
 
     console = Console(stderr=True, highlight=False)
 
@@ -68,20 +73,22 @@ def supervise(played: Played, *, lead: str | None, standby: str | None, service:
     if service is not None:
         check_name(service)
     label = show_label(played, lead, standby, service)
+    adoption, hung = None, False
     try:
-        adoption = find_engine(label)
+        adoption = _found(label, say)
+    except EngineHung as error:
+        say(str(error))
+        hung = True
     except CannotAdopt as error:
         console.print(f"error: {error}", style="red", soft_wrap=True, markup=False)
         raise SystemExit(1) from None
-    if adoption is not None:
-        say(f"the show goes on: its engine (process {adoption.process.pid}) danced without a supervisor until now")
     there = {} if adoption is None else adoption.descriptors
     leads_at = None if lead is None else _endpoint(lead, "--lead")
     follows = None if standby is None else _endpoint(standby, "--standby")
     identity, pairings = _network(leads_at, follows)
     leads = None if leads_at is None else _listening(*leads_at)
     try:
-        osc = socket.socket(fileno=there["osc"]) if "osc" in there else bound_socket(*played.wish.osc)
+        osc = socket.socket(fileno=there["osc"]) if "osc" in there else _bound(*played.wish.osc, hung)
     except CannotListen as error:
         if service is None:
             raise PersonError(str(error)) from None
@@ -106,7 +113,7 @@ def supervise(played: Played, *, lead: str | None, standby: str | None, service:
         label=label,
     )
     left, journal = None, played.wish.journal
-    if service is not None and adoption is None and journal is not None and standby is None:
+    if (service is not None or hung) and adoption is None and journal is not None and standby is None:
         left = cut_off(journal)
     supervisor = Supervisor(orders, say, adoption, left)
     if left is not None:
@@ -119,6 +126,27 @@ def supervise(played: Played, *, lead: str | None, standby: str | None, service:
         raise KeyboardInterrupt
     if code:
         raise SystemExit(code)
+
+
+def _found(label: str, say: Callable[[str], None]) -> Adoption | None:
+    adoption = find_engine(label)
+    if adoption is not None:
+        say(f"the show goes on: its engine (process {adoption.process.pid}) danced without a supervisor until now")
+    return adoption
+
+
+def _bound(host: str, port: int, hung: bool) -> socket.socket:
+    """The socket for OSC; processes beside an engine that `hung` end a moment after it and have the port until then."""
+    from live.control.osc import CannotListen, bound_socket
+
+    deadline = time.monotonic() + (FREE_WITHIN if hung else 0.0)
+    while True:
+        try:
+            return bound_socket(host, port)
+        except CannotListen:
+            if time.monotonic() > deadline:
+                raise
+            time.sleep(PAUSE)
 
 
 def service_label(name: str) -> str:

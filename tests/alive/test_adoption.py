@@ -1,6 +1,7 @@
 """Supervisors that are killed: the engine goes on, its journal too, and the next supervisor takes it over."""
 
 import contextlib
+import itertools
 import json
 import os
 import signal
@@ -16,12 +17,13 @@ from typing import Any
 
 import pytest
 
-from live.alive import rendezvous
-from live.alive.adoption import CannotAdopt, end_engines, find_engine
+from live.alive import adoption, orphan, rendezvous
+from live.alive.adoption import CannotAdopt, EngineHung, end_engines, find_engine
 from live.alive.cut_off import cut_off
 from live.alive.heartbeat import Heartbeat, Phase
 from live.alive.lifeline import Lifeline
 from live.alive.rendezvous import Meeting, own_folder
+from live.alive.watchdog import Usage
 from live.alive.wire import Wire
 from tests.alive.made_show import LABEL
 from tests.control.waiting import BUSY, wait_for
@@ -203,6 +205,42 @@ def test_a_show_of_which_no_process_is_left_goes_on_from_its_journal(made, tmp_p
     assert [line["went"] for line in show.lines() if "went" in line] == ["heir"]
     assert show.numbers() == list(range(1, show.numbers()[-1] + 1))
     assert not list(tmp_path.glob("j.*"))
+
+
+@pytest.mark.parametrize("waiting", [0, 8], ids=["alone", "with a full queue of those who asked"])
+def test_an_engine_that_hangs_without_a_supervisor_is_ended_by_the_next_one(made, tmp_path, monkeypatch, waiting):
+    monkeypatch.setattr(adoption, "ANSWERS_WITHIN", 1.0)
+    show = made(origin=time.perf_counter())
+    show.until(100)
+    show.kill()
+    show.until(show.numbers()[-1] + 20)
+    engine = dancing(show)
+    os.kill(engine, signal.SIGSTOP)
+    with contextlib.ExitStack() as asked:
+        for _ in range(waiting):
+            sock = asked.enter_context(socket.socket(socket.AF_UNIX))
+            sock.setblocking(False)
+            with contextlib.suppress(BlockingIOError):
+                sock.connect(str(next(tmp_path.glob("*/*.sock"))))
+        with pytest.raises(EngineHung, match=str(engine)):
+            find_engine(LABEL)
+    assert engine not in engines_of(tmp_path)
+    assert cut_off(show.journal) is not None
+
+
+def test_an_engine_that_only_gets_no_processor_is_not_ended(made, tmp_path, monkeypatch):
+    """It waits for one all the time: none of the seconds is its own."""
+    show = made(origin=time.perf_counter())
+    show.until(50)
+    show.kill()
+    show.until(show.numbers()[-1] + 20)
+    engine, delays = dancing(show), itertools.count()
+    monkeypatch.setattr(orphan, "usage_of", lambda pid: Usage("R", 0.0, 0.1 * next(delays)))
+    monkeypatch.setattr(orphan, "CEILING", 4.0)
+    [name] = [path.name for path in tmp_path.glob("*/*.sock")]
+    assert orphan.holders(name) == [engine]
+    assert orphan.end_if_hung(name, lambda: False) == []
+    assert engine in engines_of(tmp_path)
 
 
 def journal_of(path: Path, *lines: dict[str, Any], **header: Any) -> Path:
