@@ -97,6 +97,7 @@ def _facts(journal: "Journal", result: "Replayed", seconds: float) -> dict[str, 
         "measures": result.measures,
         "different": [{"measure": m, "tick": t, "then": then, "now": now} for m, t, then, now in result.differences],
         "measures_different": result.different,
+        "measures_lacking": result.lacking,
         "failed_events": result.failed,
         "problems": result.problems,
         "speed": length / seconds if seconds else None,
@@ -116,6 +117,8 @@ def _tell(journal: "Journal", result: "Replayed", speed: float) -> None:
     )
     for measure, tick, then, now in result.differences[:10]:
         console.print(f"  measure {measure}, tick {tick}: {then} then, {now} now")
+    for before, after in result.lacking[:10]:
+        console.print(f"  measures {before} to {after} lack, and are not compared", style="yellow")
     if result.failed:
         console.print(f"  {result.failed} events ended in an error and were refused, as in the show", style="yellow")
     for problem in result.problems[:10]:

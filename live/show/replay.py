@@ -1,7 +1,7 @@
 """Replay: run a journal again, from its beginning or from a snapshot, and compare the state hash of every measure."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -33,10 +33,23 @@ class Replayed:
     """Measures whose state differs ..."""
     differences: tuple[tuple[int, int, str, str], ...] = ()
     """... and the first of them: measure, tick, then, now."""
+    lacking: list[tuple[int, int]] = field(default_factory=list)
+    """The measures between that could not be compared, first and last of each row: their lines could not be written or
+    read, or they fell into ticks that the show left out."""
+    last: int | None = None
+    """The measure that was compared last."""
     failed: int = 0
     """Events that ended in an error of the program, and were refused, then as now."""
     problems: list[str] = field(default_factory=list)
     """What of the journal could not be used, in words."""
+
+    def note(self, measures: Iterable[int], *, compared: bool = True) -> None:
+        """Note that `measures` of the journal are compared now, or that those after the last one never will be."""
+        latest = max(measures, default=0)
+        lacks = latest - 1 if compared else latest
+        if self.last is not None and lacks > self.last:
+            self.lacking.append((self.last + 1, lacks))
+        self.last = max(latest, self.last or 0)
 
 
 class Replaying:
@@ -118,14 +131,15 @@ class Replaying:
         self.damaged = math.inf if line is None else line.tick
 
     def _compare_with(self, line: JournalLine) -> None:
-        found = self.found
+        found, measure = self.found, line.measure or 0
+        found.note([measure])
         found.measures += 1
         now = "no measure began here" if self._hash is None or self._hash[0] != line.tick else self._hash[1]
         if now == line.state:
             return
         found.different += 1
         if len(found.differences) < KEPT_DIFFERENCES:
-            found.differences += ((line.measure or 0, line.tick, line.state or "", now),)
+            found.differences += ((measure, line.tick, line.state or "", now),)
 
 
 def replay(show: Show, journal: Journal) -> Replayed:
@@ -146,6 +160,7 @@ def run_from(start: Start, journal: Journal, *, loaded: LoadedShow | None = None
             return found
         after = None if loaded is None else next(starts(journal, loaded, running.damaged, found.problems), None)
         if after is None:
+            found.note((line.measure for line in journal.usable() if line.measure), compared=False)
             return found
         found.problems.append(f"the replay goes on from the snapshot in measure {after.show.span.number + 1}")
         running = Replaying(after.show, journal.usable(), tick=after.tick, to=to)

@@ -11,6 +11,8 @@ from live.cli.replay import _tell
 @pytest.mark.parametrize(("speed", "words"), [(0.048, "0.05 times"), (3.96, "3.96 times"), (38.2, "38 times")])
 def test_a_film_that_takes_longer_than_the_night_is_not_0_times_as_fast(capsys, speed, words):
     journal = cast(Any, SimpleNamespace(complete=True, problems=()))
-    result = SimpleNamespace(ticks=640, begun=0, measures=5, different=0, differences=(), failed=0, problems=())
+    result = SimpleNamespace(
+        ticks=640, begun=0, measures=5, different=0, differences=(), failed=0, problems=(), lacking=()
+    )
     _tell(journal, cast(Any, result), speed)
     assert f"; {words} as fast" in " ".join(capsys.readouterr().out.split())

@@ -103,6 +103,8 @@ def test_a_disk_that_is_full_for_some_measures_leaves_a_gap_that_a_replay_names_
     assert any(f"{gaps[0]} lines are missing" in problem for problem in found.problems)
     assert any("goes on from the snapshot" in problem for problem in found.problems)
     assert found.measures >= 3 + 10 - 8  # of older snapshots only every eighth stays
+    [(first, last)] = found.lacking
+    assert found.measures + last - first + 1 == 3 + 5 + 10
 
 
 def test_a_disk_that_is_full_from_the_beginning_has_the_first_line_first(small_disk):

@@ -129,10 +129,14 @@ def test_a_damaged_line_is_named_and_the_replay_goes_on_from_the_next_snapshot(c
     assert found.different == 0
     assert found.ticks == journal.last_tick
     assert found.measures >= 5
+    whole = [line.measure for line in read_journal(night[0]).usable() if line.measure]
+    [(first, last)] = found.lacking
+    assert found.measures + last - first + 1 == len(whole)
     copy.with_name("a.jsonl.snap").unlink()
     found = run_from(first_start(journal, MADE), journal, loaded=MADE)
     assert found.ticks < 0.5 * journal.last_tick
     assert len(found.problems) == 1
+    assert found.lacking == [(first, whole[-1])]
 
 
 def test_a_flipped_bit_in_a_snapshot_is_named_and_an_older_one_serves(copy, night):
