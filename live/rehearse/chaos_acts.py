@@ -42,6 +42,8 @@ class Acts:
     """Where it listens on this machine, by what for."""
     gone: Callable[[], bool]
     """Whether the show has ended."""
+    start_again: Callable[[], None]
+    """Starts the same command again, as a person or a service would."""
 
     def do(self, blow: Blow) -> str:
         """Let a fault happen; to what, in words (nothing: there was none of that kind)."""
@@ -100,6 +102,13 @@ class Acts:
         self.wait(lambda: self._engine() != first, 8.0)
         second = self._engine()
         return f"{told}, {self._kill([second])}" if second != first else told
+
+    def _kill_supervisor(self, blow: Blow) -> str:
+        pid = self.tree.supervisor
+        self.tree.lose()
+        time.sleep(0.2 + 3.0 * blow.size)
+        self.start_again()
+        return f"{pid}; the next one is {self.tree.supervisor}"
 
     def _stop(self, pid: int, seconds: float) -> str:
         self.tree.signal(pid, signal.SIGSTOP)
@@ -222,6 +231,7 @@ ACTS: Final[dict[str, Callable[[Acts, Blow], str]]] = {
     "kill spare": lambda acts, blow: acts._kill(acts._of_role("spare", "heir")[:1]),
     "kill nursery": lambda acts, blow: acts._kill(acts._of_role("nursery")[:1]),
     "kill sound": lambda acts, blow: acts._kill(acts.tree.sound()[:1]),
+    "kill supervisor": Acts._kill_supervisor,
     "stop engine briefly": lambda acts, blow: acts._stop(acts._engine(), 0.3 + 0.9 * blow.size),
     "stop engine": lambda acts, blow: acts._stop(acts._engine(), 3.0 + 2.0 * blow.size),
     "stop supervisor": lambda acts, blow: acts._stop(acts.tree.supervisor, 1.0 + 2.0 * blow.size),

@@ -10,6 +10,7 @@ KINDS: Final = {
     "exception once": 8.0, "exception three times": 9.0, "exception always": 12.0,
     "exception in a thread": 4.0, "exception in callbacks": 5.0,
     "kill engine": 9.0, "kill engine twice": 14.0, "kill spare": 9.0, "kill nursery": 9.0, "kill sound": 6.0,
+    "kill supervisor": 22.0,
     "stop engine briefly": 5.0, "stop engine": 12.0, "stop supervisor": 6.0, "stop all in bursts": 6.0,
     "starve": 8.0,
     "disk full": 6.0, "disk read-only": 6.0,

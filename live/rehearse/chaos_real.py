@@ -48,6 +48,8 @@ NEVER: Final = 120.0
 MOST_ENGINES: Final = 6
 """Engines that one fault may end: more is a loop."""
 LEAVES: Final = 30.0
+ADOPTS_WITHIN: Final = 20.0
+OUTPUT: Final = "output.txt"
 
 
 def real_chaos(plan: Plan, folder: Path, tell: Callable[[str], None]) -> dict[str, Any]:
@@ -120,26 +122,37 @@ class ChaosRun:
         self._disk.open()
 
     def _start(self, *more: str) -> None:
-        self._ports = {name: _free_port() for name in ("osc", "web", "audience", "oscquery", "midi", "vmc")}
+        ports = {name: _free_port() for name in ("osc", "web", "audience", "oscquery", "midi", "vmc")}
         here = "127.0.0.1"
-        command = [
+        self._command = [
             sys.executable, "-m", "live.cli.chaos_play", str(self._folder), "play", str(self._plan.patch),
             "--headless", "--seed", str(self._plan.seed), "--fps", str(self._plan.fps),
-            "--osc", f"{here}:{self._ports['osc']}", "--web", f"{here}:{self._ports['web']}",
-            "--audience", f"{here}:{self._ports['audience']}", "--oscquery", f"{here}:{self._ports['oscquery']}",
-            "--midi", f"tcp:{here}:{self._ports['midi']}", "--vmc", f"{here}:{self._ports['vmc']}",
+            "--osc", f"{here}:{ports['osc']}", "--web", f"{here}:{ports['web']}",
+            "--audience", f"{here}:{ports['audience']}", "--oscquery", f"{here}:{ports['oscquery']}",
+            "--midi", f"tcp:{here}:{ports['midi']}", "--vmc", f"{here}:{ports['vmc']}",
             "--journal", str(self._disk.path / "journal.jsonl"), "--status-json", str(self._folder / "status.jsonl"),
             *more,
         ]  # fmt: skip
-        with (self._folder / "output.txt").open("wb") as output:
-            self._process = subprocess.Popen(
-                command, stdin=subprocess.DEVNULL, stdout=output, stderr=output, start_new_session=True
-            )
+        (self._folder / OUTPUT).unlink(missing_ok=True)
+        self._process, self._ports = self._run(), ports
         self._tree = Tree(self._process.pid, self._folder)
         assert self._page is not None
         self._acts = Acts(
-            self._page, self._tree, self._disk, self._folder, self._plan.seed, self._sites, self._ports, self._gone
-        )
+            self._page, self._tree, self._disk, self._folder, self._plan.seed, self._sites, ports, self._gone,
+            self._start_again,
+        )  # fmt: skip
+
+    def _run(self) -> subprocess.Popen[bytes]:
+        with (self._folder / OUTPUT).open("ab") as output:
+            return subprocess.Popen(
+                self._command, stdin=subprocess.DEVNULL, stdout=output, stderr=output, start_new_session=True
+            )
+
+    def _start_again(self) -> None:
+        assert self._process is not None
+        self._process.wait(LEAVES)
+        self._process = self._run()
+        self._tree.supervisor = self._process.pid
 
     def _wait_until_ready(self) -> bool:
         deadline = time.monotonic() + READY_WITHIN
@@ -195,6 +208,8 @@ class ChaosRun:
         self._blows.append(fact)
         if blow.kind in ENDS_ENGINE and words:
             fact["engines"] = self._count_engines(blow, restarts)
+        if blow.kind == "kill supervisor" and not self._is_adopted():
+            self.problem(f"no supervisor took the engine over within {ADOPTS_WITHIN:.0f} s; {self._tail()}")
         page[Word.SITE] = page[Word.CALLS] = 0
         if not back:
             self.problem(f"{blow.kind} ({words}): no tick for {NEVER:.0f} s; {self._tail()}")
@@ -217,6 +232,16 @@ class ChaosRun:
         if count > MOST_ENGINES:
             self.problem(f"{blow.kind}: {count} engines ended one after another")
         return count
+
+    def _is_adopted(self) -> bool:
+        """Whether the next supervisor takes the engine over, as the status says."""
+        deadline = time.monotonic() + ADOPTS_WITHIN
+        while time.monotonic() < deadline and not self._gone():
+            alive = self._status().get("alive", {})
+            if alive.get("adopted") and alive.get("supervised"):
+                return True
+            time.sleep(0.1)
+        return False
 
     def _wait_until_back(self, since: float) -> bool:
         """Wait until ticks are run after `since`; False if they are not for `NEVER` seconds."""
@@ -313,7 +338,7 @@ class ChaosRun:
             self.problem(f"replay: {words}")
         if replayed["different"]:
             self.problem(f"replay: {replayed['different']} measures differ, the first: {replayed['differences'][:1]}")
-        output = (self._folder / "output.txt").read_text(encoding="utf-8", errors="replace")
+        output = (self._folder / OUTPUT).read_text(encoding="utf-8", errors="replace")
         self._facts["tracebacks"] = output.count("Traceback (most recent call last)")
 
     def close(self) -> None:
@@ -387,7 +412,7 @@ class ChaosRun:
 
     def _tail(self) -> str:
         with contextlib.suppress(OSError):
-            text = (self._folder / "output.txt").read_text(encoding="utf-8", errors="replace")
+            text = (self._folder / OUTPUT).read_text(encoding="utf-8", errors="replace")
             return " | ".join(line.strip() for line in text.splitlines()[-4:])
         return ""
 

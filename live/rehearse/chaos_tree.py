@@ -39,12 +39,18 @@ class Tree:
     def __init__(self, supervisor: int, folder: Path) -> None:
         """`folder`: of the run, where engines say what they are."""
         self.supervisor, self._folder = supervisor, folder
+        self._left: set[int] = set()
+
+    def lose(self) -> None:
+        """Kill the supervisor: what it leaves is the next one's."""
+        self._left |= {one.pid for one in self.below()}
+        os.kill(self.supervisor, signal.SIGKILL)
 
     def below(self) -> list[Process]:
-        """All processes below the supervisor."""
+        """All processes below the supervisor, and what one before it left."""
         all_of = [found for name in os.listdir(PROC) if name.isdecimal() and (found := process(int(name))) is not None]
-        below: list[Process] = []
-        parents = {self.supervisor}
+        below = [one for one in all_of if one.pid in self._left]
+        parents = {self.supervisor, *self._left}
         while more := [one for one in all_of if one.parent in parents and one not in below]:
             below += more
             parents = {one.pid for one in more}
@@ -64,8 +70,8 @@ class Tree:
         return [one.pid for one in self.below() if "live.cli.audio_process" in one.command and one.state != "Z"]
 
     def zombies(self) -> set[int]:
-        """Those that are dead, and that nobody has cleared away."""
-        return {one.pid for one in self.below() if one.state == "Z"}
+        """Those that are dead, and that nobody has cleared away; what a supervisor left is the system's to clear."""
+        return {one.pid for one in self.below() if one.state == "Z" and one.pid not in self._left}
 
     def signal(self, pid: int, number: int) -> bool:
         """Send a signal; whether there was somebody."""

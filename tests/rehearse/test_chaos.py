@@ -194,6 +194,23 @@ def test_processes_are_seen_stopped_and_let_go_on(sleeper, tmp_path):
     assert 0.0 <= pressure() <= 1.0
 
 
+def test_what_a_killed_supervisor_leaves_is_seen_below_the_next_one(tmp_path):
+    words = (
+        "import subprocess, sys, time; subprocess.Popen([sys.executable, '-S', '-c', 'import time; time.sleep(60)'])"
+    )
+    first = subprocess.Popen([sys.executable, "-S", "-c", f"{words}; time.sleep(60)"])
+    tree = Tree(first.pid, tmp_path)
+    assert wait_for(lambda: [one.state for one in tree.below()] == ["S"], 5.0)
+    [left] = tree.below()
+    tree.lose()
+    first.wait(5.0)
+    tree.supervisor = os.getpid()
+    assert left.pid in {one.pid for one in tree.below()}
+    tree.signal(left.pid, signal.SIGKILL)
+    assert wait_for(lambda: process(left.pid) is None or process(left.pid).state == "Z", 5.0)
+    assert left.pid not in tree.zombies()
+
+
 def test_a_process_without_descriptors_gets_them_back(sleeper):
     import resource
 
