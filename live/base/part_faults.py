@@ -58,6 +58,10 @@ class PartFaults:
         """A part is left out for a while."""
         self.resting[part] = self._news = f"{part} fails again and again and is left out for a while: {self.last[part]}"
 
+    def wait(self, part: str) -> None:
+        """A part cannot be had yet, and is tried again."""
+        self.resting[part] = self._news = f"{part} is tried again until it goes well: {self.last[part]}"
+
     def works(self, part: str) -> None:
         """A part that was left out works again."""
         if self.resting.pop(part, None) is not None:

@@ -42,6 +42,8 @@ CONSTANT: Final = {
     "cosines": "motion.elements._field._cosines",
     "score": "prompter.score.written",
     "texture": "dancers.texturing.bank",
+    "skeleton": "dancers._pipeline.skeleton",
+    "legs": "dancers._legs.skeleton",
     "answers": "answers",
     "parameters": "desk.parameters.table",
     "views": "desk.scenes._views",

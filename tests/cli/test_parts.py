@@ -2,8 +2,10 @@
 
 import pytest
 
+from live.base.errors import PersonError
 from live.base.part_faults import FAULTS
 from live.cli.parts import Parts
+from tests.control.waiting import wait_for
 
 
 class Device:
@@ -83,3 +85,38 @@ def test_one_that_cannot_start_ends_a_start_but_not_a_show_that_is_gone_on_with(
         parts.frame()
         assert bad.done == ["start", "stop"]
         assert good.done == ["start", "frame"]
+
+
+class Page(Device):
+    """Its port is somebody else's for a while."""
+
+    def __init__(self, tries):
+        super().__init__()
+        self.tries = tries
+
+    def start(self):
+        super().start()
+        if self.done.count("start") < self.tries:
+            raise PersonError("the port is in use", "choose another port")
+
+
+def test_one_whose_port_is_taken_starts_as_soon_as_it_is_free(monkeypatch):
+    monkeypatch.setattr("live.cli.parts.FIRST_PAUSE", 0.01)
+    parts, page, good = Parts(), Page(4), Lamp()
+    parts.add(page)
+    parts.add(good)
+    parts.start(forgiving=True)
+    assert "tried again" in FAULTS.problem()
+    assert wait_for(lambda: page.done.count("start") == 4 and not FAULTS.problem(), 10.0)
+    parts.frame()
+    assert page.done[-1] == good.done[-1] == "frame"
+    parts.stop()
+    assert page.done[-1] == good.done[-1] == "stop"
+
+
+def test_one_that_never_starts_keeps_no_show_from_its_end():
+    parts, page = Parts(), Page(10**9)
+    parts.add(page)
+    parts.start(forgiving=True)
+    parts.stop()
+    assert "frame" not in page.done

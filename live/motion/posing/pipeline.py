@@ -56,6 +56,7 @@ class PoseSkeleton:
         )
 
     @classmethod
+    @cache
     def legs_only(cls) -> tuple["PoseSkeleton", Int32]:
         """Hips and legs alone, 9 joints, and which of the engine's joints they are, (9,)."""
         joints = np.array([0, *(SKELETON.index(name) for name in LEG_NAMES)], np.int32)

@@ -15,6 +15,7 @@ from live.graph.motion_graph import MotionGraph
 from live.motion.example.staged.read_leader import Lore
 from live.motion.example.stretches import Stretches
 from live.motion.example.units import Units
+from live.motion.posing.pipeline import PoseSkeleton
 from live.motion.texture.bank import TextureBank
 from live.show.answer_bank import AnswerBank
 from live.show.foresight import Foresight
@@ -56,6 +57,7 @@ CONSTANT: Final[dict[str, type]] = {
     "constant-own-number": OwnNumber,
     "constant-parameter-table": ParameterTable,
     "constant-patch": Patch,
+    "constant-pose-skeleton": PoseSkeleton,
     "constant-react-section": ReactSection,
     "constant-sequences": Sequences,
     "constant-signal-section": SignalSection,

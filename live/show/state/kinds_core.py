@@ -69,7 +69,7 @@ from live.motion.example.staged.standing import Standing
 from live.motion.inertia.inertia import Inertia
 from live.motion.legs.landing import Landing
 from live.motion.posing.foot_lock import FootLock
-from live.motion.posing.pipeline import PosePipeline, PoseSkeleton
+from live.motion.posing.pipeline import PosePipeline
 from live.show.state import whole
 from live.show.state.kind import Kind, nothing
 
@@ -143,9 +143,8 @@ KINDS: Final = [
     Kind("relations.line", Line, "x:float z:float heading:float"),
     Kind("roster", Roster, "attributes:row[frozenset[str]] groups:dict[str,str] known:frozenset[str]"),
     Kind("look-ahead", LookAhead, """
-        _advance:advance|agent-model|agent-state|steering|surroundings|surroundings.rows|approach|arrive|order|delays.ripple|departure|departure.draft|journey|by|evolve|follow|hold|matching|pause|places|procedural|repertoire|trajectory|way|locomotion|setting|cost|fill|motion|orientation.facing|orientation|plan|plan.entry|segment|formation-spec|relations.line|roster|look-ahead|parting|path-parting|paths|element|element-table|element-field|wants|entrances|gate|stage-view|consensus|consensus.heard|preference|timeline-follower|audio-source|beat-filter|consensus-ear|counting-in|direct-source|hand-source|jump|level|measures|pointer-ear|ruling|run|said|grid|tap-tempo|timeline|wanted|hands|placing|live-partner|live-reader|holding|read-leader|standing|inertia|landing|foot-lock|pose-pipeline|pose-skeleton|addressees|agenda|agents-ahead|aims|anchor|answer-leaders|answer-pairs.asked|answer-pairs.pair|answer-poses|answering|answering-agents|audience|audience.place|avoiding|camera-rig|captured|carried|carrying|casting|chase|choices|coming|show|cues|cues.given|cutting|cutting.moment|danced|danced.ends|dancers|desk|directions|drafting|drawn-way|drift|echo|edges|edited-facings|edited-formations|edited-mocap|edited-parameters|edited-ripples|edited-scenes|edited-sequences|edited-set|edited-stand-by|edits|edits.edit|elements|evolutions|floor|formations|named-formation|group-controls|group-motion|headings|heard-poses|improvised-motion|improviser|interrupts|interrupts.cue|ledger|master|measure-span|mocap|mood|new-steps|occasions|pair-steering|parameters|part|partners|performers|pieces|places.asked|places.place|stand|stretch|planning|playhead|presence|group-programme|programme.call|prompter|pushing|re-aiming|reactions|refusals|reloading|ripple|scene|scenes|scheduler|score|searching|facing|seen|spots|taken-along|texturing|turn|vote|variation|variety
-        _surroundings:surroundings _ask:method _wants:wants _state:agent-state _spare:agent-state _stops:list[float]
-        _time:float positions:list[f4]
+        _advance:advance|pair-steering _surroundings:surroundings _ask:method _wants:wants _state:agent-state
+        _spare:agent-state _stops:list[float] _time:float positions:list[f4]
     """),
     Kind("parting", Parting, """
         _gap:float _seed:int _half_width:float _half_depth:float _cell_start:i4 _order:i4(dancer)
@@ -263,9 +262,8 @@ KINDS: Final = [
     Kind("landing", Landing, "lift:f4"),
     Kind("foot-lock", FootLock, "state:f4"),
     Kind("pose-pipeline", PosePipeline, """
-        skeleton:pose-skeleton sample:f8* placement:f8* share:f4* mean:i4(node)* amplitude:f4* head:f4* feet:f4*
-        lock:bool settling:f4* age:f4* watched:i4(joint) position:f4* rotation:f4* _soles:f4 _count:int
+        skeleton:constant-pose-skeleton sample:f8* placement:f8* share:f4* mean:i4(node)* amplitude:f4* head:f4*
+        feet:f4* lock:bool settling:f4* age:f4* watched:i4(joint) position:f4* rotation:f4* _soles:f4 _count:int
         _parts:list[tuple[int,int]]
     """, anew={"_pool": nothing}, whole=PosePipeline.is_whole),
-    Kind("pose-skeleton", PoseSkeleton, "offsets:f4 parents:i4(joint) body:i4(joint) legs:i4(joint)"),
 ]  # fmt: skip
