@@ -61,7 +61,7 @@ def _lay_grid(state: Float32, wants: Float32, order: Int32, grid: Any, capacity:
             left, right, back, front = min(left, x), max(right, x), min(back, z), max(front, z)
             order[n] = i
             n += 1
-    if n == 0:
+    if not (left <= right and back <= front):  # nobody, or nobody who is anywhere
         left, right, back, front = 0.0, 0.0, 0.0, 0.0
     columns = math.floor((right - left) / CELL_X) + 1.0
     rows = math.floor((front - back) / CELL_Z) + 1.0
@@ -90,13 +90,16 @@ def _is_awake(state: Float32, wants: Float32, i: int, a: int) -> Any:
 
 @part
 def _find_cells(state: Float32, cell_of: Int32, grid: Any, a: int) -> None:
-    """Cells of all agents, who may be absent, into cell_of[a:]; without branches, so that it is vectorised."""
+    """Cells of all agents, who may be absent, into cell_of[a:]; without branches, so that it is vectorised.
+
+    An agent whose place is no number belongs to the first cell: `max` gives its first argument then.
+    """
     x0, z0 = np.float32(grid[0]), np.float32(grid[1])
     last_column, last_row = np.float32(grid[2] - 1.0), np.float32(grid[3] - 1.0)
     columns = np.int32(grid[2])
     for i in range(a):
-        column = np.int32(min(max((state[2 * i] - x0) * _PER_X, _ZERO), last_column))
-        row = np.int32(min(max((state[2 * i + 1] - z0) * _PER_Z, _ZERO), last_row))
+        column = np.int32(min(max(_ZERO, (state[2 * i] - x0) * _PER_X), last_column))
+        row = np.int32(min(max(_ZERO, (state[2 * i + 1] - z0) * _PER_Z), last_row))
         cell_of[a + i] = np.int32(row * columns) + column
 
 
