@@ -26,6 +26,8 @@ from live.rehearse.fault_page import FaultPage, Word
 ALWAYS: Final = 1 << 30
 TWICE_WITHIN: Final = 3.0
 """Seconds that two kills, one after another, may take themselves."""
+NO_DESCRIPTORS: Final = 2.0
+"""Seconds in which a process can open nothing; where no spare is ready, none can be started for so long."""
 
 
 @dataclass(slots=True)
@@ -217,6 +219,7 @@ def stall_of(blow: Blow) -> float:
 STALLS: Final[dict[str, Callable[[float], float]]] = {
     "stop engine briefly": lambda size: 0.3 + 0.9 * size, "stop engine": lambda size: 3.0 + 2.0 * size,
     "stop all in bursts": lambda size: 2.0, "starve": lambda size: 4.0, "kill engine twice": lambda size: TWICE_WITHIN,
+    "no descriptors in the supervisor": lambda size: NO_DESCRIPTORS,
 }  # fmt: skip
 """How long the dance may stand for what is done itself [s], by the fault's size."""
 
@@ -239,9 +242,9 @@ ACTS: Final[dict[str, Callable[[Acts, Blow], str]]] = {
     "starve": Acts._starve,
     "disk full": Acts._fill_disk,
     "disk read-only": Acts._lock_disk,
-    "no descriptors in the engine": lambda acts, blow: acts._take_descriptors(acts._engine(), 2.0),
+    "no descriptors in the engine": lambda acts, blow: acts._take_descriptors(acts._engine(), NO_DESCRIPTORS),
     "no descriptors in the supervisor": lambda acts, blow: acts._take_descriptors(
-        acts.tree.supervisor, 2.0, and_kill=True
+        acts.tree.supervisor, NO_DESCRIPTORS, and_kill=True
     ),
     "clock steps": Acts._step_clock,
     "cut web": lambda acts, blow: acts._cut(acts.ports["web"], blow),

@@ -131,6 +131,7 @@ class Show(Dispatch):
         crossed = self._beat >= self.span.end
         if crossed:
             self.span = self._next_plain()
+            self._drop_begun()
         return crossed
 
     def _next_plain(self) -> MeasureSpan:
@@ -152,6 +153,7 @@ class Show(Dispatch):
         if closed(Stage.EDITS):
             self._take_graph()
             self._take_patch()
+        self._drop_begun()
         self.span = self.span.next(self.timeline) if closed(Stage.MEASURE) else self._next_plain()
         self._begin_measure(line)
         if closed(Stage.REACTIONS):

@@ -78,16 +78,25 @@ class Dispatch(Changeover):
                 self._reset(event)
 
     def _trip(self, event: events.BreakerTripped) -> None:
-        """A stage goes out of service: what it had begun is dropped, for nobody would end it."""
+        """A stage goes out of service."""
         try:
             self.breakers.trip(event.name, event.why)
         except ValueError as error:
             self.refusals.add(f"{event.source}: {error}")
             return
         self.refusals.add(out_of_service(event.name, event.why))
-        if event.name == Stage.SELECTION.name.lower():
+        self._drop_begun()
+
+    def _drop_begun(self) -> None:
+        """What stages that are out of service have begun is dropped: nobody would end it, and until then there could be
+        no snapshot. Asked at each measure line: events begin something meanwhile."""
+        tripped = self.breakers.tripped
+        stands = tripped(Stage.TICK)
+        if stands or tripped(Stage.SELECTION):
             self.scheduler.drop_plan()
-        elif event.name == Stage.EDITS.name.lower():
+        if stands or tripped(Stage.STEERING):
+            self.motion.evolutions.drop_begun()
+        if stands or tripped(Stage.EDITS):
             self.reloading.drop()
             self._new_steps.drop()
 

@@ -233,6 +233,10 @@ class Evolutions:
         """Whether nothing is half worked out."""
         return self._plan.idle
 
+    def drop_begun(self) -> None:
+        """Forget what is half worked out: its dancers are free again."""
+        self._plan.drop_begun()
+
     def work(self, position: Float32) -> None:
         """Do one small piece of what is to be worked out by agents at `position` (A, 2) [m]: in the tick of a line what
         is at work already, in the next one what begins with the measure after it is prepared, if that can be."""

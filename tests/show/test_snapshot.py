@@ -5,12 +5,15 @@ from pathlib import Path
 
 import pytest
 
+from live.base.packed import packed
 from live.clock.ticks import TICK
 from live.control import events
+from live.show.edit import fitted, version_of
 from live.show.load import LoadedShow, load_show
+from live.show.long_patches import written_text
 from live.show.patch_file import parse_patch
 from live.show.patch_places import find_patch
-from live.show.snapshot import FORMAT, SnapshotError, Snapshots, facts_of, restore, snapshot
+from live.show.snapshot import FORMAT, SnapshotError, Snapshots, at_rest, facts_of, restore, snapshot
 from tests.show.desk_show import DESK
 from tests.show.made_show import GRAPH, PATCH
 
@@ -166,3 +169,33 @@ def test_fades_count_ins_jumps_and_what_can_be_undone_go_on(tick):
     assert restored.view_now.brightness == show.view_now.brightness < 0.5
     assert restored.view_now.flashes
     assert restored.desk.facts(480.0) == show.desk.facts(480.0)
+
+
+@pytest.mark.parametrize("stage", ["selection", "tick"])
+def test_a_stage_that_is_out_of_service_keeps_no_snapshot_from_being_taken(stage):
+    """What it had begun would never end."""
+    show = MADE.start()
+    run(show, 1, 75)
+    assert not at_rest(show)
+    show.apply(events.BreakerTripped(time=75 * TICK, source="heir", name=stage, why="made by a test"))
+    assert at_rest(show)
+    waited = longest = 0
+    for now in range(76, 400):
+        run(show, now, now)
+        waited = 0 if at_rest(show) else waited + 1
+        longest = max(longest, waited)
+    assert longest * TICK < 2.2  # a measure
+    at, data = taken_at(show, 400)
+    assert run(restore(MADE, data), at + 1, at + 60) == run(show, at + 1, at + 60)
+
+
+def test_an_edit_that_comes_while_nobody_takes_it_up_keeps_no_snapshot_from_being_taken():
+    show = MADE.start()
+    run(show, 1, 40)
+    show.apply(events.BreakerTripped(time=40 * TICK, source="heir", name="edits", why="made by a test"))
+    edited = PATCH.replace("reserve = 0", "reserve = 2").replace("bpm = 120", "bpm = 120\n[motion]\namplitude = 0.7")
+    text = written_text(fitted(parse_patch(edited, "edit"), show.patch)[0])
+    show.apply(events.PatchChanged(time=40 * TICK, source="patch", patch=packed(text), version=version_of(text)))
+    assert not at_rest(show), show.refusals.words
+    run(show, 41, 300)
+    assert at_rest(show)

@@ -184,6 +184,12 @@ class Plan:
                 self._motions.append(motion)
         self._at_work.clear()
 
+    def drop_begun(self) -> None:
+        """Forget what is half worked out: its dancers are free, and what has not begun is prepared anew."""
+        self._motions = [motion for motion in self._motions if motion not in self._at_work]
+        self._at_work.clear()
+        self._coming.clear()
+
     @property
     def idle(self) -> bool:
         """Whether nothing is left to be worked out."""

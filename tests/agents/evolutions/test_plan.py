@@ -186,6 +186,12 @@ def test_a_large_group_is_worked_out_in_pieces_while_the_old_motion_goes_on():
         pieces += 1
     assert pieces > 3
     assert running.at(0.6).under.all()
+    running.start_now(Segment(Evolve("grid")), 0.7, grid, np.zeros(count))
+    running.prepare(1, grid, np.zeros(count))
+    assert not running.idle
+    running.drop_begun()
+    assert running.idle
+    assert running.at(0.8).under.all()  # what had begun before and is worked out holds them still
     running.add(Segment(Evolve("grid"), start=1))
     running.prepare(1, grid, np.zeros(count))
     assert not running.idle
