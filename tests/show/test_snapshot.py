@@ -193,7 +193,7 @@ def test_an_edit_that_comes_while_nobody_takes_it_up_keeps_no_snapshot_from_bein
     show = MADE.start()
     run(show, 1, 40)
     show.apply(events.BreakerTripped(time=40 * TICK, source="heir", name="edits", why="made by a test"))
-    edited = PATCH.replace("reserve = 0", "reserve = 2").replace("bpm = 120", "bpm = 120\n[motion]\namplitude = 0.7")
+    edited = PATCH.replace("reserve = 0", "reserve = 2").replace("bpm = 120", "bpm = 120\n[motion]\namplitude = 0.3")
     text = written_text(fitted(parse_patch(edited, "edit"), show.patch)[0])
     show.apply(events.PatchChanged(time=40 * TICK, source="patch", patch=packed(text), version=version_of(text)))
     assert not at_rest(show), show.refusals.words
