@@ -24,6 +24,8 @@ ENDS_WITHIN: Final = 0.2
 """Seconds in which a process is gone whose end was seen at its wire."""
 STEPS: Final = ('"StepsAdded"', '"StepsChanged"')
 """Events that only an engine can act on that has read the steps since."""
+TRY_AGAIN: Final = 0.2
+"""Seconds after which it is tried again where the system has no room for an engine: nobody dances meanwhile."""
 CALM_APART: Final = 5.0
 """Seconds between two starts once engines crash that are calm already; they double, up to a minute."""
 STANDS_BACK: Final = 60.0
@@ -201,7 +203,7 @@ class Engines:
         except OSError:  # the system has no room for one now
             if not self.log.header:
                 raise
-            self._start_at = now + max(1.0, self._apart.after(now))
+            self._start_at = now + TRY_AGAIN
             return
         self._begun_at = self._start_at  # or a little later
         if self.role == "heir":

@@ -1,5 +1,6 @@
 """The supervisor with real processes that end in all ways: what one had said another goes on from."""
 
+import errno
 import json
 import os
 import subprocess
@@ -11,6 +12,7 @@ import pytest
 
 from live.alive.limits import RestartLimit
 from live.alive.orders import Orders
+from live.alive.starter import Starter
 from live.alive.supervisor import Supervisor
 
 ENGINE = [sys.executable, "-m", "tests.alive.made_engine"]
@@ -109,6 +111,24 @@ def test_without_a_spare_another_engine_is_started_and_goes_on(tmp_path):
     assert code == 0
     assert numbers(lines) == list(range(1, 41))
     assert [line["went"] for line in lines if "went" in line] == ["heir"]
+
+
+def test_where_the_system_has_no_room_for_an_engine_the_next_begins_as_soon_as_there_is(tmp_path, monkeypatch):
+    """Without descriptors it was tried again after five seconds, then ten."""
+    started, refused = Starter.start, []
+
+    def start(self, role, *arguments, **how):
+        if role == "heir" and len(refused) < 5:
+            refused.append(role)
+            raise OSError(errno.EMFILE, "Too many open files")
+        return started(self, role, *arguments, **how)
+
+    monkeypatch.setattr(Starter, "start", start)
+    code, lines, supervisor, _ = supervised(tmp_path, {"crashes": [[20, 1]], "ticks": 40}, spare=False)
+    assert code == 0
+    assert numbers(lines) == list(range(1, 41))
+    assert len(refused) == 5
+    assert supervisor.report.takeover_s < 4.5
 
 
 def test_an_engine_that_gives_no_sign_of_life_is_killed_and_replaced(tmp_path):
