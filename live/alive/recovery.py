@@ -13,7 +13,7 @@ from typing import Final
 
 from live.alive.following import Following, Line, TickFailed, is_event
 from live.clock.ticks import TICK
-from live.control.machine_events import BreakerTripped
+from live.control.machine_events import BreakerTripped, ResetBreaker
 from live.show.breakers import Stage, escalation, out_of_service
 from live.show.core import Show
 from live.show.journal import line_of
@@ -23,6 +23,7 @@ from live.show.snapshot import SnapshotError, Snapshots, restore
 
 ATTEMPTS: Final = 32
 """So often at most a show is run on from where it stood: each time something more is left out."""
+RESET: Final = ResetBreaker.__name__
 TRANSIENT: Final = 2
 """A tick that another engine ran well is tried so often again before its stage is to blame."""
 SOURCE: Final = "supervisor"
@@ -81,7 +82,7 @@ class Recovery:
         self._dies_at = self._death.tick if self._death.stage else 0
         self._until = max(told, self._dies_at)  # later ticks are the next engine's own
         self._passed = min(told, self._until - 1) if self._dies_at else told
-        self._anew: int | None = None  # how many lines are from before what is danced anew
+        self._anew = False  # whether what was danced since the last snapshot is danced anew
         self._refused: list[Line] = []
 
     def run(self) -> Recovered:
@@ -169,14 +170,15 @@ class Recovery:
     def _trip_before(self, failed: TickFailed) -> None:
         """Put a stage out of service from the last snapshot on: what was danced since is danced anew, for nothing
         that was danced in this stage can be run here."""
-        if self._anew is None:
-            self._start = None
+        if not self._anew:
+            self._start, self._anew = None, True
             self._told = [value for value in self._following.whole() if value not in self._refused]
-            self._anew = int("snapshot" in self._told[0])
         since = self._told[0]["tick"] if "snapshot" in self._told[0] else 0
+        resets = [value["tick"] for value in self._told if value["tick"] < failed.tick and _kind(value) == RESET]
+        since = max(since, *resets) if resets else since  # one that was put back since would be back at once
         event = json.loads(line_of(since, self._tripped(failed.stage, failed.why, since)))
-        self._told.insert(self._anew, event)
-        self._anew += 1
+        place = max(at for at, value in enumerate(self._told) if value["tick"] <= since) + 1 if self._told else 0
+        self._told.insert(place, event)
         self._put({**event, "tick": max(value["tick"] for value in self._told), SINCE: since})
 
     def _tripped(self, stage: int, why: str, tick: int) -> BreakerTripped:

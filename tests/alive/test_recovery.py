@@ -371,3 +371,17 @@ def test_a_stage_that_fails_sooner_here_than_it_was_foreseen_to_is_out_of_servic
     night.play(700)
     found = night.replayed(tmp_path)
     assert (found.problems, found.different) == ([], 0)
+
+
+def test_a_breaker_that_was_reset_a_moment_ago_does_not_keep_the_next_trip_from_helping(loaded, monkeypatch, tmp_path):
+    """What is put out of service from the last snapshot on was put back by the reset since, for ever."""
+    night = Night(loaded)
+    night.events[325] = ResetBreaker(time=5.0, source="osc")
+    broken(monkeypatch, GroupMotion, "tick", lambda *_: night.tick > 330)
+    night.play(720)
+    assert len(night.deaths) == 1
+    assert {event["name"] for event in night.told(BreakerTripped)} == {"steering"}
+    assert "steering" in night.show.breakers.why
+    monkeypatch.undo()
+    found = night.replayed(tmp_path)
+    assert (found.different, found.problems) == (0, [])
