@@ -23,9 +23,9 @@ from live.show.snapshot import SnapshotError, Snapshots, restore
 
 ATTEMPTS: Final = 32
 """So often at most a show is run on from where it stood: each time something more is left out."""
-RESET: Final = ResetBreaker.__name__
 TRANSIENT: Final = 2
 """A tick that another engine ran well is tried so often again before its stage is to blame."""
+RESET: Final = ResetBreaker.__name__
 SOURCE: Final = "supervisor"
 
 
@@ -168,8 +168,8 @@ class Recovery:
         self._lines.append(line)
 
     def _trip_before(self, failed: TickFailed) -> None:
-        """Put a stage out of service from the last snapshot on: what was danced since is danced anew, for nothing
-        that was danced in this stage can be run here."""
+        """Put a stage out of service from the last snapshot on, or from the last reset since: what was danced after that
+        is danced anew, for nothing that was danced in this stage can be run here."""
         if not self._anew:
             self._start, self._anew = None, True
             self._told = [value for value in self._following.whole() if value not in self._refused]
@@ -177,7 +177,7 @@ class Recovery:
         resets = [value["tick"] for value in self._told if value["tick"] < failed.tick and _kind(value) == RESET]
         since = max(since, *resets) if resets else since  # one that was put back since would be back at once
         event = json.loads(line_of(since, self._tripped(failed.stage, failed.why, since)))
-        place = max(at for at, value in enumerate(self._told) if value["tick"] <= since) + 1 if self._told else 0
+        place = 1 + max((at for at, value in enumerate(self._told) if value["tick"] <= since), default=-1)
         self._told.insert(place, event)
         self._put({**event, "tick": max(value["tick"] for value in self._told), SINCE: since})
 
