@@ -168,7 +168,7 @@ class Recovery:
         self._lines.append(line)
 
     def _trip_before(self, failed: TickFailed) -> None:
-        """Put a stage out of service from the last snapshot on, or from the last reset since: what was danced after that
+        """Put a stage out of service from the last snapshot on, or from a later reset: what was danced after that
         is danced anew, for nothing that was danced in this stage can be run here."""
         if not self._anew:
             self._start, self._anew = None, True
