@@ -385,3 +385,17 @@ def test_a_breaker_that_was_reset_a_moment_ago_does_not_keep_the_next_trip_from_
     monkeypatch.undo()
     found = night.replayed(tmp_path)
     assert (found.different, found.problems) == (0, [])
+
+
+def test_what_fails_before_the_first_line_that_was_told_is_out_of_service_from_the_beginning(loaded, monkeypatch):
+    """A journal without a snapshot, whose first line comes after ticks that ran well: here none of them can run."""
+    raised = broken(monkeypatch, GroupMotion, "tick", lambda *_: True)
+    following = Following(loaded)
+    for line in (*Night(loaded).sink.lines, json.dumps({"tick": 60})):
+        following.take(line)
+    recovered = Recovery(following).run()
+    assert following.tick == 60
+    lines = [json.loads(line) for line in recovered.lines]
+    tripped = [line for line in lines if line.get("event", {}).get("type") == "BreakerTripped"]
+    assert [(line["tick"], line["since"], line["event"]["name"]) for line in tripped] == [(60, 0, "steering")]
+    assert raised == [3]  # as often as may be chance; then never again
