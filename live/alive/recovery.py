@@ -84,6 +84,7 @@ class Recovery:
         self._passed = min(told, self._until - 1) if self._dies_at else told
         self._anew = False  # whether what was danced since the last snapshot is danced anew
         self._refused: list[Line] = []
+        self._own: list[Line] = []  # what this recovery has put among what was told
 
     def run(self) -> Recovered:
         """The show, without what made it end; TickFailed if nothing has helped."""
@@ -162,10 +163,17 @@ class Recovery:
 
     def _trip(self, tick: int, stage: int, why: str) -> None:
         """Put a stage out of service for that tick and all after it."""
-        line = line_of(tick - 1, self._tripped(stage, why, tick - 1))
-        later = next((at for at, value in enumerate(self._told) if value["tick"] >= tick), len(self._told))
-        self._told.insert(later, json.loads(line))  # one for a later tick may have been foreseen
-        self._lines.append(line)
+        line = json.loads(line_of(tick - 1, self._tripped(stage, why, tick - 1)))
+        self._insert(line)
+        self._put(line)
+        self._own.append(line)
+
+    def _insert(self, line: Line) -> None:
+        """Let it come after all that was told for its tick, or before; a line for a later tick may have been
+        foreseen."""
+        tick = line["tick"]
+        place = 1 + max((at for at, value in enumerate(self._told) if value["tick"] <= tick), default=-1)
+        self._told.insert(place, line)
 
     def _trip_before(self, failed: TickFailed) -> None:
         """Put a stage out of service from the last snapshot on, or from a later reset: what was danced after that
@@ -173,12 +181,13 @@ class Recovery:
         if not self._anew:
             self._start, self._anew = None, True
             self._told = [value for value in self._following.whole() if value not in self._refused]
+            for line in self._own:  # they are in the journal
+                self._insert(line)
         since = self._told[0]["tick"] if "snapshot" in self._told[0] else 0
         resets = [value["tick"] for value in self._told if value["tick"] < failed.tick and _kind(value) == RESET]
         since = max(since, *resets) if resets else since  # one that was put back since would be back at once
         event = json.loads(line_of(since, self._tripped(failed.stage, failed.why, since)))
-        place = 1 + max((at for at, value in enumerate(self._told) if value["tick"] <= since), default=-1)
-        self._told.insert(place, event)
+        self._insert(event)
         self._put({**event, "tick": max(value["tick"] for value in self._told), SINCE: since})
 
     def _tripped(self, stage: int, why: str, tick: int) -> BreakerTripped:

@@ -5,6 +5,7 @@ One process stands for all: where an engine would end, another one goes on by th
 deaths take minutes.
 """
 
+import gc
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
@@ -105,6 +106,8 @@ class RecoveringSoak(Soak):
             self._sink.put(line)
         self.notes += recovered.notes
         self._go_on(recovered.show, following.tick)
+        error.__traceback__ = None
+        gc.collect()  # the show that failed is in circles; with a real engine all its memory goes
 
     def _go_on(self, show: Any, tick: int) -> None:
         self.show = show
