@@ -180,6 +180,7 @@ def ask_dancers(
         share[INTO_NEXT, n] = into
         if into == 0.0:
             sample[NEXT, n], loudness[n] = sample[PRESENT, n], loud
+            share[NEXT_LOWER, n] = share[NEXT_UPPER, n] = 0.0  # nothing is left of what was asked for before
             continue
         coming = max(next_node[n], 0)
         back = (at - 1.0) * (last[coming] - first[coming])

@@ -79,6 +79,21 @@ def test_what_is_asked_is_what_the_measures_say(fraction, goes_on):
     _same(pipeline, then, phase - 1.0, lies, NEXT, NEXT_TAKE, NEXT_LOWER, blends)
 
 
+def test_poses_are_the_same_whatever_was_asked_for_before():
+    """Bit by bit: a picture that is drawn between two ticks may ask for what no tick does. Shares of a next measure
+    that were left behind made a whole block of dancers be mixed, and the others differ in the last bit."""
+    own, then = danced(1), danced(2)
+    fresh, used = PosePipeline(COUNT), PosePipeline(COUNT)
+    blends = np.where(np.arange(COUNT) < 4, 0.95, 0.5)
+    ask(used, own, then, np.ones(COUNT), 1.0, goes_on=True)
+    for pipeline in (fresh, used):
+        then.take_share[:, blends > 0.9] = 0.0
+        ask(pipeline, own, then, blends, 0.5, goes_on=True)
+    np.testing.assert_array_equal(used.share, fresh.share)
+    for ours, theirs in zip(used.run(GRAPH.library.store), fresh.run(GRAPH.library.store), strict=True):
+        np.testing.assert_array_equal(ours, theirs)
+
+
 @pytest.mark.parametrize("beyond", [-30.0, -0.2, 1.2, 27.0])
 def test_beyond_its_measure_no_clip_is_read(beyond):
     """After a stall a picture may be asked for many measures late: what lies there is no clip, and may be no number."""
