@@ -16,20 +16,20 @@ from typing import IO, Any, Final, Literal
 import numpy as np
 import psutil
 
+from live.app.services.audience_service import AudiencePart
+from live.app.wish import Wish
 from live.base.inbox import Inbox
-from live.cli.audience_part import AudiencePart
 from live.cli.bench import Row
-from live.cli.wish import Wish
-from live.clock.source import SystemClock
 from live.clock.ticks import TICK
-from live.control.events import AudienceHeard, ControlEvent
+from live.clock.time_source import SystemClock
+from live.control.events.events import AudienceHeard, ControlEvent
 from live.render.pacing import Pacer
 from live.show.engine import Engine
 from live.show.load import load_show
-from live.show.patch_places import DEFAULT_PATCH
+from live.show.patch.patch_search_path import DEFAULT_PATCH
 from live.show.status import Status
-from live.show.venue import Venue
-from live.show.venue_audience import VenueAudience
+from live.show.venue.venue import Venue
+from live.show.venue.venue_audience import VenueAudience
 
 PHONES: Final = 2000
 RATE: Final = 10.0

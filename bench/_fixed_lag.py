@@ -3,12 +3,12 @@
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.example.cloud import Cloud
-from live.motion.example.decode import Reading
-from live.motion.example.live_partner import LIVE_RATE
-from live.motion.example.online.reader import LiveReader
-from live.motion.example.partner import Search, tolls
-from live.motion.example.units import Units
+from live.motion.partner.cloud import Cloud
+from live.motion.partner.decoder import Reading
+from live.motion.partner.partner_synthesis import Search, tolls
+from live.motion.partner.units import Units
+from live.motion.partner_live.live_partner import LIVE_RATE
+from live.motion.partner_live.online_decoder import LiveReader
 
 Bool = npt.NDArray[np.bool_]
 

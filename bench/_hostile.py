@@ -16,9 +16,9 @@ import numpy.typing as npt
 from bench._show import crowd
 from live.base.inbox import Inbox
 from live.cli.bench import Row
-from live.clock.source import ManualClock
-from live.control import events
-from live.control.events import ControlEvent
+from live.clock.time_source import ManualClock
+from live.control.events import events
+from live.control.events.events import ControlEvent
 from live.show.core import Show
 from live.show.engine import Engine
 from live.show.load import LoadedShow

@@ -9,10 +9,10 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.stage_view import StageView
+from live.base.stage_snapshot import StageView
 from live.motion import quaternion
-from live.motion.posing.kernels import UPPER_FIRST, UPPER_LAST
-from live.motion.posing.pipeline import PoseSkeleton
+from live.motion.pose.pose_pipeline import PoseSkeleton
+from live.motion.pose.posing_kernels import UPPER_FIRST, UPPER_LAST
 from live.show.core import Show
 
 Float64 = npt.NDArray[np.float64]

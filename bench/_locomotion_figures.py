@@ -7,11 +7,11 @@ import numpy.typing as npt
 from scipy.spatial import ConvexHull, QhullError
 
 from bench._locomotion_beats import DrawnBeats
-from live.base.stage_view import StageView
-from live.graph.library import StepLibrary
-from live.graph.placing import turn_vectors
+from live.base.stage_snapshot import StageView
+from live.graph.select.placing import turn_vectors
+from live.graph.step_library import StepLibrary
 from live.show.core import Show
-from live.show.report import FrameReport
+from live.show.journal.motion_report import FrameReport
 
 Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]

@@ -10,13 +10,13 @@ import numpy as np
 from bench._locomotion_figures import Figures, Watch
 from bench._locomotion_scenes import Take, changed, events_of, stage
 from live.base.inbox import Inbox
-from live.base.stage_view import StageView
-from live.clock.source import ManualClock
-from live.control.events import BeatHeard, ControlEvent
+from live.base.stage_snapshot import StageView
+from live.clock.time_source import ManualClock
+from live.control.events.events import BeatHeard, ControlEvent
 from live.graph.motion_graph import MotionGraph
 from live.show.core import Show
 from live.show.engine import Engine
-from live.show.patch import Patch
+from live.show.patch.patch import Patch
 from live.show.status import Status
 
 FPS: Final = 60.0

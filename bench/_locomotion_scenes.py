@@ -9,11 +9,11 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.control.events import Attract, ControlEvent, Evolve, PlaceElement, Spread
+from live.control.events.events import Attract, ControlEvent, Evolve, PlaceElement, Spread
 from live.show.load import LoadedShow, show_of
-from live.show.patch import Patch
-from live.show.patch_file import parse_patch
-from live.show.patch_places import PATCHES
+from live.show.patch.patch import Patch
+from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_search_path import PATCHES
 
 BPM: Final = 112.0
 MEASURE_S: Final = 4.0 * 60.0 / BPM

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
+from live.cli.beats.clock_check import read_beats, read_stream
 from live.cli.bench import Row
-from live.cli.clock_check import read_beats, read_stream
-from live.clock.clock_report import ClockErrors, NamedBeat, errors_of, replay
+from live.clock.midi.clock_report import ClockErrors, NamedBeat, errors_of, replay
 
 PHASE_BAR_MS = 3.0
 TEMPO_BAR_BPM = 0.1

@@ -13,12 +13,12 @@ import numpy.typing as npt
 
 from live.base.inbox import Inbox
 from live.cli.bench import Row
-from live.clock.follow import TimelineFollower
+from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
-from live.control.events import BeatHeard, ControlEvent, SourceChanged
-from live.control.midi_decoding import MidiDecoding
-from live.control.midi_tokens import MidiTokens
-from live.show.clock_events import tell
+from live.control.events.events import BeatHeard, ControlEvent, SourceChanged
+from live.control.midi.midi_decoder import MidiDecoding
+from live.control.midi.midi_tokens import MidiTokens
+from live.show.sound.clock_commands import tell
 
 PULSES: Final = 24
 JITTER: Final = 0.005

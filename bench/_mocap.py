@@ -12,17 +12,17 @@ import numpy.typing as npt
 
 from live.cli.bench import Row
 from live.clock.ticks import TICK
-from live.control.events import MocapFrame
-from live.control.mocap_seats import Seat
-from live.control.rejections import Tally
-from live.control.vmc_encode import vmc_packets
-from live.control.vmc_stream import VmcStream
+from live.control.capture.mocap_seats import Seat
+from live.control.capture.vmc_encode import vmc_packets
+from live.control.capture.vmc_stream import VmcStream
+from live.control.events.events import MocapFrame
+from live.control.registry.rejections import Tally
 from live.motion import quaternion
 from live.motion.skeleton import JOINT_COUNT
 from live.show.core import Show
-from live.show.journal import line_of
+from live.show.journal.journal import line_of
 from live.show.load import LoadedShow
-from live.show.sections.mocap import MocapSection
+from live.show.patch.mocap import MocapSection
 
 PERFORMERS: Final = 4
 WARM: Final = 200

@@ -9,18 +9,18 @@ from typing import Any
 
 import numpy as np
 
+from live.library.motion_file import read_motion
 from live.motion import quaternion
-from live.motion.body_tracks import body_tracks
+from live.motion.cleanup.glitch_repair import repair
+from live.motion.cleanup.glitches import find_glitches
+from live.motion.cleanup.trim_start import find_beginning
 from live.motion.clip import Clip
-from live.motion.glitch_repair import repair
-from live.motion.glitches import find_glitches
-from live.motion.retarget import retarget
-from live.motion.run_in import find_beginning
-from live.motion.sketch import parse_sketch
-from live.motion.sketch_clip import step_clip
-from live.motion.source_motion import SourceMotion
+from live.motion.formats.source_motion import SourceMotion
+from live.motion.retarget.body_tracks import body_tracks
+from live.motion.retarget.retarget import retarget
+from live.motion.sketch.sketch_clips import step_clip
+from live.motion.sketch.sketch_file import parse_sketch
 from live.motion.step_clip import StepClip
-from live.steps.motion_file import read_motion
 
 SKETCHES = Path(__file__).resolve().parent.parent / "patches" / "steps"
 """Beats come from beats_estimated.json; where it knows no phase, the first measure begins with the recording."""

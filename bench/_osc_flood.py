@@ -12,8 +12,8 @@ from typing import Final
 
 import numpy as np
 
-from live.control.osc_encode import encode
-from live.control.registry import REGISTRY
+from live.control.osc.osc_encode import encode
+from live.control.registry.registry import REGISTRY
 
 BATCH: Final = 32
 

@@ -5,13 +5,13 @@ import numpy.typing as npt
 
 from live.motion import quaternion
 from live.motion.clip import Clip
-from live.motion.editing.sampling import read_clip
-from live.motion.example.answer import answer
-from live.motion.example.cloud import Cloud
-from live.motion.example.decode import Reading
-from live.motion.example.fit import fit, stretched
-from live.motion.example.units import Units
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.partner.answer import answer
+from live.motion.partner.cloud import Cloud
+from live.motion.partner.decoder import Reading
+from live.motion.partner.fit import fit, stretched
+from live.motion.partner.units import Units
+from live.motion.sampling import read_clip
 
 Float64 = npt.NDArray[np.float64]
 

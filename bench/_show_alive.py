@@ -22,8 +22,8 @@ from typing import Any, Final
 
 import psutil
 
-from live.alive.engines import READY
 from live.cli.bench import Row
+from live.supervisor.engine_failover import READY
 
 PATIENCE: Final = 180.0
 """Seconds for a start on a machine that has other work to do."""
@@ -127,7 +127,7 @@ def engines(process: subprocess.Popen[bytes]) -> list[psutil.Process]:
     found = []
     for one in psutil.Process(process.pid).children():
         with contextlib.suppress(psutil.NoSuchProcess):  # who was killed is a zombie until the supervisor looks
-            if "live.cli.engine_process" in one.cmdline():
+            if "live.app.processes.engine_process" in one.cmdline():
                 found.append((one.create_time(), one))
     return [one for _, one in sorted(found, key=lambda each: each[0])]
 

@@ -8,14 +8,14 @@ import numpy as np
 from bench._show import crowd
 from live.cli.bench import Row
 from live.clock.ticks import TICK
-from live.control.events import ControlEvent
-from live.control.registry import REGISTRY
+from live.control.events.events import ControlEvent
+from live.control.registry.registry import REGISTRY
 from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context
 from live.render.renderer import Renderer
 from live.show.core import Show
 from live.show.load import LoadedShow, load_show
-from live.show.patch_places import PATCHES
-from live.show.scene_of import scene_of
+from live.show.patch.patch_search_path import PATCHES
+from live.show.view.render_scene import scene_of
 
 SHOW: Final = PATCHES / "cues" / "show.toml"
 SIZE: Final = (1280, 720)

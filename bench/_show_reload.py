@@ -11,14 +11,14 @@ import numpy as np
 
 from live.base.inbox import Inbox
 from live.cli.bench import Row
-from live.clock.source import SystemClock
-from live.control.events import ControlEvent
+from live.clock.time_source import SystemClock
+from live.control.events.events import ControlEvent
 from live.rehearse.edits import Edits
 from live.render.pacing import Pacer
 from live.show.engine import Engine
 from live.show.load import load_show
-from live.show.patch_places import DEFAULT_PATCH
-from live.show.patch_watch import PatchWatch
+from live.show.patch.hot_reload import PatchWatch
+from live.show.patch.patch_search_path import DEFAULT_PATCH
 from live.show.status import Status
 
 FPS = 60.0

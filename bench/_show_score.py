@@ -9,7 +9,7 @@ import numpy as np
 from live.cli.bench import Row
 from live.show.core import Show
 from live.show.load import load_show
-from live.show.patch_places import DEFAULT_PATCH
+from live.show.patch.patch_search_path import DEFAULT_PATCH
 
 MEASURES = 5000
 LOAD_BAR_S = 1.5

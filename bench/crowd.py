@@ -5,7 +5,7 @@ from pathlib import Path
 from bench._crowd_rows import GAP_SECONDS, Peer, quality_rows, thesis_rows
 from bench._crowd_rvo2 import HORIZONS, present
 from bench._crowd_rvo2 import simulate as simulate_rvo2
-from live.agents.crowd.model import Avoidance
+from live.agents.crowd.agent_state import Avoidance
 from live.agents.scenarios.generate import SCENARIOS
 from live.agents.scenarios.metrics import Metrics, measure
 from live.agents.scenarios.run import simulate

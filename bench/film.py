@@ -9,11 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from live.cli.bench import Row
-from live.render.film import FilmWriter, PictureWriter
+from live.render.film.film_writer import FilmWriter, PictureWriter
+from live.render.film.image_sequence import PictureFolder
+from live.render.film.network_stream import SharedStream
+from live.render.film.shared_memory import SharedRing
 from live.render.headless import OffscreenTarget, create_headless_context
-from live.render.picture_folder import PictureFolder
-from live.render.share_ring import SharedRing
-from live.render.share_stream import SharedStream
 
 SIZE = (1280, 720)
 FPS = 30.0

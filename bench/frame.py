@@ -17,11 +17,11 @@ from bench import _hostile as hostile
 from bench._show import crowd
 from live.base.inbox import Inbox
 from live.cli.bench import Row
-from live.clock.source import ManualClock
-from live.control.events import Attract, ControlEvent, Spread
+from live.clock.time_source import ManualClock
+from live.control.events.events import Attract, ControlEvent, Spread
 from live.show.engine import Engine
 from live.show.load import LoadedShow, load_show
-from live.show.patch_places import DEFAULT_PATCH
+from live.show.patch.patch_search_path import DEFAULT_PATCH
 from live.show.status import Status
 
 Float64 = npt.NDArray[np.float64]

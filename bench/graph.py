@@ -15,24 +15,24 @@ from bench._show import crowd
 from live.base.inbox import Inbox
 from live.base.jit import kernel
 from live.cli.bench import Row
-from live.clock.source import ManualClock
-from live.control.events import ControlEvent
-from live.graph.bridge import BASE_RATE, Recorded, find_bridges
-from live.graph.insertion import insert_clips
-from live.graph.library import StepLibrary, build_library
-from live.graph.metric.flat import FlatClouds
-from live.graph.metric.near import near_pairs
-from live.graph.metric.weights import Metric
+from live.clock.time_source import ManualClock
+from live.control.events.events import ControlEvent
+from live.graph.build.bridge import BASE_RATE, Recorded, find_bridges
+from live.graph.build.flat import FlatClouds
+from live.graph.build.nearest_pairs import near_pairs
+from live.graph.build.transition import transition_windows
+from live.graph.build.weights import Metric
+from live.graph.library_insert import insert_clips
 from live.graph.motion_graph import MotionGraph, build_graph, strong_components
-from live.graph.transition import transition_windows
+from live.graph.step_library import StepLibrary, build_library
+from live.library.step_folder import load_folder
 from live.motion import quaternion
 from live.motion.skeleton import JOINT_COUNT
 from live.motion.step_clip import StepClip
 from live.show.engine import Engine
 from live.show.load import load_show
-from live.show.patch_places import DEFAULT_PATCH, PATCHES
+from live.show.patch.patch_search_path import DEFAULT_PATCH, PATCHES
 from live.show.status import Status
-from live.steps.step_folder import load_folder
 
 Float64 = npt.NDArray[np.float64]
 

@@ -9,16 +9,16 @@ import numpy.typing as npt
 
 from bench._motion_clips import SALSA, SKETCHES, SOLO, WALKS, recordings
 from live.cli.bench import Row
-from live.graph.assemble import Assembled, assemble
-from live.graph.candidates import find_candidates
-from live.graph.dance_figures import DanceFigures, RawClips
-from live.graph.library import build_library
+from live.graph.dance_metrics import DanceFigures, RawClips
 from live.graph.motion_graph import MotionGraph, build_graph
-from live.graph.path import follow_line, smoothed
-from live.graph.path_search import follow_path
+from live.graph.render_dance import Assembled, assemble
+from live.graph.search.path import follow_line, smoothed
+from live.graph.search.path_search import follow_path
+from live.graph.select.candidates import find_candidates
+from live.graph.step_library import build_library
+from live.library.sketch_folder import load_steps
 from live.motion.quality.beats import alignment, mean_speed, motion_beats, offsets
 from live.motion.step_clip import StepClip
-from live.steps.sketch_folder import load_steps
 
 Float64 = npt.NDArray[np.float64]
 

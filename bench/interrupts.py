@@ -11,11 +11,11 @@ import numpy.typing as npt
 from bench._locomotion_scenes import BPM, stage
 from live.cli.bench import Row
 from live.clock.ticks import TICK
-from live.control.events import Performer, StepNow
-from live.graph.dance_figures import RawClips
-from live.motion.contact import TOES_OVER_SOLE
+from live.control.events.events import Performer, StepNow
+from live.graph.dance_metrics import RawClips
 from live.motion.editing.feet import ANKLES, BALLS
-from live.motion.inertia.kernels import LONGEST
+from live.motion.foot_contact import TOES_OVER_SOLE
+from live.motion.pose.inertialization_kernels import LONGEST
 from live.motion.quality.feet import slides
 from live.motion.quality.smoothness import at_samples
 from live.motion.skeleton import SOLE_BELOW_ANKLE

@@ -14,8 +14,8 @@ from bench._locomotion_run import ENGINE, SLIDING, UNCORRECTED, dance, drifting_
 from bench._locomotion_scenes import BPM, SCENES, Take, changed, stage
 from bench._motion_clips import WALKS, recordings
 from live.cli.bench import Row
-from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
+from live.graph.step_library import build_library
 from live.motion.mirror import mirror_step
 from live.show.load import RECORDED_M
 from live.show.recorded import for_recordings, with_steps_of

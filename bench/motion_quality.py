@@ -19,14 +19,14 @@ from live.motion.editing.head import face_head
 from live.motion.editing.interpolate import interpolate
 from live.motion.editing.orientation import heading_of
 from live.motion.editing.rotation_insertion import insert_rotation
-from live.motion.editing.same_step import samples_in
-from live.motion.editing.sampling import read_clip
 from live.motion.editing.sequence_warp import draw_sequence_warp, warp_sequence
 from live.motion.editing.support import find_supports
 from live.motion.editing.time_warp import draw_measure_warps, warp_step
 from live.motion.mirror import mirror_step
-from live.motion.posing.foot_lock import lock_feet
+from live.motion.pose.foot_lock import lock_feet
 from live.motion.quality.step import StepFigures, pelvis_way
+from live.motion.same_step import samples_in
+from live.motion.sampling import read_clip
 from live.motion.skeleton import MIRROR
 from live.motion.step_clip import StepClip
 

@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from live.cli.bench import Row
-from live.motion.bvh import parse_bvh, source_of_bvh
-from live.steps.motion_file import read_motion
+from live.library.motion_file import read_motion
+from live.motion.formats.parse import parse_bvh
+from live.motion.formats.source import source_of_bvh
 
 JOINTS, FRAMES = 43, 2000
 BAR_MS = 25.0

@@ -16,13 +16,14 @@ import moderngl
 import numpy as np
 
 from bench._show import crowd
+from live.app.recording import SOFTWARE_FPS
 from live.base.picture import BY_ADDRESS, STYLE_OF_GROUP, Float64, of_group, picture_of
-from live.base.stage_view import Scene, StageView
+from live.base.stage_snapshot import Scene, StageView
 from live.base.styles import AMOUNTS
 from live.cli.bench import Row
-from live.cli.recording import SOFTWARE_FPS
 from live.clock.ticks import TICK
-from live.render.affordance import Affordance
+from live.render.frame_budget import Affordance
+from live.render.gl_release import release_all
 from live.render.headless import OffscreenTarget, create_headless_context
 from live.render.outputs.flash_meter import FlashGuard
 from live.render.outputs.output import Output, SoftEdge
@@ -30,12 +31,11 @@ from live.render.outputs.output_pass import OutputPass
 from live.render.outputs.pictures import Pictures
 from live.render.pacing import Pacer
 from live.render.quality import is_software
-from live.render.release import release_all
 from live.render.renderer import Renderer
 from live.show.core import Show
 from live.show.load import load_show
-from live.show.patch_places import DEFAULT_PATCH
-from live.show.scene_of import scene_of
+from live.show.patch.patch_search_path import DEFAULT_PATCH
+from live.show.view.render_scene import scene_of
 
 SIZE = (1280, 720)
 LARGE = (1920, 1080)

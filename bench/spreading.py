@@ -11,13 +11,13 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import cKDTree
 
-from live.agents.crowd.advance import Advance
-from live.agents.crowd.model import AgentModel, AgentState, Steering
-from live.agents.crowd.surroundings import Surroundings
-from live.agents.procedural.element import Element
-from live.agents.procedural.field import ElementField
-from live.agents.procedural.kinds import CROSSING, SPREADER, WANDER
-from live.agents.wants import Wants
+from live.agents.agent_command import Wants
+from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
+from live.agents.crowd.crowd_step import Advance
+from live.agents.crowd.obstacles import Surroundings
+from live.agents.elements.element import Element
+from live.agents.elements.element_field import ElementField
+from live.agents.elements.element_kinds import CROSSING, SPREADER, WANDER
 from live.cli.bench import Row
 
 Float64 = npt.NDArray[np.float64]

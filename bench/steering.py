@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.crowd.advance import Advance
-from live.agents.crowd.model import AgentModel, AgentState, Steering
-from live.agents.crowd.surroundings import Surroundings
+from live.agents.agent_command import Wants
+from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
+from live.agents.crowd.crowd_step import Advance
+from live.agents.crowd.obstacles import Surroundings
+from live.agents.goals.goal_kernels import ATTRACTOR
 from live.agents.goals.goals import Goals
-from live.agents.goals.kernels import ATTRACTOR
-from live.agents.wants import Wants
 from live.cli.bench import Row
 
 TICK = 1.0 / 120.0

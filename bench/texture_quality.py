@@ -9,20 +9,20 @@ import numpy as np
 import numpy.typing as npt
 
 from live.cli.bench import Row
+from live.library.capture_material import UNBEATEN, read_material
 from live.motion.clip import Clip
-from live.motion.editing.rotation_mean import mean_rotation
-from live.motion.editing.sampling import read_clip
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.rotation_mean import mean_rotation
+from live.motion.sampling import read_clip
 from live.motion.step_clip import StepClip
 from live.motion.texture.bands import split_bands
-from live.motion.texture.bank import TextureBank, legs_of
-from live.motion.texture.kernels import DERIVATIVE, PER_BEAT, nearest_fragment
-from live.motion.texture.material import material_of
-from live.motion.texture.synthesis import textured
+from live.motion.texture.live_bank import TextureBank, legs_of
+from live.motion.texture.live_texture_kernels import DERIVATIVE, PER_BEAT, nearest_fragment
+from live.motion.texture.texture_corpus import material_of
+from live.motion.texture.texture_settings import UPPER, WORDS, Wish
+from live.motion.texture.texture_synthesis import textured
 from live.motion.texture.tracks import columns_of, sample_clip, tracks_of
-from live.motion.texture.wish import UPPER, WORDS, Wish
-from live.show.texturing import JOIN
-from live.steps.material import UNBEATEN, read_material
+from live.show.dancers.texturing import JOIN
 
 Float64 = npt.NDArray[np.float64]
 

@@ -8,22 +8,22 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.crowd.advance import Advance
-from live.agents.crowd.model import AgentModel, AgentState, Steering
-from live.agents.crowd.surroundings import Surroundings
+from live.agents.agent_command import Wants
+from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
+from live.agents.crowd.crowd_step import Advance
+from live.agents.crowd.obstacles import Surroundings
 from live.agents.evolutions import orientation, paths
 from live.agents.evolutions.clearance import Clearance
-from live.agents.evolutions.delays import Order, Ripple, delays, times
 from live.agents.evolutions.divide import divided
 from live.agents.evolutions.divided import DividedMatching
 from live.agents.evolutions.intention import Evolve, Places, Repertoire
-from live.agents.evolutions.locomotion import Locomotion
 from live.agents.evolutions.matching import Cost, assign, distances
 from live.agents.evolutions.mend import mended
-from live.agents.evolutions.plan import Plan
+from live.agents.evolutions.running_plan import Plan
 from live.agents.evolutions.segment import Segment
+from live.agents.evolutions.start_delays import Order, Ripple, delays, times
+from live.agents.evolutions.trajectory import Locomotion
 from live.agents.groups.roster import Roster
-from live.agents.wants import Wants
 from live.cli.bench import Row
 
 Float64 = npt.NDArray[np.float64]

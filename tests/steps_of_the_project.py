@@ -3,8 +3,8 @@
 from functools import cache
 from pathlib import Path
 
+from live.library.sketch_folder import sketched_steps
 from live.motion.step_clip import StepClip
-from live.steps.sketch_folder import sketched_steps
 
 FOLDER = Path(__file__).parents[1] / "patches" / "steps"
 

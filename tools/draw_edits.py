@@ -26,9 +26,9 @@ from live.motion.editing.rotation_insertion import BLEND_WINDOW, insert_rotation
 from live.motion.editing.sequence_warp import draw_sequence_warp
 from live.motion.editing.support import LIFTED, height_difference
 from live.motion.editing.time_warp import draw_measure_warps, warp_step
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
 from live.motion.mirror import mirror_step
-from live.motion.posing.foot_lock import lock_feet
+from live.motion.pose.foot_lock import lock_feet
 from live.motion.skeleton import SKELETON
 from tools.edit_panels import HEAD, beats, figure_of, footprints, headings, label, panels, places, sketch, stage, within
 

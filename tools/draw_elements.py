@@ -18,8 +18,8 @@ from matplotlib.patches import Circle, Rectangle
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from bench.spreading import Crowd, places
-from live.agents.procedural.element import Element, line_through, rectangle
-from live.agents.procedural.kinds import (
+from live.agents.elements.element import Element, line_through, rectangle
+from live.agents.elements.element_kinds import (
     ATTRACTOR,
     CROSSING,
     DRAWN,

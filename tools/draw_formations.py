@@ -15,7 +15,7 @@ from live.agents.evolutions.matching import assign
 from live.agents.evolutions.paths import straight
 from live.agents.formations.formation import formation_of
 from live.agents.formations.spec_table import spec_from_table
-from live.cli.formation_picture import draw_formation
+from live.cli.pictures.formation_picture import draw_formation
 
 ROOT: Final = Path(__file__).resolve().parent.parent
 

@@ -18,7 +18,7 @@ from PIL import Image, ImageDraw
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from bench._locomotion_run import ENGINE, FPS, SLIDING, UNCORRECTED, dance
 from bench._locomotion_scenes import DEPTH, SCENES, WIDTH, Take, stage
-from live.base.stage_view import StageView
+from live.base.stage_snapshot import StageView
 from live.motion.editing.feet import BALLS
 from live.show.core import Show
 
@@ -84,10 +84,10 @@ def plan(scene: str, file: Path, begin: float, end: float) -> None:
 
 def film(asked: argparse.Namespace) -> None:
     """Every so many-th picture of the scene: as a film at its own speed, or side by side."""
-    from live.base.stage_view import Camera
+    from live.base.stage_snapshot import Camera
     from live.render.headless import OffscreenTarget, create_headless_context
     from live.render.renderer import Renderer
-    from live.show.scene_of import scene_of
+    from live.show.view.render_scene import scene_of
 
     ctx, size, file, every = create_headless_context(), tuple(asked.size), asked.file, asked.every
     target = OffscreenTarget(ctx, size)

@@ -16,11 +16,11 @@ from PIL import Image, ImageDraw
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from live.motion import quaternion
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
 from live.motion.mirror import mirror_step
 from live.motion.skeleton import SKELETON
-from live.motion.sketch import SketchError, parse_sketch
-from live.motion.sketch_clip import step_clip
+from live.motion.sketch.sketch_clips import step_clip
+from live.motion.sketch.sketch_file import SketchError, parse_sketch
 from live.motion.step_clip import DIRECTIONS, StepClip
 
 Float = npt.NDArray[np.floating]

@@ -10,10 +10,10 @@ from matplotlib.figure import Figure
 
 from live.motion.editing.feet import find_feet
 from live.motion.editing.orientation import heading_of
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
-from live.motion.sketch import parse_sketch
-from live.motion.sketch_clip import step_clip
+from live.motion.sketch.sketch_clips import step_clip
+from live.motion.sketch.sketch_file import parse_sketch
 from live.motion.step_clip import StepClip
 
 Float = npt.NDArray[np.floating]

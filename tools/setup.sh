@@ -282,10 +282,10 @@ fi
 # The compiled kernels lie in the user's cache, under names that follow their sources; the stamp names the file there
 # that says they are complete.
 kernels=".venv/.warm-$({
-  find live -name kernels.py -exec cat {} +
+  find live -name "*kernels.py" -exec cat {} +
   echo "${LIVE_CACHE_DIR:-} ${XDG_CACHE_HOME:-} ${HOME:-}"
 } | cksum | tr ' ' '-')"
-if ! { [ -s "$kernels" ] && [ -e "$(cat "$kernels")" ] && [ -z "$(find live -name kernels.py -newer "$kernels")" ]; }; then
+if ! { [ -s "$kernels" ] && [ -e "$(cat "$kernels")" ] && [ -z "$(find live -name "*kernels.py" -newer "$kernels")" ]; }; then
   rm -f .venv/.warm-*
   .venv/bin/live warm --stamp "$kernels"
 fi

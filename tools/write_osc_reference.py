@@ -3,17 +3,17 @@
 import sys
 from pathlib import Path
 
-from live.base.allowance import BURST, FLOOD, FLOODED_PER_SECOND, PER_SECOND
-from live.control import osc_decode as limits
-from live.control import osc_later as later
-from live.control.control import NAME_LENGTH, TEXT_LENGTH, Argument, Control
-from live.control.osc_door import MOST_LANES, OF_A_HOST, PATTERNS_PER_SECOND
-from live.control.osc_out import OUT, SENT
-from live.control.osc_pattern import MOST_CHARACTERS, MOST_CHOICES
-from live.control.osc_subscribers import EVERY, OWN
-from live.control.osc_subscribers import MOST as MOST_SUBSCRIBERS
-from live.control.readings import READINGS
-from live.control.registry import REGISTRY
+from live.base.processing_budget import BURST, FLOOD, FLOODED_PER_SECOND, PER_SECOND
+from live.control.osc import osc_decode as limits
+from live.control.osc import osc_scheduler as later
+from live.control.osc.osc_handler import MOST_LANES, OF_A_HOST, PATTERNS_PER_SECOND
+from live.control.osc.osc_output import OUT, SENT
+from live.control.osc.osc_pattern import MOST_CHARACTERS, MOST_CHOICES
+from live.control.osc.osc_subscriptions import EVERY, OWN
+from live.control.osc.osc_subscriptions import MOST as MOST_SUBSCRIBERS
+from live.control.registry.control import NAME_LENGTH, TEXT_LENGTH, Argument, Control
+from live.control.registry.readings import READINGS
+from live.control.registry.registry import REGISTRY
 
 HORIZON, MOST_WAITING, RATE = later.HORIZON, later.MOST, 1 / EVERY
 
@@ -24,7 +24,7 @@ WHO = {"operator": "operator", "musician": "operator, musician", "audience": "ev
 
 HEAD = """# OSC reference
 
-*Written by `tools/write_osc_reference.py` from the registry in `live/control/registry.py`; change that, not this page.*
+*Written by `tools/write_osc_reference.py` from the registry in `live/control/registry/`; change that, not this page.*
 
 The engine listens for Open Sound Control 1.0 over UDP on 127.0.0.1:9010; `--osc HOST:PORT` chooses another address.
 Positions are metres on the stage: origin at the centre, x to the right as the audience sees it, z towards the

@@ -7,8 +7,8 @@ from typing import Any, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from live.show.patch import Patch
-from live.show.sections.section import Section
+from live.show.patch.patch import Patch
+from live.show.patch.section_base import Section
 
 OUT = Path(__file__).resolve().parents[1] / "docs" / "patch.md"
 

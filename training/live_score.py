@@ -15,8 +15,8 @@ import numpy.typing as npt
 import soundfile
 
 from live.clock.estimate import BeatEstimate
-from live.clock.hearing.network import Network, Weights
-from live.clock.tracker import Tracker
+from live.clock.tracking.beat_tracker import Tracker
+from live.clock.tracking.network import Network, Weights
 from training.features import read_beats
 
 Times = npt.NDArray[np.float64]

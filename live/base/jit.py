@@ -30,7 +30,7 @@ _IMPORT = re.compile(r"^from (live\.[\w.]+) import", re.MULTILINE)
 
 def kernel_files() -> list[Path]:
     """All files that hold kernels, in a fixed order: every ``kernels.py`` of the package."""
-    return sorted(_PACKAGE.rglob("kernels.py"))
+    return sorted(_PACKAGE.rglob("*kernels.py"))
 
 
 def kernel_count() -> int:
@@ -51,7 +51,7 @@ def sources_of(path: Path) -> list[Path]:
         if file in found or not file.is_file():
             continue
         found.add(file)
-        if file.name == "kernels.py":
+        if file.stem.endswith("kernels"):
             modules = _IMPORT.findall(file.read_text(encoding="utf-8"))
             waiting += [_PACKAGE.parent.joinpath(*module.split(".")).with_suffix(".py") for module in modules]
     return sorted(found)
@@ -70,7 +70,8 @@ def cache_name(path: Path) -> str:
         digest.update(b"bounds")
     for source in sources_of(path):
         digest.update(source.read_bytes())
-    return f"{path.parent.name}-{digest.hexdigest()[:16]}"
+    name = ".".join(path.relative_to(_PACKAGE).with_suffix("").parts)
+    return f"{name}-{digest.hexdigest()[:16]}"
 
 
 def _writable_root() -> Path:

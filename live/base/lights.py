@@ -5,7 +5,7 @@ Parameters of the picture's row (`live.base.picture`); colours are linear RGB.
 
 from typing import Final, Literal
 
-from live.base.stage_view import SPOT_CAPACITY
+from live.base.stage_snapshot import SPOT_CAPACITY
 
 Kind = Literal["number", "colour", "place"]
 _Line = tuple[str, Kind, float, float, tuple[float, ...], str, str]

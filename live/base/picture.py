@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base import cameras, lights, styles
-from live.base.own_pass import MOST_PASSES, NUMBERS, own_numbers
-from live.base.stage_view import Camera, Look, Scene
+from live.base.custom_pass import MOST_PASSES, NUMBERS, own_numbers
+from live.base.stage_snapshot import Camera, Look, Scene
 from live.base.styles import Kind
 
 Float64 = npt.NDArray[np.float64]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from live.control.control import Role
+    from live.control.registry.control import Role
 
 KINDS = ("touchosc", "open-stage-control")
 
@@ -33,12 +33,12 @@ def layout(
     """
     from rich.console import Console
 
+    from live.app.option_values import parse_endpoint
     from live.base.errors import PersonError
-    from live.cli.options import parse_endpoint
     from live.control.layouts.stage_control import session_of
     from live.control.layouts.surface import PAD_REACH, make_surface
     from live.control.layouts.touchosc import write_touchosc
-    from live.control.registry import REGISTRY
+    from live.control.registry.registry import REGISTRY
 
     if kind not in KINDS:
         raise PersonError(f"there is no layout for {kind!r}", f"for {' and '.join(KINDS)} there is one")
@@ -67,13 +67,13 @@ def layout(
 def _of_patch(patch: str, steps: Path | None) -> tuple[Mapping[str, Sequence[str]], tuple[float, float]]:
     from rich.console import Console
 
-    from live.cli.warm import warm_kernels
-    from live.show.patch_places import find_patch
+    from live.app.kernel_warmup import warm_kernels
+    from live.show.patch.patch_search_path import find_patch
 
     find_patch(patch)  # a name that nobody knows is told before seconds of loading
     warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
-    from live.cli.wish import Wish
-    from live.show.said_names import names_of
+    from live.app.wish import Wish
+    from live.show.desk.completions import names_of
 
     loaded = Wish(patch=patch, steps=steps).load()
     stage = loaded.patch.stage

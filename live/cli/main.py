@@ -4,53 +4,22 @@ Every command is a function in a module of its own. Those modules hold the optio
 so that `live --help` needs neither numba nor OpenGL; what a command works with is imported when it runs.
 """
 
-import signal
 import sys
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.text import Text
 
 from live import __version__
+from live.app import kernel_warmup as warm
+from live.app.exit_codes import EXIT_INTERRUPTED, EXIT_PERSON_ERROR, end_cleanly, show_person_error
+from live.app.option_values import with_audience
 from live.base.errors import PersonError
-from live.cli import (
-    beats,
-    bench,
-    bvh,
-    calibrate,
-    character,
-    check,
-    clock_check,
-    contact_sheet,
-    dance,
-    devices,
-    doctor,
-    export,
-    formation,
-    journal,
-    layout,
-    mocap,
-    pair,
-    partner,
-    play,
-    render,
-    replay,
-    schema,
-    score,
-    service,
-    sim,
-    simulate,
-    soak,
-    steps,
-    sync,
-    texture,
-    warm,
-)
-from live.cli.options import with_audience
-
-EXIT_PERSON_ERROR = 2
-EXIT_INTERRUPTED = 130
+from live.cli import bench, layout, pair, play, render, replay, schema, service, sim, simulate, soak
+from live.cli.beats import beats, clock_check
+from live.cli.inspect import check, contact_sheet, formation, journal, score
+from live.cli.motion import bvh, character, export, mocap, sync
+from live.cli.steps import dance, partner, steps, texture
+from live.cli.venue import calibrate, devices, doctor
 
 app = typer.Typer(
     name="live",
@@ -108,34 +77,6 @@ def _live(
     ] = False,
 ) -> None:
     """Options before the command."""
-
-
-def show_person_error(error: PersonError) -> None:
-    """Print the error on stderr: one line, and one more for the remedy; nothing in it is read as markup."""
-    console = Console(stderr=True, soft_wrap=True, highlight=False)
-    console.print(Text.assemble(("error: ", "bold red"), " ".join(error.message.split())))
-    if error.remedy is not None:
-        console.print(Text.assemble(("  try: ", "bold"), error.remedy))
-
-
-def end_cleanly() -> None:
-    """Closed terminals, `kill` and a second Ctrl-C must not cost the film and the end of the journal.
-
-    Scripts start what runs behind `&` with Ctrl-C ignored; here it always counts.
-    """
-
-    def interrupt(_number: int, _frame: object) -> None:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # closing takes a moment: let it
-        raise KeyboardInterrupt
-
-    def leave(number: int, _frame: object) -> None:
-        signal.signal(number, signal.SIG_IGN)
-        raise SystemExit(128 + number)
-
-    signal.signal(signal.SIGINT, interrupt)
-    for name in ("SIGTERM", "SIGHUP"):
-        if hasattr(signal, name):
-            signal.signal(getattr(signal, name), leave)
 
 
 def main() -> None:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from live.alive.identity import Identity, Pairings
+    from live.supervisor.network.identity import Identity, Pairings
 
 MINUTES = 5
 
@@ -31,8 +31,8 @@ def pair(
     """
     import asyncio
 
-    from live.alive.identity import Pairings
     from live.base.errors import PersonError
+    from live.supervisor.network.identity import Pairings
 
     if sum((host is not None, on is not None, names, forget is not None)) > 1:
         raise PersonError("one of HOST, --on, --list and --forget at a time", "live pair --help")
@@ -62,7 +62,7 @@ def _identity() -> "Identity":
     """This machine's; where its certificate has expired, another one."""
     import datetime
 
-    from live.alive.identity import load_identity, renew_identity
+    from live.supervisor.network.identity import load_identity, renew_identity
 
     identity = load_identity()
     if identity.as_peer().expires > datetime.datetime.now(datetime.UTC):
@@ -72,8 +72,8 @@ def _identity() -> "Identity":
 
 
 async def _show(pairings: "Pairings", on: str | None) -> None:
-    from live.alive.pairing import PORT, Shown, new_phrase
-    from live.cli.options import parse_endpoint
+    from live.app.option_values import parse_endpoint
+    from live.supervisor.network.pairing import PORT, Shown, new_phrase
 
     host, port = (None, PORT) if on is None else parse_endpoint(on, "--on")
     phrase = new_phrase()
@@ -93,9 +93,9 @@ async def _show(pairings: "Pairings", on: str | None) -> None:
 def _ask(pairings: "Pairings", there: str) -> None:
     import asyncio
 
-    from live.alive.pairing import PORT, pair_with
+    from live.app.option_values import parse_endpoint, with_port
     from live.base.errors import PersonError
-    from live.cli.options import parse_endpoint, with_port
+    from live.supervisor.network.pairing import PORT, pair_with
 
     host, port = parse_endpoint(with_port(there, PORT), "HOST")
     identity = _identity()

@@ -78,8 +78,8 @@ def play(
 
     from rich.console import Console
 
-    from live.cli.audience_tls import parse_tls
-    from live.cli.options import (
+    from live.app.kernel_warmup import warm_kernels
+    from live.app.option_values import (
         audience_address,
         audience_web_address,
         film_file,
@@ -91,13 +91,13 @@ def play(
         with_port,
         writable_file,
     )
-    from live.cli.played import Played
-    from live.cli.share_names import parse_shares
-    from live.cli.supervised import is_supervised, supervise
-    from live.cli.warm import warm_kernels
-    from live.cli.web_key import parse_web
-    from live.cli.wish import Wish
-    from live.show.patch_places import find_patch
+    from live.app.played import Played
+    from live.app.processes.supervised import is_supervised, supervise
+    from live.app.services.audience_tls import parse_tls
+    from live.app.services.web_key import parse_web
+    from live.app.share_names import parse_shares
+    from live.app.wish import Wish
+    from live.show.patch.patch_search_path import find_patch
 
     parse_number(bpm, "--bpm", 20, 400)
     parse_number(seconds, "--seconds", 0.1, 7 * 86400)
@@ -168,6 +168,6 @@ def play(
         supervise(played, lead=lead, standby=standby, service=service)
         return
     warm_kernels(console)  # before anything is imported that has kernels
-    from live.cli.stage import play_show
+    from live.app.stage import play_show
 
     play_show(played.wish, monitor=monitor, fullscreen=fullscreen, headless=headless)

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from live.show.journal_reading import Journal
-    from live.show.replay import Replayed
+    from live.show.journal.journal_reading import Journal
+    from live.show.journal.replay import Replayed
 
 
 def replay(
@@ -38,10 +38,10 @@ def replay(
 
     from rich.console import Console
 
+    from live.app.film_names import film_name, parse_rate
+    from live.app.kernel_warmup import warm_kernels
+    from live.app.option_values import parse_size
     from live.base.errors import PersonError
-    from live.cli.film_names import film_name, parse_rate
-    from live.cli.options import parse_size
-    from live.cli.warm import warm_kernels
 
     rate = parse_rate(fps) or 60.0
     picture = parse_size(size)
@@ -51,9 +51,9 @@ def replay(
         raise PersonError(f"--from {first} --to {last}: the first measure comes last")
     warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
     from live.clock.ticks import TICK
-    from live.show.journal_reading import JournalError, read_journal
-    from live.show.replay import ReplayError, run_from
-    from live.show.replay_start import loaded_by, start_before
+    from live.show.journal.journal_reading import JournalError, read_journal
+    from live.show.journal.replay import ReplayError, run_from
+    from live.show.journal.replay_start import loaded_by, start_before
 
     problems: list[str] = []
     try:
@@ -64,7 +64,7 @@ def replay(
         raise PersonError(str(error)) from None
     begin = time.perf_counter()
     if render is not None:
-        from live.cli.replay_film import film_replay
+        from live.app.replay_film import film_replay
 
         console = Console(stderr=True, highlight=False)
         result = film_replay(

@@ -18,7 +18,7 @@ def schema(
     import json
 
     from live.base.errors import PersonError
-    from live.show.patch_schema import patch_schema
+    from live.show.patch.patch_schema import patch_schema
 
     text = json.dumps(patch_schema(), indent=1, ensure_ascii=False) + "\n"
     if out is None:

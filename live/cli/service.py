@@ -30,9 +30,9 @@ def install(
     import platformdirs
     from rich.console import Console
 
-    from live.cli.options import with_audience
-    from live.cli.service_unit import OWN_JOURNAL, Service, name_for, units_folder
-    from live.cli.whole_file import write_whole
+    from live.app.option_values import with_audience
+    from live.app.systemd_unit import OWN_JOURNAL, Service, name_for, units_folder
+    from live.app.whole_file import write_whole
 
     arguments = with_audience(context.args)
     asked = _read(arguments)
@@ -69,8 +69,8 @@ def uninstall(name: Name) -> None:
     """End the show, and take its unit away; the journal stays."""
     from rich.console import Console
 
+    from live.app.systemd_unit import unit_name, units_folder
     from live.base.errors import PersonError
-    from live.cli.service_unit import unit_name, units_folder
 
     path = units_folder() / unit_name(name)
     if not path.is_file():
@@ -87,7 +87,7 @@ def stop(name: Name) -> None:
     """End the show: its service, and an engine that dances without a supervisor."""
     from rich.console import Console
 
-    from live.cli.service_unit import check_name
+    from live.app.systemd_unit import check_name
 
     ended, problem = _end(check_name(name))
     console = Console(highlight=False)
@@ -102,7 +102,7 @@ def status() -> None:
     """The services there are, whether they run, how often they were begun again, and whether they outlive a logout."""
     from rich.console import Console
 
-    from live.cli.service_unit import units_folder
+    from live.app.systemd_unit import units_folder
 
     console = Console(highlight=False)
     found = sorted(units_folder().glob("live-*.service"))
@@ -137,9 +137,9 @@ def _read(arguments: list[str]) -> dict[str, Any]:
 
 def _end(name: str) -> tuple[list[int], str | None]:
     """End the service, then an engine that is left; the processes of those, and why systemd could not."""
-    from live.alive.adoption import end_engines
-    from live.cli.service_unit import unit_name
-    from live.cli.supervised import service_label
+    from live.app.processes.supervised import service_label
+    from live.app.systemd_unit import unit_name
+    from live.supervisor.adoption.adoption import end_engines
 
     problem = _systemctl("stop", unit_name(name))
     return end_engines(service_label(name)), problem

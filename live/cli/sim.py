@@ -36,15 +36,15 @@ def sim(
 
     from rich.console import Console
 
+    from live.app.kernel_warmup import warm_kernels
+    from live.app.option_values import parse_choice, parse_endpoint, parse_number, writable_file
     from live.base.errors import PersonError
-    from live.cli.options import parse_choice, parse_endpoint, parse_number, writable_file
-    from live.cli.warm import warm_kernels
-    from live.show.patch_places import find_patch
+    from live.show.patch.patch_search_path import find_patch
 
     find_patch(patch)  # a name that nobody knows is told before seconds of loading
     warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
+    from live.rehearse.network_sender import Outlet, packets, pulses, send_all
     from live.rehearse.players import FakePlayers
-    from live.rehearse.sending import Outlet, packets, pulses, send_all
     from live.rehearse.words import Words
     from live.show.load import load_show
 
@@ -114,7 +114,7 @@ def _write(path: Path, band: "FakeBand", seconds: float, seed: int, console: Any
 
 def _open(name: str) -> Any:
     from live.base.errors import PersonError
-    from live.control.midi_ports import MidiUnavailable, UnknownPort, open_port
+    from live.control.midi.midi_ports import MidiUnavailable, UnknownPort, open_port
 
     try:
         return open_port("output", name)

@@ -55,11 +55,11 @@ def soak(
     """
     from rich.console import Console
 
+    from live.app.kernel_warmup import warm_kernels
+    from live.app.option_values import parse_number, writable_file
     from live.base.errors import PersonError
-    from live.cli.options import parse_number, writable_file
     from live.cli.soak_minimise import minimise_journal
     from live.cli.soak_runs import Wanted, patches_of, run_all, run_one, tell_campaign, tell_lines, tell_run
-    from live.cli.warm import warm_kernels
     from live.rehearse.soak_report import Plan
 
     parse_number(hours, "--hours", 0.001, 1000.0)

@@ -13,9 +13,9 @@ SHORT = ".min.jsonl"
 
 def minimise_journal(path: Path, to: Path | None, seconds: float, console: Console) -> dict[str, Any]:
     """Make it short, write it to `to` (beside it without one), and say what is left, as the report's facts."""
-    from live.rehearse.minimise import minimise
-    from live.show.journal_reading import JournalError
-    from live.show.replay_start import ReplayError
+    from live.rehearse.journal_minimiser import minimise
+    from live.show.journal.journal_reading import JournalError
+    from live.show.journal.replay_start import ReplayError
 
     def tell(words: str) -> None:
         console.print(words, style="dim", soft_wrap=True, markup=False)

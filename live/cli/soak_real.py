@@ -10,17 +10,17 @@ from typing import Any, Final
 import numpy as np
 from rich.console import Console
 
-from live.base.part_faults import FAULTS
-from live.cli.session import Session
-from live.cli.session_sound import Sound
-from live.cli.wish import Wish
-from live.control.events import ControlEvent
+from live.app.session import Session
+from live.app.session_sound import Sound
+from live.app.wish import Wish
+from live.base.fault_isolation import FAULTS
+from live.control.events.events import ControlEvent
 from live.rehearse.band import FakeBand
 from live.rehearse.edits import Edits
 from live.rehearse.failure import Failure
 from live.rehearse.faults import Fault, faults
+from live.rehearse.network_sender import Outlet, Timed, packet_of, packets, send_all
 from live.rehearse.players import FakePlayers
-from live.rehearse.sending import Outlet, Timed, packet_of, packets, send_all
 from live.rehearse.soak_report import Plan, Report
 from live.rehearse.words import Words
 from live.render.pacing import Pacer
@@ -92,7 +92,7 @@ def soak_real(plan: Plan, folder: Path, console: Console) -> tuple[Report, Path]
 
 
 def _loop(session: Session, plan: Plan, figures: Figures) -> None:
-    from live.cli.memory import resident_megabytes
+    from live.app.memory import resident_megabytes
 
     memory = resident_megabytes()
     pacer = Pacer(plan.fps, session.clock.now, time.sleep)

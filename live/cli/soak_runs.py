@@ -14,7 +14,7 @@ from live.rehearse.failure import Failure
 from live.rehearse.proving import prove
 from live.rehearse.soak import Soak
 from live.rehearse.soak_report import Plan, Report
-from live.show.patch_places import MAIN_FILE, PATCHES, find_patch
+from live.show.patch.patch_search_path import MAIN_FILE, PATCHES, find_patch
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,11 +79,11 @@ def name_of(plan: Plan) -> str:
 def run(plan: Plan, folder: Path, console: Console, wanted: Wanted) -> Facts:
     """One run with its files in `folder`: the facts of its report."""
     if wanted.chaos and wanted.virtual:
-        from live.rehearse.chaos_virtual import virtual_chaos
+        from live.rehearse.chaos.virtual_run import virtual_chaos
 
         return virtual_chaos(plan, folder, sites=wanted.sites, tell=lambda words: console.print(words, style="dim"))
     if wanted.chaos:
-        from live.rehearse.chaos_real import real_chaos
+        from live.rehearse.chaos.real_run import real_chaos
 
         return real_chaos(plan, folder, lambda words: console.print(words, style="dim", soft_wrap=True, markup=False))
 

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from live.control.events import ControlEvent
-from live.control.registry import REGISTRY
+from live.control.events.events import ControlEvent
+from live.control.registry.registry import REGISTRY
 
 SOURCE: Final = "pointer"
 Points = Sequence[tuple[float, float]]

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.library import StepLibrary
-from live.graph.metric.flat import FlatClouds
+from live.graph.build.flat import FlatClouds
 from live.graph.motion_graph import MotionGraph, largest_component, strong_components
-from live.graph.structure import begun_side, may_follow_between, plain_pose
+from live.graph.step_library import StepLibrary
+from live.graph.transition_rules import begun_side, may_follow_between, plain_pose
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from live.graph.joins import Boundaries, JoinRule, find_joins
-from live.graph.library import StepLibrary
+from live.graph.build.joins import Boundaries, JoinRule, find_joins
+from live.graph.step_library import StepLibrary
 
 
 @dataclass(frozen=True, slots=True)

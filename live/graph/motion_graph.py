@@ -5,16 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.interval import retimed
-from live.graph.joins import Boundaries, JoinRule, Joins, find_joins
-from live.graph.kernels import count_hops, reverse_edges
-from live.graph.library import StepLibrary
-from live.graph.metric.weights import Metric
-from live.graph.moments.moments import Moments
+from live.graph.build.interval import retimed
+from live.graph.build.joins import Boundaries, JoinRule, Joins, find_joins
+from live.graph.build.transition import Transitions
+from live.graph.build.weights import Metric
+from live.graph.graph_kernels import count_hops, reverse_edges
+from live.graph.moments import Moments
 from live.graph.node_facts import NodeFacts, node_facts
-from live.graph.structure import may_follow, unmatched_poses
+from live.graph.step_library import StepLibrary
 from live.graph.takes import Takes, find_takes
-from live.graph.transition import Transitions
+from live.graph.transition_rules import may_follow, unmatched_poses
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]

@@ -5,16 +5,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.library import StepLibrary, window_samples
-from live.graph.metric.weights import WINDOW_SAMPLES
-from live.graph.moments.moments import Moments, moments_of
-from live.graph.transition import clouds, transition_windows
+from live.graph.build.transition import clouds, transition_windows
+from live.graph.build.weights import WINDOW_SAMPLES
+from live.graph.moments import Moments, moments_of
+from live.graph.step_library import StepLibrary, window_samples
 from live.motion.editing.feet import ANKLES, BALLS, Feet
 from live.motion.editing.rotation_insertion import support_turns
-from live.motion.posing.pipeline import PosePipeline, PoseSkeleton
-from live.motion.shifting.give import give_of, holds_of
-from live.motion.shifting.kernels import KNOTS
-from live.motion.shifting.rise import rise_of
+from live.motion.pose.give import give_of, holds_of
+from live.motion.pose.pose_pipeline import PosePipeline, PoseSkeleton
+from live.motion.pose.rise import rise_of
+from live.motion.pose.shifting_kernels import KNOTS
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
 

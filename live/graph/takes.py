@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.library import StepLibrary
+from live.graph.step_library import StepLibrary
 from live.motion.step_clip import StepClip
 
 Float64 = npt.NDArray[np.float64]

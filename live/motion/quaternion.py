@@ -1,6 +1,6 @@
 """Quaternions (w, x, y, z) as numpy arrays (..., 4), all broadcasting: for work done once, when clips are made.
 
-The frame loop uses the scalar kernels of `live.base.kernels` instead.
+The frame loop uses the scalar kernels of `live.base.scalar_kernels` instead.
 """
 
 from typing import Final

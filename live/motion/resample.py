@@ -4,7 +4,7 @@ import numpy as np
 
 from live.motion import quaternion
 from live.motion.clip import Clip
-from live.motion.editing.sampling import read_clip
+from live.motion.sampling import read_clip
 
 
 def resample(clip: Clip, rate: float, *, first: float = 0.0, last: float | None = None) -> Clip:

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
 

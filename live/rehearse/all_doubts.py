@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 from live.rehearse.camera_doubts import camera_doubts
-from live.rehearse.score_doubts import cue_doubts, formation_doubts, section_doubts, sequence_doubts
+from live.rehearse.score_lint import cue_doubts, formation_doubts, section_doubts, sequence_doubts
 from live.rehearse.span_doubts import span_doubts
-from live.show.answers_check import answer_doubts
 from live.show.core import Show
-from live.show.rehearsing import rehearsal_notes
+from live.show.group.dry_run import rehearsal_notes
+from live.show.patch.call_response_check import answer_doubts
 
 
 @dataclass(frozen=True, slots=True)

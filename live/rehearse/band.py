@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from live.control.events import BeatHeard, ControlEvent, MusicHeard, SourceChanged
+from live.control.events.events import BeatHeard, ControlEvent, MusicHeard, SourceChanged
 
 SLOWEST: Final = 60.0
 FASTEST: Final = 180.0

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from typing import Final
 
-from live.show.patch import Patch
-from live.show.score_check import calls_of
+from live.show.patch.patch import Patch
+from live.show.patch.score_checks import calls_of
 
 EYE: Final = "/dance/camera/eye"
 

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from live.show.patch_places import MAIN_FILE
+from live.show.patch.patch_search_path import MAIN_FILE
 
 SALT: Final = 0xED17
 GOOD: Final = (

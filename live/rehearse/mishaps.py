@@ -5,8 +5,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from live.control.events import BeatHeard, ControlEvent, RestartAudio, SourceChanged
-from live.control.osc_decode import OscRejected, decode
+from live.control.events.events import BeatHeard, ControlEvent, RestartAudio, SourceChanged
+from live.control.osc.osc_decode import OscRejected, decode
 from live.rehearse.band import FakeBand
 from live.rehearse.edits import Edits
 from live.rehearse.faults import Fault

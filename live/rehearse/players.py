@@ -5,9 +5,9 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from live.control.control import Control
-from live.control.controls.asking import ASKING_CONTROLS
-from live.control.registry import REGISTRY
+from live.control.registry.asking import ASKING_CONTROLS
+from live.control.registry.control import Control
+from live.control.registry.registry import REGISTRY
 from live.rehearse.words import Words, junk
 
 SALT: Final = 0xF0E5

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from live.rehearse.failure import Failure
-from live.show.journal_reading import JournalError, read_journal
-from live.show.replay import ReplayError, run_from
-from live.show.replay_start import first_start, loaded_by, start_before
+from live.show.journal.journal_reading import JournalError, read_journal
+from live.show.journal.replay import ReplayError, run_from
+from live.show.journal.replay_start import first_start, loaded_by, start_before
 
 SALT = 0x9E91
 STRETCH = 24

@@ -14,11 +14,11 @@ from typing import Final
 import numpy as np
 import psutil
 
+from live.base.fault_isolation import FAULTS
 from live.base.inbox import Inbox
-from live.base.part_faults import FAULTS
-from live.clock.source import ManualClock
-from live.control.events import BeatHeard, ControlEvent, MusicHeard
-from live.control.registry import REGISTRY
+from live.clock.time_source import ManualClock
+from live.control.events.events import BeatHeard, ControlEvent, MusicHeard
+from live.control.registry.registry import REGISTRY
 from live.rehearse.band import FakeBand
 from live.rehearse.edits import Edits
 from live.rehearse.failure import Failure
@@ -29,9 +29,9 @@ from live.rehearse.soak_report import Plan, Report
 from live.rehearse.watching import Watching
 from live.rehearse.words import Words
 from live.show.engine import Engine
-from live.show.journal import JournalSink
+from live.show.journal.journal import JournalSink
 from live.show.load import LoadedShow, load_show
-from live.show.patch_watch import PatchWatch
+from live.show.patch.hot_reload import PatchWatch
 from live.show.status import Status
 
 SALT: Final = 0x50AC

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from typing import Any, Final
 
-from live.show.patch import Patch
-from live.show.stays import Stay, stay_of
+from live.show.patch.patch import Patch
+from live.show.score.section_span import Stay, stay_of
 
 TOLD: Final = 6
 """Doubts of this kind at most."""

@@ -5,12 +5,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from live.base.stage_view import StageView
+from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
-from live.control.event import ControlEvent
-from live.control.events import TicksSkipped
+from live.control.events.event import ControlEvent
+from live.control.events.events import TicksSkipped
 from live.show.core import Show
-from live.show.journal import JournalWriter
+from live.show.journal.journal import JournalWriter
 
 PICTURED: Final = ("joint_position", "joint_rotation", "element_position", "element_level", "element_corner", "picture")
 """What of a picture is looked at."""

@@ -5,9 +5,9 @@ from typing import Final
 
 import numpy as np
 
-from live.control.control import Argument, Control, Plain
-from live.show.patch import Patch
-from live.show.sections.segment import formation_names
+from live.control.registry.control import Argument, Control, Plain
+from live.show.patch.patch import Patch
+from live.show.patch.segment import formation_names
 
 FORMATIONS: Final = ("circle", "line", "grid", "star:6", "block", "wedge", "arc", "two lines", "spiral", "heart")
 PLACES: Final = ("left", "right", "front", "back", "centre", "all", "*", "1-4", "2 + 5", "front - 1", "left & back")

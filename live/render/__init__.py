@@ -1,1 +1,1 @@
-"""Pictures out: from `live.base.stage_view` to the screen; knows nothing else of the show."""
+"""Pictures out: from `live.base.stage_snapshot` to the screen; knows nothing else of the show."""

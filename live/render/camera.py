@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.stage_view import Camera
+from live.base.stage_snapshot import Camera
 
 Float64 = npt.NDArray[np.float64]
 

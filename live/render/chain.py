@@ -5,17 +5,17 @@ from typing import Final
 
 import moderngl
 
-from live.base.own_pass import OwnPass
-from live.render.moment import HDR, Making, Moment, PicturePass, Surfaces
+from live.base.custom_pass import OwnPass
+from live.render.gl_release import release_all
+from live.render.pass_context import HDR, Making, Moment, PicturePass, Surfaces
 from live.render.pass_faults import PassFaults
 from live.render.passes.bloom_pass import BloomPass
+from live.render.passes.custom_pass import OwnPicturePass
 from live.render.passes.final_pass import FinalPass
 from live.render.passes.grade_pass import GradePass
 from live.render.passes.ink_pass import InkPass
-from live.render.passes.own_pass import OwnPicturePass
 from live.render.passes.trails_pass import TrailsPass
 from live.render.passes.vignette_pass import VignettePass
-from live.render.release import release_all
 
 PICTURE_PASSES: Final[Mapping[str, Callable[[Making], PicturePass]]] = {
     "trails": TrailsPass,

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final
 
-from live.render.body import DISTANT, LIGHT
+from live.render.body.body_mesh import DISTANT, LIGHT
 from live.render.quality import Quality
 
 HALFLIFE: Final = 1.0

@@ -5,8 +5,8 @@ from typing import Final
 
 import moderngl
 
+from live.base.custom_pass import OwnPass
 from live.base.errors import PersonError
-from live.base.own_pass import OwnPass
 from live.render.camera import FAR, NEAR
 from live.render.shader import FRAME_BINDING, source
 

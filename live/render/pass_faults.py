@@ -1,7 +1,7 @@
 """PassFaults: a pass that cannot be drawn costs one frame, then it is left out and the picture goes on without it.
 
-A circuit breaker for each pass, as `live/show/breakers.py` has them for the stages of a tick. It is no part of the
-show's state: what is drawn changes nothing in the dance.
+A circuit breaker for each pass, as `live/show/circuit_breakers.py` has them for the stages of a tick. It is no part of
+the show's state: what is drawn changes nothing in the dance.
 """
 
 from collections.abc import Iterable, Iterator

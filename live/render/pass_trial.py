@@ -9,8 +9,8 @@ import sys
 from functools import lru_cache
 from typing import Any, Final
 
+from live.base.custom_pass import OwnPass, read_own_pass
 from live.base.errors import PersonError
-from live.base.own_pass import OwnPass, read_own_pass
 
 LIMIT_S: Final = 20.0
 """Seconds in which the passes must have drawn a small picture, the start of the process included."""

@@ -14,12 +14,14 @@ from typing import Final
 import moderngl
 import numpy as np
 
-from live.base.stage_view import FLOOR_MARGIN, Camera
+from live.base.stage_snapshot import FLOOR_MARGIN, Camera
 from live.render.camera import covered, rays, world_to_clip
 from live.render.chain import Chain
-from live.render.frame import WALL_BEHIND
-from live.render.moment import Making, Moment, PicturePass, ScenePass, Surfaces
+from live.render.gl_release import Releasable, release_all
+from live.render.pass_context import Making, Moment, PicturePass, ScenePass, Surfaces
 from live.render.pass_faults import PassFaults, name_of
+from live.render.passes.alpha_pass import MattePass
+from live.render.passes.antialias_pass import SmoothPass
 from live.render.passes.backdrop_pass import BackdropPass
 from live.render.passes.background_pass import BackgroundPass
 from live.render.passes.beam_pass import BeamPass
@@ -27,15 +29,13 @@ from live.render.passes.dancer_pass import DancerPass
 from live.render.passes.floor_pass import FloorPass
 from live.render.passes.item_pass import ItemPass, vertices_of
 from live.render.passes.lit_target import LitTarget
-from live.render.passes.matte_pass import MattePass
 from live.render.passes.mirror_pass import MirrorPass
 from live.render.passes.plan_pass import PlanPass
-from live.render.passes.smooth_pass import SmoothPass
 from live.render.passes.stage_pass import StagePass
 from live.render.passes.style_passes import StylePasses
 from live.render.passes.surface_pass import SurfacePass
 from live.render.quality import Quality
-from live.render.release import Releasable, release_all
+from live.render.uniforms import WALL_BEHIND
 
 SCENE_PASSES: Final[tuple[Callable[[Making], ScenePass], ...]] = (
     ItemPass, BackgroundPass, StylePasses, BeamPass, PlanPass,

@@ -5,7 +5,7 @@ from typing import Final
 
 import moderngl
 
-from live.render.body import DISTANT, FINE, LIGHT
+from live.render.body.body_mesh import DISTANT, FINE, LIGHT
 
 _SOFTWARE: Final = ("llvmpipe", "softpipe", "swrast", "software rasterizer", "swiftshader", "microsoft basic render")
 _MEDIUM_ABOVE: Final = 120

@@ -6,21 +6,21 @@ from typing import Final
 
 import moderngl
 
-from live.base.own_pass import OwnPass
+from live.base.custom_pass import OwnPass
 from live.base.picture import BY_ADDRESS, STYLE_OF_GROUP, Float64, of_group, picture_of
-from live.base.stage_view import PATH, Camera, Scene, StageView
+from live.base.stage_snapshot import PATH, Camera, Scene, StageView
 from live.base.styles import AMOUNTS
-from live.render.crowd import Crowd
-from live.render.frame import FrameBlock
+from live.render.dancers.dancer_batch import Crowd
 from live.render.full import Full
+from live.render.gl_release import release_all
 from live.render.ladder import Step, ladder_of
-from live.render.moment import Making, Moment
+from live.render.pass_context import Making, Moment
 from live.render.passes.graph_pass import GraphPass
 from live.render.passes.guide_pass import GuidePass
 from live.render.passes.overlay_pass import OverlayPass
 from live.render.pipeline import Pipeline
 from live.render.quality import CARD, Quality, choose
-from live.render.release import release_all
+from live.render.uniforms import FrameBlock
 
 LEAP: Final = 64.0
 """More beats than this between two pictures: the second one has nothing to do with the first."""

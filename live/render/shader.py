@@ -1,4 +1,4 @@
-"""Shader sources: read from `shaders/`, with `#include "name.glsl"` and named constants put in.
+"""Shader sources: read from the folders of `shaders/`, with `#include "name.glsl"` and named constants put in.
 
 Who works on a look may have some of them read from a folder of its own (`read_from`); what a driver says of a mistake
 is told with file and line.
@@ -7,6 +7,7 @@ is told with file and line.
 import re
 from functools import cache
 from importlib import resources
+from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Final
 
@@ -30,9 +31,24 @@ _LINE: Final = re.compile(r"\b0(?::(\d+)|\((\d+)\))")
 _instead: list[Path] = []  # the folder of a developer's own, if there is one
 
 
+@cache
+def _files() -> dict[str, Traversable]:
+    """The program's own files by name; folders only order them."""
+    folders = (resources.files("live.render") / "shaders").iterdir()
+    return {file.name: file for folder in folders if folder.is_dir() for file in folder.iterdir()}
+
+
 def names() -> list[str]:
     """The names of all shaders."""
-    return sorted(each.name for each in (resources.files("live.render") / "shaders").iterdir() if each.is_file())
+    return sorted(_files())
+
+
+def own_text(name: str) -> str:
+    """The program's own file. Raises FileNotFoundError for an unknown name."""
+    file = _files().get(name)
+    if file is None:
+        raise FileNotFoundError(name)
+    return file.read_text(encoding="utf-8")
 
 
 def read_from(folder: Path | None) -> None:
@@ -54,7 +70,7 @@ def _read(name: str) -> str:
             continue
         except OSError as error:
             raise PersonError(f"{folder / name}: {error.strerror}") from None
-    return (resources.files("live.render") / "shaders" / name).read_text(encoding="utf-8")
+    return own_text(name)
 
 
 def source(name: str, constants: tuple[tuple[str, int | float], ...] = ()) -> str:

@@ -4,7 +4,7 @@ The engine that dances, the one that goes on after it, a machine that stands by 
 what the event had done before the error stays done, the same everywhere, and the show goes on.
 """
 
-from live.control.event import ControlEvent
+from live.control.events.event import ControlEvent
 from live.show.core import Show
 
 

@@ -5,41 +5,41 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from live.agents.crowd.model import AgentState
-from live.clock.following.seed import Seed
+from live.agents.crowd.agent_state import AgentState
+from live.clock.follower.seed import Seed
 from live.clock.ticks import TICK
-from live.graph.choosing.choosing import Choosing
 from live.graph.motion_graph import MotionGraph
+from live.graph.select.selector import Choosing
 from live.motion.step_clip import StepClip
-from live.motion.texture.bank import TextureBank
-from live.show.answer_bank import AnswerBank
-from live.show.answer_pairs import check_partners
-from live.show.answering import Answering
-from live.show.audience import Audience
-from live.show.breakers import Breakers
-from live.show.casting import Casting
-from live.show.clock_events import first_seeds, follower_of
-from live.show.dancers import Dancers
-from live.show.desk import Desk
-from live.show.directions import Directions
-from live.show.first_nodes import first_nodes
-from live.show.group_controls import GroupControls
-from live.show.group_motion import GroupMotion
-from live.show.interrupts import Interrupts
-from live.show.measure import MeasureSpan
-from live.show.mocap import Mocap
-from live.show.new_steps import NewSteps
-from live.show.patch import Patch
-from live.show.playhead import Playhead
-from live.show.programmes import programmes_of
-from live.show.prompter import Prompter
-from live.show.reactions import Reactions
-from live.show.refusals import Refusals
-from live.show.reloading import Reloading
-from live.show.scheduler import Scheduler
-from live.show.seen import Seen
-from live.show.texturing import Texturing
-from live.show.variation import Variation
+from live.motion.texture.live_bank import TextureBank
+from live.show.audience.audience import Audience
+from live.show.capture.capture_manager import Mocap
+from live.show.circuit_breakers import Breakers
+from live.show.dancers.dancers import Dancers
+from live.show.dancers.step_requests import Directions
+from live.show.dancers.texturing import Texturing
+from live.show.dancers.variation import Variation
+from live.show.desk.desk import Desk
+from live.show.desk.refusals import Refusals
+from live.show.group.casting import Casting
+from live.show.group.group_commands import GroupControls
+from live.show.group.group_motion import GroupMotion
+from live.show.measure_span import MeasureSpan
+from live.show.partner.partner_pairs import check_partners
+from live.show.partner.partner_response import Answering
+from live.show.partner.partner_sources import AnswerBank
+from live.show.patch.patch import Patch
+from live.show.patch.reloading import Reloading
+from live.show.score.group_programs import programmes_of
+from live.show.score.playhead import Playhead
+from live.show.score.reactions import Reactions
+from live.show.score.score_runner import Prompter
+from live.show.selection.initial_nodes import first_nodes
+from live.show.selection.interrupts import Interrupts
+from live.show.selection.new_steps import NewSteps
+from live.show.selection.scheduler import Scheduler
+from live.show.sound.clock_commands import first_seeds, follower_of
+from live.show.view.view_builder import Seen
 
 
 class Assembly(ABC):

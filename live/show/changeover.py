@@ -5,8 +5,8 @@ from typing import Self
 from live.graph.motion_graph import MotionGraph
 from live.show.assembly import Assembly
 from live.show.exchange import exchange
-from live.show.patch import Patch
-from live.show.reloading import Prepared
+from live.show.patch.patch import Patch
+from live.show.patch.reloading import Prepared
 
 
 class Changeover(Assembly):

@@ -10,17 +10,17 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.errors import PersonError
-from live.base.kernels import damper
-from live.base.stage_view import StageView
+from live.base.scalar_kernels import damper
+from live.base.stage_snapshot import StageView
 from live.clock.moment import Moment
 from live.clock.ticks import TICK
-from live.control.event import ControlEvent
-from live.show.breakers import SIMPLER, Stage
-from live.show.dancing import Dancing
+from live.control.events.event import ControlEvent
+from live.show.circuit_breakers import SIMPLER, Stage
+from live.show.dancers.current_measure import Dancing
 from live.show.dispatch import Dispatch
-from live.show.measure import MeasureSpan
-from live.show.nearest_steps import repeat_measure
-from live.show.scheduler import DECIDE_BEATS
+from live.show.measure_span import MeasureSpan
+from live.show.selection.nearest_steps import repeat_measure
+from live.show.selection.scheduler import DECIDE_BEATS
 
 FADE_HALFLIFE = 0.06
 """Half-life of a blackout's fade [s]: dark within a fifth of a second, without a flash."""

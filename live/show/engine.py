@@ -3,14 +3,14 @@
 from collections.abc import Callable, Iterable
 from typing import Any, Protocol, TypeVar
 
-from live.base.allowance import Allowance
+from live.base.fault_isolation import Bulkhead, name_of
 from live.base.inbox import Inbox
-from live.base.part_faults import Bulkhead, name_of
-from live.base.stage_view import StageView
-from live.clock.source import Clock
+from live.base.processing_budget import Allowance
+from live.base.stage_snapshot import StageView
 from live.clock.ticks import STALL, TICK, Ticks
-from live.control.event_json import is_finite
-from live.control.events import (
+from live.clock.time_source import Clock
+from live.control.events.event_json import is_finite
+from live.control.events.events import (
     AudienceHeard,
     BeatHeard,
     ControlEvent,
@@ -22,12 +22,12 @@ from live.control.events import (
     TrackerMoved,
 )
 from live.show.acting import act
-from live.show.breakers import Stage
+from live.show.circuit_breakers import Stage
 from live.show.core import Show
-from live.show.guides import draw_guides
-from live.show.journal import JournalWriter
-from live.show.patch import Patch
+from live.show.journal.journal import JournalWriter
+from live.show.patch.patch import Patch
 from live.show.status import Status
+from live.show.view.debug_overlay import draw_guides
 
 EVENTS_PER_FRAME = 512
 """Events taken from the inbox in one frame at most ..."""

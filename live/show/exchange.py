@@ -7,7 +7,7 @@ the same parts under the same names, so each part meets its like: whoever has so
 
 from typing import Any, Final
 
-from live.show.patch import Patch
+from live.show.patch.patch import Patch
 
 _PARTS: Final = "live.show."
 

@@ -8,30 +8,30 @@ from pathlib import Path
 from typing import Any, Final
 
 from live.base.errors import PersonError
-from live.base.stage_view import Scene
-from live.graph.library import StepLibrary, build_library
-from live.graph.metric.weights import Metric
+from live.base.stage_snapshot import Scene
+from live.graph.build.weights import Metric
 from live.graph.motion_graph import MotionGraph, build_graph
+from live.graph.step_library import StepLibrary, build_library
+from live.library.step_folder import load_folder
 from live.motion.step_clip import StepClip
-from live.motion.texture.bank import TextureBank
+from live.motion.texture.live_bank import TextureBank
 from live.render.pass_trial import try_passes
-from live.show.answer_bank import AnswerBank, answer_bank
-from live.show.characters import check_characters, drawable, files_of
 from live.show.core import Show
-from live.show.library_hash import library_hash
-from live.show.new_steps import clip_key
-from live.show.patch import Patch
-from live.show.patch_file import find_beside, read_sources
-from live.show.patch_places import PATCHES
-from live.show.programme_steps import UnknownStep
+from live.show.dancers.character_casting import check_characters, drawable, files_of
+from live.show.dancers.texture_bank import bank_of
+from live.show.partner.partner_sources import AnswerBank, answer_bank
+from live.show.patch.group import parse_entry
+from live.show.patch.patch import Patch
+from live.show.patch.patch_file import find_beside, read_sources
+from live.show.patch.patch_search_path import PATCHES
+from live.show.patch.toml_file import field_words
+from live.show.patch.toml_sources import TomlSources
 from live.show.recorded import for_recordings, with_locomotion, with_steps_of
-from live.show.scene_of import scene_of as scene_of
-from live.show.sections.group import parse_entry
-from live.show.texture_bank import bank_of
-from live.show.toml_file import field_words
-from live.show.toml_sources import TomlSources
-from live.show.venue_projector import VenueProjector, in_hall
-from live.steps.step_folder import load_folder
+from live.show.score.step_names import UnknownStep
+from live.show.selection.library_hash import library_hash
+from live.show.selection.new_steps import clip_key
+from live.show.venue.venue_projector import VenueProjector, in_hall
+from live.show.view.render_scene import scene_of as scene_of
 
 RECORDED_M: Final = (0.25, 0.35)
 """How far apart poses of recordings may be to be joined [m]: if possible, and if some step is left alone else."""

@@ -10,8 +10,8 @@ from typing import Any, Final, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from live.show.patch import Patch
-from live.show.sections.section import Section
+from live.show.patch.patch import Patch
+from live.show.patch.section_base import Section
 
 AT_A_TIME: Final = 100
 """Entries that are checked or freed in one go."""

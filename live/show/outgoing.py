@@ -5,10 +5,10 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.stage_view import StageView
+from live.base.stage_snapshot import StageView
 from live.clock.timeline import Timeline
 from live.show.core import Show
-from live.show.footfalls import Footfalls
+from live.show.dancers.footfalls import Footfalls
 
 NEWS_AT_ONCE: Final = 64
 """Steps and feet of one frame that are told; a whole company that begins a step at once is told in the next frames."""

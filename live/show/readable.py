@@ -6,15 +6,15 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from live.control.control import Plain
-from live.control.controls.motion import MOTION_PARAMETERS
-from live.control.events import NotesHeard
-from live.control.readings import STATUS
-from live.control.values import Rows
-from live.show.answer_pairs import Asked
+from live.control.events.events import NotesHeard
+from live.control.registry.control import Plain
+from live.control.registry.motion import MOTION_PARAMETERS
+from live.control.registry.readings import STATUS
+from live.control.registry.values import Rows
+from live.show.capture.capture_manager import SAID
 from live.show.core import Show
-from live.show.mocap import SAID
-from live.show.parameter_table import Parameter, addresses
+from live.show.desk.parameter_table import Parameter, addresses
+from live.show.partner.partner_pairs import Asked
 from live.show.status import Status
 
 FINEST: Final = 6

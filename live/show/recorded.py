@@ -3,8 +3,8 @@
 from live.base.errors import PersonError
 from live.graph.motion_graph import MotionGraph
 from live.motion.step_clip import StepClip
-from live.show.patch import Patch
-from live.show.score_claims import refuse_unknown, steps_called
+from live.show.patch.patch import Patch
+from live.show.patch.score_conflicts import refuse_unknown, steps_called
 
 
 def for_recordings(patch: Patch, clips: list[StepClip]) -> Patch:

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from live.base.part_faults import Bulkhead, name_of
-from live.clock.follow import TimelineFollower
-from live.show.choices import why_in_words
+from live.base.fault_isolation import Bulkhead, name_of
+from live.clock.follower.timeline_follower import TimelineFollower
 from live.show.core import Show
-from live.show.line_writer import LineWriter
+from live.show.journal.line_writer import LineWriter
+from live.show.selection.choices import why_in_words
 
 KEPT = 4096
 """Frame times kept for the percentiles: about the last minute."""

@@ -20,10 +20,10 @@ import time
 from pathlib import Path
 from typing import Any
 
-from live.alive.heartbeat import Phase
-from live.alive.lifeline import Brief, Lifeline, nobody_left
-from live.alive.nursery import wait_to_be_born
-from live.alive.relay import RelaySink
+from live.supervisor.heartbeat import Phase
+from live.supervisor.lifeline import Brief, Lifeline, nobody_left
+from live.supervisor.prefork import wait_to_be_born
+from live.supervisor.relay import RelaySink
 
 
 def follow(lifeline: Lifeline, role: str, nursery: int | None, plan: dict[str, Any]) -> int:

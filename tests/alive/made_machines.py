@@ -12,7 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from live.alive.identity import Identity, Pairings, load_identity
+from live.supervisor.network.identity import Identity, Pairings, load_identity
 from tests.control.waiting import wait_for
 
 MACHINE = """
@@ -20,9 +20,9 @@ MACHINE = """
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have it ignored in the background
     import json, socket, sys
     from pathlib import Path
-    from live.alive.identity import Pairings, load_identity
-    from live.alive.orders import Orders
-    from live.alive.supervisor import Supervisor
+    from live.supervisor.network.identity import Pairings, load_identity
+    from live.supervisor.supervisor_config import Orders
+    from live.supervisor.supervisor import Supervisor
 
     plan, journal, lead, follow = json.loads(sys.argv[1])
     there = None if lead is None else socket.socket(fileno=lead)

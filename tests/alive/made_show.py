@@ -7,11 +7,11 @@ import json
 import sys
 from pathlib import Path
 
-from live.alive.adoption import find_engine
-from live.alive.cut_off import cut_off
-from live.alive.orders import Orders
-from live.alive.supervisor import Supervisor
-from live.cli.main import end_cleanly
+from live.app.exit_codes import end_cleanly
+from live.supervisor.adoption.adoption import find_engine
+from live.supervisor.adoption.journal_resume import cut_off
+from live.supervisor.supervisor import Supervisor
+from live.supervisor.supervisor_config import Orders
 
 LABEL = "made"
 

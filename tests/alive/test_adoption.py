@@ -17,14 +17,15 @@ from typing import Any
 
 import pytest
 
-from live.alive import adoption, orphan, rendezvous
-from live.alive.adoption import CannotAdopt, EngineHung, end_engines, find_engine
-from live.alive.cut_off import cut_off
-from live.alive.heartbeat import Heartbeat, Phase
-from live.alive.lifeline import Lifeline
-from live.alive.rendezvous import Meeting, own_folder
-from live.alive.watchdog import Usage
-from live.alive.wire import Wire
+from live.supervisor.adoption import adoption, rendezvous
+from live.supervisor.adoption import hung_engine as orphan
+from live.supervisor.adoption.adoption import CannotAdopt, EngineHung, end_engines, find_engine
+from live.supervisor.adoption.journal_resume import cut_off
+from live.supervisor.adoption.rendezvous import Meeting, own_folder
+from live.supervisor.heartbeat import Heartbeat, Phase
+from live.supervisor.lifeline import Lifeline
+from live.supervisor.watchdog import Usage
+from live.supervisor.wire import Wire
 from tests.alive.made_show import LABEL
 from tests.control.waiting import BUSY, wait_for
 
@@ -272,7 +273,7 @@ def test_only_what_was_cut_off_lately_on_this_machine_is_gone_on_with(tmp_path, 
 def test_a_show_whose_steps_have_changed_is_gone_on_with_from_the_snapshot_before(tmp_path, monkeypatch):
     """Whoever begins with the first line has read the steps of then."""
     shots = [json.dumps({"snapshot": 3, "tick": tick}).encode() + b"\n" + bytes(64) for tick in (10, 30, 50)]
-    monkeypatch.setattr("live.alive.cut_off.read_snapshots", lambda path, problems: iter(shots))
+    monkeypatch.setattr("live.supervisor.adoption.journal_resume.read_snapshots", lambda path, problems: iter(shots))
     lines = [{"tick": tick, "event": {"type": "Tap"}} for tick in range(5, 65, 5)]
     left = cut_off(journal_of(tmp_path / "j", *lines))
     assert left is not None
@@ -390,7 +391,7 @@ def test_a_folder_that_others_can_reach_into_is_not_used(tmp_path, monkeypatch):
 
 
 def test_an_engine_of_another_version_is_named_and_left_alone(alone, tmp_path, monkeypatch):
-    monkeypatch.setattr("live.alive.adoption.__version__", "0.0.0")
+    monkeypatch.setattr("live.supervisor.adoption.adoption.__version__", "0.0.0")
     asked: list[str] = []
 
     def ask() -> None:

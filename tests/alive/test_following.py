@@ -6,16 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from live.alive.following import Following
-from live.alive.log import Log
-from live.alive.recovery import Recovery
 from live.clock.ticks import TICK
-from live.control.events import Attract, ControlEvent, SetLatency, SetTempo, TicksSkipped
+from live.control.events.events import Attract, ControlEvent, SetLatency, SetTempo, TicksSkipped
 from live.show.core import Show
-from live.show.journal import line_of
+from live.show.journal.journal import line_of
 from live.show.load import LoadedShow
-from live.show.patch_file import parse_patch
-from live.show.snapshot import snapshot
+from live.show.patch.patch_file import parse_patch
+from live.show.state.snapshot import snapshot
+from live.supervisor.log import Log
+from live.supervisor.recovery import Recovery
+from live.supervisor.state_follower import Following
 from tests.show.made_show import GRAPH, PATCH
 
 LAST = 1500

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from live.alive import identity as module
-from live.alive.identity import load_identity, plain_name
 from live.base.errors import PersonError
+from live.supervisor.network import identity as module
+from live.supervisor.network.identity import load_identity, plain_name
 from tests.alive.made_machines import machine, network
 
 

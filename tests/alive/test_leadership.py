@@ -12,7 +12,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
-from live.alive.leadership import (
+from live.supervisor.network.leadership import (
     FRESH,
     HAND_OVER,
     LOST,

@@ -15,11 +15,11 @@ from typing import Any
 import psutil
 import pytest
 
-from live.alive.limits import CEILING, HANGS_AFTER
-from live.alive.procfs import zombies
-from live.alive.reaper import GRACE, Reaper
-from live.alive.side import Side
-from live.clock.source import ManualClock
+from live.clock.time_source import ManualClock
+from live.supervisor.procfs import zombies
+from live.supervisor.reaper import GRACE, Reaper
+from live.supervisor.restart_policy import CEILING, HANGS_AFTER
+from live.supervisor.side import Side
 from tests.alive.test_supervisor import ENGINE, numbers, supervised
 from tests.control.waiting import wait_for
 
@@ -71,7 +71,7 @@ def test_an_engine_in_a_loop_is_killed_and_replaced(tmp_path):
 
 def test_nobody_is_prepared_while_there_is_too_much_to_do(tmp_path, monkeypatch):
     """Neither a spare nor a nursery: the engine that goes on begins when it is needed, and not before."""
-    monkeypatch.setattr("live.alive.engines.overload", lambda load, watched: 1.0)
+    monkeypatch.setattr("live.supervisor.engine_failover.overload", lambda load, watched: 1.0)
     code, lines, supervisor, _ = supervised(tmp_path, {"kills": [200], "ticks": 220})
     assert code == 0
     assert [(line["went"], line["nursery"]) for line in lines if "went" in line] == [("heir", None)]
@@ -79,8 +79,8 @@ def test_nobody_is_prepared_while_there_is_too_much_to_do(tmp_path, monkeypatch)
 
 
 def test_an_overload_that_lasts_keeps_the_next_engine_waiting_only_for_so_long(tmp_path, monkeypatch):
-    monkeypatch.setattr("live.alive.engines.overload", lambda load, watched: 1.0)
-    monkeypatch.setattr("live.alive.engines.STANDS_BACK", 0.1)
+    monkeypatch.setattr("live.supervisor.engine_failover.overload", lambda load, watched: 1.0)
+    monkeypatch.setattr("live.supervisor.engine_failover.STANDS_BACK", 0.1)
     _, lines, _, _ = supervised(tmp_path, {"kills": [300], "ticks": 320})
     assert [line["went"] for line in lines if "went" in line] == ["spare"]
 
@@ -88,7 +88,7 @@ def test_an_overload_that_lasts_keeps_the_next_engine_waiting_only_for_so_long(t
 @pytest.mark.long
 def test_engines_ended_on_an_overloaded_machine_are_given_longer_and_longer(tmp_path, monkeypatch):
     """Three hang one after the other, the last two in the same tick: each may be silent for twice as long."""
-    monkeypatch.setattr("live.alive.engines.overload", lambda load, watched: 1.0)
+    monkeypatch.setattr("live.supervisor.engine_failover.overload", lambda load, watched: 1.0)
     plan = {"stage": 9, "hangs": 20, "hangs_again": True, "ticks": 40}
     code, lines, supervisor, said = supervised(tmp_path, plan, spare=False)
     after = [float(line.partition(" for ")[2].split()[0]) for line in said if "no sign of life" in line]
@@ -101,8 +101,8 @@ def test_engines_ended_on_an_overloaded_machine_are_given_longer_and_longer(tmp_
 
 SHOW = """
 import sys
-from live.alive.orders import Orders
-from live.alive.supervisor import Supervisor
+from live.supervisor.supervisor_config import Orders
+from live.supervisor.supervisor import Supervisor
 orders = Orders(engine=sys.argv[2:], show=sys.argv[1], spare_after=0.1)
 sys.exit(Supervisor(orders, lambda line: print(line, flush=True)).run())
 """

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from live.alive.identity import Peer
-from live.alive.pairing import Shown, Transcript, new_phrase, pair_with, plain_phrase
-from live.alive.tls import tls13
 from live.base.errors import PersonError
+from live.supervisor.network.identity import Peer
+from live.supervisor.network.pairing import Shown, Transcript, new_phrase, pair_with, plain_phrase
+from live.supervisor.network.tls import tls13
 from tests.alive.made_machines import machine
 
 PHRASE = "lusab-babad-gutih"

@@ -11,14 +11,14 @@ from pathlib import Path
 
 import pytest
 
-from live.alive import identity as identity_module
-from live.alive import peers as module
-from live.alive.identity import load_identity
-from live.alive.leadership import Claim, Term
-from live.alive.peer_messages import SignedClaim, read_line, said, signed_claim, verified
-from live.alive.peers import KNOCKING, Link, Peers
-from live.alive.starter import Starter
-from live.alive.tls import Trust
+from live.supervisor.network import identity as identity_module
+from live.supervisor.network import peers as module
+from live.supervisor.network.identity import load_identity
+from live.supervisor.network.leadership import Claim, Term
+from live.supervisor.network.peer_messages import SignedClaim, read_line, said, signed_claim, verified
+from live.supervisor.network.peers import KNOCKING, Link, Peers
+from live.supervisor.network.tls import Trust
+from live.supervisor.starter import Starter
 from tests.alive.made_machines import machine, network, pair_folders
 from tests.control.waiting import wait_for
 

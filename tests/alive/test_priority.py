@@ -10,7 +10,7 @@ import pytest
 GROUPS = Path("/proc/self/autogroup")
 
 STEPS = """
-from live.alive.priority import BACK_NICE, bring_forward, come_forward, stand_back
+from live.supervisor.cpu_priority import BACK_NICE, bring_forward, come_forward, stand_back
 import ctypes, os, sys
 if sys.argv[1:]:
     os.setresuid(65534, 65534, 65534)

@@ -9,39 +9,39 @@ from typing import Any
 
 import pytest
 
-from live.agents.evolutions.plan import Plan
-from live.alive.following import Following
-from live.alive.heartbeat import Heartbeat
-from live.alive.log import Log
-from live.alive.recovery import Death, Recovery
+from live.agents.evolutions.running_plan import Plan
 from live.base.inbox import Inbox
-from live.clock.follow import TimelineFollower
-from live.clock.source import ManualClock
+from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
-from live.control.events import Attract, BreakerTripped, ControlEvent, ResetBreaker, SetTempo
-from live.show.agenda import Agenda
-from live.show.audience import Audience
-from live.show.breakers import NAMES, Stage
-from live.show.carrying import Carrying
+from live.clock.time_source import ManualClock
+from live.control.events.events import Attract, BreakerTripped, ControlEvent, ResetBreaker, SetTempo
+from live.show.audience.audience import Audience
+from live.show.capture.capture_manager import Mocap
+from live.show.circuit_breakers import NAMES, Stage
 from live.show.core import Show
-from live.show.dancers import Dancers
-from live.show.desk import Desk
+from live.show.dancers.dancers import Dancers
+from live.show.dancers.root_correction_control import Carrying
+from live.show.dancers.variation import Variation
+from live.show.desk.desk import Desk
 from live.show.engine import Engine
-from live.show.group_motion import GroupMotion
-from live.show.interrupts import Interrupts
-from live.show.journal import JournalWriter, read_journal
+from live.show.group.group_motion import GroupMotion
+from live.show.journal.journal import JournalWriter, read_journal
+from live.show.journal.replay import replay
 from live.show.load import LoadedShow
-from live.show.measure import MeasureSpan
-from live.show.mocap import Mocap
-from live.show.patch_file import parse_patch
-from live.show.prompter import Prompter
-from live.show.reactions import Reactions
-from live.show.reloading import Reloading
-from live.show.replay import replay
-from live.show.scheduler import Scheduler
-from live.show.snapshot import Taken
+from live.show.measure_span import MeasureSpan
+from live.show.patch.patch_file import parse_patch
+from live.show.patch.reloading import Reloading
+from live.show.score.beat_scheduler import Agenda
+from live.show.score.reactions import Reactions
+from live.show.score.score_runner import Prompter
+from live.show.selection.interrupts import Interrupts
+from live.show.selection.scheduler import Scheduler
+from live.show.state.snapshot import Taken
 from live.show.status import Status
-from live.show.variation import Variation
+from live.supervisor.heartbeat import Heartbeat
+from live.supervisor.log import Log
+from live.supervisor.recovery import Death, Recovery
+from live.supervisor.state_follower import Following
 from tests.show.made_show import GRAPH, PATCH
 
 EVENTS: dict[int, ControlEvent] = {

@@ -13,8 +13,8 @@ from typing import Any
 
 import pytest
 
-from live.alive.leadership import SILENCE
-from live.alive.tls import Trust
+from live.supervisor.network.leadership import SILENCE
+from live.supervisor.network.tls import Trust
 from tests.alive.made_machines import Machine, Start, machine, pair_folders, stop_all
 from tests.control.waiting import BUSY, wait_for
 

@@ -9,21 +9,21 @@ from pathlib import Path
 import pytest
 
 from live import __version__
-from live.alive.engines import Engines
-from live.alive.following import Following
-from live.alive.leadership import HandOver, Pulse, Term
-from live.alive.orders import Orders, Report
-from live.alive.peer_messages import Cannot, GiveShow, Hello, ShowComes, line_of
-from live.alive.peers import Link
-from live.alive.remote import MOST_OF_SHOW, Remote
-from live.alive.starter import Starter
-from live.alive.wire import Wire
+from live.app.memory import resident_megabytes
+from live.app.processes.remote_standby import follow
 from live.base.errors import PersonError
-from live.cli.memory import resident_megabytes
-from live.cli.standby import follow
+from live.show.journal.replay_start import ReplayError
 from live.show.load import LoadedShow
-from live.show.patch_file import parse_patch
-from live.show.replay_start import ReplayError
+from live.show.patch.patch_file import parse_patch
+from live.supervisor.engine_failover import Engines
+from live.supervisor.network.leadership import HandOver, Pulse, Term
+from live.supervisor.network.peer_messages import Cannot, GiveShow, Hello, ShowComes, line_of
+from live.supervisor.network.peers import Link
+from live.supervisor.network.remote_standby import MOST_OF_SHOW, Remote
+from live.supervisor.starter import Starter
+from live.supervisor.state_follower import Following
+from live.supervisor.supervisor_config import Orders, Report
+from live.supervisor.wire import Wire
 from tests.alive.made_machines import free_port, machine, pair_folders
 from tests.show.made_show import GRAPH, PATCH
 

@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
-from live.alive.limits import RestartLimit
-from live.alive.orders import Orders
-from live.alive.starter import Starter
-from live.alive.supervisor import Supervisor
+from live.supervisor.restart_policy import RestartLimit
+from live.supervisor.starter import Starter
+from live.supervisor.supervisor import Supervisor
+from live.supervisor.supervisor_config import Orders
 
 ENGINE = [sys.executable, "-m", "tests.alive.made_engine"]
 
@@ -140,7 +140,7 @@ def test_an_engine_that_gives_no_sign_of_life_is_killed_and_replaced(tmp_path):
 
 
 def test_after_three_restarts_in_thirty_seconds_the_show_is_calmer(tmp_path, monkeypatch):
-    monkeypatch.setattr("live.alive.engines.CALM_APART", 0.0)
+    monkeypatch.setattr("live.supervisor.engine_failover.CALM_APART", 0.0)
     code, lines, supervisor, _ = supervised(tmp_path, {"kills": [10, 20, 30, 40], "ticks": 50}, spare=False)
     assert code == 0
     assert numbers(lines) == list(range(1, 51))
@@ -151,8 +151,8 @@ def test_after_three_restarts_in_thirty_seconds_the_show_is_calmer(tmp_path, mon
 @pytest.mark.long
 def test_engines_that_begin_slowly_and_crash_at_once_make_a_show_calmer_too(tmp_path, monkeypatch):
     """Only seconds in which somebody danced count: four crashes lie nearly two seconds apart here."""
-    monkeypatch.setattr("live.alive.engines.CALM_APART", 0.0)
-    monkeypatch.setattr("live.alive.engines.RestartLimit", lambda: RestartLimit(3, 2.0))
+    monkeypatch.setattr("live.supervisor.engine_failover.CALM_APART", 0.0)
+    monkeypatch.setattr("live.supervisor.engine_failover.RestartLimit", lambda: RestartLimit(3, 2.0))
     plan = {"kills": [5, 10, 15, 20], "ticks": 25, "slow": 1.5}
     _, lines, _, _ = supervised(tmp_path, plan, spare=False)
     assert [line["calm"] for line in lines if "calm" in line] == [False, False, False, True]
@@ -160,7 +160,7 @@ def test_engines_that_begin_slowly_and_crash_at_once_make_a_show_calmer_too(tmp_
 
 def test_the_supervisor_needs_no_array_no_window_and_no_device():
     heavy = ("numpy", "numba", "glfw", "moderngl", "sounddevice", "pydantic", "av", "rtmidi")
-    code = f"import sys, live.cli.supervised; print([name for name in {heavy!r} if name in sys.modules])"
+    code = f"import sys, live.app.processes.supervised; print([name for name in {heavy!r} if name in sys.modules])"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
 
 
@@ -180,7 +180,7 @@ def test_engines_killed_again_and_again_before_a_spare_is_ready_come_out_of_the_
 def test_a_show_that_becomes_calmer_is_not_dark_for_longer(tmp_path, monkeypatch):
     """The first calm engine comes out of the nursery like those before it, and is not waited for; a spare waits for it,
     too. Only where calm engines crash as well does one begin without the nursery, some seconds after the last."""
-    monkeypatch.setattr("live.alive.engines.CALM_APART", 0.2)
+    monkeypatch.setattr("live.supervisor.engine_failover.CALM_APART", 0.2)
     kills = [300, 302, 304, 306, 700, 702, 704]
     code, lines, supervisor, _ = supervised(tmp_path, {"kills": kills, "ticks": 720})
     assert code == 0
@@ -202,7 +202,7 @@ def test_a_nursery_that_is_killed_is_begun_again_and_engines_begin_without_it_me
 
 
 def test_without_room_there_is_no_nursery(tmp_path, monkeypatch):
-    monkeypatch.setattr("live.alive.nursery.free_memory", lambda: 1_000_000)
+    monkeypatch.setattr("live.supervisor.prefork.free_memory", lambda: 1_000_000)
     code, lines, _, _ = supervised(tmp_path, {"kills": [200], "ticks": 240})
     assert code == 0
     assert [(line["went"], line["nursery"]) for line in lines if "went" in line] == [("spare", None)]

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.alive.limits import CEILING, HANGS_AFTER
-from live.alive.procfs import machine, usage_of
-from live.alive.starter import ROUND
-from live.alive.watchdog import FELT, SLOWEST, MachineLoad, MachineReading, Usage, Verdict, Watchdog, overload
-from live.clock.source import ManualClock
+from live.clock.time_source import ManualClock
+from live.supervisor.procfs import machine, usage_of
+from live.supervisor.restart_policy import CEILING, HANGS_AFTER
+from live.supervisor.starter import ROUND
+from live.supervisor.watchdog import FELT, SLOWEST, MachineLoad, MachineReading, Usage, Verdict, Watchdog, overload
 
 BLIND = Usage("S", 0.0, None)
 """What a system says that counts no waiting."""

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from live.base.items import SIDES, Item, triangles_of
+from live.base.set_geometry import SIDES, Item, triangles_of
 
 SIZE = (3.0, 1.2, 2.0)
 

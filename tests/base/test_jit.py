@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.base import jit, kernels
-from live.motion.legs.kernels import follow_feet
+from live.base import jit
+from live.base import scalar_kernels as kernels
+from live.motion.pose.legs_kernels import follow_feet
 
 
 def test_the_name_of_the_cache_follows_a_file_and_what_it_takes_from_others(tmp_path, monkeypatch):

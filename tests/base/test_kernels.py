@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.base import kernels
+from live.base import scalar_kernels as kernels
 
 
 @given(st.floats(-1e4, 1e4))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from live.base.part_faults import FIRST_REST, IN_A_ROW, Bulkhead, PartFaults, keep_running, name_of, run_once
+from live.base.fault_isolation import FIRST_REST, IN_A_ROW, Bulkhead, PartFaults, keep_running, name_of, run_once
 
 
 class Breaks:

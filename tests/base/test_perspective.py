@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.base.perspective import check_corners, floor_corners, matched
-from live.base.stage_view import Camera
+from live.base.projector_perspective import check_corners, floor_corners, matched
+from live.base.stage_snapshot import Camera
 from live.render.camera import pixel_of
 
 SIZE, STAGE = (1920, 1080), (12.0, 8.0)

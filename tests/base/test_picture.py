@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from live.base import picture
-from live.base.stage_view import Camera, Look, Scene
+from live.base.stage_snapshot import Camera, Look, Scene
 
 SCENE = Scene((10.0, 8.0), Camera((0.1, 3.4, 11.7), (0.3, 0.9, -0.2), 37.3), Look(ambient=0.3), 3, 22)
 

@@ -7,13 +7,13 @@ import signal
 import aiohttp
 import pytest
 
+from live.app.option_values import audience_address, audience_web_address, with_audience
+from live.app.services.audience_service import AudiencePart, beat_of, rules_of
+from live.app.wish import Wish
 from live.base.errors import PersonError
 from live.base.inbox import Inbox
-from live.cli.audience_part import AudiencePart, beat_of, rules_of
-from live.cli.options import audience_address, audience_web_address, with_audience
-from live.cli.wish import Wish
-from live.clock.source import SystemClock
-from live.control import events
+from live.clock.time_source import SystemClock
+from live.control.events import events
 from live.show.engine import Engine
 from live.show.status import Status
 from tests.control.audience.made_gateway import FakePhone, until

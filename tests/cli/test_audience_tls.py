@@ -16,15 +16,15 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
+from live.app.services.audience_service import AudiencePart, network_of, tls_files
+from live.app.services.audience_tls import parse_tls, read_identity
+from live.app.wish import Wish
 from live.base.errors import PersonError
 from live.base.inbox import Inbox
-from live.cli.audience_part import AudiencePart, network_of, tls_files
-from live.cli.audience_tls import parse_tls, read_identity
-from live.cli.before_doors import certificate_checks
-from live.cli.wish import Wish
-from live.clock.source import ManualClock
-from live.show.sections.audience import AudienceSection
-from live.show.venue import Venue
+from live.cli.inspect.before_doors import certificate_checks
+from live.clock.time_source import ManualClock
+from live.show.patch.audience import AudienceSection
+from live.show.venue.venue import Venue
 from tests.cli.test_audience_part import Stage
 from tests.control.audience.made_gateway import FakePhone, until
 from tests.show.made_show import made_show

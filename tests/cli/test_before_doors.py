@@ -7,15 +7,15 @@ from typing import Any
 
 import pytest
 
+from live.app.option_values import parse_measures
+from live.app.practice import practice_events, practice_tempo
+from live.app.session_sound import choose_sound
+from live.app.wish import Wish
 from live.base.errors import PersonError
-from live.cli import before_doors
-from live.cli.before_doors import check_disk, check_osc, venue_checks
-from live.cli.inventory import Section
-from live.cli.options import parse_measures
-from live.cli.practice import practice_events, practice_tempo
-from live.cli.session_sound import choose_sound
-from live.cli.wish import Wish
-from live.show.venue import Venue, VenueAudio, VenueMidi
+from live.cli.inspect import before_doors
+from live.cli.inspect.before_doors import check_disk, check_osc, venue_checks
+from live.cli.venue.inventory import Section
+from live.show.venue.venue import Venue, VenueAudio, VenueMidi
 from tests.cli.command import run_live
 from tests.show.made_show import made_show
 
@@ -112,9 +112,9 @@ def test_no_music_plays_to_practice_and_none_can_be_slowed():
 def test_projectors_of_the_venue_are_looked_for(tmp_path, monkeypatch):
     from PIL import Image
 
-    from live.cli import output_places
-    from live.render.monitor_places import find_place
-    from live.render.monitors import Monitor
+    from live.app import output_places
+    from live.render.window.monitor_places import find_place
+    from live.render.window.monitors import Monitor
 
     there = [Monitor(1, "eDP-1", (0, 0), (1920, 1080), 60.0), Monitor(2, "HDMI-1", (1920, 0), (1280, 720), 60.0)]
     monkeypatch.setattr(output_places, "find_place", lambda text: find_place(text, there))

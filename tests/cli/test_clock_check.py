@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from live.base.errors import PersonError
-from live.cli.clock_check import clock_check, read_beats, read_stream
-from live.clock.clock_report import errors_of, replay
+from live.cli.beats.clock_check import clock_check, read_beats, read_stream
+from live.clock.midi.clock_report import errors_of, replay
 from tests.clock.midi_streams import make_stream, steady
 
 

@@ -5,13 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.cli.contact_sheet import _apart
-from live.cli.session_sound import Sound
-from live.cli.sheet_moments import Taken, Taking, moments_of_patch
-from live.cli.sheet_picture import DARK, LIGHT, Paper, Sheet, shown
+from live.app.session_sound import Sound
+from live.cli.inspect.contact_sheet import _apart
+from live.cli.inspect.sheet_moments import Taken, Taking, moments_of_patch
+from live.cli.pictures.sheet_picture import DARK, LIGHT, Paper, Sheet, shown
 from live.clock.ticks import TICK
 from live.show.load import LoadedShow, load_show
-from live.show.patch_places import find_patch
+from live.show.patch.patch_search_path import find_patch
 
 SIZE = (160, 90)
 

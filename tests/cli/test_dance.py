@@ -8,11 +8,11 @@ import pytest
 from typer.testing import CliRunner
 
 from live.base.errors import PersonError
-from live.cli.dance import dance
-from live.cli.dance_plan import Asked, make_plan, put_together
-from live.cli.dance_wanted import read_text
 from live.cli.main import app
-from live.steps.motion_file import read_motion
+from live.cli.steps.dance import dance
+from live.cli.steps.dance_plan import Asked, make_plan, put_together
+from live.cli.steps.dance_wanted import read_text
+from live.library.motion_file import read_motion
 from tests.cli.command import run_live
 from tests.motion.made_bvh import body_bvh, danced
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from live.cli import inventory
-from live.control import sound_devices
-from live.control.sound_devices import SoundDevice
+from live.cli.venue import inventory
+from live.control.audio import sound_devices
+from live.control.audio.sound_devices import SoundDevice
 from tests import two_monitor_x
 from tests.cli.command import run_live, run_live_process
 

@@ -2,9 +2,9 @@
 
 import pytest
 
+from live.app.services.dmx_service import parse_universe
 from live.base.errors import PersonError
-from live.cli.dmx_part import parse_universe
-from live.control.dmx_out import Universe
+from live.control.dmx_output import Universe
 
 
 @pytest.mark.parametrize(

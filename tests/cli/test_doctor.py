@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from live.base import jit
-from live.cli import checks, opengl, packages
-from live.cli.checks import Check
-from live.cli.inventory import Section
+from live.cli.venue import checks, opengl, packages
+from live.cli.venue.checks import Check
+from live.cli.venue.inventory import Section
 from tests.cli.command import run_live
 
 

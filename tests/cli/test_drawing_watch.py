@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from live.cli.drawing_watch import DrawingWatch
-from live.control.events import HoldQuality, Tap
+from live.app.drawing_watch import DrawingWatch
+from live.control.events.events import HoldQuality, Tap
 from live.render.ladder import ladder_of
 from live.render.quality import SOFTWARE
 

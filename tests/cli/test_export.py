@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.cli.export import export
+from live.cli.motion.export import export
+from live.library.motion_file import read_motion
+from live.library.step_folder import load_folder
 from live.motion.clip import Clip
-from live.motion.forward import forward_kinematics
-from live.motion.retarget import retarget
+from live.motion.formats.source_pose import LocalPose, world_pose
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import SKELETON
-from live.motion.source_pose import LocalPose, world_pose
-from live.show.patch_places import PATCHES
-from live.steps.motion_file import read_motion
-from live.steps.step_folder import load_folder
+from live.show.patch.patch_search_path import PATCHES
 from tests.cli.command import run_live
 from tests.motion.made_bvh import body_bvh, danced
 from tests.motion.mocap import mocap_file

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from live.app.film_names import film_name, parse_rate
 from live.base.errors import PersonError
-from live.cli.film_names import film_name, parse_rate
 
 
 @pytest.mark.parametrize(

@@ -6,13 +6,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from live.app.floor_keeping import GUESS, FloorKeeping, seen_corners
+from live.app.output_keeping import OutputKeeping
 from live.base.picture import camera_of
-from live.base.stage_view import Camera
-from live.cli.floor_keeping import GUESS, FloorKeeping, seen_corners
-from live.cli.output_keeping import OutputKeeping
+from live.base.stage_snapshot import Camera
 from live.render.camera import pixel_of
-from live.show.toml_file import parse_model
-from live.show.venue import Venue, venue_path
+from live.show.patch.toml_file import parse_model
+from live.show.venue.venue import Venue, venue_path
 from tests.show.desk_show import Hands
 
 AT = 'name = "hall"   # ours\n[projector]\nat = [2.0, 5.0, 12.0]   # with a laser\n'

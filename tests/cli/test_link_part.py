@@ -5,9 +5,9 @@ import sys
 import pytest
 from rich.console import Console
 
+from live.app.services.link_part import make_link
 from live.base.inbox import Inbox
-from live.cli.link_part import make_link
-from live.clock.source import ManualClock
+from live.clock.time_source import ManualClock
 from tests.cli.command import run_live
 from tests.show.made_show import made_show
 

@@ -6,20 +6,20 @@ from typing import Any, cast
 
 import pytest
 
+from live.app.services.midi_part import OnMidi
+from live.app.window_operator import Operator
 from live.base.inbox import Inbox
-from live.cli.midi_part import OnMidi
-from live.cli.window_operator import Operator
 from live.clock.note_energy import NoteEnergy
-from live.clock.source import ManualClock
-from live.control import events
-from live.control.control import Plain
-from live.control.events import ControlEvent, ForgetMidi, LearnMidi
-from live.control.midi_input import MidiInput
-from live.control.midi_map import MidiMap
-from live.control.values import Values
-from live.show.patch_file import PatchError, read_patch
-from live.show.patch_places import learned_path
-from live.show.patch_watch import stamp_of_files
+from live.clock.time_source import ManualClock
+from live.control.events import events
+from live.control.events.events import ControlEvent, ForgetMidi, LearnMidi
+from live.control.midi.midi_input import MidiInput
+from live.control.midi.midi_mapping import MidiMap
+from live.control.registry.control import Plain
+from live.control.registry.values import Values
+from live.show.patch.hot_reload import stamp_of_files
+from live.show.patch.patch_file import PatchError, read_patch
+from live.show.patch.patch_search_path import learned_path
 from tests.show.made_show import PATCH, made_show
 
 WRITTEN = """

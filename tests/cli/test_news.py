@@ -2,7 +2,7 @@
 
 import threading
 
-from live.cli.news import News
+from live.app.news import News
 
 
 class Part:

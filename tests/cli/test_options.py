@@ -4,8 +4,8 @@ import math
 
 import pytest
 
+from live.app.option_values import parse_endpoint, parse_number, parse_size, writable_file
 from live.base.errors import PersonError
-from live.cli.options import parse_endpoint, parse_number, parse_size, writable_file
 
 
 @pytest.mark.parametrize(

@@ -10,15 +10,15 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from live.alive.child import Child
+from live.app.played import Played
+from live.app.processes import supervised
 from live.base.inbox import Inbox
-from live.cli import supervised
 from live.cli.main import app
-from live.cli.played import Played
-from live.clock.source import SystemClock
-from live.control import events
-from live.control.osc_process import OscRemote
-from live.control.osc_socket import bound_socket
+from live.clock.time_source import SystemClock
+from live.control.events import events
+from live.control.osc.osc_process import OscRemote
+from live.control.osc.osc_socket import bound_socket
+from live.supervisor.child import Child
 from tests.control.osc_stage import message
 from tests.control.waiting import wait_for
 
@@ -38,7 +38,7 @@ class Supervised:
 
     def begin(self) -> Child:
         theirs = (self.pair[1].fileno(), self.udp.fileno())
-        command = [sys.executable, "-m", "live.cli.osc_reader", *map(str, theirs)]
+        command = [sys.executable, "-m", "live.app.processes.osc_reader_main", *map(str, theirs)]
         return Child("OSC", command, inherit=theirs)
 
     def engine(self) -> OscRemote:
@@ -168,8 +168,8 @@ def test_a_show_of_one_process_reads_osc_in_a_thread_unless_it_is_told_otherwise
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     wishes: list[Any] = []
-    monkeypatch.setattr("live.cli.warm.warm_kernels", lambda console: None)
-    monkeypatch.setattr("live.cli.stage.play_show", lambda wish, **_: wishes.append(wish))
+    monkeypatch.setattr("live.app.kernel_warmup.warm_kernels", lambda console: None)
+    monkeypatch.setattr("live.app.stage.play_show", lambda wish, **_: wishes.append(wish))
     for options in ((), ("--osc-process",)):
         done = CliRunner().invoke(app, ["play", "--headless", "--alone", "--bpm", "120", *options])
         assert done.exit_code == 0, done.output

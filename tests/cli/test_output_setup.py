@@ -4,14 +4,14 @@ from types import SimpleNamespace
 
 import pytest
 
-from live.cli.output_keeping import OutputKeeping
-from live.cli.output_setup import OutputSetup
-from live.control.events import ShowCard
+from live.app.output_keeping import OutputKeeping
+from live.app.output_setup import OutputSetup
+from live.control.events.events import ShowCard
 from live.render.outputs.editing import Editing
 from live.render.outputs.floor_editing import FloorEditing
 from live.render.outputs.output import UNBENT, Output
-from live.render.window_input import KeyPressed, PointerMoved, PointerPressed, PointerReleased
-from live.show.venue import read_venue
+from live.render.window.window_input import KeyPressed, PointerMoved, PointerPressed, PointerReleased
+from live.show.venue.venue import read_venue
 
 
 class FakeScreen:

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.cli.partner import partner
-from live.cli.partner_path import read_path
-from live.motion.bvh import parse_bvh
-from live.motion.bvh.writer import write_bvh
+from live.cli.steps.partner import partner
+from live.cli.steps.partner_path import read_path
+from live.library.pairs_file import read_pairs
 from live.motion.clip import Clip
+from live.motion.formats.parse import parse_bvh
+from live.motion.formats.writer import write_bvh
 from live.motion.resample import resample
-from live.steps.pairs_file import read_pairs
 from tests.cli.command import run_live
 from tests.motion.example.test_answer import dancing
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from live.cli.played import Played
-from live.cli.wish import Wish
-from live.control.packet import packet_of
+from live.app.played import Played
+from live.app.wish import Wish
+from live.control.message_codec import packet_of
 
 WISH = Wish(
     patch="samba", audio="mic", bpm=120.0, midi_file=Path("a.mid"), steps=Path("/tmp/steps"), seed=3, measures=(2, 9),

@@ -10,7 +10,7 @@ from tests.control.waiting import wait_for
 SAYS = """
 import sys, time
 from pathlib import Path
-from live.cli.quiet import outlive_terminals
+from live.base.native_stderr import outlive_terminals
 outlive_terminals()
 print("begun", flush=True)
 while not Path(sys.argv[1]).exists():

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from live.app.systemd_unit import Service, name_for, unit_name, word
 from live.base.errors import PersonError
-from live.cli.service_unit import Service, name_for, unit_name, word
 from tests.cli.command import run_live
 
 

@@ -4,12 +4,12 @@ import socket
 import threading
 from pathlib import Path
 
-from live.alive.heartbeat import Heartbeat
-from live.alive.lifeline import Lifeline
-from live.alive.wire import Wire
-from live.cli.session import Session
-from live.cli.session_sound import Sound
-from live.cli.wish import Wish
+from live.app.session import Session
+from live.app.session_sound import Sound
+from live.app.wish import Wish
+from live.supervisor.heartbeat import Heartbeat
+from live.supervisor.lifeline import Lifeline
+from live.supervisor.wire import Wire
 from tests.end_to_end.conftest import PATCH
 
 

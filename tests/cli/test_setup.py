@@ -118,7 +118,7 @@ def machine(tmp_path: Path) -> Machine:
     for folder in ("bin", "installed", "show/tools", "show/live/base"):
         (tmp_path / folder).mkdir(parents=True)
     shutil.copy(SETUP, show / "tools" / "setup.sh")
-    for name in ("uv.lock", "pyproject.toml", "tools/uv-requirements.txt", "live/base/kernels.py"):
+    for name in ("uv.lock", "pyproject.toml", "tools/uv-requirements.txt", "live/base/scalar_kernels.py"):
         (show / name).write_text(name)
     for tool in REAL_TOOLS:
         where = shutil.which(tool)

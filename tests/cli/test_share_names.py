@@ -2,9 +2,9 @@
 
 import pytest
 
+from live.app import share_names
+from live.app.share_names import parse_shares
 from live.base.errors import PersonError
-from live.cli import share_names
-from live.cli.share_names import parse_shares
 
 
 def test_names_and_addresses() -> None:
@@ -23,7 +23,7 @@ def test_what_is_neither(text: str) -> None:
 
 
 def test_without_srt_it_is_told_what_carries_it_on(monkeypatch: pytest.MonkeyPatch) -> None:
-    import live.render.share_stream as stream
+    import live.render.film.network_stream as stream
 
     monkeypatch.setattr(stream, "has_srt", lambda: False)
     with pytest.raises(PersonError, match="built without SRT") as error:

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from live.cli.graph_report import dot_of, json_of, report_of, svg_of
-from live.cli.graph_svg import Arrow, State, state_machine
 from live.cli.main import app
-from live.graph.library import build_library
+from live.cli.pictures.graph_svg import Arrow, State, state_machine
+from live.cli.steps.graph_report import dot_of, json_of, report_of, svg_of
 from live.graph.motion_graph import build_graph
-from live.show.patch_places import PATCHES
+from live.graph.step_library import build_library
+from live.show.patch.patch_search_path import PATCHES
 from tests.made_steps import made_clip, made_steps
 from tests.motion.made_bvh import body_bvh, danced
 

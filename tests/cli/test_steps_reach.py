@@ -10,9 +10,9 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from live.cli.main import app
-from live.cli.reach_picture import SIZE, TOP, PngCanvas, SvgCanvas, draw_reach, outline
-from live.cli.steps_reach import reach_of_step
-from live.graph.reach import DIRECTIONS
+from live.cli.pictures.reach_picture import SIZE, TOP, PngCanvas, SvgCanvas, draw_reach, outline
+from live.cli.steps.steps_reach import reach_of_step
+from live.graph.select.reach import DIRECTIONS
 
 SVG = "{http://www.w3.org/2000/svg}"
 

@@ -10,10 +10,10 @@ from typer.testing import CliRunner
 
 from live.base.errors import PersonError
 from live.cli.main import app
-from live.motion.clap_sync import PlacedClap
-from live.motion.claps import Clap
-from live.motion.music_reference import MusicReference
-from live.steps.sync import Sync
+from live.library.sync import Sync
+from live.motion.beats.clap_sync import PlacedClap
+from live.motion.beats.claps import Clap
+from live.motion.beats.music_reference import MusicReference
 from tests.cli.command import run_live
 from tests.motion.made_bvh import body_bvh
 from tests.motion.made_source import clapping

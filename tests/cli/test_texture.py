@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.motion.bvh.writer import write_bvh
+from live.library.motion_file import read_motion
+from live.library.step_folder import load_folder
+from live.library.textured import textured_beside
+from live.motion.formats.writer import write_bvh
 from live.motion.resample import resample
-from live.motion.retarget import retarget
-from live.show.patch_places import PATCHES
-from live.steps.motion_file import read_motion
-from live.steps.step_folder import load_folder
-from live.steps.textured import textured_beside
+from live.motion.retarget.retarget import retarget
+from live.show.patch.patch_search_path import PATCHES
 from tests.cli.command import run_live
 from tests.motion.texture.made_dance import dance
 

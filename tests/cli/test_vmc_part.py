@@ -6,17 +6,17 @@ import socket
 import numpy as np
 import pytest
 
+from live.app.services.psn_part import make_psn
+from live.app.services.vmc_part import make_vmc
+from live.app.wish import Wish
 from live.base.errors import PersonError
 from live.base.inbox import Inbox
-from live.cli.psn_part import make_psn
-from live.cli.vmc_part import make_vmc
-from live.cli.wish import Wish
-from live.clock.source import ManualClock
-from live.control.vmc_playing import play_clip
-from live.motion.captured.packed_pose import unpack_pose
+from live.clock.time_source import ManualClock
+from live.control.capture.vmc_playing import play_clip
 from live.motion.clip import Clip
-from live.show.patch_file import parse_patch
-from live.show.venue import Venue
+from live.motion.packed_pose import unpack_pose
+from live.show.patch.patch_file import parse_patch
+from live.show.venue.venue import Venue
 from tests.cli.command import run_live
 from tests.control.test_vmc_stream import poses, stream
 from tests.show.made_show import PATCH, made_show

@@ -5,9 +5,9 @@ import stat
 
 import pytest
 
+from live.app.services.web_key import kept_key, key_file, parse_web
+from live.app.wish import Wish
 from live.base.errors import PersonError
-from live.cli.web_key import kept_key, key_file, parse_web
-from live.cli.wish import Wish
 
 
 @pytest.fixture(autouse=True)

@@ -4,12 +4,12 @@ from types import SimpleNamespace
 
 import pytest
 
+from live.app.window_operator import Operator
 from live.base.inbox import Inbox
-from live.base.stage_view import Camera, Look, Scene
-from live.cli.window_operator import Operator
-from live.control import events
+from live.base.stage_snapshot import Camera, Look, Scene
+from live.control.events import events
 from live.render.camera import pixel_of
-from live.render.window_input import (
+from live.render.window.window_input import (
     CloseRequested,
     KeyPressed,
     MonitorsChanged,

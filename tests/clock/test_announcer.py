@@ -5,7 +5,7 @@ from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
-from live.clock.announcer import BIAS, LATEST, LEAD, Announcer
+from live.clock.beat_announcer import BIAS, LATEST, LEAD, Announcer
 from live.clock.estimate import BeatEstimate
 
 HOP = 0.0116

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from live.clock.aubio_tracker import SILENT_AFTER, AubioTracker
 from live.clock.estimate import BeatEstimate, Samples
+from live.clock.tracking.aubio_tracker import SILENT_AFTER, AubioTracker
 from tests.clock.clicks import clicks, groove
 
 RATE = 44_100

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import pytest
 
-from live.clock.follow import SLEW_UNLOCKED, TimelineFollower
+from live.clock.follower.timeline_follower import SLEW_UNLOCKED, TimelineFollower
 from live.clock.ticks import TICK
 
 

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from live.clock.clock_report import ClockErrors, ClockReport, TrueBeat, errors_of, replay
-from live.clock.midi_clock import ClockBeat, ClockState, MidiClock, News
+from live.clock.midi.clock_report import ClockErrors, ClockReport, TrueBeat, errors_of, replay
+from live.clock.midi.midi_clock import ClockBeat, ClockState, MidiClock, News
 from tests.clock.midi_streams import Stream, make_stream, ramp, steady, steps, swing
 
 PULSE = (0xF8,)

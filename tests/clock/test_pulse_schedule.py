@@ -5,8 +5,8 @@ from itertools import pairwise
 
 import pytest
 
-from live.clock.midi_clock import ClockBeat, MidiClock
-from live.clock.pulse_schedule import PulseSchedule
+from live.clock.midi.midi_clock import ClockBeat, MidiClock
+from live.clock.midi.pulse_schedule import PulseSchedule
 from live.clock.timeline import Timeline
 
 Sent = list[tuple[float, bytes]]

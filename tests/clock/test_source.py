@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from live.clock.source import ManualClock, SystemClock
+from live.clock.time_source import ManualClock, SystemClock
 
 
 def test_manual_clock_moves_only_when_told() -> None:

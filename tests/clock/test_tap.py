@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.clock.tap import TapTempo
+from live.clock.tap_tempo import TapTempo
 
 
 def test_three_taps_make_a_grid() -> None:

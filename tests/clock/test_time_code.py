@@ -5,8 +5,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from live.clock.midi_clock import ClockBeat, ClockState, News
-from live.clock.time_code import FRAMES, SPEEDS, TimeCodeClock, frame_number
+from live.clock.midi.midi_clock import ClockBeat, ClockState, News
+from live.clock.midi.time_code import FRAMES, SPEEDS, TimeCodeClock, frame_number
 
 Time = tuple[int, int, int, int]
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from live.clock.estimate import BeatEstimate, Samples
-from live.clock.hearing.onsets import Onsets
 from live.clock.quiet import SILENT_AFTER
-from live.clock.tracker import Tracker
+from live.clock.tracking.beat_tracker import Tracker
+from live.clock.tracking.onset_strength import Onsets
 from tests.clock.clicks import clicks
 
 RATE = 44_100

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from live.control.midi_ports import MidiUnavailable, rtmidi
+from live.control.midi.midi_ports import MidiUnavailable, rtmidi
 from tests.control.waiting import wait_for
 
 PERIOD = "256"

@@ -7,8 +7,8 @@ import time
 from pythonosc.osc_message_builder import OscMessageBuilder
 
 from live.base.inbox import Inbox
-from live.clock.source import ManualClock
-from live.control.osc import OscInput
+from live.clock.time_source import ManualClock
+from live.control.osc.osc_server import OscInput
 
 DEADLINE_S = 20.0
 

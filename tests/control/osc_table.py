@@ -4,7 +4,7 @@ An address, the arguments of liblo's oscsend (type tags, then a value for each t
 """
 
 from live.base.picture import OF_GROUPS
-from live.control import events
+from live.control.events import events
 from tests.control.osc_stage import STAMP
 
 

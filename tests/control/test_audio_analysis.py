@@ -5,11 +5,11 @@ from collections import deque
 import numpy as np
 import pytest
 
-from live.clock.following.seed import Seed
-from live.clock.tracker import Tracker
-from live.control.audio_analysis import AudioAnalysis
-from live.control.events import BeatHeard, ControlEvent, SourceChanged
-from live.control.trackers import TrackerName
+from live.clock.follower.seed import Seed
+from live.clock.tracking.beat_tracker import Tracker
+from live.control.audio.audio_analysis import AudioAnalysis
+from live.control.audio.trackers import TrackerName
+from live.control.events.events import BeatHeard, ControlEvent, SourceChanged
 from tests.clock.clicks import clicks
 
 RATE = 44_100

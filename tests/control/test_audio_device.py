@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from live.base.inbox import Inbox
-from live.clock.follow import TimelineFollower
-from live.clock.source import SystemClock
-from live.control.audio_device import AudioInput
-from live.control.events import BeatHeard, ControlEvent, SourceChanged
-from live.show.clock_events import tell
+from live.clock.follower.timeline_follower import TimelineFollower
+from live.clock.time_source import SystemClock
+from live.control.audio.audio_device import AudioInput
+from live.control.events.events import BeatHeard, ControlEvent, SourceChanged
+from live.show.sound.clock_commands import tell
 from tests.clock.clicks import groove
 from tests.control.conftest import PulseSink
 from tests.control.test_music_file import write_wav

@@ -5,12 +5,12 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from live.clock.aubio_tracker import AubioTracker
-from live.clock.hearing.hearing import Hearing
-from live.clock.hearing.network import Network
-from live.control import beat_network
-from live.control.beat_network import beat_weights
-from live.control.trackers import make_tracker
+from live.clock.tracking.aubio_tracker import AubioTracker
+from live.clock.tracking.hearing import Hearing
+from live.clock.tracking.network import Network
+from live.control.audio import beat_network
+from live.control.audio.beat_network import beat_weights
+from live.control.audio.trackers import make_tracker
 from tests.clock.clicks import groove
 
 RATE = 44_100

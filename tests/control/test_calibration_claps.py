@@ -5,7 +5,7 @@ import numpy.typing as npt
 import pytest
 
 from live.base.errors import PersonError
-from live.control.calibration_claps import clap_offset, find_claps
+from live.control.audio.latency_claps import clap_offset, find_claps
 
 Float64 = npt.NDArray[np.float64]
 FLASHES = 2.0 + np.arange(24) * 0.75

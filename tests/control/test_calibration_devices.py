@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.clock.source import ManualClock, SystemClock
-from live.control import calibration_devices
-from live.control.calibration import RoundTrip, measure, sweep_train
-from live.control.calibration_devices import Microphone, play_and_record
-from live.control.channels import Channels
-from live.control.sound_devices import SoundDevice, find_device
+from live.clock.time_source import ManualClock, SystemClock
+from live.control.audio import calibration_devices
+from live.control.audio.calibration import RoundTrip, measure, sweep_train
+from live.control.audio.calibration_devices import Microphone, play_and_record
+from live.control.audio.channel_mixer import Channels
+from live.control.audio.sound_devices import SoundDevice, find_device
 from tests.control.conftest import PulseSink
 
 BLOCK = 480

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from live.base.errors import PersonError
-from live.control.channels import Channels, Mixer
+from live.control.audio.channel_mixer import Channels, Mixer
 
 RATE = 48_000.0
 BLOCK = 512

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.clock.source import ManualClock, SystemClock
+from live.clock.time_source import ManualClock, SystemClock
 from live.clock.timeline import Timeline
-from live.control import click_output
-from live.control.calibration_devices import Microphone
-from live.control.channels import Channels
-from live.control.click_output import ClickOutput
-from live.control.sound_devices import SoundDevice, UnknownDevice, find_device
-from live.show.tap_voices import ACCENT_HZ, BEAT_HZ, click_voices
+from live.control.audio import click_output
+from live.control.audio.calibration_devices import Microphone
+from live.control.audio.channel_mixer import Channels
+from live.control.audio.click_output import ClickOutput
+from live.control.audio.sound_devices import SoundDevice, UnknownDevice, find_device
+from live.show.sound.tap_voices import ACCENT_HZ, BEAT_HZ, click_voices
 from tests.control.conftest import PulseSink
 from tests.control.waiting import wait_for
 

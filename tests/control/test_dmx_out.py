@@ -6,12 +6,12 @@ import struct
 import numpy as np
 import pytest
 
-from live.clock.source import ManualClock, SystemClock
+from live.clock.time_source import ManualClock, SystemClock
 from live.clock.timeline import Timeline
-from live.control.dmx_chart import LEVEL, USUAL, Channel, Chart, widths_of
-from live.control.dmx_out import ArtnetSender, DmxOut, SacnSender, Universe
-from live.control.helper import Helper
-from live.control.registry import REGISTRY
+from live.control.dmx_mapping import LEVEL, USUAL, Channel, Chart, widths_of
+from live.control.dmx_output import ArtnetSender, DmxOut, SacnSender, Universe
+from live.control.helper_process import Helper
+from live.control.registry.registry import REGISTRY
 from tests.control.waiting import wait_for
 
 TIMELINE = Timeline(120.0, beats_per_measure=4)  # a beat is half a second
@@ -118,7 +118,7 @@ def test_the_process_sends_rows_until_the_show_has_gone(lamp):
         "channels": [(1, "tempo", 1, 1.0, False), (2, "feet", 1, 1e3, False)],
         "half": (6, 4),
     }
-    helper = Helper("live.control.dmx_out", SystemClock(), plan, lambda: None)
+    helper = Helper("live.control.dmx_output", SystemClock(), plan, lambda: None)
     helper.start()
     try:
         helper.send(("timeline", (90.0, 0.0, 0.0, 4, 0.0)))

@@ -4,8 +4,8 @@ from dataclasses import asdict, fields
 
 import pytest
 
-from live.control.event_json import event_from_json, event_to_json
-from live.control.events import EVENT_TYPES
+from live.control.events.event_json import event_from_json, event_to_json
+from live.control.events.events import EVENT_TYPES
 
 VALUES = {"float": 0.1, "int": 3, "bool": True, "str": "ä word"}
 

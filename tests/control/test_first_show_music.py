@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.clock.follow import TimelineFollower
+from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
-from live.control.events import BeatHeard
-from live.control.music_file import Music, OfflineMusic, read_music
+from live.control.audio.music_file import Music, OfflineMusic, read_music
+from live.control.events.events import BeatHeard
 from tools import compose_first_show as piece
 
 FILE = Path(__file__).parents[2] / "patches" / "music" / "first_show.ogg"

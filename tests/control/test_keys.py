@@ -1,9 +1,9 @@
 import pytest
 
-from live.control import events
-from live.control.keys import FORMATION_KEYS, KEYS, event_for_formation, event_for_key, help_lines
+from live.control.events import events
+from live.control.keyboard import FORMATION_KEYS, KEYS, event_for_formation, event_for_key, help_lines
 from live.control.pointer import TOOLS
-from live.control.registry import REGISTRY
+from live.control.registry.registry import REGISTRY
 
 
 @pytest.mark.parametrize(

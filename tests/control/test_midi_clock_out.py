@@ -4,11 +4,11 @@ from typing import cast
 
 import pytest
 
-from live.clock.pulse_schedule import Due
-from live.clock.source import SystemClock
+from live.clock.midi.pulse_schedule import Due
+from live.clock.time_source import SystemClock
 from live.clock.timeline import Timeline
-from live.control.midi_clock_out import MidiClockOut
-from live.control.midi_ports import OpenPort
+from live.control.midi.midi_clock_output import MidiClockOut
+from live.control.midi.midi_ports import OpenPort
 from tests.control.waiting import wait_for
 
 

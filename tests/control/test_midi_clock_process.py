@@ -4,10 +4,10 @@ import subprocess
 
 import pytest
 
-from live.clock.source import ManualClock, SystemClock
+from live.clock.time_source import ManualClock, SystemClock
 from live.clock.timeline import Timeline
-from live.control import midi_clock_process
-from live.control.midi_clock_process import MidiClockProcess
+from live.control.midi import midi_clock_process
+from live.control.midi.midi_clock_process import MidiClockProcess
 from tests.control.waiting import wait_for
 
 

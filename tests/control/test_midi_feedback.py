@@ -1,9 +1,9 @@
 """Lights of pads and motor faders: told what is, at a bounded rate, and not what their own hand does."""
 
-from live.control.midi_binding import Binding
-from live.control.midi_feedback import AT_ONCE, EVERY, OWN, MidiFeedback
-from live.control.midi_map import MidiMap
-from live.control.values import Values
+from live.control.midi.midi_binding import Binding
+from live.control.midi.midi_feedback import AT_ONCE, EVERY, OWN, MidiFeedback
+from live.control.midi.midi_mapping import MidiMap
+from live.control.registry.values import Values
 
 RIM, DARK, TEMPO = "/dance/light/rim", "/dance/blackout", "/dance/clock/tempo"
 

@@ -3,16 +3,16 @@
 import random
 
 from live.base.inbox import Inbox
+from live.clock.midi.time_code import TimeCodeClock
 from live.clock.note_energy import NoteEnergy
-from live.clock.source import ManualClock
-from live.clock.time_code import TimeCodeClock
-from live.control.control import RANKS
-from live.control.events import Blackout, ControlEvent, Go, SetPicture, Tap
-from live.control.midi_binding import Binding
-from live.control.midi_input import MidiInput
-from live.control.midi_learn import MidiLearn
-from live.control.midi_map import MidiMap
-from live.control.midi_tokens import MidiTokens
+from live.clock.time_source import ManualClock
+from live.control.events.events import Blackout, ControlEvent, Go, SetPicture, Tap
+from live.control.midi.midi_binding import Binding
+from live.control.midi.midi_input import MidiInput
+from live.control.midi.midi_learn import MidiLearn
+from live.control.midi.midi_mapping import MidiMap
+from live.control.midi.midi_tokens import MidiTokens
+from live.control.registry.control import RANKS
 
 RIM, DARK = "/dance/light/rim", "/dance/blackout"
 BINDINGS = (

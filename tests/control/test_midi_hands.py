@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from live.control import events
-from live.control.events import ControlEvent
-from live.control.midi_binding import BadBinding, Binding, joined
-from live.control.midi_hands import FINEST, MidiHands
-from live.control.midi_map import MidiMap
-from live.control.values import Values
+from live.control.events import events
+from live.control.events.events import ControlEvent
+from live.control.midi.channel_messages import FINEST, MidiHands
+from live.control.midi.midi_binding import BadBinding, Binding, joined
+from live.control.midi.midi_mapping import MidiMap
+from live.control.registry.values import Values
 
 TEMPO = "/dance/clock/tempo"
 

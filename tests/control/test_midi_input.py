@@ -6,13 +6,13 @@ from typing import cast
 import pytest
 
 from live.base.inbox import Inbox
-from live.clock.source import ManualClock
-from live.clock.time_code import TimeCodeClock
-from live.control import midi_input, midi_port_thread
-from live.control.events import BeatHeard, ControlEvent, SourceChanged, Tap
-from live.control.midi_input import MidiInput
-from live.control.midi_map import MidiMap
-from live.control.midi_ports import OpenPort, UnknownPort, match_port
+from live.clock.midi.time_code import TimeCodeClock
+from live.clock.time_source import ManualClock
+from live.control.events.events import BeatHeard, ControlEvent, SourceChanged, Tap
+from live.control.midi import midi_input, midi_port_thread
+from live.control.midi.midi_input import MidiInput
+from live.control.midi.midi_mapping import MidiMap
+from live.control.midi.midi_ports import OpenPort, UnknownPort, match_port
 from tests.control.waiting import wait_for
 
 

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from live.base.inbox import Inbox
-from live.clock.source import SystemClock
+from live.clock.time_source import SystemClock
 from live.clock.timeline import Timeline
-from live.control import midi_port_thread
-from live.control.events import BeatHeard, ControlEvent, SourceChanged, Tap
-from live.control.midi_clock_out import MidiClockOut
-from live.control.midi_input import MidiInput
-from live.control.midi_map import MidiMap
-from live.control.midi_output import MidiOutput
-from live.control.midi_ports import UnknownPort, abandon, find_port, rtmidi
+from live.control.events.events import BeatHeard, ControlEvent, SourceChanged, Tap
+from live.control.midi import midi_port_thread
+from live.control.midi.midi_clock_output import MidiClockOut
+from live.control.midi.midi_input import MidiInput
+from live.control.midi.midi_mapping import MidiMap
+from live.control.midi.midi_output import MidiOutput
+from live.control.midi.midi_ports import UnknownPort, abandon, find_port, rtmidi
 from tests.control.jack import JackServer, jack_server  # noqa: F401 - a fixture
 from tests.control.waiting import wait_for
 

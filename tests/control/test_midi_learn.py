@@ -4,9 +4,9 @@ import random
 
 import pytest
 
-from live.control.midi_binding import BadBinding, Binding
-from live.control.midi_hands import MidiHands
-from live.control.midi_learn import MidiLearn, values_of
+from live.control.midi.channel_messages import MidiHands
+from live.control.midi.midi_binding import BadBinding, Binding
+from live.control.midi.midi_learn import MidiLearn, values_of
 
 TEMPO, LARGER, SCENE, DARK = "/dance/clock/tempo", "/dance/motion/larger", "/dance/scene", "/dance/blackout"
 

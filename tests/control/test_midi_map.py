@@ -2,10 +2,10 @@
 
 import pytest
 
-from live.control import events
-from live.control.midi_map import DEFAULTS, BadBinding, Binding, MidiMap
-from live.show.patch_file import parse_patch
-from live.show.patch_places import PatchError
+from live.control.events import events
+from live.control.midi.midi_mapping import DEFAULTS, BadBinding, Binding, MidiMap
+from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_search_path import PatchError
 
 PATCH = 'name = "p"\n[[group]]\nname = "ember"\ndancers = 2\nsteps = ["walk"]\n'
 

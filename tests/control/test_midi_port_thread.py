@@ -5,8 +5,8 @@ from typing import cast
 
 import pytest
 
-from live.control.midi_port_thread import PortThread
-from live.control.midi_streams import Port, Receive
+from live.control.midi.midi_port_thread import PortThread
+from live.control.midi.midi_streams import Port, Receive
 
 
 class MadePort:

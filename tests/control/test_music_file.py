@@ -9,13 +9,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from live.clock.follow import TimelineFollower
-from live.clock.following.seed import Seed
+from live.clock.follower.seed import Seed
+from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
-from live.control import music_file
-from live.control.audio_analysis import AudioAnalysis
-from live.control.events import BeatHeard, ControlEvent, One, SourceChanged
-from live.control.music_file import Music, MusicFileError, OfflineMusic, read_music
+from live.control.audio import music_file
+from live.control.audio.audio_analysis import AudioAnalysis
+from live.control.audio.music_file import Music, MusicFileError, OfflineMusic, read_music
+from live.control.events.events import BeatHeard, ControlEvent, One, SourceChanged
 from tests.clock.clicks import clicks
 
 RATE = 44_100

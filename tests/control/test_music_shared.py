@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.clock.follow import TimelineFollower
+from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
-from live.control.events import BeatHeard, SourceChanged
-from live.control.music_file import OfflineMusic, read_music
+from live.control.audio.music_file import OfflineMusic, read_music
+from live.control.events.events import BeatHeard, SourceChanged
 
 BEATS = Path(__file__).resolve().parents[3] / "shared" / "beats" / "open"
 

@@ -2,15 +2,15 @@
 
 import pytest
 
-from live.control import events
+from live.control.events import events
 from live.control.layouts.surface import make_surface
-from live.control.midi_binding import Binding
-from live.control.midi_map import present
-from live.control.oscquery import Namespace
-from live.control.registry import REGISTRY
-from live.control.values import READABLE, Values
-from live.show.patch_file import parse_patch
-from live.show.said_names import names_of
+from live.control.midi.midi_binding import Binding
+from live.control.midi.midi_mapping import present
+from live.control.osc.oscquery_tree import Namespace
+from live.control.registry.registry import REGISTRY
+from live.control.registry.values import READABLE, Values
+from live.show.desk.completions import names_of
+from live.show.patch.patch_file import parse_patch
 from tests.control.test_osc_asking import ME, YOU, Asked
 from tests.show.made_show import PATCH
 

@@ -11,8 +11,8 @@ from pythonosc.osc_bundle_builder import OscBundleBuilder
 from pythonosc.osc_message import OscMessage
 from pythonosc.udp_client import SimpleUDPClient
 
-from live.clock.source import ManualClock
-from live.control import events
+from live.clock.time_source import ManualClock
+from live.control.events import events
 from tests.control.osc_stage import DEADLINE_S, PING, STAMP, TAP, Stage, message, wait_until
 
 

@@ -9,7 +9,7 @@ from pythonosc import osc_bundle_builder, osc_message, osc_packet
 from pythonosc.osc_bundle_builder import OscBundleBuilder
 from pythonosc.osc_message_builder import OscMessageBuilder
 
-from live.control.osc_decode import (
+from live.control.osc.osc_decode import (
     IMMEDIATELY,
     MAX_ARGUMENTS,
     MAX_BLOB_BYTES,
@@ -20,7 +20,7 @@ from live.control.osc_decode import (
     OscRejected,
     decode,
 )
-from live.control.rejections import Reason
+from live.control.registry.rejections import Reason
 
 
 def message(address, *arguments):

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from live.base.inbox import Inbox
-from live.control.event_json import is_finite
-from live.control.events import ControlEvent
-from live.control.osc_door import OscDoor
-from live.control.osc_encode import encode
-from live.control.registry import REGISTRY
+from live.control.events.event_json import is_finite
+from live.control.events.events import ControlEvent
+from live.control.osc.osc_encode import encode
+from live.control.osc.osc_handler import OscDoor
+from live.control.registry.registry import REGISTRY
 
 ROUNDS = 6
 FROM = ("127.0.0.1", 9999)

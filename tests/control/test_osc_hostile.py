@@ -5,9 +5,9 @@ import time
 
 from pythonosc.osc_bundle_builder import OscBundleBuilder
 
-from live.control import events
-from live.control.registry import REGISTRY, Registry
-from live.control.rejections import Reason
+from live.control.events import events
+from live.control.registry.registry import REGISTRY, Registry
+from live.control.registry.rejections import Reason
 from tests.control.osc_stage import PING, STAMP, TAP, Stage, message, wait_until
 
 

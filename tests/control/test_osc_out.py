@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from pythonosc.osc_packet import OscPacket
 
-from live.clock.source import ManualClock, SystemClock
+from live.clock.time_source import ManualClock, SystemClock
 from live.clock.timeline import Timeline
-from live.control.helper import Helper
-from live.control.osc_encode import MOST_BYTES, bundles, encode
-from live.control.osc_out import OUT, SENT, OscOut, Targets
-from live.control.packet import packet_of
+from live.control.helper_process import Helper
+from live.control.message_codec import packet_of
+from live.control.osc.osc_encode import MOST_BYTES, bundles, encode
+from live.control.osc.osc_output import OUT, SENT, OscOut, Targets
 from tests.control.waiting import wait_for
 
 TAGS = {OUT + name: tags for name, tags, _, _ in SENT}
@@ -120,7 +120,7 @@ def test_the_process_sends_and_is_started_again_when_it_is_killed():
     dump = subprocess.Popen([shutil.which("oscdump"), "-L", str(port)], stdout=subprocess.PIPE, text=True)
     clock, told = SystemClock(), []
     row = ("timeline", (300.0, 0.0, 0.0, 4, 0.0))
-    helper = Helper("live.control.osc_out", clock, {"targets": (("127.0.0.1", port),)}, lambda: told.append(row))
+    helper = Helper("live.control.osc.osc_output", clock, {"targets": (("127.0.0.1", port),)}, lambda: told.append(row))
     try:
         helper.start()
         helper.send(row)

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.control.osc_pattern import BadPattern, Matcher, is_pattern
-from live.control.registry import REGISTRY
+from live.control.osc.osc_pattern import BadPattern, Matcher, is_pattern
+from live.control.registry.registry import REGISTRY
 
 ADDRESSES = [control.address for control in REGISTRY]
 

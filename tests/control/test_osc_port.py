@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from live.base.lane import Lane
-from live.clock.source import ManualClock
-from live.control.osc import CannotListen, OscInput, PortBusy
+from live.clock.time_source import ManualClock
+from live.control.osc.osc_server import CannotListen, OscInput, PortBusy
 from tests.control.osc_stage import TAP, Stage
 
 

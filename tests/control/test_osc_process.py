@@ -3,12 +3,12 @@
 import socket
 import threading
 
-from live.base.allowance import BURST, FLOODED_PER_SECOND, PER_SECOND
 from live.base.inbox import Inbox
-from live.clock.source import SystemClock
-from live.control import events
-from live.control.osc_process import IN_A_PACKET, ON_THE_WAY, PACE, PATIENCE, Forward, OscRemote
-from live.control.packet import read_packet
+from live.base.processing_budget import BURST, FLOODED_PER_SECOND, PER_SECOND
+from live.clock.time_source import SystemClock
+from live.control.events import events
+from live.control.message_codec import read_packet
+from live.control.osc.osc_process import IN_A_PACKET, ON_THE_WAY, PACE, PATIENCE, Forward, OscRemote
 from tests.control.osc_stage import message
 from tests.control.waiting import wait_for
 

@@ -5,11 +5,11 @@ import struct
 
 import pytest
 
-from live.control import events
-from live.control.datagrams import AT_A_TIME, Datagrams
-from live.control.osc_sieve import ROUND, RUBBISH, OscSieve
-from live.control.registry import REGISTRY
-from live.control.rejections import Reason, Tally
+from live.control.events import events
+from live.control.osc.osc_prefilter import ROUND, RUBBISH, OscSieve
+from live.control.osc.udp_batch import AT_A_TIME, Datagrams
+from live.control.registry.registry import REGISTRY
+from live.control.registry.rejections import Reason, Tally
 from tests.control.osc_stage import STAMP, TAP, message, wait_until
 
 ME, YOU = ("127.0.0.1", 1), ("127.0.0.1", 2)

@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-from live.control.registry import REGISTRY
+from live.control.registry.registry import REGISTRY
 from tests.control.osc_stage import DEADLINE_S, wait_until
 from tests.control.osc_table import every_control
 

@@ -6,10 +6,10 @@ import time
 import numpy as np
 import pytest
 
-from live.control import events
 from live.control.audience.rules import Beat, Rules
-from live.control.event_json import register_events
-from live.control.packet import PacketError, packet_of, read_packet
+from live.control.events import events
+from live.control.events.event_json import register_events
+from live.control.message_codec import PacketError, packet_of, read_packet
 
 register_events()
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.control import events
+from live.control.events import events
 from live.control.pointer import MOST_POINTS, SHORTEST, TOOLS, event_for_place, event_for_stroke
 
 STAMP = {"time": 4.0, "source": "pointer"}

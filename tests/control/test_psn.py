@@ -10,13 +10,13 @@ import sys
 
 import pytest
 
+from live.app.services.psn_part import parse_psn
 from live.base.errors import PersonError
 from live.base.lane import Lane
-from live.cli.psn_part import parse_psn
-from live.clock.source import ManualClock
-from live.control.psn_decode import MAX_PACKET_BYTES, read_psn
-from live.control.psn_input import PsnFrames, PsnInput
-from live.control.rejections import Reason, Tally
+from live.clock.time_source import ManualClock
+from live.control.capture.psn_decode import MAX_PACKET_BYTES, read_psn
+from live.control.capture.psn_input import PsnFrames, PsnInput
+from live.control.registry.rejections import Reason, Tally
 from tests.control.psn_server import DATA, chunk, data_packet, header, info_packet, tracker
 from tests.control.waiting import wait_for
 
@@ -152,8 +152,8 @@ def test_places_come_into_the_inbox_by_name_when_they_are_news():
 MULTICAST = """
 import socket
 from live.base.lane import Lane
-from live.clock.source import SystemClock
-from live.control.psn_input import GROUP, PsnInput
+from live.clock.time_source import SystemClock
+from live.control.capture.psn_input import GROUP, PsnInput
 from tests.control.psn_server import data_packet, tracker
 from tests.control.waiting import wait_for
 lane = Lane()

@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.control import events
-from live.control.control import NAME_LENGTH, Argument, Control, Released, Reply
-from live.control.event_json import event_from_json, event_to_json
-from live.control.events import ControlEvent
-from live.control.registry import REGISTRY, Registry
-from live.control.rejections import Reason, Rejection, Tally, merged
+from live.control.events import events
+from live.control.events.event_json import event_from_json, event_to_json
+from live.control.events.events import ControlEvent
+from live.control.registry.control import NAME_LENGTH, Argument, Control, Released, Reply
+from live.control.registry.registry import REGISTRY, Registry
+from live.control.registry.rejections import Reason, Rejection, Tally, merged
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from live.control import sound_devices
-from live.control.sound_devices import SoundDevice, SoundUnavailable, UnknownDevice, find_again, find_device
+from live.control.audio import sound_devices
+from live.control.audio.sound_devices import SoundDevice, SoundUnavailable, UnknownDevice, find_again, find_device
 
 DEVICES = [
     SoundDevice(0, "HDA Intel: ALC295 (hw:0,0)", "ALSA", 2, 44_100.0, False),

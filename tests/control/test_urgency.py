@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from live.control import urgency
+from live.control import realtime_priority as urgency
 
 PR_GET_TIMERSLACK = 30
 

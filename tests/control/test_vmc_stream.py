@@ -7,16 +7,16 @@ import pytest
 
 from live.base.inbox import Inbox
 from live.base.lane import Lane
-from live.clock.source import ManualClock
-from live.control.capture_input import FLOOD
-from live.control.mocap_seats import ALONE, GONE_AFTER, Seat, Seats
-from live.control.rejections import Reason, Tally
-from live.control.vmc_encode import vmc_packets
-from live.control.vmc_input import VmcInput
-from live.control.vmc_stream import VmcStream
+from live.clock.time_source import ManualClock
+from live.control.capture.mocap_seats import ALONE, GONE_AFTER, Seat, Seats
+from live.control.capture.udp_input import FLOOD
+from live.control.capture.vmc_encode import vmc_packets
+from live.control.capture.vmc_input import VmcInput
+from live.control.capture.vmc_stream import VmcStream
+from live.control.registry.rejections import Reason, Tally
 from live.motion import quaternion
-from live.motion.captured.packed_pose import unpack_pose
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.packed_pose import unpack_pose
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from tests.control.test_vmc_decode import bundle, message
 from tests.control.waiting import wait_for

@@ -12,8 +12,8 @@ import time
 import aiohttp
 import pytest
 
-from live.cli.http_part import HttpPart
-from live.clock.source import SystemClock
+from live.app.services.http_part import HttpPart
+from live.clock.time_source import SystemClock
 from tests.end_to_end.browser import browser, needs_browser
 
 KEY = "a-key-of-the-tests-4711"
@@ -30,7 +30,7 @@ class Served:
             "key": KEY, "osc": self.show.getsockname(), "name": "a show", "half": (5.0, 3.0), "names": {},
             "hosts": list(hosts),
         }  # fmt: skip
-        self.part = HttpPart((at, 0), "--web", "live.control.web_server", lambda: plan, SystemClock())
+        self.part = HttpPart((at, 0), "--web", "live.control.web.web_server", lambda: plan, SystemClock())
 
     def __enter__(self):
         self.part.start()

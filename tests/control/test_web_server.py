@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from pythonosc.osc_message import OscMessage
 
-from live.cli.http_part import HttpPart
-from live.clock.source import SystemClock
-from live.control.web_server import PAGE
+from live.app.services.http_part import HttpPart
+from live.clock.time_source import SystemClock
+from live.control.web.web_server import PAGE
 from tests.control.waiting import wait_for
 from tests.end_to_end.browser import browser, needs_browser
 
@@ -32,7 +32,7 @@ class Page:
             "key": KEY, "hosts": [], "osc": self.show.getsockname(), "name": "a show", "half": (5.0, 3.0),
             "names": {"/dance/step": ["kick", "<b>turn</b>"]},
         }  # fmt: skip
-        self.part = HttpPart(("127.0.0.1", 0), "--web", "live.control.web_server", lambda: plan, SystemClock())
+        self.part = HttpPart(("127.0.0.1", 0), "--web", "live.control.web.web_server", lambda: plan, SystemClock())
 
     def __enter__(self):
         self.part.start()

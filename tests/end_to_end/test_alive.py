@@ -15,9 +15,9 @@ from typing import Any
 
 import pytest
 
-from live.cli.service_unit import Service
-from live.render.share_ring import ring_path
-from live.show.patch_places import PATCHES
+from live.app.systemd_unit import Service
+from live.render.film.shared_memory import ring_path
+from live.show.patch.patch_search_path import PATCHES
 from tests.alive.made_machines import free_port, pair_folders
 from tests.cli.command import run_live
 from tests.control.waiting import BUSY, wait_for

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.control.music_file import read_music
-from live.show.patch_places import PATCHES
+from live.control.audio.music_file import read_music
+from live.show.patch.patch_search_path import PATCHES
 from tests.end_to_end.conftest import children
 
 

@@ -9,12 +9,12 @@ from statistics import median
 import numpy as np
 import pytest
 
+from live.app.services.audience_service import AudiencePart
+from live.app.wish import Wish
 from live.base.inbox import Inbox
-from live.base.stage_view import Camera, Look, Scene
-from live.cli.audience_part import AudiencePart
-from live.cli.wish import Wish
-from live.clock.source import SystemClock
-from live.control import events
+from live.base.stage_snapshot import Camera, Look, Scene
+from live.clock.time_source import SystemClock
+from live.control.events import events
 from live.show.engine import Engine
 from live.show.status import Status
 from tests.control.waiting import wait_for

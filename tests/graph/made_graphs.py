@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from live.graph.layered import Edges
-from live.graph.specification import Specification, Wanted
+from live.graph.search.sequence_spec import Specification, Wanted
+from live.graph.search.viterbi import Edges
 
 
 @dataclass(frozen=True)

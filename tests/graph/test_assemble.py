@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from live.graph.assemble import LONGEST, assemble, edge_between
-from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
+from live.graph.render_dance import LONGEST, assemble, edge_between
+from live.graph.step_library import build_library
 from live.graph.takes import NO_TAKE
-from live.motion.forward import forward_kinematics, local_rotations
-from live.show.dancers import Dancers
-from live.show.variation import Variation
-from live.show.variety import Variety
+from live.motion.forward_kinematics import forward_kinematics, local_rotations
+from live.show.dancers.dancers import Dancers
+from live.show.dancers.variation import Variation
+from live.show.dancers.variety import Variety
 from tests.made_steps import made_steps
 from tests.steps_of_the_project import project_steps
 

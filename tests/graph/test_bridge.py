@@ -6,12 +6,12 @@ import math
 import numpy as np
 import pytest
 
-from live.graph.bridge import BASE_RATE, Recorded, _metric, _nearest, _windows, find_bridges
-from live.graph.bridge_clip import bridge_clip
-from live.graph.insertion import insert_clips
-from live.graph.library import build_library
+from live.graph.build.bridge import BASE_RATE, Recorded, _metric, _nearest, _windows, find_bridges
+from live.graph.build.bridge_clip import bridge_clip
+from live.graph.build.transition import all_pairs
+from live.graph.library_insert import insert_clips
 from live.graph.motion_graph import build_graph
-from live.graph.transition import all_pairs
+from live.graph.step_library import build_library
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.skeleton import JOINT_COUNT, SKELETON
@@ -91,8 +91,8 @@ def test_distances_are_those_of_whole_windows(graph):
 
 
 def position_of_windows(library, nodes, window):
-    from live.graph.library import window_samples
-    from live.graph.transition import clouds
+    from live.graph.build.transition import clouds
+    from live.graph.step_library import window_samples
 
     length = (library.node_last[nodes] - library.node_first[nodes]) * window
     return clouds(library, window_samples(library.node_last[nodes] - length, library.node_last[nodes], 9))

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.graph.assemble import assemble
-from live.graph.candidates import OPPOSITE, find_candidates, measure_ways, opposite
-from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
-from live.graph.placing import begun
+from live.graph.render_dance import assemble
+from live.graph.select.candidates import OPPOSITE, find_candidates, measure_ways, opposite
+from live.graph.select.placing import begun
+from live.graph.step_library import build_library
 from live.graph.takes import NO_TAKE
 from live.motion.editing.interpolate import interpolate
 from live.motion.editing.rotation_insertion import insert_rotation

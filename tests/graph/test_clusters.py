@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from live.graph.build.transition import all_pairs, transition_windows
 from live.graph.clusters import connectivity, leads, nearest_steps, structural_components
-from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
-from live.graph.structure import may_follow
-from live.graph.transition import all_pairs, transition_windows
+from live.graph.step_library import build_library
+from live.graph.transition_rules import may_follow
 from tests.made_steps import made_clip, made_steps
 
 

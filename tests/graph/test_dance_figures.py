@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from live.graph.assemble import assemble
-from live.graph.dance_figures import DanceFigures, RawClips, list_and_p95, median_and_p95, ratio
-from live.graph.library import build_library
+from live.graph.dance_metrics import DanceFigures, RawClips, list_and_p95, median_and_p95, ratio
 from live.graph.motion_graph import build_graph
-from live.graph.path import Targets
-from live.motion.forward import forward_kinematics
+from live.graph.render_dance import assemble
+from live.graph.search.path import Targets
+from live.graph.step_library import build_library
+from live.motion.forward_kinematics import forward_kinematics
 from live.motion.quality.smoothness import at_samples
 from tests.made_steps import made_clip
 from tests.steps_of_the_project import project_steps

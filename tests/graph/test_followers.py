@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from live.graph.followers import followers
-from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
+from live.graph.step_library import build_library
 from tests.made_steps import made_clip, made_steps
 
 

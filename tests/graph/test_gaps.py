@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.graph.gaps import find_gaps
-from live.graph.layered import CostToGo, Edges, cheapest
+from live.graph.search.gaps import find_gaps
+from live.graph.search.viterbi import CostToGo, Edges, cheapest
 from tests.graph.made_graphs import MadeGraph, made_edges, made_graph, made_specification
 
 

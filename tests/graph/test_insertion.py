@@ -8,14 +8,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.graph.insertion import insert_clips, stranded
-from live.graph.joins import Boundaries, Joins
-from live.graph.library import StepLibrary, build_library
-from live.graph.metric.flat import FlatClouds
-from live.graph.moments.moments import Moments
+from live.graph.build.flat import FlatClouds
+from live.graph.build.joins import Boundaries, Joins
+from live.graph.library_insert import insert_clips, stranded
+from live.graph.moments import Moments
 from live.graph.motion_graph import MotionGraph, build_graph
+from live.graph.step_library import StepLibrary, build_library
 from live.graph.takes import Takes
-from live.motion.posing.pipeline import ClipStore
+from live.motion.pose.pose_pipeline import ClipStore
 from tests.made_steps import made_clip, made_steps
 
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from live.graph.interval import retimed
-from live.graph.joins import JoinRule
-from live.graph.library import build_library
+from live.graph.build.interval import retimed
+from live.graph.build.joins import JoinRule
 from live.graph.motion_graph import build_graph
+from live.graph.step_library import build_library
 from live.motion import quaternion
 from live.motion.skeleton import SKELETON
 from tests.made_steps import made_clip, made_steps

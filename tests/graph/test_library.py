@@ -2,7 +2,7 @@
 
 import pytest
 
-from live.graph.library import build_library
+from live.graph.step_library import build_library
 from tests.made_steps import SAMPLES_PER_BEAT, made_steps
 
 

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from live.graph.library import build_library
-from live.graph.missing import find_missing
 from live.graph.motion_graph import build_graph
-from live.graph.sequence import NoPath, find_sequence
-from live.graph.specification import specify
-from live.graph.wanted import parse_sequence
+from live.graph.search.missing import find_missing
+from live.graph.search.sequence import NoPath, find_sequence
+from live.graph.search.sequence_spec import specify
+from live.graph.search.wanted import parse_sequence
+from live.graph.step_library import build_library
 from live.motion.mirror import mirror_step
 from tests.made_steps import made_clip
 

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.graph.library import build_library
-from live.graph.metric.weights import Metric
+from live.graph.build.transition import all_pairs, transition_windows
+from live.graph.build.weights import Metric
 from live.graph.motion_graph import NEVER, allowed_edges, build_graph, largest_component
-from live.graph.transition import all_pairs, transition_windows
+from live.graph.step_library import build_library
 from tests.made_steps import made_clip, made_steps
 
 

@@ -8,14 +8,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.graph.assemble import assemble, edge_between
-from live.graph.candidates import find_candidates
-from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
-from live.graph.path import Targets, follow_line, smoothed
-from live.graph.path_search import WRONG, follow_path
+from live.graph.render_dance import assemble, edge_between
+from live.graph.search.path import Targets, follow_line, smoothed
+from live.graph.search.path_search import WRONG, follow_path
+from live.graph.search.wrong_steps import ANY, cost_to_go
+from live.graph.select.candidates import find_candidates
+from live.graph.step_library import build_library
 from live.graph.takes import NO_TAKE
-from live.graph.wrong_steps import ANY, cost_to_go
 from tests.made_steps import made_clip, made_steps
 from tests.steps_of_the_project import project_steps
 
@@ -211,7 +211,7 @@ def test_corrections_close_what_the_clips_leave_open(graph, candidates):
 
 def test_of_too_many_candidates_the_nearest_are_tried(graph, candidates, monkeypatch):
     """Of some 900 rows for each of the hypotheses only 1500 in all: the path is still followed."""
-    monkeypatch.setattr("live.graph.path_search.MOST_ROWS", 1500)
+    monkeypatch.setattr("live.graph.search.path_search.MOST_ROWS", 1500)
     targets = smoothed(follow_line(SQUARE, 32))
     walk = np.full(32, graph.library.steps.index("walk"))
     followed = follow_path(graph, targets, seconds=2.0, wanted=walk, candidates=candidates, beam=24)

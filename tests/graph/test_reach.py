@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from live.graph.candidates import find_candidates
-from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
-from live.graph.path import follow_line
-from live.graph.path_search import follow_path
-from live.graph.path_words import path_lacks
-from live.graph.reach import DIRECTIONS, direction_of, reach_of
+from live.graph.search.path import follow_line
+from live.graph.search.path_search import follow_path
+from live.graph.search.path_words import path_lacks
+from live.graph.select.candidates import find_candidates
+from live.graph.select.reach import DIRECTIONS, direction_of, reach_of
+from live.graph.step_library import build_library
 from tests.made_steps import made_clip
 
 

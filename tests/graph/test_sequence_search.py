@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.graph.depth_first import SearchTooLong, depth_first
-from live.graph.layered import CostToGo, cheapest
+from live.graph.search.depth_first_reference import SearchTooLong, depth_first
+from live.graph.search.viterbi import CostToGo, cheapest
 from tests.graph.made_graphs import MadeGraph, every_dance, made_edges, made_graph, made_specification
 
 ECHAPPE, COURU = 0, 1

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from live.graph.library import build_library, joined_library
-from live.graph.storage.kernels import one_sign
-from live.graph.storage.mean_poses import mean_poses
+from live.graph.mean_poses import mean_poses
+from live.graph.step_library import build_library, joined_library
+from live.graph.storage_kernels import one_sign
 from live.motion import quaternion
-from live.motion.posing.pipeline import mean_pose
+from live.motion.pose.pose_pipeline import mean_pose
 from tests.made_steps import made_clip, made_steps
 
 

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
-from live.graph.stream import random_walk
+from live.graph.random_walk import random_walk
+from live.graph.step_library import build_library
 from tests.made_steps import made_clip, made_steps
 
 

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
-from live.graph.structure import begun_side, may_follow, plain_pose, unmatched_poses
+from live.graph.step_library import build_library
+from live.graph.transition_rules import begun_side, may_follow, plain_pose, unmatched_poses
 from live.motion.mirror import mirror_step
 from tests.made_steps import made_clip
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from live.graph.library import build_library
+from live.graph.step_library import build_library
 from live.graph.takes import NO_TAKE, find_takes
-from live.motion.editing.same_step import check_same_structure
+from live.motion.same_step import check_same_structure
 from tests.made_steps import made_clip, made_steps
 
 

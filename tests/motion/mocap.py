@@ -7,8 +7,9 @@ from typing import Any
 
 import pytest
 
-from live.motion.bvh import BvhMotion, parse_bvh, source_of_bvh
-from live.motion.source_motion import SourceMotion
+from live.motion.formats.parse import BvhMotion, parse_bvh
+from live.motion.formats.source import source_of_bvh
+from live.motion.formats.source_motion import SourceMotion
 
 MOCAP = Path(__file__).resolve().parents[3] / "shared" / "mocap"
 

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from live.motion.amass import NAMES, STATURE, parse_amass
-from live.motion.file_error import MotionFileError
-from live.motion.forward import forward_kinematics
-from live.motion.joint_map import map_joints
-from live.motion.retarget import retarget
+from live.motion.formats.amass import NAMES, STATURE, parse_amass
+from live.motion.formats.file_error import MotionFileError
+from live.motion.formats.source_pose import LocalPose, world_pose
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.retarget.joint_mapping import map_joints
+from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import SKELETON
-from live.motion.source_pose import LocalPose, world_pose
 from tests.motion.test_bvh_fuzz import attempt
 
 

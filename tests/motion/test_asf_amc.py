@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from live.motion import quaternion
-from live.motion.acclaim_skeleton import AcclaimSkeleton
-from live.motion.amc import parse_amc
-from live.motion.asf import parse_asf
-from live.motion.file_error import MotionFileError
-from live.motion.joint_map import find_body, map_joints
-from live.motion.retarget import retarget
-from live.motion.source_axes import body_height, find_unit, leg_length, standing_pose
-from live.motion.source_motion import SourceMotion
+from live.motion.formats.acclaim_motion import parse_amc
+from live.motion.formats.acclaim_skeleton import AcclaimSkeleton
+from live.motion.formats.asf import parse_asf
+from live.motion.formats.file_error import MotionFileError
+from live.motion.formats.source_axes import body_height, find_unit, leg_length, standing_pose
+from live.motion.formats.source_motion import SourceMotion
+from live.motion.retarget.joint_mapping import find_body, map_joints
+from live.motion.retarget.retarget import retarget
 from tests.motion.mocap import mocap_file, mocap_motion
 
 ASF = """# a comment

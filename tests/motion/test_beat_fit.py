@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.motion.beat_fit import fit_free_period, fit_known_period
+from live.motion.beats.beat_grid_fit import fit_free_period, fit_known_period
 
 OFFSETS = st.floats(0.0, 3.0)
 TEMPI = st.floats(50.0, 200.0)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from live.motion.body_tracks import body_tracks
-from live.motion.file_error import MotionFileError
-from live.motion.source_motion import SourceMotion
+from live.motion.formats.file_error import MotionFileError
+from live.motion.formats.source_motion import SourceMotion
+from live.motion.retarget.body_tracks import body_tracks
 from tests.motion.made_source import NAMES, lively, source, still
 
 

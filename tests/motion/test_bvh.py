@@ -5,8 +5,9 @@ import time
 import numpy as np
 import pytest
 
-from live.motion.bvh import MotionFileError, parse_bvh
-from live.motion.bvh.hierarchy import JOINT_LIMIT
+from live.motion.formats.bvh_header import JOINT_LIMIT
+from live.motion.formats.file_error import MotionFileError
+from live.motion.formats.parse import parse_bvh
 
 SMALL = """HIERARCHY
 ROOT A
@@ -172,7 +173,7 @@ def test_depth_costs_nothing_and_has_a_limit() -> None:
 
 
 def test_too_many_numbers_are_refused_before_they_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("live.motion.bvh.numbers.VALUE_LIMIT", 17)
+    monkeypatch.setattr("live.motion.formats.bvh_numbers.VALUE_LIMIT", 17)
     with pytest.raises(MotionFileError, match="more than 17 numbers"):
         parse_bvh(SMALL, "x")
 

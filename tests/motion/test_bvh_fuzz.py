@@ -8,8 +8,10 @@ from typing import TypeVar
 import numpy as np
 import pytest
 
-from live.motion.bvh import MotionFileError, parse_bvh, source_of_bvh
-from live.motion.retarget import retarget
+from live.motion.formats.file_error import MotionFileError
+from live.motion.formats.parse import parse_bvh
+from live.motion.formats.source import source_of_bvh
+from live.motion.retarget.retarget import retarget
 from tests.motion.made_bvh import body_bvh, danced
 
 Result = TypeVar("Result")

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from live.motion.bvh.numbers import HARD_LIMIT, line_at, read_numbers
-from live.motion.file_error import MotionFileError
+from live.motion.formats.bvh_numbers import HARD_LIMIT, line_at, read_numbers
+from live.motion.formats.file_error import MotionFileError
 
 decimals = st.from_regex(r"[+-]?(\d{1,25}\.?\d{0,25}|\.\d{1,25})([eE][+-]?\d{1,3})?", fullmatch=True).filter(
     lambda word: word.isascii()

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.motion.clap_sync import sync_to_claps, sync_to_click, sync_to_song
-from live.motion.claps import Clap
-from live.motion.music_reference import MusicReference, set_by_hand
+from live.motion.beats.clap_sync import sync_to_claps, sync_to_click, sync_to_song
+from live.motion.beats.claps import Clap
+from live.motion.beats.music_reference import MusicReference, set_by_hand
 
 
 def claps(times: np.ndarray | list[float]) -> list[Clap]:

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from live.motion.body_tracks import body_tracks
-from live.motion.claps import find_claps
-from live.motion.source_motion import SourceMotion
+from live.motion.beats.claps import find_claps
+from live.motion.formats.source_motion import SourceMotion
+from live.motion.retarget.body_tracks import body_tracks
 from tests.motion.made_source import NAMES, clapping, source
 from tests.motion.mocap import mocap_motion
 

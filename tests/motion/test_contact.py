@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.motion.contact import TOES_OVER_SOLE, find_contacts
+from live.motion.foot_contact import TOES_OVER_SOLE, find_contacts
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
 
 RATE = 60.0

@@ -7,8 +7,8 @@ import pytest
 
 from live.motion.quality.feet import skates
 from live.motion.skeleton import SKELETON
-from live.motion.sketch import parse_sketch
-from live.motion.sketch_clip import step_clips
+from live.motion.sketch.sketch_clips import step_clips
+from live.motion.sketch.sketch_file import parse_sketch
 from live.motion.step_clip import DIRECTIONS, StepClip
 from tests.motion.sketch_measure import SIDES, first_and_last, joints, slide, soles
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from live.motion.feet_on_floor import find_floor
+from live.motion.retarget.floor_contact import find_floor
 
 
 def test_a_jump_stays_a_jump_and_a_drift_does_not() -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
 

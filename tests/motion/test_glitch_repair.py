@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from live.motion.body_tracks import body_tracks
-from live.motion.forward import forward_kinematics
-from live.motion.glitch_repair import Repair, repair
-from live.motion.glitches import find_glitches
-from live.motion.retarget import retarget
-from live.motion.run_in import find_beginning
+from live.motion.cleanup.glitch_repair import Repair, repair
+from live.motion.cleanup.glitches import find_glitches
+from live.motion.cleanup.trim_start import find_beginning
+from live.motion.formats.source_motion import SourceMotion
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.retarget.body_tracks import body_tracks
+from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import SKELETON
-from live.motion.source_motion import SourceMotion
 from tests.motion.made_source import NAMES, lively, source
 from tests.motion.mocap import mocap_motion
 

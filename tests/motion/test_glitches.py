@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from live.motion.body_tracks import body_tracks
-from live.motion.glitches import Glitch, find_glitches
-from live.motion.run_in import find_beginning
-from live.motion.source_motion import SourceMotion
+from live.motion.cleanup.glitches import Glitch, find_glitches
+from live.motion.cleanup.trim_start import find_beginning
+from live.motion.formats.source_motion import SourceMotion
+from live.motion.retarget.body_tracks import body_tracks
 from tests.motion.made_source import NAMES, lively, source
 from tests.motion.mocap import mocap_index, mocap_motion
 

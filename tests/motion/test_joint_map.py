@@ -2,10 +2,11 @@
 
 import pytest
 
-from live.motion.bvh import parse_bvh, source_of_bvh
-from live.motion.joint_map import find_body, map_joints, split_name
+from live.motion.formats.parse import parse_bvh
+from live.motion.formats.source import source_of_bvh
+from live.motion.formats.source_motion import SourceMotion
+from live.motion.retarget.joint_mapping import find_body, map_joints, split_name
 from live.motion.skeleton import SKELETON
-from live.motion.source_motion import SourceMotion
 from tests.motion.made_bvh import body_bvh, still
 from tests.motion.mocap import mocap_motion
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
 from live.motion.mirror import mirror_clip, mirror_step
 from live.motion.skeleton import MIRROR
-from live.motion.sketch import parse_sketch
-from live.motion.sketch_clip import step_clips
+from live.motion.sketch.sketch_clips import step_clips
+from live.motion.sketch.sketch_file import parse_sketch
 from live.motion.step_clip import DIRECTIONS, StepClip
 
 SKETCH = """

@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from live.motion.bvh import parse_bvh, source_of_bvh
-from live.motion.file_error import MotionFileError
-from live.motion.joint_map import find_body
-from live.motion.motion_facts import MotionFacts, SourceTracks, find_facts
-from live.motion.source_motion import SourceMotion
-from live.steps.motion_file import read_motion
+from live.library.motion_file import read_motion
+from live.motion.formats.file_error import MotionFileError
+from live.motion.formats.motion_facts import MotionFacts, SourceTracks, find_facts
+from live.motion.formats.parse import parse_bvh
+from live.motion.formats.source import source_of_bvh
+from live.motion.formats.source_motion import SourceMotion
+from live.motion.retarget.joint_mapping import find_body
 from tests.motion.made_bvh import body_bvh, column, danced, still
 from tests.motion.mocap import MOCAP, mocap_file, mocap_index
 

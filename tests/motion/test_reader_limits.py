@@ -8,12 +8,13 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from live.motion.amc import parse_amc
-from live.motion.asf import parse_asf
-from live.motion.bvh import parse_bvh, source_of_bvh
-from live.motion.file_error import MotionFileError
-from live.motion.retarget import retarget
-from live.motion.source_motion import SourceMotion
+from live.motion.formats.acclaim_motion import parse_amc
+from live.motion.formats.asf import parse_asf
+from live.motion.formats.file_error import MotionFileError
+from live.motion.formats.parse import parse_bvh
+from live.motion.formats.source import source_of_bvh
+from live.motion.formats.source_motion import SourceMotion
+from live.motion.retarget.retarget import retarget
 from tests.motion.mocap import mocap_file
 from tests.motion.test_asf_amc import AMC, ASF
 from tests.motion.test_bvh_fuzz import attempt, mutated

@@ -6,14 +6,16 @@ import numpy as np
 import pytest
 
 from live.motion import quaternion
-from live.motion.bvh import MotionFileError, parse_bvh, source_of_bvh
 from live.motion.clip import Clip
-from live.motion.forward import forward_kinematics
-from live.motion.joint_map import find_body
-from live.motion.retarget import retarget
+from live.motion.formats.file_error import MotionFileError
+from live.motion.formats.parse import parse_bvh
+from live.motion.formats.source import source_of_bvh
+from live.motion.formats.source_axes import standing_pose
+from live.motion.formats.source_motion import SourceMotion
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.retarget.joint_mapping import find_body
+from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import SKELETON
-from live.motion.source_axes import standing_pose
-from live.motion.source_motion import SourceMotion
 from tests.motion.made_bvh import STANDING_CM, body_bvh, column, danced, still
 from tests.motion.mocap import mocap_motion
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from live.motion.body_tracks import body_tracks
-from live.motion.run_in import Beginning, find_beginning
+from live.motion.cleanup.trim_start import Beginning, find_beginning
+from live.motion.retarget.body_tracks import body_tracks
 from tests.motion.made_source import lively, source, still
 from tests.motion.mocap import mocap_index, mocap_motion
 

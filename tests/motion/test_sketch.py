@@ -2,7 +2,7 @@
 
 import pytest
 
-from live.motion.sketch import MAX_KEYS, Key, Sketch, SketchError, parse_sketch
+from live.motion.sketch.sketch_file import MAX_KEYS, Key, Sketch, SketchError, parse_sketch
 
 PLAIN = """name = "plain"
 

@@ -3,8 +3,8 @@
 import pytest
 
 from live.motion.mirror import mirror_step, other_side
-from live.motion.sketch import SketchError, parse_sketch
-from live.motion.sketch_clip import step_clips
+from live.motion.sketch.sketch_clips import step_clips
+from live.motion.sketch.sketch_file import SketchError, parse_sketch
 
 TOLD = """name = "couru"
 leading_foot = "left"

@@ -6,8 +6,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from live.motion.skeleton import SKELETON
-from live.motion.sketch import Key, Sketch, SketchError, parse_sketch
-from live.motion.sketch_clip import TAIL_SAMPLES, step_clip, step_clips
+from live.motion.sketch.sketch_clips import TAIL_SAMPLES, step_clip, step_clips
+from live.motion.sketch.sketch_file import Key, Sketch, SketchError, parse_sketch
 from live.motion.step_clip import DIRECTIONS
 from tests.motion.sketch_measure import SIDES, first_and_last, joints, slide, soles
 

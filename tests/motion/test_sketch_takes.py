@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from live.motion.sketch import SketchError, parse_sketch
-from live.motion.sketch_clip import step_clip, step_clips
+from live.motion.sketch.sketch_clips import step_clip, step_clips
+from live.motion.sketch.sketch_file import SketchError, parse_sketch
 from live.motion.step_clip import DIRECTIONS
 
 PHRASE = """

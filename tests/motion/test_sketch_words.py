@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.motion.sketch_words import PARTS, WordError, read_counts, read_phrases
+from live.motion.sketch.sketch_notation import PARTS, WordError, read_counts, read_phrases
 
 
 @pytest.mark.parametrize(

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from live.motion.bvh import parse_bvh, source_of_bvh
-from live.motion.joint_map import SourceBody, find_body
-from live.motion.source_axes import (
+from live.motion.formats.parse import parse_bvh
+from live.motion.formats.source import source_of_bvh
+from live.motion.formats.source_axes import (
     ENGINE_LEG,
     body_height,
     find_unit,
@@ -13,7 +13,8 @@ from live.motion.source_axes import (
     leg_length,
     standing_pose,
 )
-from live.motion.source_motion import SourceMotion
+from live.motion.formats.source_motion import SourceMotion
+from live.motion.retarget.joint_mapping import SourceBody, find_body
 from tests.motion.made_bvh import STANDING_CM, body_bvh, column, danced, still
 
 

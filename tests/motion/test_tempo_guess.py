@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from live.library.sketch_folder import load_steps
 from live.motion import quaternion
+from live.motion.beats.dance_rhythm import rhythm_of
+from live.motion.beats.tempo_guess import CERTAIN, guess_tempo
 from live.motion.clip import Clip
-from live.motion.retarget import retarget
-from live.motion.rhythm import rhythm_of
+from live.motion.retarget.retarget import retarget
 from live.motion.step_clip import StepClip
-from live.motion.tempo_guess import CERTAIN, guess_tempo
-from live.steps.sketch_folder import load_steps
 from tests.motion.mocap import MOCAP, mocap_index, mocap_motion
 
 STEPS = Path(__file__).resolve().parents[2] / "patches" / "steps"

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from live.motion import quaternion
-from live.motion.alignment import SourcePoints
-from live.motion.joint_map import SourceBody
+from live.motion.retarget.joint_mapping import SourceBody
+from live.motion.retarget.rest_pose_alignment import SourcePoints
+from live.motion.retarget.trunk import PLACES, SPINE, neck_rotation, source_places, spine_rotations
 from live.motion.skeleton import SKELETON
-from live.motion.trunk import PLACES, SPINE, neck_rotation, source_places, spine_rotations
 
 X = np.array((1.0, 0.0, 0.0))
 

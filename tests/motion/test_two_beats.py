@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from live.motion.beats.two_beats import CLEAR, two_beat_lines
 from live.motion.clip import Clip
 from live.motion.skeleton import JOINT_COUNT, SKELETON
-from live.motion.two_beats import CLEAR, two_beat_lines
 
 RATE = 60.0
 SECONDS = 40.0

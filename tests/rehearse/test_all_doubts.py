@@ -5,8 +5,8 @@ import pytest
 from live.rehearse.all_doubts import all_doubts
 from live.rehearse.camera_doubts import camera_doubts
 from live.rehearse.span_doubts import TOLD, span_doubts
-from live.show.answers_check import answer_doubts
-from live.show.patch_file import parse_patch, read_patch
+from live.show.patch.call_response_check import answer_doubts
+from live.show.patch.patch_file import parse_patch, read_patch
 from tests.show.made_show import PATCH, made_show
 
 SECTIONS = '[[section]]\nname = "a"\nmeasures = 8\n[[section]]\nname = "b"\nmeasures = 4\n[[section]]\nname = "c"\n'
@@ -91,7 +91,7 @@ def test_calls_and_answers_that_do_not_fit(extra, words):
 
 @pytest.mark.parametrize("name", ["score", "cues", "formations", "pairs"])
 def test_the_shows_that_come_along_give_no_reason_for_doubt(name):
-    from live.show.patch_places import find_patch
+    from live.show.patch.patch_search_path import find_patch
 
     patch = read_patch(find_patch(name))
     assert [*span_doubts(patch), *camera_doubts(patch), *answer_doubts(patch)] == []

@@ -5,7 +5,7 @@ from itertools import islice, pairwise
 import numpy as np
 import pytest
 
-from live.control.events import BeatHeard, SourceChanged
+from live.control.events.events import BeatHeard, SourceChanged
 from live.rehearse.band import FASTEST, SLOWEST, FakeBand, Manners
 
 CALM = Manners(stop=0.0, fill=0.0, wrong_one=0.0, leap=0.0, drift=0.0)

@@ -9,17 +9,17 @@ import threading
 
 import pytest
 
-from live.rehearse.call_sites import Injected, Injector, Looker, Site, instead_of_tick
-from live.rehearse.chaos_acts import ACTS, STALLS
-from live.rehearse.chaos_checks import measures_of
-from live.rehearse.chaos_disk import SmallDisk
-from live.rehearse.chaos_inside import THREADS, raise_in_thread
-from live.rehearse.chaos_plan import DISK, ENDS_ENGINE, KINDS, blows
-from live.rehearse.chaos_tree import Tree, descriptors, few_descriptors, pressure, process
-from live.rehearse.chaos_virtual import Row, virtual_chaos
-from live.rehearse.fault_page import FaultPage, Word
+from live.rehearse.chaos.call_sites import Injected, Injector, Looker, Site, instead_of_tick
+from live.rehearse.chaos.fault_actions import ACTS, STALLS
+from live.rehearse.chaos.fault_page import FaultPage, Word
+from live.rehearse.chaos.fault_plan import DISK, ENDS_ENGINE, KINDS, blows
+from live.rehearse.chaos.injection import THREADS, raise_in_thread
+from live.rehearse.chaos.journal_checks import measures_of
+from live.rehearse.chaos.process_tree import Tree, descriptors, few_descriptors, pressure, process
+from live.rehearse.chaos.small_disk import SmallDisk
+from live.rehearse.chaos.virtual_run import Row, virtual_chaos
 from live.rehearse.soak_report import Plan
-from live.show.patch_places import find_patch
+from live.show.patch.patch_search_path import find_patch
 from tests.control.waiting import wait_for
 from tests.show.made_show import made_show
 
@@ -89,8 +89,8 @@ def test_a_failure_that_nothing_helps_against_is_a_problem_with_its_site(tmp_pat
         def run(self):
             raise RuntimeError("nothing has helped")
 
-    monkeypatch.setattr("live.rehearse.chaos_virtual.Recovery", Gives)
-    monkeypatch.setattr("live.rehearse.chaos_virtual.LOOKS_FOR", 2.0)
+    monkeypatch.setattr("live.rehearse.chaos.virtual_run.Recovery", Gives)
+    monkeypatch.setattr("live.rehearse.chaos.virtual_run.LOOKS_FOR", 2.0)
     plan = Plan(find_patch("score"), seed=2, hours=0.02, fps=16.0, faults=0.0)
     facts = virtual_chaos(plan, tmp_path, sites=2)
     assert not facts["ok"]
@@ -160,7 +160,7 @@ def test_the_page_is_one_for_all_processes(tmp_path):
     page = FaultPage(tmp_path / "page", make=True)
     page[Word.LEFT] = -3
     code = (
-        "import sys; from pathlib import Path; from live.rehearse.fault_page import FaultPage, Word\n"
+        "import sys; from pathlib import Path; from live.rehearse.chaos.fault_page import FaultPage, Word\n"
         "page = FaultPage(Path(sys.argv[1])); page[Word.RAISED] = page[Word.LEFT] + 10; page.close()"
     )
     subprocess.run([sys.executable, "-c", code, str(tmp_path / "page")], check=True)

@@ -4,8 +4,8 @@ import pytest
 
 from live.base.errors import PersonError
 from live.rehearse.edits import BAD, GOOD, Edits
-from live.show.patch_file import read_patch
-from live.show.patch_places import find_patch
+from live.show.patch.patch_file import read_patch
+from live.show.patch.patch_search_path import find_patch
 
 
 @pytest.mark.parametrize("name", [None, "score"])

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from live.rehearse.minimise import Trial, entries_of, loaded_for
-from live.show.journal_reading import read_journal
+from live.rehearse.journal_minimiser import Trial, entries_of, loaded_for
+from live.show.journal.journal_reading import read_journal
 
 KEPT = Path(__file__).parents[1] / "journals"
 MORE = 256

@@ -5,13 +5,13 @@ import json
 import pytest
 
 from live.clock.ticks import TICK
-from live.control.events import Attract, Blackout, ControlEvent
+from live.control.events.events import Attract, Blackout, ControlEvent
 from live.rehearse.failure import DIFFERENT, Failure
-from live.rehearse.minimise import Minimiser, Trial, entries_of, minimise, running
-from live.show.journal import line_of
-from live.show.journal_reading import read_journal
+from live.rehearse.journal_minimiser import Minimiser, Trial, entries_of, minimise, running
+from live.show.journal.journal import line_of
+from live.show.journal.journal_reading import read_journal
 from live.show.load import load_show
-from live.show.patch_places import find_patch
+from live.show.patch.patch_search_path import find_patch
 
 MEASURE = 100
 
@@ -110,6 +110,6 @@ def test_a_snapshot_that_leads_to_another_state_is_a_failure(loaded, monkeypatch
                 show.state.position[0, 0] += 0.001
             yield tick, begins
 
-    monkeypatch.setattr("live.rehearse.minimise.running", other)
+    monkeypatch.setattr("live.rehearse.journal_minimiser.running", other)
     failure = trial.run([_said(20, 1.0)], 500)
     assert failure.kind == DIFFERENT

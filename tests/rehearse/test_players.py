@@ -5,11 +5,11 @@ from itertools import islice, pairwise, takewhile
 import numpy as np
 import pytest
 
-from live.control.events import ControlEvent
-from live.control.registry import REGISTRY
+from live.control.events.events import ControlEvent
+from live.control.registry.registry import REGISTRY
 from live.rehearse.players import FakePlayers
 from live.rehearse.words import Words
-from live.show.patch_file import parse_patch
+from live.show.patch.patch_file import parse_patch
 from tests.show.desk_show import DESK
 from tests.show.made_show import PATCH
 

@@ -6,15 +6,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from live.base.stage_view import StageView
-from live.control.events import TicksSkipped
+from live.base.stage_snapshot import StageView
+from live.control.events.events import TicksSkipped
 from live.rehearse.faults import KINDS, Fault, faults
 from live.rehearse.mishaps import FAULTS
 from live.rehearse.proving import prove
 from live.rehearse.soak import Soak
 from live.rehearse.soak_report import Plan
 from live.rehearse.watching import Watching
-from live.show.patch_places import find_patch
+from live.show.patch.patch_search_path import find_patch
 
 
 @pytest.fixture(scope="module")

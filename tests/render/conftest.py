@@ -7,7 +7,7 @@ import moderngl
 import pytest
 
 from live.render.headless import NoOpenGL, create_headless_context
-from live.render.monitors import stop_glfw
+from live.render.window.monitors import stop_glfw
 from tests import two_monitor_x as x_server
 from tests.render.golden import check_golden
 from tests.two_monitor_x import TwoMonitorX

@@ -4,7 +4,7 @@ of the parent, on top of the rest pose."""
 import numpy as np
 import numpy.typing as npt
 
-from live.base.stage_view import StageView
+from live.base.stage_snapshot import StageView
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
 Float32 = npt.NDArray[np.float32]

@@ -7,9 +7,9 @@ from time import monotonic
 
 import pytest
 
-from live.render import awake
-from live.render.awake import PERIOD, Awake, x11_display
-from live.render.window import Window
+from live.render.window import screensaver as awake
+from live.render.window.screensaver import PERIOD, Awake, x11_display
+from live.render.window.window import Window
 from tests.two_monitor_x import TwoMonitorX
 
 

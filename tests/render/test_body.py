@@ -7,8 +7,8 @@ import numpy.typing as npt
 import pytest
 
 from live.motion.skeleton import BODY_HEIGHT, MIRROR, SKELETON
-from live.render.body import COARSE, FINE, LIGHT, BodyMesh, build_body
-from live.render.body_shape import BODY, Shape
+from live.render.body.body_mesh import COARSE, FINE, LIGHT, BodyMesh, build_body
+from live.render.body.implicit_surface import BODY, Shape
 
 LEVELS = (COARSE, LIGHT, FINE)
 

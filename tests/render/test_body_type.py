@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from live.base.bodies import BODIES, USUAL
-from live.render.body import COARSE, LIGHT, build_body
-from live.render.body_points import build_points
-from live.render.body_shape import BODY, Shape
-from live.render.body_type import TYPES, parts_of
+from live.render.body.body_mesh import COARSE, LIGHT, build_body
+from live.render.body.body_variants import TYPES, parts_of
+from live.render.body.implicit_surface import BODY, Shape
+from live.render.dancers.particle_points import build_points
 
 
 def half_width(name, height):

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.base.stage_view import Camera
+from live.base.stage_snapshot import Camera
 from live.render.camera import FAR, NEAR, covered, floor_point, pixel_of, projection, view_matrix, world_to_clip
 
 SIZE = (1280, 720)

@@ -6,9 +6,9 @@ import av
 import numpy as np
 import pytest
 
-from live.render.film import FilmError, FilmWriter
-from live.render.film_kinds import KINDS
-from live.render.film_sound import FilmSound
+from live.render.film.container_formats import KINDS
+from live.render.film.film_sound import FilmSound
+from live.render.film.film_writer import FilmError, FilmWriter
 from tests.render.test_film import decode, opened, tone
 
 SIZE = (96, 64)

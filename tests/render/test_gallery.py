@@ -11,17 +11,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from live.base.items import Item
-from live.base.perspective import floor_corners, matched
 from live.base.picture import ALONG, BY_ADDRESS, EYE, FOLLOWING, TARGET, camera_of, camera_values, picture_of
-from live.base.stage_view import Background, Camera
+from live.base.projector_perspective import floor_corners, matched
+from live.base.set_geometry import Item
+from live.base.stage_snapshot import Background, Camera
 from live.render.camera import pixel_of
 from live.render.quality import SOFTWARE
 from live.render.renderer import Renderer
-from live.show.camera_rig import CameraRig
-from live.show.parameters import turned
-from live.show.patch import Patch
-from live.show.views import view_settings
+from live.show.desk.camera_rig import CameraRig
+from live.show.desk.parameters import turned
+from live.show.desk.views import view_settings
+from live.show.patch.patch import Patch
 from tests.render.media import write_image, write_video
 from tests.render.test_renderer import crowd, read, scene
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from live.base.stage_view import Camera
+from live.base.stage_snapshot import Camera
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.render.camera import world_to_clip
-from live.render.instances import AROUND_JOINTS, FROM_HIPS, Sight
-from live.render.kernels import (
+from live.render.dancers.instance_lists import AROUND_JOINTS, FROM_HIPS, Sight
+from live.render.render_kernels import (
     FAR,
     MIRRORED,
     NEAR,

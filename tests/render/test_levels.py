@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from live.base.stage_view import Camera
-from live.render.body import DISTANT, LIGHT
-from live.render.crowd import Crowd
-from live.render.frame import FrameBlock
+from live.base.stage_snapshot import Camera
+from live.render.body.body_mesh import DISTANT, LIGHT
+from live.render.dancers.dancer_batch import Crowd
 from live.render.ladder import ladder_of
 from live.render.passes.surface_pass import SurfacePass
 from live.render.quality import CARD, SOFTWARE, choose
+from live.render.uniforms import FrameBlock
 from tests.render.poses import LUNGE, REACH, stage_view
 from tests.render.test_renderer import scene
 

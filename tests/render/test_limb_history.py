@@ -5,9 +5,9 @@ import pytest
 
 from live.base.picture import STYLE_OF_GROUP, of_group, picture_of
 from live.motion.skeleton import SKELETON
-from live.render.crowd import Crowd
-from live.render.limb_history import PER_BEAT, SAMPLES, LimbHistory
-from live.render.pose_history import PoseHistory
+from live.render.dancers.dancer_batch import Crowd
+from live.render.dancers.limb_history import PER_BEAT, SAMPLES, LimbHistory
+from live.render.dancers.pose_history import PoseHistory
 from live.render.quality import SOFTWARE
 from tests.render.poses import ARMS_DOWN, stage_view
 from tests.render.test_renderer import scene

@@ -7,7 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from live.render.monitors import Monitor, UnknownMonitor, find_monitor, list_monitors, same_monitor, screen_problem
+from live.render.window.monitors import (
+    Monitor,
+    UnknownMonitor,
+    find_monitor,
+    list_monitors,
+    same_monitor,
+    screen_problem,
+)
 from tests.two_monitor_x import FIRST, SECOND, TwoMonitorX
 
 DESK = Monitor(1, "eDP-1", (0, 0), (1920, 1200), 60.0)
@@ -68,7 +75,7 @@ def test_two_real_monitors(stage_x: TwoMonitorX) -> None:
 @pytest.mark.x11
 @pytest.mark.skipif(sys.platform != "linux", reason="Wayland is of Linux")
 def test_in_a_wayland_session_the_x_server_is_used_all_the_same(stage_x: TwoMonitorX) -> None:
-    code = "from live.render.monitors import list_monitors; print([each.name for each in list_monitors()])"
+    code = "from live.render.window.monitors import list_monitors; print([each.name for each in list_monitors()])"
     environment = {**os.environ, "XDG_SESSION_TYPE": "wayland", "WAYLAND_DISPLAY": "wayland-77"}
     environment.pop("PYGLFW_LIBRARY_VARIANT", None)
     root = Path(__file__).parents[2]

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from live.base.custom_pass import own_numbers, read_own_pass
 from live.base.errors import PersonError
-from live.base.own_pass import own_numbers, read_own_pass
 from live.base.picture import OWN, picture_of
-from live.base.stage_view import PASSES
+from live.base.stage_snapshot import PASSES
 from live.render.own_program import problem_of
 from live.render.pass_trial import try_passes
 from live.render.quality import CARD, SOFTWARE

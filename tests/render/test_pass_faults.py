@@ -5,13 +5,13 @@ from typing import Any
 import moderngl
 import pytest
 
-from live.render.frame import FrameBlock
 from live.render.passes.background_pass import BackgroundPass
 from live.render.passes.bloom_pass import BloomPass
 from live.render.passes.mirror_pass import MirrorPass
 from live.render.passes.overlay_pass import OverlayPass
 from live.render.quality import CARD
 from live.render.renderer import Renderer
+from live.render.uniforms import FrameBlock
 from tests.render.poses import ARMS_DOWN, stage_view
 from tests.render.test_renderer import read, scene
 

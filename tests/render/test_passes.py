@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from live.base.picture import BY_ADDRESS, picture_of
-from live.base.stage_view import PASSES, Camera
+from live.base.stage_snapshot import PASSES, Camera
 from live.render.camera import pixel_of
 from live.render.quality import CARD, SOFTWARE
 from live.render.renderer import Renderer

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from live.base.picture import BY_ADDRESS, CAMERA, COLOURS, picture_of
-from live.base.stage_view import Camera, Look, Scene
+from live.base.stage_snapshot import Camera, Look, Scene
 from live.render.quality import CARD, SOFTWARE
 from live.render.renderer import Renderer
 from tests.render.test_renderer import SIZE, crowd, read, scene

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from live.base.stage_view import ATTRACTOR, REPULSOR, SPREADER, Camera, Look, Scene, StageView
+from live.base.stage_snapshot import ATTRACTOR, REPULSOR, SPREADER, Camera, Look, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.render.camera import pixel_of
 from live.render.quality import CARD, SOFTWARE, Quality, choose, is_software

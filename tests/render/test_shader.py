@@ -2,7 +2,6 @@
 
 import io
 from collections.abc import Iterator
-from importlib import resources
 from pathlib import Path
 
 import moderngl
@@ -11,11 +10,11 @@ import numpy.typing as npt
 import pytest
 from rich.console import Console
 
+from live.app.shader_watch import ShaderWatch, begin_with
 from live.base.errors import PersonError
-from live.cli.shader_watch import ShaderWatch, begin_with
 from live.render.quality import SOFTWARE
 from live.render.renderer import Renderer
-from live.render.shader import _problem, names, read_from, source
+from live.render.shader import _problem, names, own_text, read_from, source
 from tests.render.test_renderer import read, scene, standing
 
 
@@ -81,7 +80,7 @@ def test_edited_shaders_are_drawn_with_and_a_wrong_one_leaves_the_last_good_one(
             watch.look(float(len(watched)))
 
     usual = drawn()
-    finish = (resources.files("live.render") / "shaders" / "finish.glsl").read_text()
+    finish = own_text("finish.glsl")
     edit("finish.glsl", finish.replace("return film(", "return 0.3 * film("))
     dark = drawn()
     assert watch.taken == 1

@@ -11,7 +11,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from live.render.share_ring import HEADER, PLACES, SharedRing, ring_path
+from live.render.film.shared_memory import HEADER, PLACES, SharedRing, ring_path
 
 SIZE = (40, 24)
 READER = Path(__file__).parents[2] / "docs" / "read_ring.py"

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from live.base.stage_view import Look
-from live.render.wardrobe import CLOTH, SKIN, TIGHTS, dress
+from live.base.stage_snapshot import Look
+from live.render.dancers.wardrobe import CLOTH, SKIN, TIGHTS, dress
 
 COLOURS = np.array(Look().group_colours, np.float32)
 

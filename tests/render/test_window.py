@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from live.render.headless import OffscreenTarget
-from live.render.monitors import Monitor, UnknownMonitor, find_monitor, list_monitors
 from live.render.readback import FrameReader
-from live.render.window import SETTLE_PERIOD, NoWindow, Window
-from live.render.window_input import (
+from live.render.window.monitors import Monitor, UnknownMonitor, find_monitor, list_monitors
+from live.render.window.window import SETTLE_PERIOD, NoWindow, Window
+from live.render.window.window_input import (
     CloseRequested,
     KeyPressed,
     MonitorsChanged,

@@ -6,7 +6,7 @@ from typing import Any
 import glfw
 import pytest
 
-from live.render.window_input import (
+from live.render.window.window_input import (
     QUEUE_LIMIT,
     CloseRequested,
     InputQueue,

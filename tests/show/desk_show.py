@@ -1,7 +1,7 @@
 """A show with sections, views, looks, scenes and cues, and hands for it."""
 
 from live.clock.ticks import TICK
-from live.control.registry import REGISTRY
+from live.control.registry.registry import REGISTRY
 from tests.show.made_show import made_show
 
 DESK = """

@@ -7,18 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.graph.library import build_library
 from live.graph.motion_graph import MotionGraph, build_graph
+from live.graph.step_library import build_library
 from live.motion import quaternion
-from live.motion.arms.arms import ARM_JOINTS
-from live.motion.arms.kernels import PALM
-from live.motion.example import sketched
+from live.motion.partner import sketched
+from live.motion.pose.arms_kernels import PALM
+from live.motion.pose.hand_hold import ARM_JOINTS
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
-from live.show.answer_bank import AnswerBank, answer_bank
 from live.show.core import Show
-from live.show.patch import Patch
-from live.show.patch_file import parse_patch
+from live.show.partner.partner_sources import AnswerBank, answer_bank
+from live.show.patch.patch import Patch
+from live.show.patch.patch_file import parse_patch
 from tests.made_steps import made_steps
 from tests.show.made_show import PATCH
 

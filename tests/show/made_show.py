@@ -1,9 +1,9 @@
 """A small show from made steps, for tests of the core."""
 
-from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
+from live.graph.step_library import build_library
 from live.show.core import Show
-from live.show.patch_file import parse_patch
+from live.show.patch.patch_file import parse_patch
 from tests.made_steps import made_steps
 
 PATCH = """

@@ -4,18 +4,18 @@ import json
 
 import pytest
 
-from live.alive.following import Following
-from live.alive.recovery import Recovery
 from live.base.inbox import Inbox
-from live.clock.source import ManualClock
-from live.control import events
-from live.control.event import ControlEvent
+from live.clock.time_source import ManualClock
+from live.control.events import events
+from live.control.events.event import ControlEvent
 from live.show.core import Show
 from live.show.engine import Engine
-from live.show.journal import JournalWriter, read_journal
-from live.show.replay import run_from
-from live.show.replay_start import first_start
+from live.show.journal.journal import JournalWriter, read_journal
+from live.show.journal.replay import run_from
+from live.show.journal.replay_start import first_start
 from live.show.status import Status
+from live.supervisor.recovery import Recovery
+from live.supervisor.state_follower import Following
 from tests.show.test_replay import MADE
 
 BAD = events.SetMotion(time=2.0, source="osc", parameter="warp_beats", value=0.4, group="*")

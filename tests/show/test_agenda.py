@@ -2,8 +2,8 @@
 
 import random
 
-from live.control.events import Signal
-from live.show.agenda import AT_ONCE, MOST, Agenda
+from live.control.events.events import Signal
+from live.show.score.beat_scheduler import AT_ONCE, MOST, Agenda
 
 
 def signal(name, source="score"):

@@ -8,19 +8,19 @@ import pytest
 
 from live.base.errors import PersonError
 from live.base.inbox import Inbox
-from live.clock.source import ManualClock
 from live.clock.ticks import TICK
-from live.control import events
-from live.motion.captured.packed_pose import pack_pose, unpack_pose
+from live.clock.time_source import ManualClock
+from live.control.events import events
+from live.motion.packed_pose import pack_pose, unpack_pose
 from live.motion.skeleton import JOINT_COUNT
-from live.show.anchor import FAR, LAG, WALK, Anchor
+from live.show.capture.anchor import FAR, LAG, WALK, Anchor
 from live.show.engine import Engine
-from live.show.journal import JournalWriter, read_journal
+from live.show.journal.journal import JournalWriter, read_journal
+from live.show.journal.replay import run_from
+from live.show.journal.replay_start import first_start
 from live.show.load import LoadedShow
-from live.show.patch_file import parse_patch
-from live.show.replay import run_from
-from live.show.replay_start import first_start
-from live.show.snapshot import Snapshots, restore
+from live.show.patch.patch_file import parse_patch
+from live.show.state.snapshot import Snapshots, restore
 from live.show.status import Status
 from tests.show.made_show import GRAPH, PATCH, made_show
 from tests.show.test_mocap import MEASURE

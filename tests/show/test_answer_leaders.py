@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from live.show.answer_leaders import BEYOND, answer_at, frames_since
+from live.show.partner.leader_input import BEYOND, answer_at, frames_since
 
 
 def read(since):

@@ -5,17 +5,17 @@ import pytest
 
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
-from live.control import events
-from live.motion.captured.packed_pose import pack_pose
+from live.control.events import events
+from live.motion.packed_pose import pack_pose
 from live.motion.skeleton import SKELETON
 from live.show.core import Show
-from live.show.edit import fitted, version_of
 from live.show.load import LoadedShow
 from live.show.outgoing import Outgoing
-from live.show.patch_file import PatchError, parse_patch
-from live.show.reloading import prepare
-from live.show.snapshot import Snapshots, restore
-from live.show.taken_along import FASTEST
+from live.show.partner.response_path import FASTEST
+from live.show.patch.edit import fitted, version_of
+from live.show.patch.patch_file import PatchError, parse_patch
+from live.show.patch.reloading import prepare
+from live.show.state.snapshot import Snapshots, restore
 from tests.show.answering_show import (
     DUET,
     FILE,

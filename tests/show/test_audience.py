@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.base.stage_view import REPULSOR, VOICE
+from live.base.stage_snapshot import REPULSOR, VOICE
 from live.clock.ticks import TICK
-from live.control import events
-from live.control.event_json import event_from_json, event_to_row
-from live.show.audience import LED
+from live.control.events import events
+from live.control.events.event_json import event_from_json, event_to_row
+from live.show.audience.audience import LED
+from live.show.audience.voting import Vote
 from live.show.load import LoadedShow
-from live.show.patch_file import parse_patch
-from live.show.snapshot import Snapshots, restore
-from live.show.turns_and_votes import Vote
+from live.show.patch.patch_file import parse_patch
+from live.show.state.snapshot import Snapshots, restore
 from tests.show.made_show import GRAPH, PATCH, made_show
 
 REGIONS = '[audience]\nregions = ["stalls", "balcony"]\nvote_measures = 1\n'

@@ -7,12 +7,12 @@ import pytest
 
 from live.base import picture
 from live.base.errors import PersonError
-from live.base.perspective import floor_corners
+from live.base.projector_perspective import floor_corners
 from live.clock.ticks import TICK
 from live.render.camera import pixel_of
-from live.show.patch import Patch
-from live.show.scene_of import scene_of
-from live.show.views import view_settings
+from live.show.desk.views import view_settings
+from live.show.patch.patch import Patch
+from live.show.view.render_scene import scene_of
 from tests.show.desk_show import DESK, Hands
 
 SIZE = (1280, 720)

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.show.carried import runs
+from live.show.dancers.root_correction import runs
 
 
 @given(st.sets(st.integers(0, 60)))

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from live.clock.ticks import TICK
-from live.control import events
+from live.control.events import events
 from live.show.core import Show
-from live.show.group_motion import LEASH
+from live.show.group.group_motion import LEASH
 from live.show.load import show_of
-from live.show.patch_file import parse_patch
-from live.show.patch_places import PATCHES
+from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_search_path import PATCHES
 
 PATCH = """
 name = "carrying"

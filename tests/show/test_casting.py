@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.agents.procedural.kinds import EVERYBODY
+from live.agents.elements.element_kinds import EVERYBODY
 from live.base.errors import PersonError
-from live.show.addressees import BITS, Addressees
-from live.show.casting import Casting
-from live.show.patch_file import parse_patch
+from live.show.group.addressees import BITS, Addressees
+from live.show.group.casting import Casting
+from live.show.patch.patch_file import parse_patch
 
 PATCH = """
 name = "test"

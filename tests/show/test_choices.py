@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from live.clock.ticks import TICK
-from live.control import events
-from live.show.choices import BEHIND_M, BEHIND_MEASURES, why_in_words
+from live.control.events import events
+from live.show.selection.choices import BEHIND_M, BEHIND_MEASURES, why_in_words
 from tests.show.made_show import made_show
 
 STAMP = {"time": 0.0, "source": "test"}
@@ -134,7 +134,7 @@ def planned_errors(seconds=16.0):
 
 def test_shares_are_refined_so_that_mixtures_end_nearer(monkeypatch):
     refined = planned_errors()
-    monkeypatch.setattr("live.show.drafting.HALF_SHARE", 0.0)
+    monkeypatch.setattr("live.show.patch.background_check.HALF_SHARE", 0.0)
     stepped = planned_errors()
     assert len(refined) == len(stepped) == 8
     assert (refined[0] <= stepped[0] + 2e-3).all()  # until then nothing else differs
@@ -147,7 +147,7 @@ def test_a_group_that_stands_draws_no_step_that_travels(monkeypatch):
     programme = show.scheduler.programmes[1]
     library = show.graph.library
     nodes = show.dancers.node[show.group == 1]
-    monkeypatch.setattr("live.show.programme.in_place", lambda graph, step: library.steps[step] != "glide")
+    monkeypatch.setattr("live.show.score.step_program.in_place", lambda graph, step: library.steps[step] != "glide")
     for stands in (True, False):
         programme.stands = stands
         drawn = {library.steps[programme._draw(measure, nodes)] for measure in range(200)}

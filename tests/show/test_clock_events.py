@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 
 from live.base.inbox import Inbox
-from live.clock.source import ManualClock
 from live.clock.ticks import TICK
-from live.control import events
-from live.control.audio_analysis import AudioAnalysis
-from live.control.audio_events import MusicHeard
-from live.control.music_file import Music, OfflineMusic
-from live.control.music_player import MusicPlayer
-from live.show.clock_events import CLOCK_EVENTS
+from live.clock.time_source import ManualClock
+from live.control.audio.audio_analysis import AudioAnalysis
+from live.control.audio.music_file import Music, OfflineMusic
+from live.control.audio.music_player import MusicPlayer
+from live.control.events import events
+from live.control.events.audio import MusicHeard
 from live.show.engine import Engine
-from live.show.journal import JournalWriter, read_journal
-from live.show.patch_file import parse_patch
-from live.show.patch_places import PatchError
-from live.show.replay import replay
+from live.show.journal.journal import JournalWriter, read_journal
+from live.show.journal.replay import replay
+from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_search_path import PatchError
+from live.show.sound.clock_commands import CLOCK_EVENTS
 from live.show.status import Status
 from tests.control.waiting import wait_for
 from tests.show.made_show import PATCH, made_show

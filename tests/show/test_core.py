@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from live.base.stage_view import ATTRACTOR, SPREADER
+from live.base.stage_snapshot import ATTRACTOR, SPREADER
 from live.clock.ticks import TICK
-from live.control import events
+from live.control.events import events
 from live.motion.skeleton import SKELETON
 from live.show.core import Show
-from live.show.patch_file import parse_patch
+from live.show.patch.patch_file import parse_patch
 from tests.show.made_show import GRAPH, made_show
 
 

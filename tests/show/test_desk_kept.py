@@ -7,9 +7,9 @@ import pytest
 from live.clock.ticks import TICK
 from live.show.exchange import exchange
 from live.show.load import LoadedShow
-from live.show.patch import Patch
-from live.show.patch_file import parse_patch
-from live.show.snapshot import Snapshots, restore
+from live.show.patch.patch import Patch
+from live.show.patch.patch_file import parse_patch
+from live.show.state.snapshot import Snapshots, restore
 from tests.show.desk_show import DESK, Hands
 from tests.show.made_show import GRAPH, PATCH
 

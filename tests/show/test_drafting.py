@@ -3,8 +3,8 @@
 import numpy as np
 
 from live.clock.ticks import TICK
-from live.graph.placing import own_end
-from live.show.drafting import STRAY_MIX
+from live.graph.select.placing import own_end
+from live.show.patch.background_check import STRAY_MIX
 from tests.show.made_show import made_show
 
 

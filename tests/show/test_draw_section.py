@@ -4,9 +4,9 @@ import pytest
 from pydantic import ValidationError
 
 from live.base import picture
-from live.show.patch import Patch
-from live.show.scene_of import scene_of
-from live.show.sections.draw import KEYS
+from live.show.patch.draw import KEYS
+from live.show.patch.patch import Patch
+from live.show.view.render_scene import scene_of
 
 
 def patch(**group):

@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from live.agents.crowd.bounds.kernels import SOFT_LANDING
+from live.agents.crowd.bounds_kernels import SOFT_LANDING
 from live.clock.ticks import TICK
-from live.control import events
-from live.motion.captured.packed_pose import pack_pose
+from live.control.events import events
+from live.motion.packed_pose import pack_pose
 from live.motion.skeleton import JOINT_COUNT
-from live.show.edges import BACK, Edges
+from live.show.capture.edges import BACK, Edges
 from tests.show.made_show import made_show
 from tests.show.test_mocap import MEASURE, performer, run
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from live.control.registry import REGISTRY
-from live.show.edits import EDITED, MOST
+from live.control.registry.registry import REGISTRY
+from live.show.desk.edits import EDITED, MOST
 from tests.show.desk_show import DESK, Hands
 
 

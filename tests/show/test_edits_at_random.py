@@ -4,14 +4,14 @@ import random
 
 import pytest
 
+from live.base.compression import packed
 from live.base.errors import PersonError
-from live.base.packed import packed
 from live.clock.ticks import TICK
-from live.control.events import PatchChanged
-from live.show.edit import fitted, version_of
+from live.control.events.events import PatchChanged
 from live.show.long_patches import written_text
-from live.show.patch_file import parse_patch
-from live.show.reloading import prepare
+from live.show.patch.edit import fitted, version_of
+from live.show.patch.patch_file import parse_patch
+from live.show.patch.reloading import prepare
 from tests.show.made_show import PATCH, made_show
 
 FRONT = (

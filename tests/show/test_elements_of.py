@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.agents.procedural.kinds import EVERYBODY, FLOW_NAMES, KIND_NAMES, VOICE
+from live.agents.elements.element_kinds import EVERYBODY, FLOW_NAMES, KIND_NAMES, VOICE
 from live.base.errors import PersonError
-from live.control import events
-from live.show.elements_of import placing_of_event, placing_of_section, points_of
-from live.show.sections.element import ElementSection
+from live.control.events import events
+from live.show.group.elements_of import placing_of_event, placing_of_section, points_of
+from live.show.patch.section_elements import ElementSection
 
 STAMP = {"time": 0.0, "source": "test"}
 

@@ -4,12 +4,12 @@ import math
 
 import pytest
 
-from live.base.allowance import FLOODED_PER_SECOND
+from live.base.fault_isolation import Bulkhead, PartFaults
 from live.base.inbox import Inbox
-from live.base.part_faults import Bulkhead, PartFaults
-from live.clock.source import ManualClock
+from live.base.processing_budget import FLOODED_PER_SECOND
 from live.clock.ticks import TICK
-from live.control.events import Attract, Blackout, CallStep, SetPicture
+from live.clock.time_source import ManualClock
+from live.control.events.events import Attract, Blackout, CallStep, SetPicture
 from live.show.engine import EVENTS_PER_FRAME, Engine
 from live.show.status import Status
 from tests.show.made_show import made_show

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from live.show.journal.motion_report import FrameReport
 from live.show.load import load_show
-from live.show.patch_places import DEFAULT_PATCH
-from live.show.report import FrameReport
+from live.show.patch.patch_search_path import DEFAULT_PATCH
 
 FPS = 60
 SECONDS = 45

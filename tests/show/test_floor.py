@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.base.stage_view import FLOOR_MARGIN
-from live.show.floor import Floor
-from live.show.formations import fitted
-from live.show.sections.stage import StageSection
+from live.base.stage_snapshot import FLOOR_MARGIN
+from live.show.group.floor import Floor
+from live.show.group.formations import fitted
+from live.show.patch.section_stage import StageSection
 
 
 def floor(width=9.0, depth=6.0):

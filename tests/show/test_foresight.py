@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from live.clock.ticks import TICK
-from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
-from live.graph.specification import Wanted
+from live.graph.search.sequence_spec import Wanted
+from live.graph.step_library import build_library
 from live.show.core import Show
-from live.show.foresight import IMPOSSIBLE, Foresight
-from live.show.patch_file import parse_patch
+from live.show.patch.patch_file import parse_patch
+from live.show.selection.foresight import IMPOSSIBLE, Foresight
 from tests.made_steps import made_clip
 
 PATCH = """

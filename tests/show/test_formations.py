@@ -5,8 +5,8 @@ import pytest
 
 from live.agents.formations.spec_table import spec_from_table
 from live.base.errors import PersonError
-from live.show.formations import Formations
-from live.show.sections.group import GroupSection
+from live.show.group.formations import Formations
+from live.show.patch.group import GroupSection
 
 WEDGE = spec_from_table({"name": "Wedge", "shape": "polyline", "points": [[-3, -2], [0, 2], [3, -2]]})
 

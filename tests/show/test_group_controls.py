@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from live.agents.formations.formation import formation_of
-from live.agents.formations.spec_words import spec_from_words
+from live.agents.formations.formation_notation import spec_from_words
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
-from live.control import events
+from live.control.events import events
 from tests.show.made_show import made_show
 
 MEASURE_S = 2.0

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from live.agents.procedural.kinds import ATTRACTOR, CROSSING, PATH, VOICE
-from live.base.stage_view import StageView
+from live.agents.elements.element_kinds import ATTRACTOR, CROSSING, PATH, VOICE
+from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
-from live.control import events
+from live.control.events import events
 from live.motion.skeleton import JOINT_COUNT
 from tests.show.made_show import made_show
 

@@ -7,11 +7,11 @@ import numpy as np
 import psutil
 import pytest
 
-from live.base.packed import MOST, packed, unpacked
-from live.show.journal_reading import MOST_VALUES, JournalError, read_journal
-from live.show.journal_survey import survey
-from live.show.patch_file import parse_patch
-from live.show.replay_start import ReplayError, loaded_by, loaded_of
+from live.base.compression import MOST, packed, unpacked
+from live.show.journal.journal_reading import MOST_VALUES, JournalError, read_journal
+from live.show.journal.journal_survey import survey
+from live.show.journal.replay_start import ReplayError, loaded_by, loaded_of
+from live.show.patch.patch_file import parse_patch
 from tests.show.made_show import PATCH
 
 HEAD = {"journal": 2, "patch": {"name": "test"}, "patch_path": "x.toml", "recordings": None, "steps_hash": "",

@@ -5,14 +5,14 @@ from itertools import groupby
 import pytest
 
 from live.base.errors import PersonError
-from live.control import events
-from live.control.events import MusicHeard
-from live.show.improvise_table import table_of
-from live.show.improviser import Improviser
-from live.show.ledger import Ledger
-from live.show.mood import Mood
-from live.show.playhead import Playhead
-from live.show.score import Score, stretches_of
+from live.control.events import events
+from live.control.events.events import MusicHeard
+from live.show.score.improvise_table import table_of
+from live.show.score.improviser import Improviser
+from live.show.score.mood import Mood
+from live.show.score.playhead import Playhead
+from live.show.score.score import Score, stretches_of
+from live.show.score.step_history import Ledger
 from tests.show.made_show import GRAPH, PATCH, made_show
 from tests.show.test_sequences import steps_of
 
@@ -25,7 +25,7 @@ class Stage:
     """Improvisers of the two groups of PATCH without a show: what each is told, measure after measure."""
 
     def __init__(self, extra, seed=3):
-        from live.show.patch_file import parse_patch
+        from live.show.patch.patch_file import parse_patch
 
         patch = parse_patch(PATCH + extra, "test.toml")
         self.score = Score(patch, Playhead(stretches_of(patch)))

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from live.clock.ticks import TICK
-from live.control.event_json import event_from_json, event_to_json
-from live.control.events import Performer, StepNow
+from live.control.events.event_json import event_from_json, event_to_json
+from live.control.events.events import Performer, StepNow
 from live.show.core import Show
 from live.show.load import load_show
-from live.show.patch_file import parse_patch
-from live.show.patch_places import find_patch
+from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_search_path import find_patch
 from tests.show.made_show import GRAPH, PATCH, made_show
 
 BEAT = 0.5  # s at 120 bpm

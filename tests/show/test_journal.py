@@ -5,12 +5,12 @@ import json
 import pytest
 
 from live.base.inbox import Inbox
-from live.clock.source import ManualClock
-from live.control import events
-from live.control.event_json import event_from_json, event_to_json
+from live.clock.time_source import ManualClock
+from live.control.events import events
+from live.control.events.event_json import event_from_json, event_to_json
 from live.show.engine import Engine
-from live.show.journal import JournalError, JournalWriter, read_journal
-from live.show.replay import replay
+from live.show.journal.journal import JournalError, JournalWriter, read_journal
+from live.show.journal.replay import replay
 from live.show.status import Status
 from tests.show.made_show import made_show
 

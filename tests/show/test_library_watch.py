@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from live.control import events
-from live.show.journal import read_journal
-from live.show.library_watch import LibraryWatch, same_clip
+from live.control.events import events
+from live.show.journal.journal import read_journal
+from live.show.journal.replay import ReplayError, reload, replay
 from live.show.load import load_show
-from live.show.replay import ReplayError, reload, replay
+from live.show.selection.library_watch import LibraryWatch, same_clip
 from tests.show.edited_night import STEPS, Night, folder_with
 
 PATCH = """
@@ -118,7 +118,7 @@ def test_the_thread_starts_and_stops(patch):
 
 
 def test_the_projects_own_steps_are_not_watched():
-    from live.show.patch_places import DEFAULT_PATCH
+    from live.show.patch.patch_search_path import DEFAULT_PATCH
 
     assert load_show(DEFAULT_PATCH).steps_folder is None
 

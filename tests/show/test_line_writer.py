@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from live.show import line_writer
-from live.show.journal_file import with_gap
-from live.show.line_writer import LineWriter, Unwritten
+from live.show.journal import line_writer
+from live.show.journal.journal_file import with_gap
+from live.show.journal.line_writer import LineWriter, Unwritten
 from tests.control.waiting import wait_for
 
 
@@ -76,7 +76,7 @@ def test_two_never_write_a_journal_at_once_and_what_waits_is_written_when_the_ot
 
 
 def test_who_cannot_be_the_only_writer_writes_nothing_and_says_what_is_missing(tmp_path, monkeypatch):
-    monkeypatch.setattr("live.show.line_writer.CLAIM_WITHIN", 0.05)
+    monkeypatch.setattr("live.show.journal.line_writer.CLAIM_WITHIN", 0.05)
     path = tmp_path / "j"
     first = LineWriter(path, name="first", mark=with_gap)
     first.line('{"tick":1}', 1)

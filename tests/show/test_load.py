@@ -9,8 +9,8 @@ import pytest
 from live.base.errors import PersonError
 from live.show import load
 from live.show.load import load_show, show_of
-from live.show.patch_file import parse_patch
-from live.show.patch_places import DEFAULT_PATCH
+from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_search_path import DEFAULT_PATCH
 from tests.made_steps import made_clip, made_steps
 from tests.show.made_show import PATCH
 

@@ -8,8 +8,8 @@ import pytest
 from pydantic import ValidationError
 
 from live.show.long_patches import AT_A_TIME, freed, validated, written_text
-from live.show.patch import Patch
-from live.show.toml_sources import TomlSources, parse_text
+from live.show.patch.patch import Patch
+from live.show.patch.toml_sources import TomlSources, parse_text
 from tests.show.made_show import PATCH
 
 ENTRY = '[[element]]\nkind = "wander"\nmeasure = {}\nmeasures = 1\n'

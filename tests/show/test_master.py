@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from live.control.event_json import event_from_json, event_to_json
-from live.control.registry import REGISTRY
-from live.show.snapshot import Snapshots, restore
+from live.control.events.event_json import event_from_json, event_to_json
+from live.control.registry.registry import REGISTRY
+from live.show.state.snapshot import Snapshots, restore
 from tests.show.desk_show import Hands
 from tests.show.test_desk_kept import LOADED
 

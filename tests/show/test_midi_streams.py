@@ -5,11 +5,11 @@ import json
 import numpy as np
 import pytest
 
-from live.clock.follow import TimelineFollower
-from live.clock.midi_clock import MidiClock
+from live.clock.follower.timeline_follower import TimelineFollower
+from live.clock.midi.midi_clock import MidiClock
 from live.clock.ticks import TICK
-from live.control.midi_decoding import event_of
-from live.show.clock_events import tell
+from live.control.midi.midi_decoder import event_of
+from live.show.sound.clock_commands import tell
 
 
 def timeline_of(lines, seconds):

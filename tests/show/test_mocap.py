@@ -9,24 +9,24 @@ import numpy as np
 import pytest
 
 from live.base.inbox import Inbox
-from live.clock.source import ManualClock
 from live.clock.ticks import TICK
-from live.control import events
+from live.clock.time_source import ManualClock
+from live.control.events import events
 from live.motion import quaternion
-from live.motion.captured.packed_pose import pack_pose, unpack_pose
 from live.motion.clip import Clip
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
 from live.motion.mirror import mirror_clip
+from live.motion.packed_pose import pack_pose, unpack_pose
 from live.motion.skeleton import JOINT_COUNT, SKELETON
-from live.show.captured import HOLD
+from live.show.capture.captured import HOLD
+from live.show.dancers.footfalls import Footfalls
 from live.show.engine import Engine
-from live.show.footfalls import Footfalls
-from live.show.journal import JournalWriter, read_journal
+from live.show.journal.journal import JournalWriter, read_journal
+from live.show.journal.replay import run_from
+from live.show.journal.replay_start import first_start
 from live.show.load import LoadedShow
-from live.show.patch_file import PatchError, parse_patch
-from live.show.replay import run_from
-from live.show.replay_start import first_start
-from live.show.snapshot import Snapshots, restore
+from live.show.patch.patch_file import PatchError, parse_patch
+from live.show.state.snapshot import Snapshots, restore
 from live.show.status import Status
 from tests.show.made_show import GRAPH, PATCH, made_show
 

@@ -5,8 +5,8 @@ import pytest
 
 from live.base.errors import PersonError
 from live.base.picture import EYE, TARGET
-from live.show.parameter_table import addresses, check_setting, numbers_of
-from live.show.patch_places import PatchError
+from live.show.desk.parameter_table import addresses, check_setting, numbers_of
+from live.show.patch.patch_search_path import PatchError
 from tests.show.desk_show import DESK, Hands
 
 LEVEL = "/dance/light/level"

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 from live.clock.ticks import TICK
-from live.control import events
-from live.graph.library import build_library
+from live.control.events import events
 from live.graph.motion_graph import build_graph
-from live.motion.arms.arms import ARM_JOINTS, LEFT, NOBODY
-from live.motion.arms.kernels import PALM
+from live.graph.step_library import build_library
+from live.library.sketch_folder import load_steps
+from live.motion.pose.arms_kernels import PALM
+from live.motion.pose.hand_hold import ARM_JOINTS, LEFT, NOBODY
 from live.motion.quaternion import rotate
-from live.show.casting import Casting
 from live.show.core import Show
-from live.show.partners import Partners
-from live.show.patch_file import parse_patch
-from live.show.patch_places import PatchError
-from live.steps.sketch_folder import load_steps
+from live.show.dancers.partners import Partners
+from live.show.group.casting import Casting
+from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_search_path import PatchError
 
 STEPS = Path(__file__).resolve().parents[2] / "patches" / "steps"
 ARM = 0.8

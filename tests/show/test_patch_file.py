@@ -2,9 +2,9 @@
 
 import pytest
 
-from live.show import toml_file
-from live.show.patch_file import find_beside, parse_patch, read_patch
-from live.show.patch_places import DEFAULT_PATCH, PatchError, find_patch
+from live.show.patch import toml_file
+from live.show.patch.patch_file import find_beside, parse_patch, read_patch
+from live.show.patch.patch_search_path import DEFAULT_PATCH, PatchError, find_patch
 from tests.show.made_show import PATCH
 
 

@@ -4,9 +4,9 @@ import pytest
 
 from live.base.errors import PersonError
 from live.show.load import load_show
-from live.show.patch_file import MOST_BYTES, MOST_FILES, read_patch
-from live.show.patch_places import PatchError
-from live.show.toml_sources import TomlSources, parse_text
+from live.show.patch.patch_file import MOST_BYTES, MOST_FILES, read_patch
+from live.show.patch.patch_search_path import PatchError
+from live.show.patch.toml_sources import TomlSources, parse_text
 
 MAIN = """name = "folder"
 [look]

@@ -3,7 +3,7 @@
 import importlib.util
 from pathlib import Path
 
-from live.show.patch import Patch
+from live.show.patch.patch import Patch
 
 ROOT = Path(__file__).resolve().parents[2]
 

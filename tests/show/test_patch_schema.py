@@ -9,10 +9,10 @@ import pytest
 from typer.testing import CliRunner
 
 from live.cli.main import app
-from live.show.patch import Patch
-from live.show.patch_file import read_sources
-from live.show.patch_places import PATCHES
-from live.show.patch_schema import patch_schema
+from live.show.patch.patch import Patch
+from live.show.patch.patch_file import read_sources
+from live.show.patch.patch_schema import patch_schema
+from live.show.patch.patch_search_path import PATCHES
 
 SCHEMA = patch_schema()
 KINDS = {"object": dict, "array": list, "string": str, "boolean": bool, "integer": int, "number": (int, float)}

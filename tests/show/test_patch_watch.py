@@ -4,14 +4,14 @@ import json
 
 import pytest
 
-from live.base.part_faults import FAULTS
+from live.base.fault_isolation import FAULTS
 from live.base.picture import LEVEL
-from live.control import events
-from live.control.events import GiveCue, PatchChanged
-from live.show.journal import read_journal
-from live.show.patch_watch import PatchWatch
-from live.show.replay import reload, replay, run_from
-from live.show.replay_start import loaded_by, start_before
+from live.control.events import events
+from live.control.events.events import GiveCue, PatchChanged
+from live.show.journal.journal import read_journal
+from live.show.journal.replay import reload, replay, run_from
+from live.show.journal.replay_start import loaded_by, start_before
+from live.show.patch.hot_reload import PatchWatch
 from tests.show import edited_night
 from tests.show.edited_night import STEPS, folder_with
 
@@ -361,7 +361,7 @@ def test_a_fault_of_the_program_while_it_reads_an_edit_is_told_and_the_next_edit
         raise IndexError("made by a test")
 
     with monkeypatch.context() as broken:
-        broken.setattr("live.show.patch_watch.read_sources", fails)
+        broken.setattr("live.show.patch.hot_reload.read_sources", fails)
         assert not night.edit('["groove"]', '["side step"]')
     assert FAULTS.total == counted + 1
     assert "IndexError" in night.watch.problem

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from live.agents.crowd.surroundings import Surroundings
-from live.control.events import Performer
-from live.show.performers import FASTEST, LOST_S, PERFORMER, Performers
+from live.agents.crowd.obstacles import Surroundings
+from live.control.events.events import Performer
+from live.show.capture.performers import FASTEST, LOST_S, PERFORMER, Performers
 
 RADIUS = 0.3
 

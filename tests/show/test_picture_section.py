@@ -3,10 +3,10 @@
 import pytest
 
 from live.base.picture import BY_ADDRESS, picture_of
-from live.base.stage_view import PASSES
-from live.show.patch_file import parse_patch
-from live.show.patch_places import PatchError
-from live.show.scene_of import scene_of
+from live.base.stage_snapshot import PASSES
+from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_search_path import PatchError
+from live.show.view.render_scene import scene_of
 from tests.show.desk_show import Hands
 from tests.show.made_show import PATCH
 

@@ -5,10 +5,10 @@ import itertools
 import numpy as np
 import pytest
 
-from live.graph.specification import Wanted
-from live.show.programme import GroupProgramme
-from live.show.programme_steps import UnknownStep, find_step
-from live.show.sections.group import GroupSection, parse_entry
+from live.graph.search.sequence_spec import Wanted
+from live.show.patch.group import GroupSection, parse_entry
+from live.show.score.step_names import UnknownStep, find_step
+from live.show.score.step_program import GroupProgramme
 from tests.show.made_show import GRAPH
 
 NOBODY = np.zeros(1, np.int32)

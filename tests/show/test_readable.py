@@ -2,10 +2,10 @@
 
 import pytest
 
-from live.control.control import Control
-from live.control.registry import REGISTRY
-from live.control.rejections import Rejection
-from live.control.values import READABLE, Values
+from live.control.registry.control import Control
+from live.control.registry.registry import REGISTRY
+from live.control.registry.rejections import Rejection
+from live.control.registry.values import READABLE, Values
 from live.show.readable import Readable
 from live.show.status import Status
 from tests.show.desk_show import DESK, Hands

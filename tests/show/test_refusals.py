@@ -1,6 +1,6 @@
 """Refusals are counted and the last is kept in words."""
 
-from live.show.refusals import Refusals
+from live.show.desk.refusals import Refusals
 
 
 def test_they_are_counted_and_the_last_is_kept() -> None:

@@ -1,6 +1,6 @@
 """What a choreographer is told of the score's evolutions before they are danced."""
 
-from live.show.rehearsing import TOLD, rehearsal_notes
+from live.show.group.dry_run import TOLD, rehearsal_notes
 from tests.show.made_show import made_show
 
 

@@ -10,18 +10,18 @@ from pathlib import Path
 import pytest
 
 from live.base.inbox import Inbox
-from live.clock.source import ManualClock
 from live.clock.ticks import TICK
-from live.control import events
-from live.show.edit import version_of
+from live.clock.time_source import ManualClock
+from live.control.events import events
 from live.show.engine import Engine
-from live.show.journal import JournalWriter, read_journal
-from live.show.journal_file import KEEP_EVERY, SnapshotFile, read_snapshots
+from live.show.journal.journal import JournalWriter, read_journal
+from live.show.journal.journal_file import KEEP_EVERY, SnapshotFile, read_snapshots
+from live.show.journal.replay import Replaying, run_from
+from live.show.journal.replay_start import first_start, start_before
 from live.show.load import LoadedShow
-from live.show.patch_file import parse_patch
-from live.show.replay import Replaying, run_from
-from live.show.replay_start import first_start, start_before
-from live.show.snapshot import Snapshots, facts_of
+from live.show.patch.edit import version_of
+from live.show.patch.patch_file import parse_patch
+from live.show.state.snapshot import Snapshots, facts_of
 from live.show.status import Status
 from tests.show.disk import settled
 from tests.show.made_show import GRAPH, PATCH

@@ -5,9 +5,9 @@ import pytest
 
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
-from live.control import events
-from live.show.ripple import Ripple, parse_ripple
-from live.show.variation import LATEST, MOST_LATER
+from live.control.events import events
+from live.show.dancers.ripple import Ripple, parse_ripple
+from live.show.dancers.variation import LATEST, MOST_LATER
 from tests.show.made_show import made_show
 
 ROW = np.array([[-2.0, 0.0], [-1.0, 0.5], [0.0, 0.0], [2.0, -0.5]])

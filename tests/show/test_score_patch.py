@@ -3,10 +3,10 @@
 from itertools import groupby
 
 from live.clock.ticks import TICK
-from live.control import events
-from live.control.events import MusicHeard
+from live.control.events import events
+from live.control.events.events import MusicHeard
 from live.show.load import load_show
-from live.show.patch_places import find_patch
+from live.show.patch.patch_search_path import find_patch
 
 
 def test_the_show_passes_from_its_score_to_improvisation_and_back():

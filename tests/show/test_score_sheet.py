@@ -5,10 +5,10 @@ import xml.etree.ElementTree as ElementTree
 
 from typer.testing import CliRunner
 
+from live.cli.inspect.score import described
 from live.cli.main import app
-from live.cli.score import described
-from live.cli.score_picture import score_picture
-from live.show.score_sheet import sheet_of
+from live.cli.pictures.score_picture import score_picture
+from live.show.score.score_sheet import sheet_of
 from tests.show.made_show import made_show
 
 SCORE = (

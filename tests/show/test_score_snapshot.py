@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 
 from live.clock.ticks import TICK
-from live.control import events
+from live.control.events import events
 from live.show.load import LoadedShow
-from live.show.patch_file import parse_patch
-from live.show.snapshot import restore
+from live.show.patch.patch_file import parse_patch
+from live.show.state.snapshot import restore
 from tests.show.made_show import GRAPH, PATCH
 from tests.show.test_snapshot import run, taken_at
 

@@ -4,7 +4,7 @@ import pytest
 
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
-from live.control import events
+from live.control.events import events
 from tests.show.made_show import made_show
 
 

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from live.render.film_sound import FilmSound
-from live.show.footfalls import BALL, HEEL, Footfalls
+from live.render.film.film_sound import FilmSound
+from live.show.dancers.footfalls import BALL, HEEL, Footfalls
 from live.show.load import show_of
-from live.show.patch_file import read_patch
-from live.show.patch_places import find_patch
-from live.show.show_sound import CLICK_LEVEL, MAX_VOICES, MUSIC_LEVEL, RATE, ShowSound
-from live.show.tap_voices import ACCENT_HZ, BEAT_HZ, click_voices, tap_voices
+from live.show.patch.patch_file import read_patch
+from live.show.patch.patch_search_path import find_patch
+from live.show.sound.show_sound import CLICK_LEVEL, MAX_VOICES, MUSIC_LEVEL, RATE, ShowSound
+from live.show.sound.tap_voices import ACCENT_HZ, BEAT_HZ, click_voices, tap_voices
 
 TAP = find_patch("tap")
 BEAT = 60.0 / 108.0

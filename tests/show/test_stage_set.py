@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from live.agents.crowd.surroundings import Surroundings
-from live.show.sections.stage import ObstacleSection
-from live.show.stage_set import furnish, refurnish
+from live.agents.crowd.obstacles import Surroundings
+from live.show.group.stage_set import furnish, refurnish
+from live.show.patch.section_stage import ObstacleSection
 
 CHAIR = ObstacleSection(name="chair", at=(1.0, 2.0), radius=0.4)
 TABLE = ObstacleSection(name="table", at=(-1.0, 0.0), radius=0.8)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from live.show.state_hash import hash_of
+from live.show.journal.state_hash import hash_of
 
 
 def test_a_single_bit_changes_it() -> None:

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from live.show.answer_pairs import Asked, Pair
-from live.show.taken_along import FASTEST, NEAR, PATIENCE, TakenAlong
+from live.show.partner.partner_pairs import Asked, Pair
+from live.show.partner.response_path import FASTEST, NEAR, PATIENCE, TakenAlong
 
 DT = 1.0 / 60.0
 ASKED = Asked("duet", "1", "2")

@@ -3,8 +3,8 @@
 import pytest
 
 from live.base.errors import PersonError
-from live.show.toml_file import parse_model
-from live.show.venue import Venue
+from live.show.patch.toml_file import parse_model
+from live.show.venue.venue import Venue
 
 
 def hall(text):

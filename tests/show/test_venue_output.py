@@ -6,8 +6,8 @@ import pytest
 
 from live.base.errors import PersonError
 from live.render.outputs.output import Output, SoftEdge
-from live.show.toml_file import parse_model
-from live.show.venue import Venue, read_venue
+from live.show.patch.toml_file import parse_model
+from live.show.venue.venue import Venue, read_venue
 
 
 def venue(text: str) -> Venue:

@@ -9,9 +9,9 @@ import pytest
 from live.base.errors import PersonError
 from live.render.outputs.mesh import regular
 from live.render.outputs.output import Output
-from live.show.toml_file import parse_model
-from live.show.venue import Venue
-from live.show.venue_output_file import changed_output, with_output
+from live.show.patch.toml_file import parse_model
+from live.show.venue.venue import Venue
+from live.show.venue.venue_output_writer import changed_output, with_output
 
 WRITTEN = """# our hall
 name = "Kaufleuten"   # Zürich

@@ -3,20 +3,20 @@
 import numpy as np
 import pytest
 
+from live.app.wish import Wish
+from live.base.compression import unpacked
 from live.base.errors import PersonError
-from live.base.packed import unpacked
-from live.base.perspective import floor_corners
-from live.cli.wish import Wish
+from live.base.projector_perspective import floor_corners
 from live.render.camera import pixel_of
+from live.show.desk.views import start_row, view_settings
 from live.show.load import LoadedShow
-from live.show.patch import Patch
-from live.show.patch_file import parse_patch, read_patch
-from live.show.patch_watch import PatchWatch
-from live.show.scene_of import camera_at_first
-from live.show.toml_file import parse_model
-from live.show.venue import Venue
-from live.show.venue_projector import in_hall
-from live.show.views import start_row, view_settings
+from live.show.patch.hot_reload import PatchWatch
+from live.show.patch.patch import Patch
+from live.show.patch.patch_file import parse_patch, read_patch
+from live.show.patch.toml_file import parse_model
+from live.show.venue.venue import Venue
+from live.show.venue.venue_projector import in_hall
+from live.show.view.render_scene import camera_at_first
 from tests.show.made_show import GRAPH, PATCH
 
 CORNERS = [[0.21, 0.36], [0.79, 0.35], [0.96, 0.91], [0.05, 0.90]]

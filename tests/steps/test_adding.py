@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 
 from live.base.errors import PersonError
-from live.steps import adding
-from live.steps.adding import Added, add_step
-from live.steps.asked import asked_entry, known_of, refuse_again
-from live.steps.recording import RecordingError
-from live.steps.recording_reader import RecordingReader
-from live.steps.step_folder import load_folder
+from live.library import adding
+from live.library.adding import Added, add_step
+from live.library.asked import asked_entry, known_of, refuse_again
+from live.library.recording import RecordingError
+from live.library.recording_reader import RecordingReader
+from live.library.step_folder import load_folder
 from tests.motion.made_bvh import body_bvh, danced
 from tests.motion.mocap import mocap_file
 

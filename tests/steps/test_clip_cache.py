@@ -5,9 +5,9 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
+from live.library import clip_cache
+from live.library.clip_cache import ClipCache
 from live.motion.step_clip import StepClip
-from live.steps import clip_cache
-from live.steps.clip_cache import ClipCache
 from tests.made_steps import made_clip, made_steps
 
 CACHE = ClipCache("made", kept=3)

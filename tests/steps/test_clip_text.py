@@ -2,8 +2,8 @@
 
 import pytest
 
-from live.show.library_watch import same_clip
-from live.steps.clip_text import clips_from_text, clips_to_text
+from live.library.clip_text import clips_from_text, clips_to_text
+from live.show.selection.library_watch import same_clip
 from tests.made_steps import made_steps
 
 

@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.motion.bvh import parse_bvh, source_of_bvh
-from live.motion.file_error import MotionFileError
-from live.steps.motion_file import MAX_BYTES, read_motion
+from live.library.motion_file import MAX_BYTES, read_motion
+from live.motion.formats.file_error import MotionFileError
+from live.motion.formats.parse import parse_bvh
+from live.motion.formats.source import source_of_bvh
 from tests.motion.made_bvh import body_bvh, danced
 from tests.motion.mocap import mocap_file
 from tests.motion.test_asf_amc import AMC, ASF

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.steps.music_reference import song_beats
+from live.library.music_reference import song_beats
 
 SONGS = Path(__file__).resolve().parents[3] / "shared" / "beats" / "open"
 RATE = 44_100

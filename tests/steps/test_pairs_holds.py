@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from live.motion.example.cloud import ends_cloud
-from live.motion.example.found_holds import Near
-from live.motion.example.units import Example, Hold, cut_units
-from live.steps.pairs import PairsFile
-from live.steps.pairs_file import Examples, Recorded
-from live.steps.pairs_holds import with_holds
+from live.library.pairs import PairsFile
+from live.library.pairs_file import Examples, Recorded
+from live.library.pairs_holds import with_holds
+from live.motion.partner.cloud import ends_cloud
+from live.motion.partner.found_holds import Near
+from live.motion.partner.units import Example, Hold, cut_units
 from tests.motion.example.made_examples import standing
 
 WRITTEN = (Hold(0, 0, 10.0, 20.0),)

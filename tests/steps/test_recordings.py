@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from live.library import recording_reader, recordings
+from live.library.recording import RecordingError
+from live.library.recording_file import read_recordings
+from live.library.recordings import load_recordings
 from live.motion import quaternion
 from live.motion.mirror import mirror_step, other_side
 from live.motion.step_clip import StepClip
 from live.motion.step_figures import measured_direction, measured_distance
-from live.steps import recording_reader, recordings
-from live.steps.recording import RecordingError
-from live.steps.recording_file import read_recordings
-from live.steps.recordings import load_recordings
 from tests.motion.made_bvh import body_bvh, column, danced, still
 from tests.motion.mocap import MOCAP, mocap_file
 

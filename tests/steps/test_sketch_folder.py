@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from live.show.patch_places import PATCHES
-from live.steps import sketch_folder
-from live.steps.clip_cache import ClipCache
-from live.steps.sketch_folder import StepsError, load_steps
+from live.library import sketch_folder
+from live.library.clip_cache import ClipCache
+from live.library.sketch_folder import StepsError, load_steps
+from live.show.patch.patch_search_path import PATCHES
 
 SWAY = 'name = "sway"\n[pelvis]\n"1" = "left 4"\n"3" = "right 4"\n'
 

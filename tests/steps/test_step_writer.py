@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.steps.step_writer import with_step
+from live.library.step_writer import with_step
 
 NEW = {"file": "b.bvh", "name": "two", "bpm": 96.5, "first_beat_s": 1.0, "measures": 2, "tags": ["slow"]}
 

@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
-from live.graph.stream import random_walk
+from live.graph.random_walk import random_walk
+from live.graph.step_library import build_library
+from live.library.library_check import check_folder
+from live.library.recording import RecordingError
+from live.library.recordings import load_recordings
 from live.show.load import load_show
-from live.show.patch_places import DEFAULT_PATCH
-from live.steps.library_check import check_folder
-from live.steps.recording import RecordingError
-from live.steps.recordings import load_recordings
+from live.show.patch.patch_search_path import DEFAULT_PATCH
 from tests.motion.made_bvh import body_bvh, danced
 
 STREAM = """

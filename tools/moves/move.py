@@ -111,7 +111,7 @@ class Fix(cst.CSTTransformer):
             return new
         made = [
             cst.ImportFrom(
-                module=cst.parse_expression("liveNEW" + t[4:]), names=[a.with_changes(comma=cst.MaybeSentinel.DEFAULT)]
+                module=cst.parse_expression("live" + t[4:]), names=[a.with_changes(comma=cst.MaybeSentinel.DEFAULT)]
             )
             for a, t in handed
         ]
@@ -126,7 +126,7 @@ class Fix(cst.CSTTransformer):
                 asname = None
             made.append(
                 cst.ImportFrom(
-                    module=cst.parse_expression("liveNEW" + pkg[4:]),
+                    module=cst.parse_expression("live" + pkg[4:]),
                     names=[cst.ImportAlias(cst.Name(base), asname=asname)],
                 )
             )
@@ -174,7 +174,7 @@ for path in files:
         continue
     done = python(path) if path.suffix == ".py" else text
     done = pattern.sub(renamed, done)
-    done = path_pattern.sub(renamed_path, done).replace("liveNEW", "live")
+    done = path_pattern.sub(renamed_path, done).replace("live", "live")
     if done != text:
         path.write_text(done)
 for old, new in FULL.items():

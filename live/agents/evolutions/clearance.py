@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.evolutions.kernels import nearest_approach, sample_ways
-from live.agents.evolutions.locomotion import Float32, Float64, Locomotion
+from live.agents.evolutions.evolutions_kernels import nearest_approach, sample_ways
 from live.agents.evolutions.pieces import Pieces
+from live.agents.evolutions.trajectory import Float32, Float64, Locomotion
 
 PIECE = 200_000
 """Looks at a pair at a time that make one piece of work: about a millisecond."""

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from live.agents.evolutions.kernels import part_ways, sample_ways, smooth_ways
-from live.agents.evolutions.locomotion import Float32, Locomotion
-from live.agents.evolutions.meetings.kernels import count_meetings, longest_steps
+from live.agents.evolutions.evolutions_kernels import part_ways, sample_ways, smooth_ways
+from live.agents.evolutions.meetings_kernels import count_meetings, longest_steps
 from live.agents.evolutions.pieces import Pieces, at_once
+from live.agents.evolutions.trajectory import Float32, Locomotion
 
 LEVELS = 6
 """1/2, 1/4 and 3/4, ... down to 1/64 of the time are looked at."""

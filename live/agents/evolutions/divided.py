@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.evolutions.kernels import swap_pairs
+from live.agents.evolutions.evolutions_kernels import swap_pairs
 from live.agents.evolutions.matching import Cost, Fill, assign
 from live.agents.evolutions.sections import ANYBODY
 

@@ -12,10 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.evolutions.clearance import Approach, Clearance
-from live.agents.evolutions.delays import Arrive, times
 from live.agents.evolutions.divide import dividing
-from live.agents.evolutions.locomotion import Float64, Locomotion
 from live.agents.evolutions.pieces import Pieces, at_once
+from live.agents.evolutions.start_delays import Arrive, times
+from live.agents.evolutions.trajectory import Float64, Locomotion
 
 MARGIN = 0.045
 """Metres that bent ways leave between bodies: smoothing takes some of it back, and without it pairs remain."""

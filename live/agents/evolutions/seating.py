@@ -3,14 +3,14 @@
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.evolutions.departure import Departure
 from live.agents.evolutions.divided import DividedMatching
 from live.agents.evolutions.intention import By, Matching
-from live.agents.evolutions.locomotion import Float64
 from live.agents.evolutions.matching import by_id
 from live.agents.evolutions.pieces import Pieces
 from live.agents.evolutions.sections import sections
+from live.agents.evolutions.segment_start import Departure
 from live.agents.evolutions.standing_clear import clear_places
+from live.agents.evolutions.trajectory import Float64
 
 CLEAR_GAP = 1.0
 """Metres between dancers who stand clear of a formation."""

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from live.agents.evolutions.delays import TOGETHER, Ripple
 from live.agents.evolutions.intention import Intention
+from live.agents.evolutions.start_delays import TOGETHER, Ripple
 from live.agents.groups.relations import Line, canon
 from live.base.errors import PersonError
 

@@ -6,10 +6,10 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.evolutions import orientation
-from live.agents.evolutions.departure import Departure, Journey
-from live.agents.evolutions.kernels import profile
-from live.agents.evolutions.locomotion import Float64, Locomotion
+from live.agents.evolutions.evolutions_kernels import profile
 from live.agents.evolutions.orientation import Facing, Orientation
+from live.agents.evolutions.segment_start import Departure, Journey
+from live.agents.evolutions.trajectory import Float64, Locomotion
 
 
 def turn_beats(facing: Orientation, departure: Departure) -> float:

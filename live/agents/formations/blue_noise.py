@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from live.agents.formations.kernels import eliminate, even_out
+from live.agents.formations.blue_noise_kernels import eliminate, even_out
 from live.agents.formations.symmetry import SymmetryLine
 
 Float64 = npt.NDArray[np.float64]

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from live.agents.formations.kernels import fill_rows
+from live.agents.formations.blue_noise_kernels import fill_rows
 
 Float64 = npt.NDArray[np.float64]
 

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from live.agents.formations.spec import FormationSpec
 from live.agents.formations.stroke_font import STROKES, text_strokes
-from live.agents.formations.svg_paths import path_lines
+from live.agents.formations.svg_import import path_lines
 
 Float64 = npt.NDArray[np.float64]
 Line = tuple[Float64, bool]

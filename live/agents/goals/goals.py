@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.goals.kernels import ARRIVE, pass_way_points, seek_goals
-from live.agents.wants import Wants
+from live.agents.agent_command import Wants
+from live.agents.goals.goal_kernels import ARRIVE, pass_way_points, seek_goals
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]

@@ -4,9 +4,9 @@ from typing import Final
 
 import numpy as np
 
+from live.clock.bar_pointer.bar_pointer_kernels import advance, fence, leap, observe, refine, rescale, search, tally
 from live.clock.bar_pointer.evidence import likelihoods
 from live.clock.bar_pointer.hand import Hand, interval_of
-from live.clock.bar_pointer.kernels import advance, fence, leap, observe, refine, rescale, search, tally
 from live.clock.bar_pointer.model import Model
 from live.clock.bar_pointer.passed_beats import PassedBeats
 from live.clock.bar_pointer.place import Place

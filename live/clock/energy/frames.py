@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.clock.energy.kernels import LOUD, LOW, MAGNITUDE, OCTAVES, OUT, POWER, RISE, append, describe
-from live.clock.energy.loudness import decibels, k_weight
+from live.clock.energy.energy_kernels import LOUD, LOW, MAGNITUDE, OCTAVES, OUT, POWER, RISE, append, describe
+from live.clock.energy.k_weighting import decibels, k_weight
 
 Samples = npt.NDArray[np.float32]
 

@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.clock.energy.frames import EnergyFrames
+from live.clock.energy.music_structure import SILENT_DB, Structure
 from live.clock.energy.ranges import Range
-from live.clock.energy.structure import SILENT_DB, Structure
 
 USUAL_PERIOD: Final = 0.5
 """Seconds that count as a beat while none is known."""

@@ -16,9 +16,9 @@ import random
 from dataclasses import dataclass
 from typing import Final
 
+from live.control.audience.join_tickets import Tickets
 from live.control.audience.phones import Phone, Phones
-from live.control.audience.refused import ALL_JOINS, Bucket, Line, Why
-from live.control.audience.tickets import Tickets
+from live.control.audience.rate_limit import ALL_JOINS, Bucket, Line, Why
 
 OWN_WIFI: Final = "own wifi"
 BEHIND_NAT: Final = "behind nat"

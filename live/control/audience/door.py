@@ -11,18 +11,18 @@ from typing import Any, Final
 
 from aiohttp import WSMsgType, web
 
-from live.control.audience import wire
-from live.control.audience.addresses import Proxies, address_of, group_of
+from live.control.audience import phone_protocol as wire
 from live.control.audience.admission import OWN_WIFI, Answer
+from live.control.audience.arp_table import Neighbours
+from live.control.audience.broadcaster import Teller
+from live.control.audience.client_address import Proxies, address_of, group_of
 from live.control.audience.hall import Hall
-from live.control.audience.neighbours import Neighbours
 from live.control.audience.pages import Pages
 from live.control.audience.phones import Phone
-from live.control.audience.reading import Reading
-from live.control.audience.refused import Why
-from live.control.audience.teller import Teller
+from live.control.audience.rate_limit import Why
 from live.control.audience.tokens import Device, device_of, group_number, hue_of, token_of
-from live.control.http_guard import is_ours
+from live.control.audience.websocket_reader import Reading
+from live.control.web.http_guard import is_ours
 
 HELLO_WITHIN: Final = 5.0
 """Who has connected asks for a page, or says who it is, so soon [s]: first bytes, headers and all."""

@@ -18,14 +18,14 @@ import numpy as np
 from aiohttp import web
 
 from live.clock.ticks import TICK
+from live.control.audience.broadcaster import Teller
 from live.control.audience.door import HELLO_WITHIN, Door
 from live.control.audience.hall import Hall
 from live.control.audience.rules import Beat, Rules
-from live.control.audience.teller import Teller
 from live.control.audience.tls import server_context
-from live.control.helper import Told
-from live.control.packet import packet_of
-from live.control.task_guard import guarded, keep_task
+from live.control.helper_process import Told
+from live.control.message_codec import packet_of
+from live.control.web.task_guard import guarded, keep_task
 
 SAY_EVERY: Final = 0.5
 RULES_WITHIN: Final = 1.0

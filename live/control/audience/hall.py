@@ -5,16 +5,16 @@ from collections import Counter
 from collections.abc import Callable
 from typing import Any, Final
 
-from live.control.audience import wire
+from live.control.audience import phone_protocol as wire
 from live.control.audience.admission import OWN_WIFI, Admission
 from live.control.audience.bans import Bans
+from live.control.audience.join_tickets import Tickets
+from live.control.audience.participant_state import Voices
 from live.control.audience.phones import PATIENCE, TOO_FAST, Phone, Phones
-from live.control.audience.refused import ALL_BURST, ALL_RATE, BURST, RATE, Why
+from live.control.audience.rate_limit import ALL_BURST, ALL_RATE, BURST, RATE, Why
 from live.control.audience.rules import Beat, Rules
-from live.control.audience.tickets import Tickets
 from live.control.audience.together import Together
 from live.control.audience.tokens import Device
-from live.control.audience.voices import Voices
 
 RESTS = 5.0
 """The voice of a phone that is cut off fades; its row is free after so long [s]."""

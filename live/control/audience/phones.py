@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any, Final
 
-from live.control.audience.refused import BURST
+from live.control.audience.rate_limit import BURST
 
 PATIENCE: Final = 4
 """Malformed messages of a phone before it is sent away."""

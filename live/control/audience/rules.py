@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Final
 
-from live.control.packet import registered
+from live.control.message_codec import registered
 
 SLIPS: Final = 0.010
 """Phones are told the clock anew when the beat would be so far [s] from where they believe it ..."""

@@ -7,9 +7,9 @@ import numpy as np
 import numpy.typing as npt
 
 from live.control.audience.lights import Lights
+from live.control.audience.participant_state import PLACES, Force, Voices
 from live.control.audience.phones import Phone
 from live.control.audience.tokens import hue_of
-from live.control.audience.voices import PLACES, Force, Voices
 
 AGAIN: Final = 0.5
 """What is as it was is said again after so long [s]: elements end by themselves."""

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
-from live.control.control import RANKS, Control, Role
+from live.control.registry.control import RANKS, Control, Role
 
 WidgetKind = Literal["fader", "toggle", "button", "pad", "colour"]
 MOST_ON_A_PAGE: Final = 24

@@ -8,11 +8,11 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import PchipInterpolator
 
-from live.base.kernels import ease
+from live.base.scalar_kernels import ease
 from live.motion.clip import Clip
 from live.motion.editing.combine import UPPER
 from live.motion.editing.rotation_insertion import BLEND_WINDOW
-from live.motion.editing.rotation_mean import mean_rotation, scale_from
+from live.motion.rotation_mean import mean_rotation, scale_from
 from live.motion.step_clip import StepClip
 
 Float64 = npt.NDArray[np.float64]

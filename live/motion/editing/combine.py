@@ -5,8 +5,8 @@ from typing import Final
 
 import numpy as np
 
-from live.motion.editing.same_step import check_same_step, samples_in
-from live.motion.editing.sampling import read_clip
+from live.motion.same_step import check_same_step, samples_in
+from live.motion.sampling import read_clip
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
 

@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion.clip import Clip
-from live.motion.contact import TOES_OVER_SOLE
-from live.motion.forward import forward_kinematics
+from live.motion.foot_contact import TOES_OVER_SOLE
+from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
 
 Float = npt.NDArray[np.floating]

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from live.motion.clip import Clip
 from live.motion.editing.feet import ANKLES, BALLS, Feet
 from live.motion.editing.legs import reach_with_feet
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
 
 Float64 = npt.NDArray[np.float64]
 

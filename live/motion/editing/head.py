@@ -10,7 +10,7 @@ from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.curve import smoothed
 from live.motion.editing.orientation import heading_of
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
 
 Float64 = npt.NDArray[np.float64]

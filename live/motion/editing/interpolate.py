@@ -9,9 +9,9 @@ import numpy.typing as npt
 from live.motion import quaternion
 from live.motion.editing.feet import ANKLES, BALLS
 from live.motion.editing.legs import reach_with_feet
-from live.motion.editing.same_step import check_same_structure, samples_in
-from live.motion.editing.sampling import read_clip
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.same_step import check_same_structure, samples_in
+from live.motion.sampling import read_clip
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
 from live.motion.step_figures import measured_direction, measured_distance

@@ -6,9 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion import quaternion
-from live.motion.forward import forward_kinematics
-from live.motion.ik import two_bone
+from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
+from live.motion.two_bone_ik import two_bone
 
 Float = npt.NDArray[np.floating]
 

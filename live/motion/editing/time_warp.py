@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from live.motion.clip import Clip
 from live.motion.editing.rotation_insertion import BLEND_WINDOW
-from live.motion.editing.sampling import read_clip
+from live.motion.sampling import read_clip
 from live.motion.step_clip import StepClip
 
 Float64 = npt.NDArray[np.float64]

@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.contact import TOES_OVER_SOLE
 from live.motion.editing.feet import ANKLES, BALLS
+from live.motion.foot_contact import TOES_OVER_SOLE
 
 Float = npt.NDArray[np.floating]
 Float64 = npt.NDArray[np.float64]

@@ -6,9 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion.clip import Clip
-from live.motion.contact import TOES_OVER_SOLE
 from live.motion.editing.feet import ANKLES, BALLS
-from live.motion.forward import forward_kinematics
+from live.motion.foot_contact import TOES_OVER_SOLE
+from live.motion.forward_kinematics import forward_kinematics
 from live.motion.quality.feet import skates, slides
 from live.motion.quality.smoothness import accelerations, velocity_changes
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE

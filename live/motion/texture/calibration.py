@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion.clip import Clip
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
 
 Float = npt.NDArray[np.floating]

@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion import quaternion
-from live.motion.editing.rotation_mean import mean_rotation
 from live.motion.euler import euler_to_quaternion
+from live.motion.rotation_mean import mean_rotation
 
 Float = npt.NDArray[np.floating]
 Float64 = npt.NDArray[np.float64]

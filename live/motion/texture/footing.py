@@ -16,10 +16,10 @@ from live.motion.clip import Clip
 from live.motion.editing.feet import ANKLES, find_feet
 from live.motion.editing.floor import correct_floor, cover
 from live.motion.editing.legs import reach_with_feet
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
 from live.motion.texture.charts import Chart
-from live.motion.texture.wish import LEGS
+from live.motion.texture.texture_settings import LEGS
 
 Float64 = npt.NDArray[np.float64]
 Float = npt.NDArray[np.floating]

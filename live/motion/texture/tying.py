@@ -12,10 +12,10 @@ import numpy.typing as npt
 
 from live.motion import quaternion
 from live.motion.clip import Clip
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
-from live.motion.texture.wish import UPPER
+from live.motion.texture.texture_settings import UPPER
 
 Float = npt.NDArray[np.floating]
 Float64 = npt.NDArray[np.float64]

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.file_error import MotionFileError
+from live.motion.formats.file_error import MotionFileError
 from live.render.characters.model import Material, Model
 from live.render.characters.textures import WHOLE, read_layers
 

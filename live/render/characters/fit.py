@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion import quaternion
-from live.motion.file_error import MotionFileError
+from live.motion.formats.file_error import MotionFileError
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.render.characters.joints import owners
 from live.render.characters.model import Model

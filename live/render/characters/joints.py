@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
-from live.motion.file_error import MotionFileError, shown
-from live.motion.joint_map import find_body_among, split_name
+from live.motion.formats.file_error import MotionFileError, shown
+from live.motion.retarget.joint_mapping import find_body_among, split_name
 from live.motion.skeleton import SKELETON
 from live.render.characters.model import Model
 

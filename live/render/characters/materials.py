@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from live.motion.gltf.json_place import JsonPlace
+from live.motion.formats.json_place import JsonPlace
 from live.render.characters.model import Material
 
 BRIGHTEST: Final = 8.0

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, UnidentifiedImageError
 
-from live.motion.file_error import MotionFileError
+from live.motion.formats.file_error import MotionFileError
 
 UInt8 = npt.NDArray[np.uint8]
 

@@ -6,8 +6,8 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
+from live.render.gl_release import release_all
 from live.render.outputs.flash_limit import RED_CHANGE, FlashLimit
-from live.render.release import release_all
 from live.render.shader import program, set_uniform
 
 CELLS: Final = (16, 9)

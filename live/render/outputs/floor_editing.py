@@ -6,10 +6,10 @@ Each mark is light on the real floor: it is moved until it lies where the floor 
 from collections.abc import Sequence
 
 from live.base.errors import PersonError
-from live.base.perspective import CORNERS, check_corners
+from live.base.projector_perspective import CORNERS, check_corners
 from live.render.outputs.moved_points import MovedPoints
 from live.render.outputs.output import Output, Point
-from live.render.outputs.places import picture_place, window_place
+from live.render.outputs.output_coordinates import picture_place, window_place
 
 
 class FloorEditing(MovedPoints[list[Point]]):

@@ -7,9 +7,9 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
+from live.render.gl_release import release_all
 from live.render.lettering import letter
 from live.render.outputs.output import Point
-from live.render.release import release_all
 from live.render.shader import program, set_uniform
 
 _LIMIT: Final = 1600

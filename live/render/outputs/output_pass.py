@@ -8,10 +8,10 @@ import numpy.typing as npt
 from PIL import Image
 
 from live.base.errors import PersonError
+from live.render.gl_release import release_all
 from live.render.outputs.mesh import MOST_VERTICES, vertices
 from live.render.outputs.output import Output
 from live.render.outputs.test_cards import CARDS, TINTS, Card, words_of
-from live.render.release import release_all
 from live.render.shader import program, set_uniform
 
 LARGEST_MASK: Final = 8192

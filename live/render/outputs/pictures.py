@@ -6,8 +6,8 @@ from typing import Final
 
 import moderngl
 
+from live.render.gl_release import release_all
 from live.render.outputs.output import WHOLE, Output
-from live.render.release import release_all
 
 LARGEST: Final = 8192
 """Longest side of the picture [pixels]."""

@@ -13,17 +13,17 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from live.base.stage_view import Scene, StageView
-from live.render.monitor_places import find_place
-from live.render.monitors import Monitor
+from live.base.stage_snapshot import Scene, StageView
 from live.render.outputs.flash_meter import FlashGuard
 from live.render.outputs.output import Output
 from live.render.outputs.pictures import Pictures, picture_size
 from live.render.outputs.screen import Screen
 from live.render.outputs.shown import Shown
 from live.render.renderer import Renderer
-from live.render.window import Window
-from live.render.window_input import PointerMoved, PointerPressed, PointerReleased, WindowInput
+from live.render.window.monitor_places import find_place
+from live.render.window.monitors import Monitor
+from live.render.window.window import Window
+from live.render.window.window_input import PointerMoved, PointerPressed, PointerReleased, WindowInput
 
 TITLE: Final = "ChoreoGraphics Live"
 OPERATOR: Final = "operator"

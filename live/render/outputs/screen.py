@@ -11,11 +11,11 @@ from live.render.outputs.editing import Editing
 from live.render.outputs.floor_editing import FloorEditing
 from live.render.outputs.handle_pass import HandlePass
 from live.render.outputs.output import UNBENT, Output, Point
+from live.render.outputs.output_coordinates import picture_place
 from live.render.outputs.output_pass import OutputPass
 from live.render.outputs.pictures import Pictures
-from live.render.outputs.places import picture_place
 from live.render.outputs.test_cards import Card
-from live.render.window import Window
+from live.render.window.window import Window
 
 
 class Screen:

@@ -5,10 +5,10 @@ It is not cropped, bent, blended or masked, and no test card is in it; but its l
 
 import moderngl
 
+from live.render.gl_release import release_all
 from live.render.outputs.output import Output
 from live.render.outputs.output_pass import OutputPass
 from live.render.outputs.pictures import Pictures
-from live.render.release import release_all
 
 
 class Shown:

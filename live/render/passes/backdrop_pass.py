@@ -2,9 +2,9 @@
 
 import moderngl
 
-from live.render.frame import WALL_BEHIND
-from live.render.release import release_all
+from live.render.gl_release import release_all
 from live.render.shader import program
+from live.render.uniforms import WALL_BEHIND
 
 
 class BackdropPass:

@@ -9,12 +9,12 @@ import moderngl
 
 from live.base.lights import BACKGROUNDS
 from live.base.picture import BY_ADDRESS
-from live.base.stage_view import Background, StageView
+from live.base.stage_snapshot import Background, StageView
 from live.render.background_file import Picture, is_video, read_image
-from live.render.frame import WALL_BEHIND
-from live.render.moment import Making, Moment, ScenePass
-from live.render.release import release_all
+from live.render.gl_release import release_all
+from live.render.pass_context import Making, Moment, ScenePass
 from live.render.shader import program, set_uniform
+from live.render.uniforms import WALL_BEHIND
 from live.render.video import Video
 
 _ROWS: Final = tuple(BY_ADDRESS[f"/dance/background/{number}"].first for number in range(1, BACKGROUNDS + 1))

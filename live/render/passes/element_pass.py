@@ -11,7 +11,7 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from live.base.stage_view import (
+from live.base.stage_snapshot import (
     ATTRACTOR,
     CROSSING,
     DRAWN,
@@ -29,7 +29,7 @@ from live.base.stage_view import (
     VORTEX,
     StageView,
 )
-from live.render.release import release_all
+from live.render.gl_release import release_all
 from live.render.shader import program, set_uniform
 
 _KINDS: Final = (

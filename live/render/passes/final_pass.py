@@ -2,7 +2,7 @@
 
 import moderngl
 
-from live.render.release import release_all
+from live.render.gl_release import release_all
 from live.render.shader import program, set_uniform
 
 

@@ -10,13 +10,13 @@ from typing import Final
 import moderngl
 import numpy as np
 
-from live.base.stage_view import StageView
-from live.render.body import COARSE
-from live.render.crowd import Crowd
+from live.base.stage_snapshot import StageView
+from live.render.body.body_mesh import COARSE
+from live.render.dancers.dancer_batch import Crowd
+from live.render.gl_release import release_all
 from live.render.passes.element_pass import ElementPass
 from live.render.passes.set_pass import SetPass
 from live.render.quality import Quality
-from live.render.release import release_all
 from live.render.shader import program, set_uniform
 
 _TAPS: Final = 5

@@ -3,12 +3,12 @@
 import moderngl
 import numpy as np
 
-from live.base.stage_view import StageView
+from live.base.stage_snapshot import StageView
 from live.base.styles import MOST_GHOSTS
-from live.render.crowd import Crowd
-from live.render.moment import Making
-from live.render.pose_history import PoseHistory
-from live.render.release import release_all
+from live.render.dancers.dancer_batch import Crowd
+from live.render.dancers.pose_history import PoseHistory
+from live.render.gl_release import release_all
+from live.render.pass_context import Making
 from live.render.shader import program, set_uniform
 
 

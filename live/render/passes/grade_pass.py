@@ -7,7 +7,7 @@ import numpy as np
 
 from live.base.picture import BY_ADDRESS
 from live.render.full import Full
-from live.render.moment import Making, Moment, Surfaces
+from live.render.pass_context import Making, Moment, Surfaces
 
 _ROOT: Final = "/dance/pass/grade"
 _AMOUNT: Final = BY_ADDRESS[_ROOT].first

@@ -5,7 +5,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.render.frame_times import SHOWN
-from live.render.release import release_all
+from live.render.gl_release import release_all
 from live.render.shader import program, set_uniform
 
 

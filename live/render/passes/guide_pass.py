@@ -4,8 +4,8 @@ from typing import Final
 
 import moderngl
 
-from live.base.stage_view import GUIDE_CAPACITY, StageView
-from live.render.release import release_all
+from live.base.stage_snapshot import GUIDE_CAPACITY, StageView
+from live.render.gl_release import release_all
 from live.render.shader import program, set_uniform
 
 _PER_HEIGHT: Final = 540

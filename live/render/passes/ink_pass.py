@@ -7,7 +7,7 @@ import moderngl
 from live.base.picture import BY_ADDRESS
 from live.render.camera import FAR, NEAR
 from live.render.full import Full
-from live.render.moment import Making, Moment, Surfaces
+from live.render.pass_context import Making, Moment, Surfaces
 
 _ROOT: Final = "/dance/pass/ink"
 _AMOUNT: Final = BY_ADDRESS[_ROOT].first

@@ -3,9 +3,9 @@
 import moderngl
 import numpy as np
 
-from live.base.items import Item, triangles_of
-from live.render.moment import Making, Moment, ScenePass
-from live.render.release import release_all
+from live.base.set_geometry import Item, triangles_of
+from live.render.gl_release import release_all
+from live.render.pass_context import Making, Moment, ScenePass
 from live.render.shader import program, set_uniform
 
 NEAR_FLOOR = 0.5

@@ -2,8 +2,8 @@
 
 import moderngl
 
-from live.render.moment import HDR
-from live.render.release import release_all
+from live.render.gl_release import release_all
+from live.render.pass_context import HDR
 
 
 class LitTarget:

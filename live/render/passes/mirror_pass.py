@@ -4,9 +4,9 @@ from typing import Final
 
 import moderngl
 
-from live.render.body import COARSE
-from live.render.crowd import Crowd
-from live.render.release import release_all
+from live.render.body.body_mesh import COARSE
+from live.render.dancers.dancer_batch import Crowd
+from live.render.gl_release import release_all
 from live.render.shader import WORN, program, set_uniform
 
 _BEYOND: Final = 4

@@ -5,8 +5,8 @@ from typing import Final
 import moderngl
 import numpy as np
 
+from live.render.gl_release import release_all
 from live.render.lettering import Lettering, letter
-from live.render.release import release_all
 from live.render.shader import program, set_uniform
 
 _LIMIT: Final = 1024

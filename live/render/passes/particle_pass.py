@@ -6,13 +6,13 @@ import moderngl
 import numpy as np
 
 from live.base.bodies import BODIES
-from live.base.stage_view import Scene, StageView
-from live.render.body import LIGHT
-from live.render.body_of import bodies_of, mesh_of
-from live.render.body_points import BodyPoints, build_points, points_on
-from live.render.crowd import Crowd
-from live.render.moment import Making
-from live.render.release import release_all
+from live.base.stage_snapshot import Scene, StageView
+from live.render.body.body_lookup import bodies_of, mesh_of
+from live.render.body.body_mesh import LIGHT
+from live.render.dancers.dancer_batch import Crowd
+from live.render.dancers.particle_points import BodyPoints, build_points, points_on
+from live.render.gl_release import release_all
+from live.render.pass_context import Making
 from live.render.shader import program, set_uniform
 
 PERIOD = 96.0

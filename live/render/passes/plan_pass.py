@@ -9,9 +9,9 @@ import moderngl
 import numpy as np
 
 from live.base.picture import PLAN, Float64
-from live.base.stage_view import StageView
-from live.render.moment import Making, Moment, ScenePass
-from live.render.release import release_all
+from live.base.stage_snapshot import StageView
+from live.render.gl_release import release_all
+from live.render.pass_context import Making, Moment, ScenePass
 from live.render.shader import program, set_uniform
 
 KEPT: Final = 64

@@ -6,11 +6,11 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from live.base.stage_view import StageView
-from live.render.crowd import Crowd
-from live.render.limb_history import LIMBS, LimbHistory
-from live.render.moment import Making
-from live.render.release import release_all
+from live.base.stage_snapshot import StageView
+from live.render.dancers.dancer_batch import Crowd
+from live.render.dancers.limb_history import LIMBS, LimbHistory
+from live.render.gl_release import release_all
+from live.render.pass_context import Making
 from live.render.shader import program, set_uniform
 
 Float32 = npt.NDArray[np.float32]

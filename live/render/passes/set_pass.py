@@ -5,8 +5,8 @@ from typing import Final
 import moderngl
 import numpy as np
 
-from live.base.stage_view import SET_CAPACITY, StageView
-from live.render.release import release_all
+from live.base.stage_snapshot import SET_CAPACITY, StageView
+from live.render.gl_release import release_all
 from live.render.shader import program, set_uniform
 
 _WALL_THICKNESS: Final = 0.05

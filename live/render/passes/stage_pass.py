@@ -4,7 +4,7 @@ from typing import Final
 
 import moderngl
 
-from live.render.release import release_all
+from live.render.gl_release import release_all
 from live.render.shader import program, set_uniform
 
 _WALL: Final = 3

@@ -2,13 +2,13 @@
 
 import moderngl
 
-from live.render.moment import Making, Moment, ScenePass
+from live.render.gl_release import release_all
+from live.render.pass_context import Making, Moment, ScenePass
 from live.render.passes.ghost_pass import GhostPass
 from live.render.passes.particle_pass import ParticlePass
 from live.render.passes.ribbon_pass import RibbonPass
 from live.render.passes.styled_pass import StyledPass
 from live.render.passes.xray_pass import XrayPass
-from live.render.release import release_all
 
 _LIGHT = ("trails", "ribbons", "xray", "particles")
 

@@ -2,8 +2,8 @@
 
 import moderngl
 
-from live.render.crowd import Crowd
-from live.render.release import release_all
+from live.render.dancers.dancer_batch import Crowd
+from live.render.gl_release import release_all
 from live.render.shader import WORN, program, set_uniform
 
 

@@ -3,10 +3,10 @@
 import moderngl
 
 from live.render.camera import FAR, NEAR
-from live.render.crowd import Crowd
-from live.render.moment import Surfaces
+from live.render.dancers.dancer_batch import Crowd
+from live.render.gl_release import release_all
+from live.render.pass_context import Surfaces
 from live.render.quality import Quality
-from live.render.release import release_all
 from live.render.shader import WORN, program, set_uniform
 
 

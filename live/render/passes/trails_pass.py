@@ -6,8 +6,8 @@ import moderngl
 
 from live.base.picture import BY_ADDRESS
 from live.render.full import Full
-from live.render.moment import HDR, Making, Moment, Surfaces
-from live.render.release import release_all
+from live.render.gl_release import release_all
+from live.render.pass_context import HDR, Making, Moment, Surfaces
 
 _ROOT: Final = "/dance/pass/trails"
 _AMOUNT: Final = BY_ADDRESS[_ROOT].first

@@ -3,9 +3,9 @@
 import moderngl
 
 from live.base.picture import VIGNETTE
-from live.render.frame import VIGNETTING
 from live.render.full import Full
-from live.render.moment import Making, Moment, Surfaces
+from live.render.pass_context import Making, Moment, Surfaces
+from live.render.uniforms import VIGNETTING
 
 
 class VignettePass:

@@ -4,10 +4,10 @@ from typing import Any
 
 import moderngl
 
-from live.render.bones import bone_vertices
-from live.render.crowd import Crowd
-from live.render.moment import Making
-from live.render.release import release_all
+from live.render.dancers.dancer_batch import Crowd
+from live.render.dancers.xray_skeleton import bone_vertices
+from live.render.gl_release import release_all
+from live.render.pass_context import Making
 from live.render.shader import program
 
 

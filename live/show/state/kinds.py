@@ -8,29 +8,29 @@ from collections.abc import Callable
 from dataclasses import fields
 from typing import Any, Final
 
-from live.base.own_pass import OwnNumber
-from live.control.events import EVENT_TYPES
-from live.graph.choosing.choosing import Choosing
+from live.base.custom_pass import OwnNumber
+from live.control.events.events import EVENT_TYPES
 from live.graph.motion_graph import MotionGraph
-from live.motion.example.staged.read_leader import Lore
-from live.motion.example.stretches import Stretches
-from live.motion.example.units import Units
-from live.motion.posing.pipeline import PoseSkeleton
-from live.motion.texture.bank import TextureBank
-from live.show.answer_bank import AnswerBank
-from live.show.foresight import Foresight
-from live.show.group_motion import GroupMotion
-from live.show.improvise_table import Table
-from live.show.interrupts import Interrupts
-from live.show.parameter_table import ParameterTable
-from live.show.patch import Patch
-from live.show.score import Written
-from live.show.sections.cue import CueSection
-from live.show.sections.improvise import ImproviseSection
-from live.show.sections.mocap import MocapSection
-from live.show.sections.react import ReactSection
-from live.show.sections.score import AtSection, SignalSection
-from live.show.sequences import Sequences
+from live.graph.select.selector import Choosing
+from live.motion.partner.time_scaled_units import Stretches
+from live.motion.partner.units import Units
+from live.motion.partner_live.read_leader import Lore
+from live.motion.pose.pose_pipeline import PoseSkeleton
+from live.motion.texture.live_bank import TextureBank
+from live.show.desk.parameter_table import ParameterTable
+from live.show.group.group_motion import GroupMotion
+from live.show.partner.partner_sources import AnswerBank
+from live.show.patch.cue import CueSection
+from live.show.patch.improvise import ImproviseSection
+from live.show.patch.mocap import MocapSection
+from live.show.patch.patch import Patch
+from live.show.patch.react import ReactSection
+from live.show.patch.score import AtSection, SignalSection
+from live.show.score.improvise_table import Table
+from live.show.score.score import Written
+from live.show.score.sequence_lookup import Sequences
+from live.show.selection.foresight import Foresight
+from live.show.selection.interrupts import Interrupts
 from live.show.state.kind import Kind
 from live.show.state.kinds_core import KINDS as CORE
 from live.show.state.kinds_dance import KINDS as DANCE

@@ -2,12 +2,16 @@
 
 from typing import Final
 
-from live.agents.crowd.advance import Advance
-from live.agents.crowd.model import AgentModel, AgentState, Steering
-from live.agents.crowd.surroundings import Surroundings, _Rows
+from live.agents.agent_command import Wants
+from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
+from live.agents.crowd.crowd_step import Advance
+from live.agents.crowd.obstacles import Surroundings, _Rows
+from live.agents.elements.element import Element
+from live.agents.elements.element_field import ElementField
+from live.agents.elements.element_table import ElementTable
+from live.agents.entrances.entrances import Entrances
+from live.agents.entrances.gate import Gate
 from live.agents.evolutions.clearance import Approach
-from live.agents.evolutions.delays import Arrive, Order, Ripple
-from live.agents.evolutions.departure import Departure, Draft, Journey
 from live.agents.evolutions.intention import (
     By,
     Evolve,
@@ -21,56 +25,52 @@ from live.agents.evolutions.intention import (
     Trajectory,
     Way,
 )
-from live.agents.evolutions.locomotion import Locomotion, Setting
 from live.agents.evolutions.matching import Cost, Fill
-from live.agents.evolutions.motion import Motion
 from live.agents.evolutions.orientation import Facing, Orientation
-from live.agents.evolutions.plan import Plan, _Entry
+from live.agents.evolutions.planned_segment import Motion
+from live.agents.evolutions.running_plan import Plan, _Entry
 from live.agents.evolutions.segment import Segment
+from live.agents.evolutions.segment_start import Departure, Draft, Journey
+from live.agents.evolutions.start_delays import Arrive, Order, Ripple
+from live.agents.evolutions.trajectory import Locomotion, Setting
 from live.agents.formations.spec import FormationSpec
 from live.agents.groups.relations import Line
 from live.agents.groups.roster import Roster
-from live.agents.look_ahead import LookAhead
-from live.agents.parting.parting import Parting
-from live.agents.parting.paths.paths import PathParting, Paths
-from live.agents.procedural.element import Element
-from live.agents.procedural.element_table import ElementTable
-from live.agents.procedural.field import ElementField
-from live.agents.wants import Wants
-from live.agents.wings.entrances import Entrances
-from live.agents.wings.gate import Gate
-from live.base.stage_view import StageView
+from live.agents.prediction import LookAhead
+from live.agents.separation.parting import Parting
+from live.agents.separation.paths import PathParting, Paths
+from live.base.stage_snapshot import StageView
 from live.clock.consensus import Consensus, Heard, Preference
-from live.clock.follow import TimelineFollower
-from live.clock.following.audio import AudioSource
-from live.clock.following.beat_filter import BeatFilter
-from live.clock.following.consensus_ear import ConsensusEar
-from live.clock.following.count_in import CountingIn
-from live.clock.following.direct import DirectSource
-from live.clock.following.hand import HandSource
-from live.clock.following.jump import Jump
-from live.clock.following.level import Level
-from live.clock.following.measures import Measures
-from live.clock.following.pointer_ear import PointerEar
-from live.clock.following.ruling import Ruling
-from live.clock.following.run import Run
-from live.clock.following.said import Said
+from live.clock.follower.audio_source import AudioSource
+from live.clock.follower.bar_alignment import Measures
+from live.clock.follower.beat_kalman_filter import BeatFilter
+from live.clock.follower.consensus_ear import ConsensusEar
+from live.clock.follower.count_in import CountingIn
+from live.clock.follower.direct import DirectSource
+from live.clock.follower.hand import HandSource
+from live.clock.follower.jump import Jump
+from live.clock.follower.level import Level
+from live.clock.follower.pointer_ear import PointerEar
+from live.clock.follower.run import Run
+from live.clock.follower.said import Said
+from live.clock.follower.source_arbiter import Ruling
+from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.grid import Grid
-from live.clock.tap import TapTempo
+from live.clock.tap_tempo import TapTempo
 from live.clock.timeline import Timeline
-from live.graph.specification import Wanted
-from live.motion.arms.arms import Hands
-from live.motion.example.online.placing import Placing
-from live.motion.example.online.player import LivePartner
-from live.motion.example.online.reader import LiveReader
-from live.motion.example.staged.holding import Holding
-from live.motion.example.staged.read_leader import ReadLeader
-from live.motion.example.staged.standing import Standing
-from live.motion.inertia.inertia import Inertia
-from live.motion.legs.landing import Landing
-from live.motion.posing.foot_lock import FootLock
-from live.motion.posing.pipeline import PosePipeline
-from live.show.state import whole
+from live.graph.search.sequence_spec import Wanted
+from live.motion.partner_live.holding import Holding
+from live.motion.partner_live.online_decoder import LiveReader
+from live.motion.partner_live.placing import Placing
+from live.motion.partner_live.player import LivePartner
+from live.motion.partner_live.read_leader import ReadLeader
+from live.motion.partner_live.standing import Standing
+from live.motion.pose.foot_lock import FootLock
+from live.motion.pose.hand_hold import Hands
+from live.motion.pose.inertialization import Inertia
+from live.motion.pose.landing import Landing
+from live.motion.pose.pose_pipeline import PosePipeline
+from live.show.state import consistency as whole
 from live.show.state.kind import Kind, nothing
 
 KINDS: Final = [

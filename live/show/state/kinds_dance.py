@@ -2,51 +2,51 @@
 
 from typing import Final
 
-from live.show.addressees import Addressees
-from live.show.agents_ahead import AgentsAhead
-from live.show.aims import Aims
-from live.show.anchor import Anchor
-from live.show.answer_leaders import AnswerLeaders
-from live.show.answer_poses import AnswerPoses
-from live.show.answering import Answering
-from live.show.answering_agents import AnsweringAgents
-from live.show.avoiding import Avoiding
-from live.show.captured import Captured
-from live.show.carried import Carried
-from live.show.carrying import Carrying
-from live.show.casting import Casting
-from live.show.choices import Choices
-from live.show.coming import Coming
-from live.show.cutting import Cutting, Moment
-from live.show.danced import Danced, _Ends
-from live.show.dancers import Dancers
-from live.show.drafting import Drafting
-from live.show.drift import Drift
-from live.show.edges import Edges
-from live.show.elements import Elements
-from live.show.evolutions import Evolutions
-from live.show.group_motion import GroupMotion
-from live.show.headings import Headings
-from live.show.heard_poses import HeardPoses
-from live.show.interrupts import Interrupts, _Cue
-from live.show.mocap import Mocap
-from live.show.pair_steering import PairSteering
-from live.show.partners import Partners
-from live.show.performers import Performers
+from live.show.capture.anchor import Anchor
+from live.show.capture.capture_manager import Mocap
+from live.show.capture.captured import Captured
+from live.show.capture.edges import Edges
+from live.show.capture.heard_poses import HeardPoses
+from live.show.capture.performer_forces import Presence
+from live.show.capture.performers import Performers
+from live.show.dancers.avoiding import Avoiding
+from live.show.dancers.coming import Coming
+from live.show.dancers.dancers import Dancers
+from live.show.dancers.drift import Drift
+from live.show.dancers.measure_state import Danced, _Ends
+from live.show.dancers.pair_steering import PairSteering
+from live.show.dancers.partners import Partners
+from live.show.dancers.pushing import Pushing
+from live.show.dancers.re_aiming import ReAiming
+from live.show.dancers.ripple import Ripple
+from live.show.dancers.root_correction import Carried
+from live.show.dancers.root_correction_control import Carrying
+from live.show.dancers.texturing import Texturing
+from live.show.dancers.variation import Variation
+from live.show.dancers.variety import Variety
+from live.show.group.addressees import Addressees
+from live.show.group.casting import Casting
+from live.show.group.elements import Elements
+from live.show.group.evolutions import Evolutions
+from live.show.group.group_motion import GroupMotion
+from live.show.partner.answer_poses import AnswerPoses
+from live.show.partner.leader_input import AnswerLeaders
+from live.show.partner.partner_agents import AnsweringAgents
+from live.show.partner.partner_response import Answering
+from live.show.partner.response_path import TakenAlong
+from live.show.patch.background_check import Drafting
 from live.show.pieces import Pieces
-from live.show.planning import Planning
-from live.show.presence import Presence
-from live.show.pushing import Pushing
-from live.show.re_aiming import ReAiming
-from live.show.ripple import Ripple
-from live.show.scheduler import Scheduler
-from live.show.searching import Searching
-from live.show.state import whole
+from live.show.selection.agents_ahead import AgentsAhead
+from live.show.selection.aims import Aims
+from live.show.selection.choices import Choices
+from live.show.selection.clip_cut import Cutting, Moment
+from live.show.selection.headings import Headings
+from live.show.selection.interrupts import Interrupts, _Cue
+from live.show.selection.planning import Planning
+from live.show.selection.scheduler import Scheduler
+from live.show.selection.step_search import Searching
+from live.show.state import consistency as whole
 from live.show.state.kind import Kind
-from live.show.taken_along import TakenAlong
-from live.show.texturing import Texturing
-from live.show.variation import Variation
-from live.show.variety import Variety
 
 KINDS: Final = [
     Kind("addressees", Addressees, "_casting:casting _words:list[str|none] _lasting:list[bool] bits:u8"),

@@ -2,21 +2,17 @@
 
 from typing import Final
 
-from live.show.agenda import Agenda
-from live.show.answer_pairs import Asked as AnswerPairsAsked
-from live.show.answer_pairs import Pair
-from live.show.audience import Audience
-from live.show.audience import Place as AudiencePlace
-from live.show.breakers import Breakers, Stage
-from live.show.camera_rig import CameraRig
-from live.show.chase import Chase
+from live.show.audience.audience import Audience
+from live.show.audience.audience import Place as AudiencePlace
+from live.show.audience.voting import Turn, Vote
+from live.show.circuit_breakers import Breakers, Stage
 from live.show.core import Show
-from live.show.cues import Cues, _Given
-from live.show.desk import Desk
-from live.show.directions import Directions
-from live.show.drawn_ways import DrawnWay
-from live.show.echo import Echo
-from live.show.edited_parts import (
+from live.show.dancers.step_requests import Directions
+from live.show.desk.camera_rig import CameraRig
+from live.show.desk.chase import Chase
+from live.show.desk.cue_list import Cues, _Given
+from live.show.desk.desk import Desk
+from live.show.desk.edited_parts import (
     EditedFacings,
     EditedFormations,
     EditedMocap,
@@ -27,36 +23,40 @@ from live.show.edited_parts import (
     EditedSet,
     EditedStandBy,
 )
-from live.show.edits import Edits, _Edit
-from live.show.floor import Floor
-from live.show.formations import Formations, NamedFormation
-from live.show.group_controls import GroupControls
-from live.show.improvised_motion import ImprovisedMotion
-from live.show.improviser import Improviser
-from live.show.ledger import Ledger
-from live.show.master import Master
-from live.show.measure import MeasureSpan
-from live.show.mood import Mood
-from live.show.new_steps import NewSteps
-from live.show.occasions import Occasions
-from live.show.parameters import Parameters
-from live.show.part import Part
-from live.show.places import Asked as PlacesAsked
-from live.show.places import Place as PlacesPlace
-from live.show.places import Stand, Stretch
-from live.show.playhead import Playhead
-from live.show.programme import GroupProgramme, _Before, _Call, _Place
-from live.show.prompter import Prompter
-from live.show.reactions import Reactions
-from live.show.refusals import Refusals
-from live.show.reloading import Reloading
-from live.show.scenes import Scene, Scenes
-from live.show.score import Score
-from live.show.sections.facing import Facing
-from live.show.seen import Seen
-from live.show.spots import Spots
+from live.show.desk.edits import Edits, _Edit
+from live.show.desk.master import Master
+from live.show.desk.parameters import Parameters
+from live.show.desk.refusals import Refusals
+from live.show.desk.scenes import Scene, Scenes
+from live.show.desk.spots import Spots
+from live.show.group.floor import Floor
+from live.show.group.formations import Formations, NamedFormation
+from live.show.group.group_commands import GroupControls
+from live.show.measure_span import MeasureSpan
+from live.show.partner.partner_pairs import Asked as AnswerPairsAsked
+from live.show.partner.partner_pairs import Pair
+from live.show.patch.facing import Facing
+from live.show.patch.reloading import Reloading
+from live.show.score.beat_scheduler import Agenda
+from live.show.score.canon import Echo
+from live.show.score.improvised_motion import ImprovisedMotion
+from live.show.score.improviser import Improviser
+from live.show.score.mood import Mood
+from live.show.score.occasions import Occasions
+from live.show.score.part import Part
+from live.show.score.places import Asked as PlacesAsked
+from live.show.score.places import Place as PlacesPlace
+from live.show.score.places import Stand, Stretch
+from live.show.score.playhead import Playhead
+from live.show.score.reactions import Reactions
+from live.show.score.score import Score
+from live.show.score.score_runner import Prompter
+from live.show.score.step_history import Ledger
+from live.show.score.step_program import GroupProgramme, _Before, _Call, _Place
+from live.show.selection.drawn_paths import DrawnWay
+from live.show.selection.new_steps import NewSteps
 from live.show.state.kind import Kind, nothing
-from live.show.turns_and_votes import Turn, Vote
+from live.show.view.view_builder import Seen
 
 
 def _outside() -> int:

@@ -2,8 +2,15 @@
 
 import numpy as np
 
-from live.agents.asking.kernels import any_in, hold_on_leash, hurry_firm, rest_wants, same_indices, write_presence
-from live.agents.wants import ABSENT, FIRM, ON_STAGE, PASSING, PRESENCE, SEPARATION, SPEED, Wants
+from live.agents.agent_command import ABSENT, FIRM, ON_STAGE, PASSING, PRESENCE, SEPARATION, SPEED, Wants
+from live.agents.agent_command_kernels import (
+    any_in,
+    hold_on_leash,
+    hurry_firm,
+    rest_wants,
+    same_indices,
+    write_presence,
+)
 
 COUNT = 40
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.agents.behaviours import kernels as b
+from live.agents import steering_kernels as b
 
 PLACE = st.floats(-8.0, 8.0, width=32)
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.agents.wants import ABSENT, PASSING
+from live.agents.agent_command import ABSENT, PASSING
 from tests.agents.crowd.made_crowd import MadeCrowd, nearest
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.agents.crowd.model import AgentModel, AgentState, Steering
+from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
 
 
 def test_the_arrays_of_a_state_are_contiguous_parts_of_one():

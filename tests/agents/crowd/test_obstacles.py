@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from live.agents.crowd.advance import Advance
-from live.agents.crowd.model import AgentModel, AgentState, Steering
-from live.agents.crowd.surroundings import Surroundings
-from live.agents.wants import Wants
+from live.agents.agent_command import Wants
+from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
+from live.agents.crowd.crowd_step import Advance
+from live.agents.crowd.obstacles import Surroundings
 
 
 def walk(start, goal, surroundings, firm=0.0, seconds=9.0):

@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.agents.crowd.bounds.kernels import CAPACITY
-from live.agents.crowd.surroundings import Surroundings
+from live.agents.crowd.bounds_kernels import CAPACITY
+from live.agents.crowd.obstacles import Surroundings
 
 
 @settings(max_examples=50, deadline=None)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from live.agents.evolutions import kernels as k
-from live.agents.evolutions.locomotion import Locomotion, Setting
+from live.agents.evolutions import evolutions_kernels as k
+from live.agents.evolutions.trajectory import Locomotion, Setting
 
 
 def locomotion(ways, times, soft=0.25):

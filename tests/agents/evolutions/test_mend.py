@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 
 from live.agents.evolutions import paths
 from live.agents.evolutions.clearance import Clearance, approaches
-from live.agents.evolutions.delays import Arrive, Order, Ripple, delays, squeezed, times
 from live.agents.evolutions.divide import divided
-from live.agents.evolutions.locomotion import Locomotion
 from live.agents.evolutions.matching import assign
 from live.agents.evolutions.mend import mended
+from live.agents.evolutions.start_delays import Arrive, Order, Ripple, delays, squeezed, times
+from live.agents.evolutions.trajectory import Locomotion
 
 
 def scattered(count, spacing, chance, half=(7.0, 5.0)):

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from live.agents.crowd.model import AgentState
-from live.agents.evolutions.delays import Arrive, Order, Ripple
+from live.agents.agent_command import Wants
+from live.agents.crowd.agent_state import AgentState
+from live.agents.evolutions.dry_run import rehearse
 from live.agents.evolutions.intention import (
     By,
     Evolve,
@@ -21,15 +22,14 @@ from live.agents.evolutions.intention import (
     Way,
 )
 from live.agents.evolutions.matching import Cost
-from live.agents.evolutions.motion import PATIENCE
 from live.agents.evolutions.orientation import Facing, Orientation, shortest_turn
-from live.agents.evolutions.plan import AT_ONCE, Plan
-from live.agents.evolutions.rehearsal import rehearse
+from live.agents.evolutions.planned_segment import PATIENCE
+from live.agents.evolutions.running_plan import AT_ONCE, Plan
 from live.agents.evolutions.segment import Segment, in_canon, in_mirror
 from live.agents.evolutions.standing_clear import clear_places
+from live.agents.evolutions.start_delays import Arrive, Order, Ripple
 from live.agents.groups.relations import Line, mirrored
 from live.agents.groups.roster import Roster
-from live.agents.wants import Wants
 from live.base.errors import PersonError
 
 A = 12

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
-from live.agents.formations.kernels import eliminate, even_out, fill_rows
+from live.agents.formations.blue_noise_kernels import eliminate, even_out, fill_rows
 
 NOBODY = np.zeros((0, 2))
 

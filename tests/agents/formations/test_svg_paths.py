@@ -7,7 +7,7 @@ import pytest
 
 from live.agents.formations.formation import formation_of
 from live.agents.formations.spec_table import spec_from_table
-from live.agents.formations.svg_paths import path_lines, svg_file_paths
+from live.agents.formations.svg_import import path_lines, svg_file_paths
 from live.base.errors import PersonError
 
 SVG = '<svg xmlns="http://www.w3.org/2000/svg">{}</svg>'

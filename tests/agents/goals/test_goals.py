@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from live.agents.agent_command import Wants
+from live.agents.goals.goal_kernels import ARRIVE, ATTRACTOR, segments_cross
 from live.agents.goals.goals import Goals, WayPoints
-from live.agents.goals.kernels import ARRIVE, ATTRACTOR, segments_cross
-from live.agents.wants import Wants
 
 
 def wished(position, target, **options):

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from live.agents.crowd.advance import Advance
-from live.agents.crowd.model import AgentModel, AgentState, Steering
-from live.agents.crowd.surroundings import Surroundings
-from live.agents.procedural.field import ElementField
-from live.agents.wants import Wants
+from live.agents.agent_command import Wants
+from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
+from live.agents.crowd.crowd_step import Advance
+from live.agents.crowd.obstacles import Surroundings
+from live.agents.elements.element_field import ElementField
 
 TICK = 1.0 / 64.0
 SPEED = 1.3

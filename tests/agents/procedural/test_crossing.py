@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from live.agents.procedural.crossing import kernels
-from live.agents.procedural.element import Element, line_through
-from live.agents.procedural.kinds import CROSSING
+from live.agents.elements import crossing_kernels as kernels
+from live.agents.elements.element import Element, line_through
+from live.agents.elements.element_kinds import CROSSING
 from tests.agents.procedural.made_stage import MadeStage
 
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from live.agents.procedural.element import Element, line_length, line_through, rectangle
-from live.agents.procedural.kinds import ATTRACTOR, CROSSING, EVADE, FLOW, FOLLOW, PATH, REPULSOR, VOICE
+from live.agents.elements.element import Element, line_length, line_through, rectangle
+from live.agents.elements.element_kinds import ATTRACTOR, CROSSING, EVADE, FLOW, FOLLOW, PATH, REPULSOR, VOICE
 from live.base.errors import PersonError
 
 

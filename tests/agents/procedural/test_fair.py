@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from live.agents.procedural.element import Element
-from live.agents.procedural.kinds import ATTRACTOR
+from live.agents.elements.element import Element
+from live.agents.elements.element_kinds import ATTRACTOR
 from tests.agents.procedural.made_stage import MadeStage
 
 

@@ -5,9 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.agents.procedural.element import Element
-from live.agents.procedural.field import ElementField
-from live.agents.procedural.kinds import (
+from live.agents.agent_command import ABSENT
+from live.agents.elements.element import Element
+from live.agents.elements.element_field import ElementField
+from live.agents.elements.element_kinds import (
     ATTRACTOR,
     CROSSING,
     DRAWN,
@@ -25,9 +26,8 @@ from live.agents.procedural.kinds import (
     VORTEX,
     WANDER,
 )
-from live.agents.wants import ABSENT
 from live.base.errors import PersonError
-from live.base.stage_view import StageView
+from live.base.stage_snapshot import StageView
 from tests.agents.procedural.made_stage import SPEED, MadeStage
 
 PLACE = st.tuples(st.floats(-7.0, 7.0, width=32), st.floats(-5.0, 5.0, width=32))

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from live.agents.procedural.drawn import corners_of, grid_along
-from live.agents.procedural.element import Element
-from live.agents.procedural.kinds import (
+from live.agents.elements.element import Element
+from live.agents.elements.element_kinds import (
     DRAWN,
     EVADE,
     FLOCK,
@@ -19,6 +18,7 @@ from live.agents.procedural.kinds import (
     VORTEX,
     WANDER,
 )
+from live.agents.elements.polyline_flow import corners_of, grid_along
 from tests.agents.procedural.made_stage import MadeStage
 
 

@@ -6,8 +6,8 @@ import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from live.agents.procedural.element import Element, rectangle
-from live.agents.procedural.kinds import ATTRACTOR, REPULSOR
+from live.agents.elements.element import Element, rectangle
+from live.agents.elements.element_kinds import ATTRACTOR, REPULSOR
 from tests.agents.procedural.made_stage import MadeStage
 
 PLACE = st.tuples(st.floats(-6.0, 6.0, width=32), st.floats(-4.0, 4.0, width=32))

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.fft import dctn, idctn
 
-from live.agents.procedural.element import Element
-from live.agents.procedural.kinds import SPREADER
-from live.agents.procedural.spreading import kernels
+from live.agents.elements import spread_kernels as kernels
+from live.agents.elements.element import Element
+from live.agents.elements.element_kinds import SPREADER
 from tests.agents.procedural.made_stage import MadeStage
 
 

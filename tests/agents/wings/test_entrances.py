@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from live.agents.wants import ABSENT, ON_STAGE, PASSING, Wants
-from live.agents.wings.entrances import CALLED, ENTERING, LEAVING, ON, WAITING, Entrances
-from live.agents.wings.gate import wings
+from live.agents.agent_command import ABSENT, ON_STAGE, PASSING, Wants
+from live.agents.entrances.entrances import CALLED, ENTERING, LEAVING, ON, WAITING, Entrances
+from live.agents.entrances.gate import wings
 
 SIZE = (6.0, 4.0)
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.agents.wings.gate import APART, OUTSIDE, Gate, wings
+from live.agents.entrances.gate import APART, OUTSIDE, Gate, wings
 
 metres = st.floats(-50, 50)
 

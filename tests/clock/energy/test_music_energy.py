@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from live.clock.energy.frames import EnergyFrames
-from live.clock.energy.loudness import k_weight
+from live.clock.energy.k_weighting import k_weight
 from live.clock.energy.music_energy import BeatEnergy, MusicEnergy
 from tests.clock.energy.club import BEAT, Sound, club
 
@@ -35,7 +35,7 @@ def test_loudness_is_that_of_loudness_meters(rate: int, hertz: float, lufs: floa
 
 def test_k_weighting_is_that_of_the_filters() -> None:
     """Against the filters run sample by sample."""
-    from live.clock.energy.loudness import HIGH_PASS, SHELF
+    from live.clock.energy.k_weighting import HIGH_PASS, SHELF
 
     for hertz in (40.0, 200.0, 1_000.0, 3_000.0, 12_000.0):
         out = np.sin(2 * np.pi * hertz * np.arange(24_000) / 48_000.0)

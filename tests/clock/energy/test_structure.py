@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from live.clock.energy.frames import Heard
-from live.clock.energy.structure import Structure
+from live.clock.energy.music_structure import Structure
 
 SOUND = -20.0
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from live.clock.follow import TimelineFollower
-from live.clock.following.seed import Seed
+from live.clock.follower.seed import Seed
+from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
 from tests.clock.following.hall import Hall, Music, Player
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.clock.follow import TimelineFollower
+from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
 from tests.clock.following.hall import Hall, Music, Player
 

@@ -13,7 +13,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from live.clock.follow import TimelineFollower
+from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
 from tests.clock.following.hall import Hall, Music, Player
 

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.clock.following.beat_filter import BeatFilter
-from live.clock.following.level import Level
-from live.clock.following.pointer_ear import PointerEar
-from live.clock.following.run import LEAP_BEATS, Run
-from live.clock.following.said import Said
+from live.clock.follower.beat_kalman_filter import BeatFilter
+from live.clock.follower.level import Level
+from live.clock.follower.pointer_ear import PointerEar
+from live.clock.follower.run import LEAP_BEATS, Run
+from live.clock.follower.said import Said
 from live.clock.grid import Grid
 from live.clock.timeline import Timeline
 

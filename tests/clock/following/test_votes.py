@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from live.clock.follow import TimelineFollower
+from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
 
 PERIOD, FIRST = 0.5, 0.3

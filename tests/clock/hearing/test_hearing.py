@@ -5,11 +5,11 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from live.clock.hearing.bands import HOP
-from live.clock.hearing.hearing import DELAY, Activation, Hearing
-from live.clock.hearing.network import Network, Weights
-from live.clock.hearing.onsets import Onsets
-from live.clock.hearing.spectrum import Samples
+from live.clock.tracking.bands import HOP
+from live.clock.tracking.hearing import DELAY, Activation, Hearing
+from live.clock.tracking.network import Network, Weights
+from live.clock.tracking.onset_strength import Onsets
+from live.clock.tracking.spectrum import Samples
 from tests.clock.clicks import clicks, groove
 from tests.clock.hearing.made_weights import made_weights
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from live.clock.hearing.bands import BAND_COUNT
-from live.clock.hearing.network import Network, Weights
+from live.clock.tracking.bands import BAND_COUNT
+from live.clock.tracking.network import Network, Weights
 from tests.clock.hearing.made_weights import made_weights, reference
 
 

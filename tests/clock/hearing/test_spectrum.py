@@ -5,9 +5,9 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from live.clock.hearing.bands import BAND_COUNT, BANDS, EARS, HOP, centres, filters, window_length
-from live.clock.hearing.kernels import LEVEL_FLOOR, follow_level
-from live.clock.hearing.spectrum import Samples, Spectrum
+from live.clock.tracking.bands import BAND_COUNT, BANDS, EARS, HOP, centres, filters, window_length
+from live.clock.tracking.feature_kernels import LEVEL_FLOOR, follow_level
+from live.clock.tracking.spectrum import Samples, Spectrum
 from tests.clock.clicks import groove
 
 RATE = 44_100

@@ -12,8 +12,8 @@ import aiohttp
 from live.control.audience.gateway import Gateway
 from live.control.audience.rules import Beat, Rules
 from live.control.audience.tokens import ticket_key
-from live.control.helper import LARGEST
-from live.control.packet import packet_of, read_packet
+from live.control.helper_process import LARGEST
+from live.control.message_codec import packet_of, read_packet
 
 SECRET = b"s" * 32
 CODE_S = 30.0

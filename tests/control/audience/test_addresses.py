@@ -4,7 +4,7 @@ import random
 
 import pytest
 
-from live.control.audience.addresses import Proxies, address_of, group_of
+from live.control.audience.client_address import Proxies, address_of, group_of
 
 PROXIES = Proxies(["127.0.0.1", "10.0.0.0/8", "2001:db8:ffff::/48"])
 

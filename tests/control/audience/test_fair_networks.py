@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from live.control.audience.admission import CROWDED, HORIZON, JOIN_BURST, JOIN_RATE, Admission
+from live.control.audience.join_tickets import Tickets
 from live.control.audience.phones import Phone, Phones
-from live.control.audience.refused import Why
+from live.control.audience.rate_limit import Why
 from live.control.audience.rules import Rules
-from live.control.audience.tickets import Tickets
 from tests.control.audience.made_gateway import FakePhone, key_of, made_gateway, until
 
 SECRET = b"s" * 32

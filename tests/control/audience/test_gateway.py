@@ -7,7 +7,7 @@ import struct
 import aiohttp
 import pytest
 
-from live.control.audience.refused import Why
+from live.control.audience.rate_limit import Why
 from live.control.audience.rules import Beat, Rules
 from live.control.audience.tokens import ticket_key
 from tests.control.audience.made_gateway import SECRET, FakePhone, key_of, made_gateway, until

@@ -8,7 +8,7 @@ import pytest
 
 from live.control.audience.door import HELLO_WITHIN
 from live.control.audience.hall import RESTS, SILENT
-from live.control.audience.refused import Why
+from live.control.audience.rate_limit import Why
 from tests.control.audience.made_gateway import FakePhone, key_of, made_gateway, until
 
 

@@ -12,8 +12,8 @@ import textwrap
 
 import pytest
 
-from live.control.audience.addresses import address_of
-from live.control.audience.neighbours import Neighbours, neighbours_of
+from live.control.audience.arp_table import Neighbours, neighbours_of
+from live.control.audience.client_address import address_of
 
 CARD = b"\x02\x00\x00\x00\x00\x07"
 

@@ -7,7 +7,7 @@ import pytest
 
 from live.control.audience.hall import Hall
 from live.control.audience.phones import Phone
-from live.control.audience.reading import Reading
+from live.control.audience.websocket_reader import Reading
 from tests.control.audience.test_hostile_phones import frame
 
 

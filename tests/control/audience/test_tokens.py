@@ -5,8 +5,8 @@ import random
 
 import pytest
 
-from live.control.audience.refused import Bucket, Line
-from live.control.audience.tickets import LATE_BURST, LOADS, VOUCHER_HOLDS, Tickets
+from live.control.audience.join_tickets import LATE_BURST, LOADS, VOUCHER_HOLDS, Tickets
+from live.control.audience.rate_limit import Bucket, Line
 from live.control.audience.tokens import (
     Device,
     Voucher,

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from live.control.audience.lights import STAYS, Lights
-from live.control.audience.voices import BANDWIDTH, FADES, FRESH, Voices
-from live.control.audience.wire import ATTRACT, REPEL
+from live.control.audience.participant_state import BANDWIDTH, FADES, FRESH, Voices
+from live.control.audience.phone_protocol import ATTRACT, REPEL
 
 HALF = (6.0, 4.0)
 

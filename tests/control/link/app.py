@@ -10,11 +10,11 @@ import time
 from typing import Any
 
 from live.base.inbox import Inbox
-from live.clock.follow import TimelineFollower
-from live.clock.source import SystemClock
-from live.control.events import BeatHeard, ControlEvent, SetTempo, SourceChanged
-from live.control.link_session import LinkSession
-from live.show.clock_events import tell
+from live.clock.follower.timeline_follower import TimelineFollower
+from live.clock.time_source import SystemClock
+from live.control.events.events import BeatHeard, ControlEvent, SetTempo, SourceChanged
+from live.control.link.link_session import LinkSession
+from live.show.sound.clock_commands import tell
 
 TICK = 1.0 / 64.0
 

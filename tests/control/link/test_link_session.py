@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 
 from live.base.inbox import Inbox
-from live.clock.source import ManualClock, SystemClock
+from live.clock.time_source import ManualClock, SystemClock
 from live.clock.timeline import Timeline
-from live.control.events import BeatHeard, ControlEvent
-from live.control.link_session import LinkSession, LinkUnavailable, make_link
+from live.control.events.events import BeatHeard, ControlEvent
+from live.control.link.link_session import LinkSession, LinkUnavailable, make_link
 from tests.control.waiting import wait_for
 
 

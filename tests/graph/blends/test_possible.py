@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.graph.blends.possible import LEAST_CHORD, LEAST_ROOT, MOMENTS, blendable
-from live.graph.library import build_library
+from live.graph.build.blend_feasibility import LEAST_CHORD, LEAST_ROOT, MOMENTS, blendable
 from live.graph.motion_graph import build_graph
+from live.graph.step_library import build_library
 from live.motion import quaternion
 from live.motion.skeleton import SKELETON
 from tests.made_steps import made_clip

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.graph.candidates import QUICKEST_TURN
-from live.graph.choosing import choosing as tuned
-from live.graph.choosing.choosing import Choosing, with_direction
-from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
+from live.graph.select import selector as tuned
+from live.graph.select.candidates import QUICKEST_TURN
+from live.graph.select.selector import Choosing, with_direction
+from live.graph.step_library import build_library
 from live.graph.takes import NO_TAKE
 from tests.steps_of_the_project import project_steps
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from live.graph.candidates import find_candidates, widening
-from live.graph.choosing.ways import DIRECTIONS, TURNS, Ways
-from live.graph.library import build_library
 from live.graph.motion_graph import build_graph
-from live.graph.reach import reach_of, ways_of
+from live.graph.select.candidates import find_candidates, widening
+from live.graph.select.reach import reach_of, ways_of
+from live.graph.select.ways import DIRECTIONS, TURNS, Ways
+from live.graph.step_library import build_library
 from tests.steps_of_the_project import project_steps
 
 

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.graph.metric import near
-from live.graph.metric.flat import FlatClouds
-from live.graph.metric.near import near_pairs
-from live.graph.metric.weights import WINDOW_SAMPLES, Metric, joint_weights, window_weights
-from live.graph.transition import all_pairs
+from live.graph.build import nearest_pairs as near
+from live.graph.build.flat import FlatClouds
+from live.graph.build.nearest_pairs import near_pairs
+from live.graph.build.transition import all_pairs
+from live.graph.build.weights import WINDOW_SAMPLES, Metric, joint_weights, window_weights
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
 

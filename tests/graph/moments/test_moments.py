@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from live.graph.insertion import insert_clips
-from live.graph.library import build_library
-from live.graph.moments.moments import body_features, heading_of, moments_of
+from live.graph.build.transition import clouds
+from live.graph.library_insert import insert_clips
+from live.graph.moments import body_features, heading_of, moments_of
 from live.graph.motion_graph import build_graph
-from live.graph.placing import turn_vectors
-from live.graph.transition import clouds
+from live.graph.select.placing import turn_vectors
+from live.graph.step_library import build_library
 from tests.made_steps import made_clip, made_steps
 
 LIBRARY = build_library(made_steps())

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from live.motion.arms.arms import ARM_JOINTS, LEFT, NOBODY, RIGHT, Hands
-from live.motion.arms.kernels import FADE, LENGTH_BUFFER, PALM, join_hands
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.pose.arms_kernels import FADE, LENGTH_BUFFER, PALM, join_hands
+from live.motion.pose.hand_hold import ARM_JOINTS, LEFT, NOBODY, RIGHT, Hands
 from live.motion.quaternion import from_axis_angle, inverse, mul, rotate
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from live.motion.captured.leading.kernels import find_places, put_agents, take_dance_along
+from live.motion.capture.leading_kernels import find_places, put_agents, take_dance_along
 from tests.motion.captured.made_memory import asked, memory
 
 

@@ -5,9 +5,9 @@ import base64
 import numpy as np
 import pytest
 
-from live.control.event_json import event_from_json, event_to_row
-from live.control.events import MocapFrame
-from live.motion.captured.packed_pose import LETTERS, pack_pose, unpack_pose
+from live.control.events.event_json import event_from_json, event_to_row
+from live.control.events.events import MocapFrame
+from live.motion.packed_pose import LETTERS, pack_pose, unpack_pose
 from live.motion.skeleton import JOINT_COUNT
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from live.motion import quaternion
-from live.motion.captured.wearing.kernels import wear
-from live.motion.forward import forward_kinematics
+from live.motion.capture.wearing_kernels import wear
+from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import JOINT_COUNT, MIRROR, SKELETON
 from tests.motion.captured.made_memory import asked, memory
 

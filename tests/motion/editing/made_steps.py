@@ -8,8 +8,8 @@ import numpy as np
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.skeleton import JOINT_COUNT
-from live.motion.sketch import parse_sketch
-from live.motion.sketch_clip import step_clip
+from live.motion.sketch.sketch_clips import step_clip
+from live.motion.sketch.sketch_file import parse_sketch
 from live.motion.step_clip import StepClip
 
 STEPS = Path(__file__).resolve().parents[3] / "patches" / "steps"

@@ -15,7 +15,7 @@ from live.motion.editing.amplitude import (
 )
 from live.motion.editing.combine import LOWER, UPPER
 from live.motion.editing.feet import find_feet
-from live.motion.editing.rotation_mean import mean_rotation, scale_from
+from live.motion.rotation_mean import mean_rotation, scale_from
 from tests.motion.editing.made_steps import random_clip, random_step, sketched
 
 FACTORS = st.floats(0.5, 1.5)

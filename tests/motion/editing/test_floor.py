@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from live.motion.clip import Clip
 from live.motion.editing.feet import find_feet
 from live.motion.editing.floor import correct_floor, cover
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
 from tests.motion.editing.made_steps import sketched
 

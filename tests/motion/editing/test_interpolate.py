@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation, Slerp
 
 from live.motion.editing.interpolate import follow_arc, interpolate
-from live.motion.editing.same_step import samples_in
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
 from live.motion.mirror import mirror_step
+from live.motion.same_step import samples_in
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
 from live.motion.step_figures import foot_slide, travel

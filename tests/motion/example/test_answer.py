@@ -5,13 +5,13 @@ import pytest
 
 from live.motion import quaternion
 from live.motion.clip import Clip
-from live.motion.example.answer import answer
-from live.motion.example.cloud import ends_cloud
-from live.motion.example.decode import Reading
-from live.motion.example.enforce import enforce_holds, hold_error, palms
-from live.motion.example.partner import Search, find_partner
-from live.motion.example.truth import joints_of
-from live.motion.example.units import Example, Hold, Units, cut_units
+from live.motion.partner.answer import answer
+from live.motion.partner.cloud import ends_cloud
+from live.motion.partner.decoder import Reading
+from live.motion.partner.enforce import enforce_holds, hold_error, palms
+from live.motion.partner.partner_synthesis import Search, find_partner
+from live.motion.partner.truth import joints_of
+from live.motion.partner.units import Example, Hold, Units, cut_units
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from tests.motion.example.made_examples import standing
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from live.motion.example.cluster import SAMPLES, thin_out, unit_distances
-from live.motion.example.fit import fit, stretched
-from live.motion.example.units import Example, Units, cut_units
+from live.motion.partner.cluster import SAMPLES, thin_out, unit_distances
+from live.motion.partner.fit import fit, stretched
+from live.motion.partner.units import Example, Units, cut_units
 from tests.motion.example.made_examples import made_cloud, made_units, standing
 
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.motion.example.cloud import Cloud
-from live.motion.example.decode import decode
-from live.motion.example.fit import fit, gap, stretched
-from live.motion.example.stretches import Stretches, legal_durations, make_stretches
-from live.motion.example.units import Units
+from live.motion.partner.cloud import Cloud
+from live.motion.partner.decoder import decode
+from live.motion.partner.fit import fit, gap, stretched
+from live.motion.partner.time_scaled_units import Stretches, legal_durations, make_stretches
+from live.motion.partner.units import Units
 from tests.motion.example.made_examples import made_cloud, made_units
 
 K = 0.7
@@ -112,7 +112,7 @@ def test_blocks_of_boundaries_make_no_difference(monkeypatch: pytest.MonkeyPatch
     stretches = make_stretches(units, 7.5, 0.15)
     x = made_cloud(np.random.default_rng(10), 90, 7.5)
     whole = decode(x, stretches, k=K)
-    monkeypatch.setattr("live.motion.example.decode.BLOCK", 7)
+    monkeypatch.setattr("live.motion.partner.decoder.BLOCK", 7)
     parts = decode(x, stretches, k=K)
     np.testing.assert_array_equal(parts.unit, whole.unit)
     np.testing.assert_array_equal(parts.duration, whole.duration)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from live.motion.clip import Clip
-from live.motion.example.enforce import palms
-from live.motion.example.found_holds import LETS_GO, Near, found_holds
+from live.motion.partner.enforce import palms
+from live.motion.partner.found_holds import LETS_GO, Near, found_holds
 from tests.motion.example.made_examples import standing
 
 RATE = 60.0

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from live.motion.example.cloud import HIP_APART, path_cloud
-from live.motion.example.frenet import frenet_cloud
+from live.motion.partner.cloud import HIP_APART, path_cloud
+from live.motion.partner.frenet import frenet_cloud
 from tests.motion.example.made_examples import standing
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from live.motion.clip import Clip
-from live.motion.example.cloud import shadows
-from live.motion.example.leash import leashed
+from live.motion.partner.cloud import shadows
+from live.motion.partner.leash import leashed
 from live.motion.skeleton import JOINT_COUNT
 
 

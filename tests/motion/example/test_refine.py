@@ -4,12 +4,12 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from live.motion.example.cloud import Cloud
-from live.motion.example.decode import Reading, decode
-from live.motion.example.fit import fit, gap, stretched
-from live.motion.example.refine import refine
-from live.motion.example.stretches import make_stretches
-from live.motion.example.units import Units
+from live.motion.partner.cloud import Cloud
+from live.motion.partner.decoder import Reading, decode
+from live.motion.partner.fit import fit, gap, stretched
+from live.motion.partner.refinement import refine
+from live.motion.partner.time_scaled_units import make_stretches
+from live.motion.partner.units import Units
 from tests.motion.example.made_examples import made_cloud, made_units
 
 K = 0.5

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from live.motion.file_error import MotionFileError
-from live.motion.gltf import parse_gltf
-from live.motion.retarget import retarget
+from live.motion.formats.file_error import MotionFileError
+from live.motion.formats.reader import parse_gltf
+from live.motion.retarget.retarget import retarget
 from tests.motion.gltf.made_gltf import MadeGltf, made_avatar, pack_glb, random_turns
 from tests.motion.test_bvh_fuzz import attempt
 

@@ -5,15 +5,16 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation, Slerp
 
-from live.motion.bvh import parse_bvh, source_of_bvh
-from live.motion.file_error import MotionFileError
-from live.motion.forward import forward_kinematics
-from live.motion.gltf import parse_gltf
-from live.motion.joint_map import map_joints
-from live.motion.retarget import retarget
+from live.motion.formats.file_error import MotionFileError
+from live.motion.formats.parse import parse_bvh
+from live.motion.formats.reader import parse_gltf
+from live.motion.formats.source import source_of_bvh
+from live.motion.formats.source_motion import SourceMotion
+from live.motion.formats.source_pose import LocalPose, world_pose
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.retarget.joint_mapping import map_joints
+from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import SKELETON
-from live.motion.source_motion import SourceMotion
-from live.motion.source_pose import LocalPose, world_pose
 from tests.motion.gltf.made_gltf import MadeGltf, made_avatar, random_turns
 from tests.motion.mocap import mocap_file
 

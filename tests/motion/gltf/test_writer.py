@@ -10,13 +10,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from live.motion.clip import Clip
-from live.motion.forward import forward_kinematics
-from live.motion.gltf import parse_gltf
-from live.motion.gltf.bone_figure import bone_figure
-from live.motion.gltf.writer import write_glb
-from live.motion.retarget import retarget
+from live.motion.formats.bone_figure import bone_figure
+from live.motion.formats.gltf_writer import write_glb
+from live.motion.formats.reader import parse_gltf
+from live.motion.formats.source_pose import LocalPose, world_pose
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import BODY_HEIGHT, JOINT_COUNT, SKELETON
-from live.motion.source_pose import LocalPose, world_pose
 from tests.motion.mocap import mocap_file
 from tests.motion.test_resample import made_clip
 

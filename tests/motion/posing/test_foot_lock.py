@@ -5,15 +5,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from live.library.sketch_folder import load_steps
 from live.motion.clip import Clip
-from live.motion.contact import TOES_OVER_SOLE
-from live.motion.forward import forward_kinematics
-from live.motion.legs.kernels import FARTHEST, HELD, PELVIS_DROP, SHIFT_X, SHIFT_Z
-from live.motion.posing.foot_lock import LEG_JOINTS, FootLock, lock_feet
-from live.motion.posing.pipeline import ClipStore, PosePipeline
-from live.motion.retarget import retarget
+from live.motion.foot_contact import TOES_OVER_SOLE
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.pose.foot_lock import LEG_JOINTS, FootLock, lock_feet
+from live.motion.pose.legs_kernels import FARTHEST, HELD, PELVIS_DROP, SHIFT_X, SHIFT_Z
+from live.motion.pose.pose_pipeline import ClipStore, PosePipeline
+from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
-from live.steps.sketch_folder import load_steps
 from tests.motion.mocap import mocap_motion
 
 STEPS = Path(__file__).resolve().parents[3] / "patches" / "steps"

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from live.motion.quality.beats import mean_speed
 from live.motion.quality.feet import skates
+from live.motion.quality.motion_recorder import MotionTrace
 from live.motion.quality.smoothness import at_samples
-from live.motion.quality.trace import MotionTrace
 
 
 @settings(max_examples=30)

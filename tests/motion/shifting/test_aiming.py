@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.motion.shifting.kernels import (
+from live.motion.pose.rise import rise_of
+from live.motion.pose.shifting_kernels import (
     DIRECTIONS,
     bound_aims,
     bound_ways,
@@ -14,7 +15,6 @@ from live.motion.shifting.kernels import (
     share_out,
     shifted,
 )
-from live.motion.shifting.rise import rise_of
 
 CONTACT = np.ones((257, 2), np.bool_)
 CONTACT[20:80, 0] = CONTACT[100:190, 1] = False

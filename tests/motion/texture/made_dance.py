@@ -8,7 +8,7 @@ from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.motion.step_clip import StepClip
-from live.motion.texture.wish import UPPER
+from live.motion.texture.texture_settings import UPPER
 
 RATE = 60.0
 BEAT = 30.0

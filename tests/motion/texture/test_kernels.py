@@ -3,11 +3,11 @@
 import numpy as np
 
 from live.motion import quaternion
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import JOINT_COUNT, SKELETON
-from live.motion.texture import kernels
-from live.motion.texture.bank import TextureBank
-from live.motion.texture.wish import UPPER
+from live.motion.texture import live_texture_kernels as kernels
+from live.motion.texture.live_bank import TextureBank
+from live.motion.texture.texture_settings import UPPER
 from tests.motion.texture.made_dance import dance
 
 BANK = TextureBank.of([dance(8.0, seed) for seed in (1, 2)])
@@ -104,8 +104,8 @@ def test_moments_are_kept_where_they_were_passed() -> None:
 
 
 def test_legs_that_are_watched_are_in_the_axes_of_the_hips() -> None:
-    from live.motion.posing.pipeline import PoseSkeleton
-    from live.motion.texture.bank import legs_of
+    from live.motion.pose.pose_pipeline import PoseSkeleton
+    from live.motion.texture.live_bank import legs_of
 
     local, root = bodies()
     joints = PoseSkeleton.legs_only()[1]

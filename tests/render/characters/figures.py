@@ -10,7 +10,7 @@ from PIL import Image
 
 from live.motion import quaternion
 from live.motion.skeleton import SKELETON
-from live.render.body import LIGHT, build_body
+from live.render.body.body_mesh import LIGHT, build_body
 
 MIXAMO = {
     "hips": "Hips", "spine": "Spine", "chest": "Spine1", "upperChest": "Spine2", "neck": "Neck", "head": "Head",

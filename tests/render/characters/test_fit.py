@@ -6,11 +6,11 @@ import pytest
 from live.base.character import CharacterFile, Worn
 from live.base.errors import PersonError
 from live.motion.skeleton import SKELETON
-from live.render.body import COARSE, LIGHT, build_body
+from live.render.body.body_mesh import COARSE, LIGHT, build_body
 from live.render.characters.character import TRIANGLES, load_character
 from live.render.characters.fit import fit
 from live.render.characters.joints import find_joints
-from live.render.characters.read import parse_model
+from live.render.characters.model_reader import parse_model
 from tests.render.characters.figures import glb_of, mixamo, painted, rigify, unreal
 
 BODY = build_body(LIGHT)

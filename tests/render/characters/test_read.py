@@ -12,7 +12,7 @@ from PIL import Image
 from live.base.character import CharacterFile
 from live.base.errors import PersonError
 from live.render.characters.character import load_character
-from live.render.characters.read import BYTE_LIMIT, parse_model
+from live.render.characters.model_reader import BYTE_LIMIT, parse_model
 from tests.render.characters.figures import Figure, document, glb, glb_of, painted
 
 

@@ -8,7 +8,7 @@ import pytest
 from live.base.errors import PersonError
 from live.render.outputs.mesh import MOST_VERTICES, PIECES, bent, check_mesh, regular, unbent, vertices
 from live.render.outputs.output import MESH_MOST, UNBENT, Output
-from live.render.outputs.places import picture_place, window_place
+from live.render.outputs.output_coordinates import picture_place, window_place
 from live.render.outputs.screen import Screen
 
 

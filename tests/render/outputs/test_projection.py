@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.base.stage_view import Camera, Look, Scene, StageView
-from live.render.monitors import UnknownMonitor, find_monitor
+from live.base.stage_snapshot import Camera, Look, Scene, StageView
 from live.render.outputs.output import Output, SoftEdge
 from live.render.outputs.projection import Places, Projection
-from live.render.window_input import KeyPressed, PointerPressed
+from live.render.window.monitors import UnknownMonitor, find_monitor
+from live.render.window.window_input import KeyPressed, PointerPressed
 from tests.two_monitor_x import FIRST, SECOND, TwoMonitorX
 
 SCENE = Scene((12.0, 8.0), Camera(), Look(background=(0.2, 0.4, 0.9)), 1, 22)

@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from live.base.stage_view import Camera, Look, Scene, StageView
+from live.base.stage_snapshot import Camera, Look, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT
-from live.render.frame import FLOOR_MARGIN, FrameBlock
+from live.render.uniforms import FLOOR_MARGIN, FrameBlock
 
 Colour = tuple[float, float, float, float]
 Floats = npt.NDArray[np.float64]

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from live.base.picture import BY_ADDRESS, picture_of
-from live.base.stage_view import Background
+from live.base.stage_snapshot import Background
 from live.render.camera import pixel_of
-from live.render.moment import Making
+from live.render.pass_context import Making
 from live.render.passes.background_pass import BackgroundPass, video_place
 from live.render.quality import CARD, SOFTWARE
 from live.render.renderer import Renderer

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
-from live.base.stage_view import (
+from live.base.stage_snapshot import (
     ATTRACTOR,
     CROSSING,
     DRAWN,

@@ -4,11 +4,11 @@ import moderngl
 import numpy as np
 import pytest
 
-from live.base.stage_view import GUIDE_CAPACITY, Camera, Look, Scene, StageView
+from live.base.stage_snapshot import GUIDE_CAPACITY, Camera, Look, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT
 from live.render.camera import pixel_of
-from live.render.frame import FrameBlock
 from live.render.passes.guide_pass import GuidePass
+from live.render.uniforms import FrameBlock
 
 pytestmark = pytest.mark.gl
 SIZE = (320, 180)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from live.base.items import Item
+from live.base.set_geometry import Item
 from live.render.camera import pixel_of
 from live.render.quality import CARD, SOFTWARE
 from live.render.renderer import Renderer

@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 from live.base.picture import BY_ADDRESS, picture_of
-from live.base.stage_view import Background
+from live.base.stage_snapshot import Background
 from live.render.headless import OffscreenTarget
 from live.render.quality import CARD
 from live.render.renderer import Renderer

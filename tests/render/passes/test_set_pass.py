@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import shapely
 
-from live.base.stage_view import StageView
+from live.base.stage_snapshot import StageView
 from live.motion.skeleton import JOINT_COUNT
 from live.render.passes.set_pass import SetPass
 from tests.render.passes.conftest import TEXEL, Draw

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from live.base.picture import STYLE_OF_GROUP, of_group, picture_of
-from live.base.stage_view import Camera
+from live.base.stage_snapshot import Camera
 from live.render.camera import pixel_of
 from live.render.quality import SOFTWARE
 from live.render.renderer import Renderer

@@ -7,8 +7,8 @@ import zlib
 import msgpack
 import numpy as np
 
-from live.show.snapshot import SnapshotError, restore
-from live.show.state.form import HEAD
+from live.show.state.byte_format import HEAD
+from live.show.state.snapshot import SnapshotError, restore
 
 STRANGE = (
     None, True, False, 0, -1, 1, 7, 2**31 - 1, -(2**31), 2**63 - 1, 2**64 - 1, -(2**63), 1e308, -1e308, 0.5,

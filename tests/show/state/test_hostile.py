@@ -9,9 +9,9 @@ import psutil
 import pytest
 
 from live.clock.ticks import TICK
-from live.show.journal_file import read_snapshots
-from live.show.snapshot import SnapshotError, facts_of, restore
-from live.show.state.form import HEAD, MOST_TREE
+from live.show.journal.journal_file import read_snapshots
+from live.show.state.byte_format import HEAD, MOST_TREE
+from live.show.state.snapshot import SnapshotError, facts_of, restore
 from tests.show.state.hostile import Mutations, halves, joined, opened, sealed, tried
 from tests.show.test_snapshot import MADE, run, taken_at
 

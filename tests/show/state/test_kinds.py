@@ -6,17 +6,17 @@ from pathlib import Path
 
 import pytest
 
-from live.control import events
+from live.control.events import events
 from live.rehearse.soak import Soak
 from live.rehearse.soak_report import Plan
 from live.show.load import LoadedShow
-from live.show.patch_file import parse_patch
-from live.show.patch_places import find_patch
-from live.show.snapshot import SnapshotError, Snapshots, at_rest, many_of, restore
-from live.show.state.checking import check_state
+from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_search_path import find_patch
 from live.show.state.constants import attributes
 from live.show.state.kind import NUMBERS, type_of
 from live.show.state.kinds import BY_CLASS, BY_NAME, CONSTANT, METHODS
+from live.show.state.snapshot import SnapshotError, Snapshots, at_rest, many_of, restore
+from live.show.state.type_check import check_state
 from tests.show.desk_show import DESK
 from tests.show.made_show import GRAPH, PATCH
 from tests.show.state.hostile import opened

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from live.agents.crowd.blocks.kernels import (
+from live.agents.crowd.agent_state import Steering
+from live.agents.crowd.blocks_kernels import (
     ASK_ROWS,
     AVOID_X,
     AVOID_Z,
@@ -16,11 +17,10 @@ from live.agents.crowd.blocks.kernels import (
     SUM_ROWS,
     WEIGHT,
 )
-from live.agents.crowd.cells.kernels import NEIGHBOUR_RANGE, SLEEP, SORTED_ROWS, sort_agents
-from live.agents.crowd.contacts.kernels import CONTACT_MARGIN
-from live.agents.crowd.kernels import CELL_ROWS, SPARE_COLUMNS
-from live.agents.crowd.model import Steering
-from live.agents.crowd.neighbours.kernels import sum_neighbours
+from live.agents.crowd.cells_kernels import NEIGHBOUR_RANGE, SLEEP, SORTED_ROWS, sort_agents
+from live.agents.crowd.contacts_kernels import CONTACT_MARGIN
+from live.agents.crowd.crowd_kernels import CELL_ROWS, SPARE_COLUMNS
+from live.agents.crowd.neighbour_kernels import sum_neighbours
 
 
 def _sums(position, velocity, give=None, separation=1.2, horizon=3.0, steering=None, asleep=()):

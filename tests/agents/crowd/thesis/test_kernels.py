@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.agents.crowd.thesis.kernels import dodge
+from live.agents.crowd.reynolds_avoidance_kernels import dodge
 from tests.agents.crowd.made_crowd import MadeCrowd, nearest
 
 

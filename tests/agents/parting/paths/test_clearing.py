@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.agents.crowd.surroundings import Surroundings
-from live.agents.parting.paths.paths import MOMENTS, PathParting, Paths
+from live.agents.crowd.obstacles import Surroundings
+from live.agents.separation.paths import MOMENTS, PathParting, Paths
 
 RADIUS = 0.25
 

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.agents.parting.kernels import bind_agents
-from live.agents.parting.paths.kernels import walk_on
-from live.agents.parting.paths.paths import MARGIN, MOMENTS, PathParting, Paths
+from live.agents.separation.path_separation_kernels import walk_on
+from live.agents.separation.paths import MARGIN, MOMENTS, PathParting, Paths
+from live.agents.separation.separation_kernels import bind_agents
 
 RADIUS = 0.25
 

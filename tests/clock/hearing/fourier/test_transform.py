@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.clock.hearing.fourier.transform import Transform, factors, fast_length
+from live.clock.tracking.fft import Transform, factors, fast_length
 
 
 @pytest.mark.parametrize("length", [8, 64, 1485, 1486, 2048, 2229, 4096, 4458])

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from live.motion.arms.arms import ARM_JOINTS, LEFT, RIGHT
-from live.motion.arms.kernels import LENGTH_BUFFER
-from live.motion.arms.reaching.kernels import SOFT, reach_palms, see_palms
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.pose.arms_kernels import LENGTH_BUFFER
+from live.motion.pose.hand_hold import ARM_JOINTS, LEFT, RIGHT
+from live.motion.pose.reaching_kernels import SOFT, reach_palms, see_palms
 from live.motion.quaternion import from_axis_angle, inverse, mul, rotate
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from tests.motion.arms.test_arms import facing, palms

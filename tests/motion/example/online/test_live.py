@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from live.motion.example.cloud import ends_cloud
-from live.motion.example.decode import Reading
-from live.motion.example.live_partner import agreement, agreement_of
-from live.motion.example.online.player import LivePartner
-from live.motion.example.online.reader import LiveReader
-from live.motion.example.truth import joints_of
+from live.motion.partner.cloud import ends_cloud
+from live.motion.partner.decoder import Reading
+from live.motion.partner.truth import joints_of
+from live.motion.partner_live.live_partner import agreement, agreement_of
+from live.motion.partner_live.online_decoder import LiveReader
+from live.motion.partner_live.player import LivePartner
 from tests.motion.example.test_answer import pair_of
 
 RATE = 30.0

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from live.motion.example.cloud import Cloud, ends_cloud
-from live.motion.example.fit import fit, stretched
-from live.motion.example.online.placing import FASTEST, QUICKEST, Placing
-from live.motion.example.online.reader import FEWEST, SPREAD, LiveReader, roots
+from live.motion.partner.cloud import Cloud, ends_cloud
+from live.motion.partner.fit import fit, stretched
+from live.motion.partner_live.online_decoder import FEWEST, SPREAD, LiveReader, roots
+from live.motion.partner_live.placing import FASTEST, QUICKEST, Placing
 from tests.motion.example.test_answer import pair_of
 
 RATE = 30.0

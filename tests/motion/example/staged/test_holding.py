@@ -5,9 +5,9 @@ import pickle
 import numpy as np
 import pytest
 
-from live.motion.arms.arms import LEFT, RIGHT
-from live.motion.example.staged.held import NOBODY, Held
-from live.motion.example.staged.holding import Holding
+from live.motion.partner_live.held import NOBODY, Held
+from live.motion.partner_live.holding import Holding
+from live.motion.pose.hand_hold import LEFT, RIGHT
 from tests.motion.arms.test_arms import facing
 
 TICK = 1.0 / 64.0

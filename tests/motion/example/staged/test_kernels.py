@@ -3,8 +3,8 @@
 import numpy as np
 
 from live.motion import quaternion
-from live.motion.example.staged.kernels import joints_in_parents, show_answers, turn_between, turn_joints
-from live.motion.forward import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.partner_live.stage_partner_kernels import joints_in_parents, show_answers, turn_between, turn_joints
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
 OFFSETS = np.array(SKELETON.offsets, np.float32)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from live.motion.legs.kernels import (
+from live.motion.pose.legs_kernels import (
     FOLLOWED_COLUMNS,
     HELD,
     LIFT,
@@ -15,7 +15,7 @@ from live.motion.legs.kernels import (
     SPEED_Z,
     STOOD,
 )
-from live.motion.legs.placing.kernels import farthest_shift, hold_where_wanted, swing_feet, take_slid
+from live.motion.pose.placing_kernels import farthest_shift, hold_where_wanted, swing_feet, take_slid
 
 COUNT = 30
 

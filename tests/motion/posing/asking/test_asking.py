@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from live.graph.placing import take_placement, transition_weight, turn_vectors
+from live.graph.select.placing import take_placement, transition_weight, turn_vectors
 from live.motion.editing.time_warp import draw_measure_warps, measure_warp
-from live.motion.legs.kernels import CLEAR, FEET_COLUMNS, ROUND
-from live.motion.posing.asking.kernels import (
+from live.motion.pose.gather_kernels import (
     CLEARED,
     INTO_NEXT,
     LOWER,
@@ -22,8 +21,9 @@ from live.motion.posing.asking.kernels import (
     standing_feet,
     warp_phases,
 )
-from live.motion.posing.pipeline import PosePipeline
-from live.show.danced import Danced
+from live.motion.pose.legs_kernels import CLEAR, FEET_COLUMNS, ROUND
+from live.motion.pose.pose_pipeline import PosePipeline
+from live.show.dancers.measure_state import Danced
 from tests.show.made_show import GRAPH
 
 COUNT = 40

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from live.motion.shifting.aiming.kernels import (
+from live.motion.pose.aiming_kernels import (
     AHEAD,
     AIM,
     AIM_SPEED,
@@ -18,7 +18,7 @@ from live.motion.shifting.aiming.kernels import (
     keep_ends,
     stray_wishes,
 )
-from live.motion.shifting.kernels import KNOTS
+from live.motion.pose.shifting_kernels import KNOTS
 
 COUNT = 50
 

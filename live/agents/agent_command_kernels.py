@@ -1,0 +1,83 @@
+"""Wants before and after choreography has written them: rest, hurry, presence, and the leash."""
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.agent_command import ALIGNMENT, COHESION, FIRM, PRESENCE, SEPARATION, SPEED, VX, VZ
+from live.agents.separation.separation_kernels import bind_agents
+from live.base.jit import kernel
+
+Float32 = npt.NDArray[np.float32]
+Int32 = npt.NDArray[np.int32]
+Int8 = npt.NDArray[np.int8]
+
+
+@kernel("void(f4[:,::1], f4[::1], f4)")
+def rest_wants(rows: Float32, speed: Float32, separation: float) -> None:
+    """Nobody wants anything, but to be no faster than `speed` (A,) [m/s] and `separation` [m] away from others.
+
+    `rows` (A, 8) as in `Wants`; presence stays.
+    """
+    zero = np.float32(0.0)
+    for n in range(rows.shape[0]):
+        rows[n, VX], rows[n, VZ], rows[n, ALIGNMENT], rows[n, COHESION], rows[n, FIRM] = zero, zero, zero, zero, zero
+        rows[n, SPEED], rows[n, SEPARATION] = speed[n], separation
+
+
+@kernel("void(f4[:,::1], f4[::1], f4)")
+def hurry_firm(rows: Float32, speed: Float32, times: float) -> None:
+    """Whoever's want is firm may be so many `times` as fast as `speed` (A,) [m/s]."""
+    for n in range(rows.shape[0]):
+        if rows[n, FIRM] > 0.0:
+            rows[n, SPEED] = speed[n] * times
+
+
+@kernel("i8(f4[:,::1], i1[::1], f4[::1], f4)")
+def write_presence(rows: Float32, state: Int8, presence: Float32, passing: float) -> int:
+    """Write the `presence` (S,) of each one's `state` (A,) into `rows` (A, 8); how many have presence `passing`."""
+    count = 0
+    for n in range(rows.shape[0]):
+        rows[n, PRESENCE] = presence[state[n]]
+        count += rows[n, PRESENCE] == passing
+    return count
+
+
+@kernel("b1(i4[::1], i4[::1])")
+def same_indices(one: Int32, other: Int32) -> bool:
+    """Whether two arrays (A,) are the same."""
+    different = False
+    for n in range(one.shape[0]):
+        different |= one[n] != other[n]
+    return not different
+
+
+@kernel("b1(i1[::1], i8)")
+def any_in(state: Int8, wanted: int) -> bool:
+    """Whether anybody's `state` (A,) is the one `wanted`."""
+    found = False
+    for n in range(state.shape[0]):
+        found |= state[n] == wanted
+    return found
+
+
+@kernel("void(f4[:,::1], f4[:,::1], f4[:,::1], f4[:,::1], f4[:,::1], i1[::1], i8, i8, f4, f4, f4[::1])")
+def hold_on_leash(
+    position: Float32,
+    velocity: Float32,
+    dancer: Float32,
+    pace: Float32,
+    rows: Float32,
+    state: Int8,
+    seen: int,
+    on: int,
+    leash: float,
+    long_leash: float,
+    most: Float32,
+) -> None:
+    """Bind agents to their dancers as `bind_agents` does: those `on` the stage by `leash` [m], others who are `seen`
+    by `long_leash` [m], and nobody whose want is firm (`rows` (A, 8)). `most` (A,) is room to work in."""
+    for n in range(state.shape[0]):
+        most[n] = np.inf
+        if state[n] >= seen and rows[n, FIRM] <= 0.0:
+            most[n] = leash if state[n] == on else long_leash
+    bind_agents(position, velocity, dancer, pace, most)

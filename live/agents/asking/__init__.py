@@ -1,1 +1,0 @@
-"""What is asked of every agent before anybody asks, and who is there."""

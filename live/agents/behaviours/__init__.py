@@ -1,1 +1,0 @@
-"""Reynolds' behaviours of one agent: what she wants of her own motion, before neighbours are looked at."""

@@ -1,1 +1,0 @@
-"""Blocks: agents who lie one after another, as lanes."""

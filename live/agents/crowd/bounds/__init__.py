@@ -1,1 +1,0 @@
-"""Bounds: stage edges, walls and obstacles."""

@@ -1,1 +1,0 @@
-"""Cells: who stands near whom, by a counting sort."""

@@ -1,1 +1,0 @@
-"""Contacts: bodies that come too near are kept apart, whatever was wanted."""

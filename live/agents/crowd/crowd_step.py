@@ -1,0 +1,51 @@
+"""Advance: one fixed tick of the crowd."""
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.agent_command import Wants
+from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
+from live.agents.crowd.crowd_kernels import CELL_ROWS, NUMBERS, ROWS, SPARE_COLUMNS, advance_crowd
+from live.agents.crowd.obstacles import Surroundings
+
+
+class Advance:
+    """Advances states of the agents of `model`; holds scratch arrays, no state of its own."""
+
+    def __init__(self, model: AgentModel) -> None:
+        count = model.agent_count
+        self._agent_count = count
+        of_agents = np.stack([model.radius, model.responsibility], 1, dtype=np.float32)
+        self._fixed = np.concatenate([of_agents.ravel(), model.steering.vector()])
+        self._rows = np.zeros((ROWS, count + SPARE_COLUMNS), np.float32)
+        self._numbers = np.zeros(NUMBERS * (count + SPARE_COLUMNS) + CELL_ROWS * (8 * count + 258), np.int32)
+
+    def resize(self, half_width: float, half_depth: float) -> None:
+        """The stage's half sizes [m] are these from now on; whoever is outside goes in."""
+        begin = 2 * self._agent_count
+        self._fixed[begin : begin + 2] = half_width, half_depth
+
+    def steer(self, steering: Steering) -> None:
+        """Other parameters from now on; the stage's size stays."""
+        begin = 2 * self._agent_count
+        self._fixed[begin + 2 :] = steering.vector()[2:]
+
+    def yield_to(self, rows: npt.NDArray[np.integer], responsibility: npt.NDArray[np.floating]) -> None:
+        """The agents `rows` (n,) take this share of avoiding from now on, (n,)."""
+        self._fixed[2 * rows + 1] = responsibility
+
+    def __call__(
+        self,
+        current: AgentState,
+        out: AgentState,
+        *,
+        wants: Wants,
+        surroundings: Surroundings,
+        time: float,
+        dt: float,
+    ) -> None:
+        """Read `current`, write `out` (another object), `dt` [s] later; `time` [s] is that of `current`.
+
+        Few arguments go to the kernel, since each costs as much as an agent.
+        """
+        advance_crowd(out.flat, current.flat, self._fixed, wants.rows, surroundings.flat, dt, self._rows, self._numbers)

@@ -1,1 +1,0 @@
-"""Motion: from what is asked of an agent to her new velocity."""

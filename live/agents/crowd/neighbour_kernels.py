@@ -1,0 +1,195 @@
+"""The neighbour pass: separation, alignment, cohesion and predicted collisions, for blocks of agents at a time.
+
+LANES agents who lie one after another in a row of cells are the lanes of a block; all who may matter to any of them
+are met one by one. So nothing is copied or added across lanes, the sums of a block stay in registers, and those of an
+agent are added in the order of slots whoever is in her block: who is out of reach adds exactly nothing. Few ever
+collide: a first loop without branches sums what is cheap and notes with whom somebody of the block may collide or
+touch, a second one looks at those alone. An agent meets herself, too: at no distance and no relative speed she adds
+nothing but 1 to WEIGHT.
+
+"contract" lets the compiler fuse a product and a sum: results are the same on one machine, however frames fall, and
+differ in the last bit on a machine without such an instruction.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.crowd.blocks_kernels import (
+    ALIGNMENT,
+    ASKED,
+    AVOID_X,
+    AVOID_Z,
+    BLOCK_ROWS,
+    COHESION,
+    FLOCK_X,
+    FLOCK_Z,
+    LANE,
+    LANES,
+    LATEST,
+    PER_SEPARATION2,
+    PUSH_X,
+    PUSH_Z,
+    SUM_ROWS,
+    SUMS,
+    WEIGHT,
+    all_sleep,
+    copy_lanes,
+    fill_block,
+    find_near,
+    leave_asleep,
+)
+from live.agents.crowd.cells_kernels import GIVE, NEIGHBOUR_RANGE, RADIUS, VX, VZ, X, Z
+from live.agents.crowd.contacts_kernels import CONTACT_MARGIN, note_pairs
+from live.base.jit import kernel, part
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+_F = np.float32
+_ZERO: Any = _F(0.0)
+_ONE: Any = _F(1.0)
+_TWO: Any = _F(2.0)
+_FOUR: Any = _F(4.0)
+_GRAZE: Any = _F(0.05)
+_MARGIN: Any = _F(CONTACT_MARGIN)
+_CAP: Any = _F(40.0)
+_PER_RANGE2: Any = _F(1.0 / NEIGHBOUR_RANGE**2)
+_MOST_W: Any = _F(1.0 / 0.15)
+_LEAST_C: Any = _F(1e-3)
+_TINY: Any = _F(1e-9)
+_SAFELY: Any = _F(1.002)  # more than all that rounding can do: the first loop has to note all whom the second would see
+
+
+@part
+def _sum_all_but_avoidance(
+    sorted_: Float32, block: Float32, first: int, near: Int32, count: int, side: Any, meets: Int32, touches: Int32
+) -> tuple[int, int]:
+    """Sums of the block from slot `first` on but for AVOID over all `near`; returns how many `meets`, `touches` are."""
+    meet_count, touch_count = 0, 0
+    for m in range(count):
+        k: Any = np.uint64(near[np.uint64(m)])
+        xk, zk, vxk, vzk, rk = sorted_[X, k], sorted_[Z, k], sorted_[VX, k], sorted_[VZ, k], sorted_[RADIUS, k]
+        later = _F(np.int32(k) - first)
+        meet: Any = np.int32(0)
+        touch: Any = np.int32(0)
+        for j in range(LANES):
+            dx, dz = xk - block[X, j], zk - block[Z, j]
+            ux, uz = vxk - block[VX, j], vzk - block[VZ, j]
+            d2 = dx * dx + dz * dz
+            q = max(_ONE - d2 * block[ASKED + PER_SEPARATION2, j], _ZERO)
+            w = q * q
+            block[SUMS + PUSH_X, j] -= w * dx
+            block[SUMS + PUSH_Z, j] -= w * dz
+            seen = max(_ONE - d2 * _PER_RANGE2, _ZERO)
+            w = seen * seen
+            block[SUMS + WEIGHT, j] += w
+            block[SUMS + FLOCK_X, j] += w * (block[ASKED + ALIGNMENT, j] * ux + block[ASKED + COHESION, j] * dx)
+            block[SUMS + FLOCK_Z, j] += w * (block[ASKED + ALIGNMENT, j] * uz + block[ASKED + COHESION, j] * dz)
+            tx, tz = dx + side * dz, dz - side * dx
+            closing = -_SAFELY * (tx * ux + tz * uz)
+            reach = block[RADIUS, j] + rk
+            c = max(d2 - reach * reach, _LEAST_C)
+            disc = closing * closing - (ux * ux + uz * uz) * c
+            soon = _TWO * closing - block[ASKED + LATEST, j] * c
+            meet = np.int32(meet | np.int32(min(min(disc, soon), seen) > _ZERO))
+            reach = reach + _MARGIN
+            touch = np.int32(touch | np.int32(min(reach * reach - d2, later - block[LANE, j]) > _ZERO))
+        meets[meet_count] = k
+        meet_count += meet
+        touches[touch_count] = k
+        touch_count += touch
+    return meet_count, touch_count
+
+
+@part
+def _sum_avoidance(sorted_: Float32, block: Float32, meets: Int32, count: int, side: Any, per_tau: Any) -> None:
+    """Sums AVOID of the block over all `meets`."""
+    for m in range(count):
+        k: Any = np.uint64(meets[np.uint64(m)])
+        xk, zk, vxk, vzk, rk = sorted_[X, k], sorted_[Z, k], sorted_[VX, k], sorted_[VZ, k], sorted_[RADIUS, k]
+        gk = sorted_[GIVE, k]
+        for j in range(LANES):
+            dx, dz = block[X, j] - xk, block[Z, j] - zk
+            ux, uz = block[VX, j] - vxk, block[VZ, j] - vzk
+            d2 = dx * dx + dz * dz
+            seen = max(_ONE - d2 * _PER_RANGE2, _ZERO)
+            tx, tz = dx + side * dz, dz - side * dx
+            closing = max(-(tx * ux + tz * uz), _ZERO)
+            u2 = ux * ux + uz * uz
+            reach = block[RADIUS, j] + rk
+            reach2 = reach * reach
+            c = max(d2 - reach2, _LEAST_C)
+            disc = max(closing * closing - u2 * c, _ZERO)
+            root = math.sqrt(disc)
+            blunt = disc + _GRAZE * (u2 * reach2) + _TINY
+            inverse = _ONE / (c * blunt)
+            w = min((closing + root) * (blunt * inverse), _MOST_W)  # 1 / time to the collision
+            gate = (gk * min(_FOUR * seen, _ONE)) * ((c * inverse) * root)
+            h = max(w - block[ASKED + LATEST, j], _ZERO)
+            force = min((_TWO * h + per_tau) * h * gate, _CAP)
+            block[SUMS + AVOID_X, j] += force * (tx * w + ux)
+            block[SUMS + AVOID_Z, j] += force * (tz * w + uz)
+
+
+@kernel(
+    "i8(f4[:,::1], i4[::1], f8[::1], f4[:,::1], f4[:,::1], f4[::1], i4[::1], i4[::1], i4[::1], i4[::1], i4[::1])",
+    fastmath={"contract"},
+)
+def sum_neighbours(
+    sorted_: Float32,
+    start: Int32,
+    grid: Float64,
+    asks: Float32,
+    sums: Float32,
+    params: Float32,
+    awake: Int32,
+    near: Int32,
+    meets: Int32,
+    touches: Int32,
+    pairs: Int32,
+) -> int:
+    """All sums (SUM_ROWS, n) of all sorted agents; returns the number of pairs near contact, written into `pairs`.
+
+    asks (ASK_ROWS, n): the square of 1 / separation distance [1/m²], 1 / horizon [1/s], weights of alignment and
+    cohesion of each sorted agent. awake (cells + 1,): how many agents are awake in the cells before; where all round a
+    cell sleep, all sums are 0. Scratch: near, meets, touches (n + 1,). All rows of agents have LANES numbers to spare.
+    """
+    block = np.empty((BLOCK_ROWS, LANES), np.float32)
+    for j in range(LANES):
+        block[LANE, j] = j
+    columns, rows = int(grid[2]), int(grid[3])
+    strength, side, per_tau = params[7], params[8], _ONE / params[6]
+    sleepers = awake[columns * rows] < start[columns * rows]
+    pair_count = 0
+    for row in range(rows):
+        base, column = row * columns, 0
+        for first in range(start[base], start[base + columns], LANES):
+            last = min(first + LANES, start[base + columns])
+            while start[base + column + 1] <= first:
+                column += 1
+            first_column = column
+            while start[base + column + 1] < last:
+                column += 1
+            if all_sleep(awake, columns, rows, row, first_column, column):
+                for f in range(SUM_ROWS):
+                    sums[f, first:last] = _ZERO
+                continue
+            count = find_near(sorted_, start, columns, rows, row, first_column, column, first, last, near, meets)
+            fill_block(sorted_, asks, first, block)
+            meet_count, touch_count = _sum_all_but_avoidance(sorted_, block, first, near, count, side, meets, touches)
+            _sum_avoidance(sorted_, block, meets, meet_count, side, per_tau)
+            for f in range(SUM_ROWS):
+                copy_lanes(block, SUMS + f, 0, sums, f, first)
+            if sleepers:
+                leave_asleep(sums, start, awake, columns, rows, row, first_column, column, first, last)
+            for i in range(first, last):
+                mine = (_TWO - sorted_[GIVE, i]) * strength
+                sums[AVOID_X, i] *= mine
+                sums[AVOID_Z, i] *= mine
+                if touch_count > 0 and sums[WEIGHT, i] > _ZERO:
+                    pair_count = note_pairs(sorted_, i, touches, touch_count, pairs, pair_count)
+    return pair_count

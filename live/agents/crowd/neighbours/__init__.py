@@ -1,1 +1,0 @@
-"""Neighbours: what the others ask of an agent, all in one pass."""

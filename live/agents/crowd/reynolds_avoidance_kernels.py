@@ -1,0 +1,100 @@
+"""The avoidance of the thesis: unaligned collision avoidance after Reynolds, weighed by two distances (T082, T108)."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.crowd.blocks_kernels import AVOID_X, AVOID_Z
+from live.agents.crowd.cells_kernels import COLUMNS_ROUND, GIVE, NEIGHBOUR_RANGE, RADIUS, ROWS_ROUND, VX, VZ, X, Z
+from live.base.jit import kernel
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+AHEAD = 2.0
+"""Seconds in which a collision has to come to be avoided."""
+CLEARANCE = 0.2
+"""Metres more than touching that the nearest approach has to leave."""
+SLOW_SHARE = 0.4
+"""Share of the top speed that an agent keeps closer than d_s; the thesis gives no number."""
+
+
+@kernel("UniTuple(f8,2)(f8,f8,f8,f8,f8)")
+def dodge(dx: float, dz: float, ux: float, uz: float, reach: float) -> tuple[float, float]:
+    """Wish to leave the site of the nearest approach to one neighbour, 1 at most, the stronger the sooner it comes.
+
+    dx, dz: from the neighbour to the agent [m]; ux, uz: velocity relative to it [m/s]; reach: distance to keep [m].
+    Both of a pair see the same in mirror image; head on both go to their right.
+    """
+    closing, u2 = -(dx * ux + dz * uz), ux * ux + uz * uz
+    if closing <= 0.0 or u2 < 1e-6 or closing > AHEAD * u2:
+        return 0.0, 0.0
+    when = closing / u2
+    nx, nz = dx + ux * when, dz + uz * when
+    gap = math.sqrt(nx * nx + nz * nz)
+    if gap > reach:
+        return 0.0, 0.0
+    if gap < 0.1 * reach:
+        nx, nz = -uz, ux
+        gap = math.sqrt(u2)
+    urgency = 1.0 - when / AHEAD
+    return urgency * nx / gap, urgency * nz / gap
+
+
+@kernel("UniTuple(f8,3)(f4[:,::1], i4[::1], i8, i8, i8, i8, f8)")
+def nearest_threat(
+    sorted_: Float32, start: Int32, columns: int, rows: int, cell: int, i: int, d_f: float
+) -> tuple[float, float, float]:
+    """Distance [m] of the nearest neighbour that comes nearer (1e9: none within d_f), and the sum of all dodges."""
+    nearest, sum_x, sum_z = 1e9, 0.0, 0.0
+    for r in range(max(cell // columns - ROWS_ROUND, 0), min(cell // columns + ROWS_ROUND + 1, rows)):
+        first = start[r * columns + max(cell % columns - COLUMNS_ROUND, 0)]
+        last = start[r * columns + min(cell % columns + COLUMNS_ROUND, columns - 1) + 1]
+        for s in range(first, last):
+            dx, dz = float(sorted_[X, i] - sorted_[X, s]), float(sorted_[Z, i] - sorted_[Z, s])
+            d = math.sqrt(dx * dx + dz * dz)
+            if s == i or d > min(d_f, NEIGHBOUR_RANGE) or d < 1e-6:
+                continue
+            ux, uz = float(sorted_[VX, i] - sorted_[VX, s]), float(sorted_[VZ, i] - sorted_[VZ, s])
+            if dx * ux + dz * uz < -1e-3 * d:
+                nearest = min(nearest, d)
+            x, z = dodge(dx, dz, ux, uz, sorted_[RADIUS, i] + sorted_[RADIUS, s] + CLEARANCE)
+            sum_x += x * sorted_[GIVE, s]
+            sum_z += z * sorted_[GIVE, s]
+    return nearest, sum_x, sum_z
+
+
+@kernel("void(f4[:,::1], i4[::1], f8[::1], f4[::1], f4[:,::1], i4[::1], f4[::1])")
+def avoid_by_distance(
+    sorted_: Float32,
+    start: Int32,
+    grid: Float64,
+    wants: Float32,
+    sums: Float32,
+    slot_agent: Int32,
+    params: Float32,
+) -> None:
+    """Write avoidance into `sums`, and into `wants` (8 A,) what is left of the other behaviours and of the top speed.
+
+    T108: whoever is closer than d_s to somebody who comes nearer ignores all else, so goes on as
+    she goes but for the avoidance, and slows down; up to d_f everything
+    is combined; farther off nobody is avoided.
+    """
+    columns, rows = int(grid[2]), int(grid[3])
+    most, d_s, d_f = float(params[3]), float(params[9]), float(params[10])
+    for cell in range(columns * rows):
+        for i in range(start[cell], start[cell + 1]):
+            nearest, x, z = nearest_threat(sorted_, start, columns, rows, cell, i, d_f)
+            size = math.sqrt(x * x + z * z)
+            scale = most * (2.0 - sorted_[GIVE, i]) / max(size, 1.0)
+            sums[AVOID_X, i] = x * scale
+            sums[AVOID_Z, i] = z * scale
+            if nearest < d_s and sorted_[GIVE, i] < 2.0:
+                k = 8 * slot_agent[i]
+                firm = wants[k + 6]
+                wants[k] = firm * wants[k] + (np.float32(1.0) - firm) * sorted_[VX, i]
+                wants[k + 1] = firm * wants[k + 1] + (np.float32(1.0) - firm) * sorted_[VZ, i]
+                wants[k + 2] *= np.float32(SLOW_SHARE) + firm * np.float32(1.0 - SLOW_SHARE)
+                sums[2, i], sums[3, i], sums[4, i] = 0.0, 0.0, 0.0

@@ -1,1 +1,0 @@
-"""The thesis' way of avoiding each other: two distances (T108)."""

@@ -1,0 +1,1 @@
+"""Attractors, flows, spreaders."""

@@ -1,0 +1,198 @@
+"""Fair attraction: where the many voices of an audience gather, and what a place with many of them does to a dancer.
+
+With the nearest source alone (T106) one phone beside a dancer would hold her against a hundred elsewhere, and with a
+mean all of them would stand between the places. So the voices are gathered into places (modes of their density), and
+a place pulls by its share of the voices, and more on those who are near it.
+"""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.elements.element_kinds import VOICE
+from live.agents.elements.table_kernels import (
+    HEARD,
+    LEVEL,
+    PLACE_COUNT,
+    ROWS,
+    STRENGTH,
+    SWITCHED,
+    X,
+    Z,
+    addresses,
+    take,
+)
+from live.base.jit import kernel
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+UInt64 = npt.NDArray[np.uint64]
+
+# columns of a place (P, 5)
+PLACE_X, PLACE_Z, SHARE, PULL, DECAY = 0, 1, 2, 3, 4
+PLACE_COLUMNS = 5
+PLACES = 8
+"""Places of one audience at most; the voices elsewhere are not heard."""
+AUDIENCES = 8
+"""Different groups that voices may address at a time."""
+BANDWIDTH = 1.2
+"""Voices within this distance [m] of each other are one place."""
+SHARPNESS = 4.0
+"""A place with half the voices of another pulls 2 to the power of this less."""
+NEARNESS = 8.0
+"""Distance [m] on which nearness counts as much as e times the voices."""
+QUORUM = 4.0
+"""So many voices pull with full strength; fewer pull in proportion."""
+
+
+@kernel("f8(f8,f8,f8,f8)")
+def closeness(ax: float, az: float, bx: float, bz: float) -> float:
+    """How much two voices are at one place: 1 together, 0 from the bandwidth on (biweight kernel)."""
+    t = 1.0 - ((ax - bx) ** 2 + (az - bz) ** 2) / (BANDWIDTH * BANDWIDTH)
+    return t * t if t > 0.0 else 0.0
+
+
+@kernel("b1(f8[:,::1],u8[::1],i4[::1],f8[:,::1],u8[::1],f8[::1],u8,f8,i8)")
+def next_place(
+    table: Float64,
+    masks: UInt64,
+    active: Int32,
+    places: Float64,
+    audience: UInt64,
+    density: Float64,
+    mask: np.uint64,
+    total: float,
+    place: int,
+) -> bool:
+    """The densest place that is left of one audience into row `place`: its mean, and its voices marked as taken."""
+    first, end = ROWS + active[VOICE], ROWS + active[VOICE + 1]
+    best = -1
+    for k in range(first, end):
+        a = active[k]
+        if masks[a] == mask and density[a] > 0.0 and (best < 0 or density[a] > density[best]):
+            best = a
+    if best < 0:
+        return False
+    x, z, weight, strength = table[best, X], table[best, Z], 0.0, 0.0
+    for _ in range(4):  # mean shift: the middle of the voices around, which moves towards most of them
+        sum_x, sum_z, near_sum = 0.0, 0.0, 0.0
+        for k in range(first, end):
+            a = active[k]
+            if masks[a] == mask and density[a] > 0.0:
+                near = closeness(x, z, table[a, X], table[a, Z]) * table[a, LEVEL] * max(table[a, STRENGTH], 0.0)
+                sum_x += near * table[a, X]
+                sum_z += near * table[a, Z]
+                near_sum += near
+        if near_sum > 0.0:
+            x, z = sum_x / near_sum, sum_z / near_sum
+    level = 0.0
+    for k in range(first, end):
+        a = active[k]
+        if masks[a] != mask or density[a] <= 0.0:
+            continue
+        d2 = (table[a, X] - x) ** 2 + (table[a, Z] - z) ** 2
+        if a == best or d2 < BANDWIDTH * BANDWIDTH:
+            weight += table[a, LEVEL] * max(table[a, STRENGTH], 0.0)
+            strength = max(strength, table[a, STRENGTH])
+            level = max(level, table[a, LEVEL])
+            density[a] = -1.0
+    places[place, PLACE_X], places[place, PLACE_Z], places[place, SHARE] = x, z, weight
+    places[place, PULL] = min(strength * level, 1.0) * min(total / QUORUM, 1.0)
+    places[place, DECAY] = 1.2
+    audience[place] = mask
+    return True
+
+
+@kernel("void(f8[:,::1],u8[::1],i4[::1],f8[::1])")
+def weigh_voices(table: Float64, masks: UInt64, active: Int32, density: Float64) -> None:
+    """The weight of the voices around each voice, its own included, into density (E,)."""
+    first, end = ROWS + active[VOICE], ROWS + active[VOICE + 1]
+    for k in range(first, end):
+        a = active[k]
+        density[a] = 0.0
+        for n in range(first, end):
+            b = active[n]
+            if masks[a] == masks[b]:
+                near = closeness(table[a, X], table[a, Z], table[b, X], table[b, Z])
+                density[a] += near * table[b, LEVEL] * max(table[b, STRENGTH], 0.0)
+
+
+@kernel("i8(f8[:,::1],u8[::1],i4[::1],f8[:,::1],u8[::1],f8[::1],u8,i8)")
+def places_of(
+    table: Float64,
+    masks: UInt64,
+    active: Int32,
+    places: Float64,
+    audience: UInt64,
+    density: Float64,
+    mask: np.uint64,
+    begin: int,
+) -> int:
+    """The places of the voices of one group mask, from row `begin` on; returns the row after the last one."""
+    first, end = ROWS + active[VOICE], ROWS + active[VOICE + 1]
+    total, most, count = 0.0, 0.0, begin
+    for k in range(first, end):
+        if masks[active[k]] == mask:
+            total += table[active[k], LEVEL] * max(table[active[k], STRENGTH], 0.0)
+    for _ in range(PLACES):
+        if not next_place(table, masks, active, places, audience, density, mask, total, count):
+            break
+        most = max(most, places[count, SHARE])
+        count += 1
+    for p in range(begin, count):
+        places[p, SHARE] = (places[p, SHARE] / most) ** SHARPNESS
+    for k in range(first, end):
+        if masks[active[k]] == mask:
+            density[active[k]] = -1.0
+    return count
+
+
+@kernel("i8(f8[:,::1],u8[::1],i4[::1],f8[:,::1],u8[::1],f8[::1])")
+def gather(table: Float64, masks: UInt64, active: Int32, places: Float64, audience: UInt64, density: Float64) -> int:
+    """Find the places of the voices that act, and return how many there are.
+
+    places (PLACES * AUDIENCES, 5) and audience (PLACES * AUDIENCES,), the group mask of each place, are written;
+    density (E,) is scratch: it holds each voice's weight around it, and -1 once a voice belongs to a place.
+    """
+    weigh_voices(table, masks, active, density)
+    count = 0
+    for _ in range(AUDIENCES):
+        of = -1
+        for k in range(ROWS + active[VOICE], ROWS + active[VOICE + 1]):
+            if density[active[k]] >= 0.0:
+                of = active[k]
+                break
+        if of < 0:
+            break
+        count = places_of(table, masks, active, places, audience, density, masks[of], count)
+    return count
+
+
+@kernel("void(f8[:,::1],u8[::1],f4[:,::1],u8[::1],f8[::1],f8[:,::1])")
+def fair_attraction(
+    places: Float64, audience: UInt64, position: Float32, groups: UInt64, numbers: Float64, sums: Float64
+) -> None:
+    """Add the wish towards the places of an audience.
+
+    Weights are share ** SHARPNESS * exp(-SHARPNESS * d / NEARNESS): smooth, so that nobody trembles between two places
+    of equal right, and so sharp that a place with a few voices among many does not count.
+    """
+    for i in range(position.shape[0]):
+        if sums[i, HEARD] <= 0.0:
+            continue
+        wish_x, wish_z, pull, total = 0.0, 0.0, 0.0, 0.0
+        for p in range(int(numbers[PLACE_COUNT])):
+            if not addresses(audience[p], groups[i]):
+                continue
+            dx, dz = places[p, PLACE_X] - position[i, 0], places[p, PLACE_Z] - position[i, 1]
+            d = math.sqrt(dx * dx + dz * dz)
+            weight = places[p, SHARE] * math.exp(-SHARPNESS * d / NEARNESS)
+            size = weight * places[p, PULL] * (1.0 - math.exp(-d / places[p, DECAY])) / max(d, 1e-9)
+            wish_x += size * dx
+            wish_z += size * dz
+            pull += weight * places[p, PULL]
+            total += weight
+        if total > 0.0:
+            take(sums, i, wish_x / total, wish_z / total, pull / total, numbers[SWITCHED] > 0.0)

@@ -1,0 +1,166 @@
+"""Element: one procedural element, as a value: what, where, for whom, how strongly, between which beats."""
+
+import itertools
+import math
+from dataclasses import dataclass, replace
+from typing import Final
+
+from live.agents.elements.element_kinds import (
+    ATTRACTOR,
+    CROSSING,
+    DRAWN,
+    EVADE,
+    EVERYBODY,
+    FLOCK,
+    FLOW,
+    FOLLOW,
+    GRID,
+    KIND_NAMES,
+    PATH,
+    POINT_LIMIT,
+    PURSUE,
+    REPULSOR,
+    UNIFORM,
+    VOICE,
+)
+from live.agents.elements.table_kernels import faded_in
+from live.base.errors import PersonError
+
+FADE_BEATS: Final = 1.0
+"""Beats over which an element fades in after its start (most of it at once) and out before its end (evenly)."""
+FARTHEST: Final = 1000.0
+"""No element lies farther than this [m] from the middle of the stage."""
+Points = tuple[tuple[float, float], ...]
+_DECAY: Final = {ATTRACTOR: 1.2, REPULSOR: 1.6, EVADE: 2.5, FLOW: 1.2}
+
+
+@dataclass(frozen=True, slots=True)
+class Element:
+    """One element; it fades in over the first beat of its time and out over the last one (T105, T132).
+
+    `points` (x, z) [m] are its place: one for a point, two for a segment, more for a polyline (`closed`: a region or a
+    closed path); `radius` [m] makes a disc or a broad line of it, and is the half width of a path. A crossing is the
+    line through its first two points; a uniform flow goes from the first to the second; radial flow and vortex have
+    their centre in the first (negative strength: inwards, the other way round).
+    """
+
+    kind: int
+    points: Points = ((0.0, 0.0),)
+    strength: float = 1.0
+    start_beat: float = 0.0
+    end_beat: float = math.inf
+    groups: int = EVERYBODY
+    """Bits of the groups it addresses; EVERYBODY also means those of no group."""
+    source: str = ""
+    """Who put it there: a phone, an OSC address, the score."""
+    closed: bool = False
+    radius: float = 0.0
+    fair: bool = False
+    """An attractor as one voice among an audience's many: places with many voices win, one alone captures nobody."""
+    flow: int = UNIFORM
+    decay: float | None = None
+    """Decay length [m] of f(d) = exp(-d / decay); None: the usual one of its kind."""
+    target: int = -1
+    """The dancer who is followed, pursued or evaded; -1: the dancers of `target_group`."""
+    target_group: int = -1
+    """The bit of the group that is pursued or evaded (its nearest), or whose first dancer is followed."""
+    wedge: bool = False
+    """Followers come in a wedge, not in a line."""
+    separation: float | None = None
+    """Distance [m] under which those it addresses push each other away; None: the field's usual one."""
+    alignment: float = 0.6
+    cohesion: float = 0.4
+    """What a flock's dancers take over from their neighbours."""
+
+    def __post_init__(self) -> None:
+        """Refuse what has no meaning; raises PersonError."""
+        name = next((word for word, kind in KIND_NAMES.items() if kind == self.kind), None)
+        if name is None:
+            raise PersonError(f"no kind of element has the number {self.kind}", "use the names of KIND_NAMES")
+        numbers = [self.strength, self.start_beat, self.radius, self.alignment, self.cohesion, self.decay or 1.0]
+        numbers += [self.separation or 0.0, *(value for point in self.points for value in point)]
+        if not all(map(math.isfinite, numbers)) or math.isnan(self.end_beat):
+            raise PersonError(f"{name}: every place, strength and beat must be a finite number")
+        if not 1 <= len(self.points) <= POINT_LIMIT:
+            raise PersonError(f"{name}: {len(self.points)} points", f"give 1 to {POINT_LIMIT}")
+        if max(abs(value) for point in self.points for value in point) > FARTHEST:
+            raise PersonError(f"{name}: a place more than {FARTHEST:.0f} m away", "places are metres from the middle")
+        if self.radius < 0.0 or (self.decay is not None and self.decay <= 0.0) or (self.separation or 0.0) < 0.0:
+            raise PersonError(f"{name}: radius, decay and separation are distances", "give numbers above 0")
+        if not 0 < self.groups <= EVERYBODY:
+            raise PersonError(f"{name}: the group mask {self.groups} addresses nobody", "set at least one of 64 bits")
+        self._check_place(name)
+
+    def _check_place(self, name: str) -> None:
+        needs_line = self.kind in (CROSSING, PATH) or (self.kind == FLOW and self.flow in (UNIFORM, DRAWN))
+        if needs_line and line_length(self.points) < 1e-3:
+            raise PersonError(f"{name}: its line has no length", "give two points that lie apart")
+        if self.kind == CROSSING and math.dist(self.points[0], self.points[1]) < 1e-3:
+            raise PersonError(f"{name}: the first two points of its line are one", "give two points that lie apart")
+        if self.kind in (FOLLOW, PURSUE, EVADE) and (self.target < 0) == (self.target_group < 0):
+            raise PersonError(f"{name}: whom?", "give either a dancer or a group")
+        if not -1 <= self.target_group <= 63 or self.target < -1:
+            raise PersonError(f"{name}: no such dancer or group", "dancers count from 0, groups have bits 0 to 63")
+        if self.kind == FLOW and not UNIFORM <= self.flow <= GRID:
+            raise PersonError(f"{name}: no flow has the number {self.flow}", "use the names of FLOW_NAMES")
+        if self.fair and self.kind != ATTRACTOR:
+            raise PersonError(f"{name}: only attractors can be fair")
+
+    @property
+    def x(self) -> float:
+        """Where it is drawn, across the stage [m]."""
+        return self.points[0][0]
+
+    @property
+    def z(self) -> float:
+        """Where it is drawn, towards the audience [m]."""
+        return self.points[0][1]
+
+    @property
+    def table_kind(self) -> int:
+        """Its kind in the kernels' arrays: fair attractors are voices."""
+        return VOICE if self.fair else self.kind
+
+    @property
+    def decay_length(self) -> float:
+        """Decay length [m] of its fall-off."""
+        return self.decay if self.decay is not None else _DECAY.get(self.kind, 1.2)
+
+    def level(self, beat: float) -> float:
+        """0 to 1: how far it has faded in, or out again, at `beat`."""
+        into, left = beat - self.start_beat, self.end_beat - beat
+        if into < 0.0 or left <= 0.0:
+            return 0.0
+        return float(min(faded_in(into / FADE_BEATS), left / FADE_BEATS))
+
+    def moved(self, dx: float, dz: float) -> "Element":
+        """The same element, (dx, dz) [m] farther."""
+        return replace(self, points=tuple((x + dx, z + dz) for x, z in self.points))
+
+    def ending(self, beat: float) -> "Element":
+        """The same element, fading out from `beat` on from the level it has; as it is if it ends sooner."""
+        end = beat + self.level(beat) * FADE_BEATS
+        if end >= self.end_beat:
+            return self
+        # its start moves back, so that the fade out goes on where an unfinished fade in has got to
+        return replace(self, start_beat=self.start_beat - FADE_BEATS, end_beat=end)
+
+
+def line_length(points: Points) -> float:
+    """Length [m] of a polyline."""
+    return sum(math.dist(a, b) for a, b in itertools.pairwise(points))
+
+
+def line_through(x: float, z: float, angle: float) -> Points:
+    """Two points of the line through (x, z) [m] at `angle` [rad]: 0 runs from the back of the stage to the audience."""
+    dx, dz = math.sin(angle), math.cos(angle)
+    return (x - dx, z - dz), (x + dx, z + dz)
+
+
+def rectangle(x: float, z: float, width: float, depth: float) -> Points:
+    """Corners of a rectangle around (x, z) [m], for a region (`closed`)."""
+    a, b = width / 2.0, depth / 2.0
+    return (x - a, z - b), (x + a, z - b), (x + a, z + b), (x - a, z + b)
+
+
+__all__ = ["FADE_BEATS", "FLOCK", "Element", "Points", "line_length", "line_through", "rectangle"]

@@ -1,0 +1,177 @@
+"""Following a leader, pursuing and evading (T082; Reynolds 1999): elements whose place is another dancer."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.agent_command import PRESENCE, SPEED
+from live.agents.elements.element_kinds import EVADE, FOLLOW, PURSUE
+from live.agents.elements.table_kernels import (
+    DECAY,
+    HEARD,
+    LEVEL,
+    RADIUS,
+    ROWS,
+    STRENGTH,
+    SWITCHED,
+    TARGET,
+    TARGET_GROUP,
+    WEDGE,
+    addresses,
+    newest,
+    take,
+)
+from live.agents.steering_kernels import evade, follow_behind, follow_beside, make_way, pursue, unit
+from live.base.jit import kernel
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+UInt64 = npt.NDArray[np.uint64]
+
+GAP = 0.9
+"""Metres between those who follow each other, if an element's radius says nothing more."""
+HUNTERS = 64
+"""So many dancers of a group are looked at for the nearest."""
+
+
+@kernel("i8(f4[:,::1],u8[::1],i8,i8)")
+def first_of(wants: Float32, groups: UInt64, target: int, target_group: int) -> int:
+    """The dancer who is meant: the target herself, or the first one present of a group; -1: nobody."""
+    if target >= 0:
+        return target if target < groups.shape[0] and wants[target, PRESENCE] > 0.0 else -1
+    bit = np.uint64(1) << np.uint64(target_group)
+    for i in range(groups.shape[0]):
+        if wants[i, PRESENCE] > 0.0 and (groups[i] & bit) != np.uint64(0):
+            return i
+    return -1
+
+
+@kernel("i8(f4[:,::1],f4[:,::1],u8[::1],i8,i8,i8)")
+def nearest_of(position: Float32, wants: Float32, groups: UInt64, target: int, target_group: int, agent: int) -> int:
+    """The dancer who is meant: the target herself, or the nearest one of a group; -1: nobody, never oneself."""
+    if target >= 0:
+        meant = target < groups.shape[0] and target != agent and wants[target, PRESENCE] > 0.0
+        return target if meant else -1
+    bit = np.uint64(1) << np.uint64(target_group)
+    best, nearest, seen = -1, 1e30, 0
+    for i in range(groups.shape[0]):
+        if i == agent or wants[i, PRESENCE] <= 0.0 or (groups[i] & bit) == np.uint64(0):
+            continue
+        d2 = (position[i, 0] - position[agent, 0]) ** 2 + (position[i, 1] - position[agent, 1]) ** 2
+        if d2 < nearest:
+            best, nearest = i, d2
+        seen += 1
+        if seen == HUNTERS:
+            break
+    return best
+
+
+@kernel("void(f8[:,::1],u8[::1],i4[::1],i8,f4[:,::1],f4[:,::1],f4[:,::1],u8[::1],i8,f8[:,::1],b1)")
+def follow_one(
+    table: Float64,
+    masks: UInt64,
+    active: Int32,
+    row: int,
+    position: Float32,
+    velocity: Float32,
+    wants: Float32,
+    groups: UInt64,
+    leader: int,
+    sums: Float64,
+    switched: bool,
+) -> None:
+    """Add the wish of those who follow `leader` as element `row` says, in the order of their numbers.
+
+    In a line everybody follows the one before her; in a wedge the one before her on her side, along the leader's
+    heading (towards the audience while the leader stands). Nobody stays in the leader's way.
+    """
+    hx, hz = unit(float(velocity[leader, 0]), velocity[leader, 1] + 0.05)
+    gap = table[row, RADIUS] if table[row, RADIUS] > 0.0 else GAP
+    last, last_but_one, side = leader, leader, 1.0
+    level, strength = table[row, LEVEL], table[row, STRENGTH]
+    for i in range(position.shape[0]):
+        if sums[i, HEARD] <= 0.0 or i == leader or newest(table, masks, active, FOLLOW, groups[i]) != row:
+            continue
+        x, z = float(position[i, 0]), float(position[i, 1])
+        if table[row, WEDGE] > 0.0:
+            bx, bz = float(position[last_but_one, 0]), float(position[last_but_one, 1])
+            fx, fz = follow_beside(x, z, bx, bz, hx, hz, side, gap)
+        else:
+            bx, bz = float(position[last, 0]), float(position[last, 1])
+            fx, fz = follow_behind(x, z, bx, bz, float(velocity[last, 0]), float(velocity[last, 1]), gap)
+        wx, wz = make_way(
+            x,
+            z,
+            float(position[leader, 0]),
+            float(position[leader, 1]),
+            float(velocity[leader, 0]),
+            float(velocity[leader, 1]),
+        )
+        take(sums, i, level * (strength * fx + wx), level * (strength * fz + wz), level, switched)
+        last_but_one, last, side = last, i, -side
+
+
+@kernel("void(f8[:,::1],u8[::1],i4[::1],f4[:,::1],f4[:,::1],f4[:,::1],u8[::1],f8[::1],f8[:,::1])")
+def follow_leaders(
+    table: Float64,
+    masks: UInt64,
+    active: Int32,
+    position: Float32,
+    velocity: Float32,
+    wants: Float32,
+    groups: UInt64,
+    numbers: Float64,
+    sums: Float64,
+) -> None:
+    """Add the wish of those who follow; each follows as the newest element says that addresses her."""
+    for k in range(ROWS + active[FOLLOW], ROWS + active[FOLLOW + 1]):
+        row = active[k]
+        leader = first_of(wants, groups, int(table[row, TARGET]), int(table[row, TARGET_GROUP]))
+        if leader >= 0:
+            follow_one(
+                table, masks, active, row, position, velocity, wants, groups, leader, sums, numbers[SWITCHED] > 0.0
+            )
+
+
+@kernel("void(f8[:,::1],u8[::1],i4[::1],b1,f4[:,::1],f4[:,::1],f4[:,::1],u8[::1],f8[::1],f8[:,::1])")
+def hunt(
+    table: Float64,
+    masks: UInt64,
+    active: Int32,
+    flees: bool,
+    position: Float32,
+    velocity: Float32,
+    wants: Float32,
+    groups: UInt64,
+    numbers: Float64,
+    sums: Float64,
+) -> None:
+    """Add the wish of those who pursue (the newest quarry given to each) or evade (all hunters together, T105's f)."""
+    kind = EVADE if flees else PURSUE
+    for i in range(position.shape[0]):
+        if sums[i, HEARD] <= 0.0:
+            continue
+        wish_x, wish_z, influence = 0.0, 0.0, 0.0
+        x, z, speed = float(position[i, 0]), float(position[i, 1]), float(wants[i, SPEED])
+        for k in range(ROWS + active[kind + 1] - 1, ROWS + active[kind] - 1, -1):
+            row = active[k]
+            if not addresses(masks[row], groups[i]):
+                continue
+            j = nearest_of(position, wants, groups, int(table[row, TARGET]), int(table[row, TARGET_GROUP]), i)
+            if j < 0:
+                continue
+            jx, jz, level = float(position[j, 0]), float(position[j, 1]), table[row, LEVEL]
+            jvx, jvz = float(velocity[j, 0]), float(velocity[j, 1])
+            if flees:
+                fx, fz = evade(x, z, jx, jz, jvx, jvz, speed)
+                level *= math.exp(-math.sqrt((jx - x) ** 2 + (jz - z) ** 2) / table[row, DECAY])
+            else:
+                fx, fz = pursue(x, z, jx, jz, jvx, jvz, speed)
+            wish_x += level * table[row, STRENGTH] * fx
+            wish_z += level * table[row, STRENGTH] * fz
+            influence = max(influence, level)
+            if not flees:
+                break
+        take(sums, i, wish_x, wish_z, influence, numbers[SWITCHED] > 0.0)

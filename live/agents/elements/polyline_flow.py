@@ -1,0 +1,56 @@
+"""Drawn lines: brought to the kernels' size, and as a flow that runs along them (T082: the tangent of a field)."""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+from shapely import LineString, simplify
+
+from live.agents.elements.element import Points
+from live.agents.elements.element_kinds import VERTEX_COUNT
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+
+GRID_ROWS: Final = 24
+GRID_COLUMNS: Final = 32
+REACH: Final = 1.0
+"""Metres from a drawn line within which the flow is the line's own; farther off it leads back to the line."""
+
+
+def corners_of(points: Points) -> Float32:
+    """At most 64 corners that stay as near as possible to the drawn points, shape (V, 2) (Douglas & Peucker 1973)."""
+    corners: Float64 = np.array(points, np.float64)
+    tolerance = 0.002
+    while len(corners) > VERTEX_COUNT:
+        corners = np.array(simplify(LineString(points), tolerance, preserve_topology=False).coords)
+        tolerance *= 1.5
+    return corners.astype(np.float32)
+
+
+def grid_along(points: Points, half_width: float, half_depth: float) -> Float32:
+    """A flow along a drawn line at the nodes of a grid over the stage, shape (24, 32, 2), lengths at most 1.
+
+    On the line it is the line's tangent; the farther from it, the more it leads towards it. Where the line crosses
+    itself the tangents of near pieces are mixed by their nearness.
+    """
+    corners = corners_of(points).astype(np.float64)
+    start, way = corners[:-1], np.diff(corners, axis=0)
+    length = np.hypot(*way.T)
+    start, way, length = start[length > 1e-6], way[length > 1e-6], length[length > 1e-6]
+    x, z = np.meshgrid(
+        np.linspace(-half_width, half_width, GRID_COLUMNS), np.linspace(-half_depth, half_depth, GRID_ROWS)
+    )
+    node = np.stack([x, z], axis=-1)[:, :, np.newaxis]
+    t = np.clip(((node - start) * way).sum(-1) / length**2, 0.0, 1.0)
+    to_line = start + t[..., np.newaxis] * way - node
+    distance = np.hypot(to_line[..., 0], to_line[..., 1])
+    nearest = distance.min(-1)
+    weight = np.exp(-((distance - nearest[..., np.newaxis]) / 0.3))
+    tangent = (weight[..., np.newaxis] * (way / length[:, np.newaxis])).sum(2)
+    tangent /= np.maximum(np.hypot(tangent[..., 0], tangent[..., 1]), 1e-9)[..., np.newaxis]
+    index = distance.argmin(-1)[..., np.newaxis, np.newaxis]
+    back = np.take_along_axis(to_line, index, axis=2)[:, :, 0] / REACH
+    flow = tangent + back
+    flow /= np.maximum(np.hypot(flow[..., 0], flow[..., 1]), 1.0)[..., np.newaxis]
+    return np.ascontiguousarray(flow, np.float32)

@@ -1,0 +1,252 @@
+"""How an element's shape is seen from a place: distance and direction of point, line or region, and force laws."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.elements.table_kernels import (
+    CLOSED,
+    CORNERS,
+    DECAY,
+    HEARD,
+    LEVEL,
+    RADIUS,
+    ROWS,
+    SEED,
+    STRENGTH,
+    SWITCHED,
+    X,
+    Z,
+    addresses,
+    take,
+)
+from live.agents.steering_kernels import hash_unit, nearest_on_line
+from live.base.jit import kernel, part
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+UInt64 = npt.NDArray[np.uint64]
+
+
+INSET = 0.35
+"""Regions draw dancers in as far as this [m], so that nobody stops on the border."""
+
+# columns of what is nearest to an agent (A, 4)
+NEAR_DISTANCE, NEAR_ROW, NEAR_X, NEAR_Z = 0, 1, 2, 3
+NEAR_COLUMNS = 4
+
+
+@kernel("b1(f4[:,:,::1],i8,i8,f8,f8)")
+def inside(vertices: Float32, row: int, count: int, x: float, z: float) -> bool:
+    """Whether (x, z) lies in the polygon of a row of `vertices` (E, V, 2), by the even-odd rule."""
+    within = False
+    before = count - 1
+    for v in range(count):
+        ax, az = vertices[row, v, 0], vertices[row, v, 1]
+        bx, bz = vertices[row, before, 0], vertices[row, before, 1]
+        if (az > z) != (bz > z) and x < ax + (z - az) / (bz - az) * (bx - ax):
+            within = not within
+        before = v
+    return within
+
+
+@kernel("UniTuple(f8,3)(f8[:,::1],f4[:,:,::1],i8,f8,f8)")
+def seen_from(table: Float64, vertices: Float32, row: int, x: float, z: float) -> tuple[float, float, float]:
+    """Distance [m] of an element's shape from (x, z), negative inside of it, and the unit vector to its border.
+
+    The vector is (0, 0) on a border or point itself, where every direction is as good.
+    """
+    corners = int(table[row, CORNERS])
+    radius = table[row, RADIUS]
+    within = False
+    if corners == 1:
+        dx, dz = table[row, X] - x, table[row, Z] - z
+        d = math.sqrt(dx * dx + dz * dz)
+    else:
+        closed = table[row, CLOSED] > 0.0
+        d2, px, pz, _, _ = nearest_on_line(vertices, row, corners, closed, x, z, 0.0, 0.0)
+        dx, dz, d = px - x, pz - z, math.sqrt(d2)
+        within = closed and inside(vertices, row, corners, x, z)
+    if d < 1e-6:
+        dx, dz = 0.0, 0.0
+    else:
+        dx, dz = dx / d, dz / d
+    if within:  # from the border of a polygon outwards, and over the radius around it
+        return -d - radius, dx, dz
+    d -= radius
+    if d < 0.0:  # in a disc, or a broad line: its border lies away from its middle
+        return d, -dx, -dz
+    return d, dx, dz
+
+
+@kernel("UniTuple(f8,3)(f8,f8,f8,f8,f8,f8)")
+def attraction(
+    d: float, to_x: float, to_z: float, inset: float, strength: float, decay: float
+) -> tuple[float, float, float]:
+    """Wish towards a source at distance `d` [m], 1 - exp(-d / decay) (T105), and 1: it is asked.
+
+    Fast far away, slow as the agent arrives. A region draws her in until she is `inset` [m] inside; then she is free.
+    """
+    depth = d + inset
+    if depth <= 0.0:
+        return 0.0, 0.0, 1.0
+    size = strength * (1.0 - math.exp(-depth / decay))
+    if d < 0.0:  # inside, the border lies behind her
+        return -size * to_x, -size * to_z, 1.0
+    return size * to_x, size * to_z, 1.0
+
+
+@kernel("UniTuple(f8,3)(f8,f8,f8,f8,f8)")
+def repulsion(d: float, to_x: float, to_z: float, strength: float, decay: float) -> tuple[float, float, float]:
+    """Wish away from a source at distance `d` [m], exp(-d / decay) (T105); inside a region out of it. And its size."""
+    if d <= 0.0:
+        return strength * to_x, strength * to_z, 1.0
+    size = strength * math.exp(-d / decay)
+    return -size * to_x, -size * to_z, min(abs(size), 1.0)
+
+
+@part
+def next_source(
+    table: Float64,
+    masks: UInt64,
+    vertices: Float32,
+    active: Int32,
+    kind: int,
+    x: float,
+    z: float,
+    groups: np.uint64,
+    after: float,
+    after_row: int,
+) -> tuple[float, int, float, float]:
+    """The nearest source of a kind beyond distance `after`: distance, row (-1: none) and the unit vector to it."""
+    best, best_row, to_x, to_z = 1e30, -1, 0.0, 0.0
+    for k in range(ROWS + active[kind], ROWS + active[kind + 1]):
+        row = int(active[k])
+        if not addresses(masks[row], groups):
+            continue
+        if table[row, CORNERS] == 1.0 and table[row, RADIUS] == 0.0:
+            ux, uz = table[row, X] - x, table[row, Z] - z
+            d = math.sqrt(ux * ux + uz * uz)
+            scale = 1.0 / d if d > 1e-6 else 0.0
+            ux, uz = ux * scale, uz * scale
+        else:
+            d, ux, uz = seen_from(table, vertices, row, x, z)
+        if d < best and (d > after or (d == after and row > after_row)):
+            best, best_row, to_x, to_z = d, row, ux, uz
+    return best, best_row, to_x, to_z
+
+
+@part
+def pulled(
+    table: Float64, row: int, repels: bool, d: float, to_x: float, to_z: float, seed: int, agent: int
+) -> tuple[float, float, float]:
+    """Wish and influence of one source at distance `d`, before its level."""
+    if to_x == 0.0 and to_z == 0.0:  # on the spot itself: let chance, seeded, choose
+        angle = 2.0 * math.pi * hash_unit(seed, agent, 77)
+        to_x, to_z = math.sin(angle), math.cos(angle)
+    if repels:
+        fx, fz, asked = repulsion(d, to_x, to_z, table[row, STRENGTH], table[row, DECAY])
+    else:
+        inset = min(INSET, table[row, RADIUS] if table[row, CLOSED] == 0.0 else INSET)
+        fx, fz, asked = attraction(d, to_x, to_z, inset, table[row, STRENGTH], table[row, DECAY])
+    return fx, fz, asked
+
+
+@kernel("UniTuple(f8,3)(f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],i8,b1,f8,f8,u8,i8,i8)")
+def fading_sources(
+    table: Float64,
+    masks: UInt64,
+    vertices: Float32,
+    active: Int32,
+    kind: int,
+    repels: bool,
+    x: float,
+    z: float,
+    groups: np.uint64,
+    seed: int,
+    agent: int,
+) -> tuple[float, float, float]:
+    """Wish and influence where the nearest source fades in or out: the rest of its share goes to the next nearest.
+
+    So nothing jumps; four are asked at most.
+    """
+    wish_x, wish_z, influence, left = 0.0, 0.0, 0.0, 1.0
+    last, last_row = -1e30, -1
+    for _ in range(4):
+        d, row, to_x, to_z = next_source(table, masks, vertices, active, kind, x, z, groups, last, last_row)
+        if row < 0 or left < 1e-3:
+            break
+        share = left * table[row, LEVEL]
+        fx, fz, asked = pulled(table, row, repels, d, to_x, to_z, seed, agent)
+        wish_x += share * fx
+        wish_z += share * fz
+        influence = max(influence, table[row, LEVEL] * asked)
+        left -= share
+        last, last_row = d, row
+    return wish_x, wish_z, influence
+
+
+@kernel("void(f8[:,::1],u8[::1],f4[:,:,::1],i8,f4[:,::1],u8[::1],f8[:,::1],f8[:,::1])")
+def measure_source(
+    table: Float64,
+    masks: UInt64,
+    vertices: Float32,
+    row: int,
+    position: Float32,
+    groups: UInt64,
+    sums: Float64,
+    near: Float64,
+) -> None:
+    """Look at one source from all agents: where it is the nearest so far, it comes into near (A, 4)."""
+    x, z = table[row, X], table[row, Z]
+    point = table[row, CORNERS] == 1.0 and table[row, RADIUS] == 0.0
+    mask = masks[row]
+    for i in range(position.shape[0]):
+        if sums[i, HEARD] <= 0.0 or not addresses(mask, groups[i]):
+            continue
+        if not point:
+            d, ux, uz = seen_from(table, vertices, row, float(position[i, 0]), float(position[i, 1]))
+        else:
+            ux, uz = x - position[i, 0], z - position[i, 1]
+            d = math.sqrt(ux * ux + uz * uz)
+        if d < near[i, NEAR_DISTANCE]:
+            scale = 1.0
+            if point:
+                scale = 1.0 / d if d > 1e-6 else 0.0
+            near[i, NEAR_DISTANCE], near[i, NEAR_ROW] = d, row
+            near[i, NEAR_X], near[i, NEAR_Z] = ux * scale, uz * scale
+
+
+@kernel("void(f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],i8,b1,f4[:,::1],u8[::1],f8[::1],f8[:,::1],f8[:,::1])")
+def nearest_sources(
+    table: Float64,
+    masks: UInt64,
+    vertices: Float32,
+    active: Int32,
+    kind: int,
+    repels: bool,
+    position: Float32,
+    groups: UInt64,
+    numbers: Float64,
+    sums: Float64,
+    near: Float64,
+) -> None:
+    """Add each agent's wish by the nearest source of a kind alone (T106); near (A, 4) is scratch."""
+    seed, switched = int(numbers[SEED]), numbers[SWITCHED] > 0.0
+    for i in range(position.shape[0]):
+        near[i, NEAR_DISTANCE], near[i, NEAR_ROW] = 1e30, -1.0
+    for k in range(ROWS + active[kind], ROWS + active[kind + 1]):
+        measure_source(table, masks, vertices, active[k], position, groups, sums, near)
+    for i in range(position.shape[0]):
+        row = int(near[i, NEAR_ROW])
+        if row < 0:
+            continue
+        if table[row, LEVEL] < 1.0:
+            x, z = float(position[i, 0]), float(position[i, 1])
+            fx, fz, asked = fading_sources(table, masks, vertices, active, kind, repels, x, z, groups[i], seed, i)
+        else:
+            d, to_x, to_z = near[i, NEAR_DISTANCE], near[i, NEAR_X], near[i, NEAR_Z]
+            fx, fz, asked = pulled(table, row, repels, d, to_x, to_z, seed, i)
+        take(sums, i, fx, fz, asked, switched)

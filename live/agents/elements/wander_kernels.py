@@ -1,0 +1,139 @@
+"""Paths, and going on by oneself: wandering, in a flock, and while spreading (T082, T109)."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.agent_command import PRESENCE, SPEED
+from live.agents.elements.element_kinds import FLOCK, PATH, SPREADER, WANDER
+from live.agents.elements.spread_kernels import spread
+from live.agents.elements.table_kernels import (
+    CLOSED,
+    CORNERS,
+    HALF_DEPTH,
+    HALF_WIDTH,
+    HEARD,
+    LEVEL,
+    RADIUS,
+    ROWS,
+    SEED,
+    STRENGTH,
+    SWITCHED,
+    TIME,
+    newest,
+    take,
+)
+from live.agents.steering_kernels import follow_path, wander
+from live.base.jit import kernel
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+UInt64 = npt.NDArray[np.uint64]
+
+PATH_WIDTH = 0.3
+"""Half the width [m] of a path whose element says none."""
+SPREADING_WANDER = 0.4
+"""Share of the top speed that wandering takes while dancers spread (T109): even, and never quite at rest."""
+
+
+@kernel("void(f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],f4[:,::1],f4[:,::1],f4[:,::1],u8[::1],f8[::1],f8[:,::1])")
+def follow_paths(
+    table: Float64,
+    masks: UInt64,
+    vertices: Float32,
+    active: Int32,
+    position: Float32,
+    velocity: Float32,
+    wants: Float32,
+    groups: UInt64,
+    numbers: Float64,
+    sums: Float64,
+) -> None:
+    """Add the wish of those who follow the newest path that addresses them."""
+    for i in range(position.shape[0]):
+        if sums[i, HEARD] <= 0.0:
+            continue
+        row = newest(table, masks, active, PATH, groups[i])
+        if row < 0:
+            continue
+        width = table[row, RADIUS] if table[row, RADIUS] > 0.0 else PATH_WIDTH
+        x, z, vx, vz = position[i, 0], position[i, 1], velocity[i, 0], velocity[i, 1]
+        corners, closed = int(table[row, CORNERS]), table[row, CLOSED] > 0.0
+        fx, fz = follow_path(vertices, row, corners, closed, width, x, z, vx, vz, wants[i, SPEED])
+        size = table[row, LEVEL] * table[row, STRENGTH]
+        take(sums, i, size * fx, size * fz, table[row, LEVEL], numbers[SWITCHED] > 0.0)
+
+
+@kernel(
+    "void(f8[:,::1],u8[::1],i4[::1],f4[:,::1],f4[:,::1],u8[::1],f8[::1],"
+    "f4[:,:,::1],f4[:,:,:,::1],i4[::1],i4[:,::1],f8[:,::1],f8[::1],f8[:,::1])"
+)
+def spread_out(
+    table: Float64,
+    masks: UInt64,
+    active: Int32,
+    position: Float32,
+    wants: Float32,
+    groups: UInt64,
+    area: Float64,
+    mesh: Float32,
+    cosines: Float32,
+    start: Int32,
+    order: Int32,
+    wish: Float64,
+    numbers: Float64,
+    sums: Float64,
+) -> None:
+    """Add the wish of those who spread: each evenly among all of the newest spreader that addresses her."""
+    for k in range(ROWS + active[SPREADER], ROWS + active[SPREADER + 1]):
+        row = active[k]
+        members = 0
+        for i in range(groups.shape[0]):
+            if wants[i, PRESENCE] > 0.0 and newest(table, masks, active, SPREADER, groups[i]) == row:
+                order[0, members] = i
+                members += 1
+        if members == 0:
+            continue
+        spread(position, order[0], members, area, mesh, cosines, start, order[1], wish)
+        for n in range(members):
+            i = order[0, n]
+            fx, fz = wish[i, 0], wish[i, 1]
+            # in m/s; as a share of the top speed it is 1 at most
+            size = table[row, LEVEL] * max(table[row, STRENGTH], 0.0)
+            size /= max(math.sqrt(fx * fx + fz * fz), wants[i, SPEED], 1e-6)
+            take(sums, i, size * fx, size * fz, table[row, LEVEL], numbers[SWITCHED] > 0.0)
+
+
+@kernel("void(f8[:,::1],u8[::1],i4[::1],f4[:,::1],f4[:,::1],u8[::1],f8[::1],f8[:,::1])")
+def drift(
+    table: Float64,
+    masks: UInt64,
+    active: Int32,
+    position: Float32,
+    velocity: Float32,
+    groups: UInt64,
+    numbers: Float64,
+    sums: Float64,
+) -> None:
+    """Add the wish of those who go on by themselves: wandering, in a flock, or (a little) while they spread."""
+    seed, half_width, half_depth = int(numbers[SEED]), numbers[HALF_WIDTH], numbers[HALF_DEPTH]
+    for i in range(position.shape[0]):
+        if sums[i, HEARD] <= 0.0:
+            continue
+        size, influence = 0.0, 0.0
+        row = newest(table, masks, active, WANDER, groups[i])
+        if row >= 0:
+            size, influence = table[row, LEVEL] * table[row, STRENGTH], table[row, LEVEL]
+        row = newest(table, masks, active, FLOCK, groups[i])
+        if row >= 0:
+            size = max(size, table[row, LEVEL] * table[row, STRENGTH])
+            influence = max(influence, table[row, LEVEL])
+        row = newest(table, masks, active, SPREADER, groups[i])
+        if row >= 0:
+            size = max(size, table[row, LEVEL] * table[row, STRENGTH] * SPREADING_WANDER)
+        if size > 0.0:
+            x, z, vx, vz = position[i, 0], position[i, 1], velocity[i, 0], velocity[i, 1]
+            fx, fz = wander(x, z, vx, vz, half_width, half_depth, seed, i, numbers[TIME])
+            take(sums, i, size * fx, size * fz, influence, numbers[SWITCHED] > 0.0)

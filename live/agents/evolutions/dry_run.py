@@ -1,0 +1,137 @@
+"""Rehearsal: a plan danced beforehand without steering: what is too far, what comes too near, how it links (T088)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.evolutions.clearance import TOLERANCE
+from live.agents.evolutions.evolutions_kernels import nearest_approach
+from live.agents.evolutions.intention import Repertoire
+from live.agents.evolutions.running_plan import Plan
+from live.agents.evolutions.segment import Segment
+from live.agents.evolutions.timeline import Link, Span, linked
+from live.agents.evolutions.trajectory import Float32, Float64
+from live.agents.groups.roster import Roster
+
+PER_MEASURE = 32
+"""Times in a measure at which places are looked at."""
+
+
+@dataclass(frozen=True, slots=True)
+class TooFar:
+    """A dancer (index) who would have to travel farther in a measure (index) than she can."""
+
+    dancer: int
+    measure: int
+    way: float
+    """Metres."""
+    reach: float
+    """Metres."""
+
+
+@dataclass(frozen=True, slots=True)
+class TooNear:
+    """Two dancers (indices), of one group or of two, who would meet in a measure (index) if steering did nothing."""
+
+    first: int
+    second: int
+    measure: int
+    distance: float
+    """Metres between their centres."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rehearsal:
+    """What came out for A dancers and M measures."""
+
+    places: Float32
+    """Places at the measure lines [m], shape (M + 1, A, 2)."""
+    headings: Float32
+    """Headings at the measure lines [rad], shape (M + 1, A)."""
+    under: npt.NDArray[np.bool_]
+    """Whether a segment says where she is at the end of each measure, shape (M, A)."""
+    too_near: tuple[TooNear, ...]
+    """Pairs under segments who would meet; steering has to see to them."""
+    links: tuple[Link, ...]
+    """The linked timeline (T089)."""
+
+    @property
+    def ways(self) -> Float64:
+        """Distance between the places at both ends of each measure [m], shape (M, A)."""
+        steps = np.diff(self.places.astype(np.float64), axis=0)
+        return np.asarray(np.hypot(steps[..., 0], steps[..., 1]))
+
+    def too_far(self, reach: npt.ArrayLike) -> tuple[TooFar, ...]:
+        """Who cannot be on time: `reach` [m] is what a dancer's steps travel in one measure, (A,) or one for all."""
+        most = np.broadcast_to(np.asarray(reach, np.float64), self.under.shape)
+        ways = np.where(self.under, self.ways, 0.0)
+        return tuple(
+            TooFar(int(dancer), int(measure), float(ways[measure, dancer]), float(most[measure, dancer]))
+            for measure, dancer in np.argwhere(ways > most + 1e-9)
+        )
+
+
+def rehearse(
+    roster: Roster,
+    repertoire: Repertoire,
+    segments: Sequence[Segment],
+    positions: npt.ArrayLike,
+    *,
+    measures: int,
+    headings: npt.ArrayLike = 0.0,
+    measure_beats: float = 4.0,
+    half: tuple[float, float] = (6.0, 4.0),
+    radius: npt.ArrayLike = 0.25,
+    seed: int = 0,
+) -> Rehearsal:
+    """Go through `measures` measures from `positions` (A, 2) [m]; dancers whom elements move are taken to stay."""
+    plan = Plan(roster, repertoire, segments, measure_beats=measure_beats, half=half, radius=radius, seed=seed)
+    place = np.array(positions, np.float32)
+    facing = np.array(np.broadcast_to(np.asarray(headings, np.float32), (roster.count,)))
+    places, faced, held = [place.copy()], [facing.copy()], []
+    near: list[TooNear] = []
+    spans: dict[int, Span] = {}
+    bodies = np.broadcast_to(np.asarray(radius, np.float64), (roster.count,))
+    for measure in range(measures):
+        for motion in plan.begin_measure(measure, place, facing):
+            dancers = np.zeros(roster.count, np.bool_)
+            dancers[motion.who] = True
+            spans[plan.segments.index(motion.segment)] = Span(motion.begin, motion.departure.end, dancers)
+        plan.finish()
+        near += _too_near(plan, measure, measure_beats, place, bodies)
+        there = plan.target((measure + 1) * measure_beats)
+        under = there.under == 1
+        place, facing = np.where(under[:, None], there.position, place), np.where(under, there.heading, facing)
+        places.append(place.copy())
+        faced.append(facing.copy())
+        held.append(under)
+    links = _links(spans, roster.count, measures * measure_beats)
+    return Rehearsal(np.array(places), np.array(faced), np.array(held), tuple(near), links)
+
+
+def _links(spans: dict[int, Span], dancers: int, length: float) -> tuple[Link, ...]:
+    """The linked timeline, whose sources are indices of the plan's segments."""
+    order = sorted(spans)
+    links = linked([spans[index] for index in order], dancers, length)
+    return tuple(
+        Link(link.begin, link.end, link.dancers, order[link.source] if link.source >= 0 else link.source,
+             link.before, link.after)
+        for link in links
+    )  # fmt: skip
+
+
+def _too_near(plan: Plan, measure: int, measure_beats: float, place: Float32, bodies: Float64) -> list[TooNear]:
+    count = len(place)
+    sample = np.empty((PER_MEASURE + 1, count, 2), np.float32)
+    under = np.zeros(count, np.bool_)
+    for row in range(PER_MEASURE + 1):
+        there = plan.at((measure + row / PER_MEASURE) * measure_beats)
+        under = there.under == 1
+        sample[row] = np.where(under[:, None], there.position, place)
+    distance, when = np.empty((count, count), np.float32), np.empty((count, count), np.float32)
+    nearest_approach(sample, 0, count, distance, when)
+    least = bodies[:, None] + bodies[None, :] - TOLERANCE
+    meet = (distance < least) & under[:, None] & under[None, :]
+    return [TooNear(int(i), int(j), measure, float(distance[i, j])) for i, j in np.argwhere(np.triu(meet, 1))]

@@ -1,0 +1,342 @@
+"""The running plan: segments of all groups, worked out as they come up, followed beat by beat (T085-T089, T096).
+
+Beats of a plan are danced beats: (measure + fraction of it) times the beats of a measure, counted from measure 0. So
+dancers arrive on the danced measure line wherever "this is the one" has moved it.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.agent_command import Wants
+from live.agents.evolutions.evolutions_kernels import track
+from live.agents.evolutions.intention import Repertoire
+from live.agents.evolutions.planned_segment import Motion
+from live.agents.evolutions.segment import Segment
+from live.agents.evolutions.segment_start import Departure
+from live.agents.evolutions.trajectory import Float32, Setting
+from live.agents.groups.roster import Mask, Roster
+from live.agents.groups.selection import selection
+
+
+class Standing(Protocol):
+    """A state of agents: where they are."""
+
+    position: Float32
+    """Places [m], shape (A, 2)."""
+
+
+WITHIN = 0.3
+"""Seconds within which a dancer who was pushed aside makes up for it."""
+AT_ONCE = 100
+"""Segments that begin now are worked out at once for so many dancers; for more, in pieces over the next ticks."""
+
+
+@dataclass(slots=True, eq=False)
+class _Entry:
+    """A segment of the plan and who has been taken out of it."""
+
+    segment: Segment
+    without: Mask
+
+
+class Plan:
+    """What a show's dancers have been told to do; see the module for what its beats are."""
+
+    def __init__(
+        self,
+        roster: Roster,
+        repertoire: Repertoire,
+        segments: Iterable[Segment] = (),
+        *,
+        measure_beats: float = 4.0,
+        half: tuple[float, float] = (6.0, 4.0),
+        radius: npt.ArrayLike = 0.25,
+        seed: int = 0,
+    ) -> None:
+        """`half` is half the width and depth of the stage [m], `radius` (A,) or one for all the body radii [m]."""
+        self.roster = roster
+        self.available: Mask = np.ones(roster.count, np.bool_)
+        """Who takes part in segments that begin, shape (A,): not those who wait in the wings or are leaving."""
+        self.measure_beats = measure_beats
+        self._repertoire = repertoire
+        self._half = half
+        self._radius = np.broadcast_to(np.asarray(radius, np.float64), (roster.count,))
+        self._seed = seed
+        self._entries: list[_Entry] = []
+        self._motions: list[Motion] = []
+        self._coming: dict[int, list[Motion]] = {}
+        self._at_work: list[Motion] = []
+        self._now = Setting(roster.count)
+        self._target = Setting(roster.count)
+        self._boundary = Setting(roster.count)
+        for segment in segments:
+            self.add(segment)
+
+    # what is planned
+
+    @property
+    def segments(self) -> tuple[Segment, ...]:
+        """All segments that are not forgotten, in the order in which they were added."""
+        return tuple(entry.segment for entry in self._entries)
+
+    @property
+    def repertoire(self) -> Repertoire:
+        """Formations, ways and intentions; what is put here reaches every segment that has not begun (T087)."""
+        return self._repertoire
+
+    @repertoire.setter
+    def repertoire(self, repertoire: Repertoire) -> None:
+        self._repertoire = repertoire
+        self._coming.clear()
+
+    def add(self, segment: Segment, *, instead: bool = False) -> None:
+        """Plan one more segment for its measure; it replaces what its dancers have then. PersonError: unknown names.
+
+        `instead`: one that the same words planned for the same measure is forgotten.
+        """
+        if instead:
+            self._entries = [
+                e for e in self._entries if (e.segment.start, e.segment.group) != (segment.start, segment.group)
+            ]
+        self._repertoire.intention(segment.intention)
+        selection(segment.group, self.roster, np.zeros((self.roster.count, 2)), self._half)
+        self._entries.append(_Entry(segment, np.zeros(self.roster.count, np.bool_)))
+        self._coming.pop(segment.start, None)
+
+    def withdraw(self, segments: Iterable[Segment]) -> None:
+        """Forget these very segments, which have not begun."""
+        gone = {id(segment) for segment in segments}
+        for entry in self._entries:
+            if id(entry.segment) in gone:
+                self._coming.pop(entry.segment.start, None)
+        self._entries = [entry for entry in self._entries if id(entry.segment) not in gone]
+
+    def resize(self, half: tuple[float, float]) -> None:
+        """Half the stage's width and depth [m] are these for whatever begins from now on."""
+        self._half = half
+        self._coming.clear()
+
+    def forget(self, measure: int) -> None:
+        """Forget the segments of measures before `measure`: a show that lasts hours adds them again and again."""
+        self._entries = [entry for entry in self._entries if entry.segment.start >= measure]
+
+    def clear(self, dancers: Mask) -> None:
+        """These dancers (A,) have no segments any more, now and later; until told otherwise elements move them."""
+        self.release(dancers)
+        for entry in self._entries:
+            entry.without |= dancers
+        self._coming.clear()
+
+    def release(self, dancers: Mask) -> None:
+        """What these dancers (A,) have now is over: elements move them; segments that have not begun stay planned."""
+        for motion in (*self._motions, *self._at_work):
+            motion.keep[dancers[motion.who]] = 0
+
+    # running
+
+    @property
+    def running(self) -> bool:
+        """Whether a segment has begun, or is at work late, that may hold somebody."""
+        return bool(self._motions or self._at_work)
+
+    def prepare(
+        self, measure: int, positions: npt.ArrayLike, headings: npt.ArrayLike, *, if_known: bool = False
+    ) -> None:
+        """Begin to work out, ahead of time, what begins with `measure`; `target` knows of it as soon as it can.
+
+        `positions` (A, 2) [m] and `headings` (A,) [rad] are those foreseen for its line, for dancers whom no segment
+        holds then; `if_known`: only if segments hold everybody who takes part. Measures that nothing begins with cost
+        nothing.
+        """
+        if measure not in self._coming:
+            if if_known and not self._all_known(measure, positions):
+                return
+            entries = [entry for entry in self._entries if entry.segment.start == measure]
+            self._coming[measure] = self._begun(entries, None, np.asarray(positions), np.asarray(headings))
+
+    def work(self) -> None:
+        """Do one piece (about a millisecond at most) of what is to be worked out, if there is anything."""
+        if self._at_work:
+            motion = self._at_work[0]
+            if motion in self._motions:
+                motion.work_some(late=True)
+            else:
+                motion.work_some()
+                if motion.usable:
+                    self._motions.append(motion)
+            if motion.done:
+                self._at_work.remove(motion)
+            return
+        waiting = (motion for coming in self._coming.values() for motion in coming)
+        motion_ahead = next((motion for motion in waiting if not motion.done), None)
+        if motion_ahead is not None:
+            motion_ahead.work_some()
+
+    def finish(self) -> None:
+        """Do all that is left to be worked out of what has begun, however long it takes: not while a show runs."""
+        for motion in self._at_work:
+            motion.finish()
+            if motion not in self._motions:
+                self._motions.append(motion)
+        self._at_work.clear()
+
+    def drop_begun(self) -> None:
+        """Forget what is half worked out: its dancers are free, and what has not begun is prepared anew."""
+        self._motions = [motion for motion in self._motions if motion not in self._at_work]
+        self._at_work.clear()
+        self._coming.clear()
+
+    @property
+    def idle(self) -> bool:
+        """Whether nothing is left to be worked out."""
+        return not self._at_work and all(motion.done for coming in self._coming.values() for motion in coming)
+
+    def begin_measure(self, measure: int, positions: npt.ArrayLike, headings: npt.ArrayLike) -> list[Motion]:
+        """`measure` begins: so do its segments, from where the dancers are now; returns them.
+
+        `positions` (A, 2) [m] and `headings` (A,) [rad] are the actual ones. What `prepare` has left is done at once.
+        """
+        where = np.asarray(positions, np.float64)
+        self.prepare(measure, where, headings)
+        coming = self._coming.pop(measure)
+        if not (coming or self._coming or self._motions):
+            return coming
+        line = measure * self.measure_beats
+        for motion in coming:
+            motion.make_usable()
+            if motion.begin <= line:
+                motion.start_from(where[motion.who])
+            if not motion.done:
+                self._at_work.append(motion)
+        self._coming = {number: motions for number, motions in self._coming.items() if number > measure}
+        self._motions.extend(coming)
+        self._forget(line)
+        return coming
+
+    def start_now(
+        self, segment: Segment, beat: float, positions: npt.ArrayLike, headings: npt.ArrayLike
+    ) -> list[Motion]:
+        """Begin `segment` at `beat`, whatever its measure says; it ends on a measure line, with its `measures`.
+
+        The measure that is under way counts as one if half of it is left. A large group's segment begins some ticks
+        later, when `work` has done it.
+        """
+        self._repertoire.intention(segment.intention)
+        entry = _Entry(segment, np.zeros(self.roster.count, np.bool_))
+        motions = self._begun([entry], beat + segment.later, np.asarray(positions), np.asarray(headings))
+        for motion in motions:
+            if len(motion.who) <= AT_ONCE:
+                motion.make_usable()
+            if motion.usable:
+                self._motions.append(motion)
+            if not motion.done:
+                self._at_work.append(motion)
+        self._coming.clear()
+        self._forget(beat)
+        return motions
+
+    def write(self, wants: Wants, state: Standing, beat: float, beats_per_second: float) -> None:
+        """Ask the dancers under a segment to be where it says at `beat`: desired velocity, firmly."""
+        setting = self.at(beat)
+        track(state.position, setting.position, setting.velocity, setting.under, beats_per_second, WITHIN, wants.rows)
+
+    def at(self, beat: float) -> Setting:
+        """Where segments say that dancers are at `beat`; an array of the plan, filled anew by the next call."""
+        return self._fill(beat, self._now, False)
+
+    def target(self, beat: float) -> Setting:
+        """The same for a future beat, with what has been prepared: exact places and headings where `under` is 1.
+
+        Another array than that of `at`, filled anew by the next call of `target`.
+        """
+        return self._fill(beat, self._target, True)
+
+    @property
+    def motions(self) -> tuple[Motion, ...]:
+        """The segments that have begun and still hold somebody, in the order in which they count."""
+        return tuple(self._motions)
+
+    # how it is done
+
+    def _fill(self, beat: float, out: Setting, ahead: bool) -> Setting:
+        out.under[:] = 0
+        for motion in self._motions:
+            if motion.begin <= beat:
+                motion.write(beat, out)
+        if ahead:
+            for measure in sorted(self._coming):
+                for motion in self._coming[measure]:
+                    if motion.usable and motion.begin <= beat:
+                        motion.write(beat, out)
+        return out
+
+    def _begun(
+        self, entries: list[_Entry], now: float | None, positions: npt.NDArray[np.floating], headings: Float32
+    ) -> list[Motion]:
+        motions = []
+        for entry in entries:
+            segment = entry.segment
+            begin = segment.begin_beat(self.measure_beats) if now is None else now
+            end = segment.end_beat(self.measure_beats) if now is None else self._end_of(segment, now)
+            where, facing = self._setting_left(begin, positions, headings)
+            dancers = selection(segment.group, self.roster, where, self._half) & self.available & ~entry.without
+            who = np.flatnonzero(dancers).astype(np.int32)
+            if not len(who):
+                continue
+            departure = Departure(
+                who,
+                where[who],
+                facing[who],
+                tuple(self.roster.attributes[dancer] for dancer in who),
+                begin,
+                end,
+                self.measure_beats,
+                self._radius[who],
+                self._half,
+                self._seed,
+            )
+            intention = self._repertoire.intention(segment.intention)
+            motions.append(Motion(segment, intention, self._repertoire, departure))
+        motions.sort(key=lambda motion: motion.begin)
+        return motions
+
+    def _all_known(self, measure: int, positions: npt.ArrayLike) -> bool:
+        """Whether segments say where everybody will be who takes part in those of `measure`."""
+        under = self._fill(measure * self.measure_beats, self._boundary, True).under == 1
+        for entry in self._entries:
+            if entry.segment.start == measure:
+                where = np.asarray(positions, np.float64)
+                who = selection(entry.segment.group, self.roster, where, self._half) & self.available & ~entry.without
+                if (who & ~under).any():
+                    return False
+        return True
+
+    def _end_of(self, segment: Segment, begin: float) -> float:
+        line = np.floor(begin / self.measure_beats + 0.5) * self.measure_beats
+        return float(line + segment.measures * self.measure_beats)
+
+    def _setting_left(
+        self, beat: float, positions: npt.NDArray[np.floating], headings: npt.NDArray[np.floating]
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """The setting that other segments leave at `beat`; given places where none holds the dancer."""
+        left = self._fill(beat, self._boundary, True)
+        under = left.under == 1
+        where = np.where(under[:, None], left.position, np.asarray(positions, np.float64))
+        return where, np.where(under, left.heading, np.asarray(headings, np.float64))
+
+    def _forget(self, beat: float) -> None:
+        """Drop motions of which others hold every dancer from now on."""
+        held = np.zeros(self.roster.count, np.bool_)
+        kept: list[Motion] = []
+        order = sorted(range(len(self._motions)), key=lambda index: (self._motions[index].begin, index))
+        for index in reversed(order):
+            motion = self._motions[index]
+            if motion.begin > beat or (motion.keep.astype(np.bool_) & ~held[motion.who]).any():
+                kept.append(motion)
+            if motion.begin <= beat:
+                held[motion.who[motion.keep == 1]] = True
+        self._motions = kept[::-1]

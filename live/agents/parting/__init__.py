@@ -1,1 +1,0 @@
-"""Parting: places that lie too near to each other are moved apart."""

@@ -1,0 +1,76 @@
+"""LookAhead: where the agents will be, by the same steering on a copy, in coarse steps spread over several ticks."""
+
+from collections.abc import Callable, Sequence
+from typing import Final, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.agent_command import Wants
+from live.agents.crowd.agent_state import AgentState
+from live.agents.crowd.obstacles import Surroundings
+
+Float32 = npt.NDArray[np.float32]
+
+Ask = Callable[[Wants, AgentState, float], None]
+"""Fills the wants of agents in a state at a time [s]; changes nothing else."""
+
+
+class Steer(Protocol):
+    """Advances agents by a step, as `crowd.advance.Advance` does, or as pairs do."""
+
+    def __call__(
+        self, current: AgentState, out: AgentState, *, wants: Wants, surroundings: Surroundings, time: float, dt: float
+    ) -> None:
+        """Read `current`, write `out`, `dt` [s] later."""
+
+
+class LookAhead:
+    """A beat before a measure ends its dancers choose their next step by where their agents will stand when the *next*
+    measure ends. Running all of it in one tick would make that frame late; so `work` does a few steps at a time.
+    """
+
+    STEP: Final = 1.0 / 16.0
+    """Seconds of one coarse step."""
+
+    def __init__(self, agent_count: int, advance: Steer, surroundings: Surroundings, ask: Ask) -> None:
+        self._advance, self._surroundings, self._ask = advance, surroundings, ask
+        self._wants = Wants(agent_count)
+        self._state = AgentState(agent_count)
+        self._spare = AgentState(agent_count)
+        self._stops: list[float] = []
+        self._time = 0.0
+        self.positions: list[Float32] = []
+        """Predicted positions [m] at each moment that was asked for, as far as the copy has come, shape (A, 2) each."""
+
+    def begin(self, state: AgentState, *, time: float, seconds: Sequence[float]) -> None:
+        """Start from `state` at `time` [s]; look so many `seconds` ahead, in rising order, none below 0."""
+        self._state.copy_from(state)
+        self._stops = [time + ahead for ahead in seconds]
+        self._time = time
+        self.positions = []
+
+    @property
+    def done(self) -> bool:
+        """Whether the copy has reached its end."""
+        return len(self.positions) == len(self._stops)
+
+    def work(self, steps: int) -> None:
+        """Do at most `steps` coarse steps. The copies are on no leash: their dancers are taken to keep up."""
+        for _ in range(steps):
+            while not self.done and self._stops[len(self.positions)] - self._time <= 1e-9:
+                self.positions.append(self._state.position.copy())
+            if self.done:
+                return
+            dt = min(self.STEP, self._stops[len(self.positions)] - self._time)
+            self._ask(self._wants, self._state, self._time)
+            self._advance(
+                self._state,
+                self._spare,
+                wants=self._wants,
+                surroundings=self._surroundings,
+                time=self._time,
+                dt=dt,
+            )
+            self._state, self._spare = self._spare, self._state
+            self._time += dt

@@ -1,1 +1,0 @@
-"""Crossing over a line (T110)."""

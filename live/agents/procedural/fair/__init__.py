@@ -1,1 +1,0 @@
-"""Fair attraction: the many voices of an audience (T106)."""

@@ -1,1 +1,0 @@
-"""Dancers who follow, pursue or evade another (T082)."""

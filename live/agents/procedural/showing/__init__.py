@@ -1,1 +1,0 @@
-"""The elements in force as the picture shows them."""

@@ -1,1 +1,0 @@
-"""Attractors and repulsors of any shape (T105, T106)."""

@@ -1,1 +1,0 @@
-"""Spreading out on the stage (T109)."""

@@ -1,1 +1,0 @@
-"""The elements in force as rows of numbers."""

@@ -1,0 +1,374 @@
+"""Kernels of parting paths: pairs who would touch on their ways through a measure, and who touch now."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.separation.separation_kernels import NEIGHBOUR_RANGE, cell_count, sort_into_cells
+from live.agents.steering_kernels import hash_unit
+from live.base.jit import kernel
+from live.base.scalar_kernels import ease
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int8 = npt.NDArray[np.int8]
+Int32 = npt.NDArray[np.int32]
+
+LEAST_SHARE = 0.08
+"""A correction of which less than this has come in by then changes nothing."""
+FARTHEST = 1.6
+"""Nobody comes nearer to another by more than this [m] soon."""
+AT_ONCE = 0.7
+"""Share of what two lack that one round makes good: several pairs want something of the same dancer."""
+
+
+@kernel("void(f4[::1], f4[::1], i1[::1], i8)")
+def leave_out(yields: Float32, responsibility: Float32, state: Int8, there: int) -> None:
+    """Write `yields` (A,): the `responsibility` (A,) of those whose `state` (A,) is `there`, -1 for all others."""
+    for n in range(yields.shape[0]):
+        yields[n] = responsibility[n] if state[n] == there else np.float32(-1.0)
+
+
+@kernel("f8(f4, f8)")
+def weight_of(share: float, begun: float) -> float:
+    """How much a change of the correction, made when the share `begun` was in, moves who has `share` of it in."""
+    return max(share - begun, 0.0) / max(1.0 - begun, 1e-9)
+
+
+@kernel("void(f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], f8, f4[:,::1])")
+def walk_paths(path: Float32, share: Float32, goal: Float64, aimed: Float64, place: float, out: Float32) -> None:
+    """Where A dancers are at `place` of their paths' M moments (a fraction of an index), `out` (A, 2) [m].
+
+    `path` (A, M, 2) without the corrections, of which `share` (A, M) is in; `goal` (A, 2) is what they lead to, and
+    `aimed` (A, 3) as in `Danced`.
+    """
+    last = path.shape[1] - 1
+    k = min(max(math.floor(place), 0), last - 1)
+    t = min(max(place - k, 0.0), 1.0)
+    for n in range(path.shape[0]):
+        w = weight_of((1.0 - t) * share[n, k] + t * share[n, k + 1], aimed[n, 2])
+        for c in range(2):
+            base = (1.0 - t) * path[n, k, c] + t * path[n, k + 1, c]
+            out[n, c] = base + aimed[n, c] + w * (goal[n, c] - aimed[n, c])
+
+
+@kernel("UniTuple(f8,2)(f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], i8, f8)")
+def place_on(path: Float32, share: Float32, goal: Float64, aimed: Float64, n: int, place: float) -> tuple[float, float]:
+    """Where dancer `n` is [m] at `place` of her path, arrays as in `walk_paths`; before it she comes straight."""
+    k = min(max(math.floor(place), 0), path.shape[1] - 2)
+    t = min(place - k, 1.0)
+    w = weight_of((1.0 - t) * share[n, k] + t * share[n, k + 1], aimed[n, 2])
+    x = (1.0 - t) * path[n, k, 0] + t * path[n, k + 1, 0] + aimed[n, 0] + w * (goal[n, 0] - aimed[n, 0])
+    z = (1.0 - t) * path[n, k, 1] + t * path[n, k + 1, 1] + aimed[n, 1] + w * (goal[n, 1] - aimed[n, 1])
+    return x, z
+
+
+@kernel(
+    "void(f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], b1, f8,"
+    " f8[::1], f4[:,::1], f4[:,:,::1])"
+)
+def walk_on(
+    path: Float32, share: Float32, goal: Float64, aimed: Float64,
+    later_path: Float32, later_share: Float32, later_goal: Float64, later_aimed: Float64, goes_on: bool, window: float,
+    fractions: Float64, now: Float32, out: Float32,
+) -> None:  # fmt: skip
+    """Where A dancers who are `now` (A, 2) [m] get, `out` (K, A, 2) [m], by what their paths lead them.
+
+    The paths, arrays as in `walk_paths`, are those of this measure and, if it is known how the dance `goes_on`, of the
+    later one, into which the last `window` of this one is blended. `fractions` (K + 1,) of this measure have passed now
+    and then; above 1 she is in the later one, or still at the end of this one.
+    """
+    last = path.shape[1] - 1
+    for m in range(fractions.shape[0]):
+        f = fractions[m]
+        into = ease((f - (1.0 - window)) / window) if goes_on else 0.0
+        for n in range(path.shape[0]):
+            x, z = place_on(path, share, goal, aimed, n, f * last)
+            if into > 0.0:
+                to_x, to_z = place_on(later_path, later_share, later_goal, later_aimed, n, (f - 1.0) * last)
+                x, z = x + into * (to_x - x), z + into * (to_z - z)
+            # until it is filled itself, the last row holds where the paths have her now
+            if m == 0:
+                out[fractions.shape[0] - 2, n, 0], out[fractions.shape[0] - 2, n, 1] = x, z
+                continue
+            was_x, was_z = out[fractions.shape[0] - 2, n, 0], out[fractions.shape[0] - 2, n, 1]
+            out[m - 1, n, 0], out[m - 1, n, 1] = now[n, 0] + x - was_x, now[n, 1] + z - was_z
+
+
+@kernel("void(f4[:,:,::1], i8, f4[:,::1], f4[::1])")
+def span_paths(path: Float32, first: int, middle: Float32, extent: Float32) -> None:
+    """Middle (A, 2) and half size (A,) [m] of the box around the paths (A, M, 2) from moment `first` on."""
+    for n in range(path.shape[0]):
+        low_x = high_x = path[n, first, 0]
+        low_z = high_z = path[n, first, 1]
+        for m in range(first + 1, path.shape[1]):
+            low_x, high_x = min(low_x, path[n, m, 0]), max(high_x, path[n, m, 0])
+            low_z, high_z = min(low_z, path[n, m, 1]), max(high_z, path[n, m, 1])
+        middle[n, 0], middle[n, 1] = 0.5 * (low_x + high_x), 0.5 * (low_z + high_z)
+        extent[n] = 0.5 * max(high_x - low_x, high_z - low_z)
+
+
+@kernel(
+    "UniTuple(f8,5)(f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], i8, i8, i8, f8, f8, i8)",
+)
+def nearest_of(
+    path: Float32,
+    share: Float32,
+    goal: Float64,
+    aimed: Float64,
+    i: int,
+    j: int,
+    first: int,
+    gap: float,
+    gap_at_end: float,
+    seed: int,
+) -> tuple[float, float, float, float, float]:
+    """Where two dancers lack most of the `gap` [m] between them: what they lack [m] (below 0: nothing), the direction
+    from i to j there, and how much a change of their corrections moves each of them. At the end the gap is wider."""
+    worst, nx, nz, wi, wj = -1e9, 0.0, 0.0, 0.0, 0.0
+    bx, bz, before_i, before_j = 0.0, 0.0, 0.0, 0.0
+    for m in range(first, path.shape[1]):
+        ui, uj = weight_of(share[i, m], aimed[i, 2]), weight_of(share[j, m], aimed[j, 2])
+        x = path[j, m, 0] + aimed[j, 0] + uj * (goal[j, 0] - aimed[j, 0])
+        x -= path[i, m, 0] + aimed[i, 0] + ui * (goal[i, 0] - aimed[i, 0])
+        z = path[j, m, 1] + aimed[j, 1] + uj * (goal[j, 1] - aimed[j, 1])
+        z -= path[i, m, 1] + aimed[i, 1] + ui * (goal[i, 1] - aimed[i, 1])
+        cx, cz, t = x, z, 1.0
+        if m > first:  # the nearest point of the straight way since the moment before
+            dx, dz = x - bx, z - bz
+            size = dx * dx + dz * dz
+            if size > 1e-12:
+                t = min(max(-(bx * dx + bz * dz) / size, 0.0), 1.0)
+            cx, cz = bx + t * dx, bz + t * dz
+        lack = gap - math.sqrt(cx * cx + cz * cz)
+        if m == path.shape[1] - 1:
+            at_end = gap_at_end - math.sqrt(x * x + z * z)
+            if at_end > lack:
+                lack, cx, cz, t = at_end, x, z, 1.0
+        if lack > worst:
+            worst, nx, nz = lack, cx, cz
+            wi, wj = before_i + t * (ui - before_i), before_j + t * (uj - before_j)
+            if m == first:
+                wi, wj = ui, uj
+        bx, bz, before_i, before_j = x, z, ui, uj
+    d = math.sqrt(nx * nx + nz * nz)
+    if d < 1e-4:
+        angle = 2.0 * math.pi * hash_unit(seed, i, j)
+        return worst, math.sin(angle), math.cos(angle), wi, wj
+    return worst, nx / d, nz / d, wi, wj
+
+
+@kernel("void(f8[:,::1], i8, f8, f8, f8)")
+def lead_goal(goal: Float64, n: int, dx: float, dz: float, most: float) -> None:
+    """Change one goal by (dx, dz) [m]; it gets no longer than `most` [m], nor longer than it was if it was longer."""
+    before = math.sqrt(goal[n, 0] * goal[n, 0] + goal[n, 1] * goal[n, 1])
+    goal[n, 0] += dx
+    goal[n, 1] += dz
+    size = math.sqrt(goal[n, 0] * goal[n, 0] + goal[n, 1] * goal[n, 1])
+    scale = min(1.0, max(most, before) / max(size, 1e-9))
+    goal[n, 0] *= scale
+    goal[n, 1] *= scale
+
+
+@kernel(
+    "void(f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], i8, f4[::1], f4[::1], f8[::1], f8, f8, f8, f8, i8,"
+    " f4[:,::1], f4[::1], i4[::1], i4[::1], f4[::1])"
+)
+def part_paths(
+    path: Float32,
+    share: Float32,
+    goal: Float64,
+    aimed: Float64,
+    first: int,
+    radius: Float32,
+    yields: Float32,
+    most: Float64,
+    margin: float,
+    margin_at_end: float,
+    half_width: float,
+    half_depth: float,
+    seed: int,
+    middle: Float32,
+    extent: Float32,
+    cell_start: Int32,
+    order: Int32,
+    lack: Float32,
+) -> None:
+    """One round: change the corrections' `goal` (A, 2) [m] so that paths stay apart from moment `first` on.
+
+    `path`, `share`, `aimed` as in `walk_paths`; `radius` (A,) [m] of the bodies, between which there shall be
+    `margin` [m] and at the end `margin_at_end`; `yields` (A,): 1 who gives way, 0 to whom others do, below 0 who is not
+    there; `most` (A,) [m]: how long a correction may become. `lack` (A,) says how much each dancer lacks at most [m]
+    before this round; `middle`, `extent`, `cell_start` and `order` are room to work in.
+    """
+    columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
+    span_paths(path, first, middle, extent)
+    sort_into_cells(middle, half_width, half_depth, NEIGHBOUR_RANGE, cell_start, order)
+    lack[:] = np.float32(-1.0)
+    for i in range(path.shape[0]):
+        if yields[i] < 0.0:
+            continue
+        column = min(max(math.floor((middle[i, 0] + half_width) / NEIGHBOUR_RANGE), 0), columns - 1)
+        row = min(max(math.floor((middle[i, 1] + half_depth) / NEIGHBOUR_RANGE), 0), rows - 1)
+        for r in range(max(row - 1, 0), min(row + 2, rows)):
+            for c in range(max(column - 1, 0), min(column + 2, columns)):
+                for k in range(cell_start[r * columns + c], cell_start[r * columns + c + 1]):
+                    j = order[k]
+                    if j <= i or yields[j] < 0.0:
+                        continue
+                    bodies = radius[i] + radius[j]
+                    near = extent[i] + extent[j] + bodies + margin_at_end + most[i] + most[j]
+                    if abs(middle[i, 0] - middle[j, 0]) > near or abs(middle[i, 1] - middle[j, 1]) > near:
+                        continue
+                    short, nx, nz, wi, wj = nearest_of(
+                        path, share, goal, aimed, i, j, first, bodies + margin, bodies + margin_at_end, seed
+                    )
+                    lack[i], lack[j] = max(lack[i], short), max(lack[j], short)
+                    if short <= 0.0:
+                        continue
+                    own, other = yields[i], yields[j]
+                    if own + other <= 0.0:
+                        own = other = np.float32(1.0)
+                    wi, wj = (wi if wi > LEAST_SHARE else 0.0), (wj if wj > LEAST_SHARE else 0.0)
+                    force = AT_ONCE * short / max(own * wi * wi + other * wj * wj, 0.05)
+                    lead_goal(goal, i, -force * own * wi * nx, -force * own * wi * nz, most[i])
+                    lead_goal(goal, j, force * other * wj * nx, force * other * wj * nz, most[j])
+
+
+@kernel("b1(f8[:,::1], f8[:,::1], f8, f8)")
+def _follow(moved: Float64, speed: Float64, stiffness: float, dt: float) -> bool:
+    """Make of what is needed, `moved` (A, 2) [m], the move of this tick: critically damped springs from rest.
+
+    Returns whether anybody is moved.
+    """
+    fall, any_moved = math.exp(-stiffness * dt), False
+    for n in range(moved.shape[0]):
+        for c in range(2):
+            need, v = min(max(moved[n, c], -0.4), 0.4), speed[n, c]
+            if need == 0.0 and abs(v) < 1e-4:
+                speed[n, c] = 0.0
+                continue
+            bend = v - stiffness * need
+            moved[n, c] = need + fall * (-need + bend * dt)
+            speed[n, c] = fall * (v - stiffness * bend * dt)
+            any_moved |= moved[n, c] != 0.0
+    return any_moved
+
+
+@kernel("void(f4[:,::1], f8[:,::1], f8[:,::1], i8, i8, f8, f8)")
+def _slow_down(now: Float32, moved: Float64, speed: Float64, i: int, j: int, bodies: float, margin: float) -> None:
+    """Two who are nearer to each other than their `bodies` and the `margin` [m] are `moved`, at `speed` (A, 2) both,
+    the less towards each other the nearer they are: where a third pushes one of them, whom she would touch counts."""
+    nx, nz = now[j, 0] - now[i, 0], now[j, 1] - now[i, 1]
+    size = math.sqrt(nx * nx + nz * nz)
+    if size >= bodies + margin or size < 1e-4:
+        return
+    nx, nz, stop = nx / size, nz / size, 1.0 - max(size - bodies, 0.0) / margin
+    for way in (moved, speed):
+        own, other = way[i, 0] * nx + way[i, 1] * nz, way[j, 0] * nx + way[j, 1] * nz
+        if own <= other:
+            continue  # they part
+        # what each of them adds to it is slowed down
+        close = stop * (own - other) / max(max(own, 0.0) + max(-other, 0.0), 1e-12)
+        off, on = close * max(own, 0.0), close * max(-other, 0.0)
+        way[i, 0] -= off * nx
+        way[i, 1] -= off * nz
+        way[j, 0] += on * nx
+        way[j, 1] += on * nz
+
+
+@kernel("void(f4[:,::1], f4[::1], f4[::1], f8, f8, f8, i4[::1], i4[::1], f8[:,::1], f8[:,::1])")
+def slow_down_near(
+    now: Float32, radius: Float32, yields: Float32, margin: float, half_width: float, half_depth: float,
+    cell_start: Int32, order: Int32, speed: Float64, moved: Float64,
+) -> None:  # fmt: skip
+    """After `push_apart`, whose arrays these are: nobody is `moved` into another because a third pushes her."""
+    columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
+    for i in range(now.shape[0]):
+        if yields[i] < 0.0:
+            continue
+        column = min(max(math.floor((now[i, 0] + half_width) / NEIGHBOUR_RANGE), 0), columns - 1)
+        row = min(max(math.floor((now[i, 1] + half_depth) / NEIGHBOUR_RANGE), 0), rows - 1)
+        for r in range(max(row - 1, 0), min(row + 2, rows)):
+            for c in range(max(column - 1, 0), min(column + 2, columns)):
+                for k in range(cell_start[r * columns + c], cell_start[r * columns + c + 1]):
+                    if order[k] > i and yields[order[k]] >= 0.0:
+                        _slow_down(now, moved, speed, i, order[k], radius[i] + radius[order[k]], margin)
+
+
+@kernel("f8(f4[:,::1], f4[:,:,::1], i8, i8, f8, f8, f8)")
+def lack_of(now: Float32, soon: Float32, i: int, j: int, gap: float, nx: float, nz: float) -> float:
+    """What two who are `now` (A, 2) [m] will lack most of their `gap` [m] on straight ways through `soon` (K, A, 2),
+    in the direction (nx, nz) from i to j; 0: nothing."""
+    worst = 0.0
+    x, z = now[j, 0] - now[i, 0], now[j, 1] - now[i, 1]
+    for k in range(soon.shape[0]):
+        dx, dz = soon[k, j, 0] - soon[k, i, 0] - x, soon[k, j, 1] - soon[k, i, 1] - z
+        t = min(max(-(x * dx + z * dz) / max(dx * dx + dz * dz, 1e-9), 0.0), 1.0)
+        cx, cz = x + t * dx, z + t * dz  # where they are nearest
+        # who would have passed through each other is on the other side then
+        if cx * cx + cz * cz < gap * gap:
+            worst = max(worst, gap - (cx * nx + cz * nz))
+        x, z = x + dx, z + dz
+    return worst
+
+
+@kernel("b1(f4[:,::1], f4[:,:,::1], f4[::1], f4[::1], f8, f8, f8, f8, f8, i8, i4[::1], i4[::1], f8[:,::1], f8[:,::1])")
+def push_apart(
+    now: Float32,
+    soon: Float32,
+    radius: Float32,
+    yields: Float32,
+    margin: float,
+    stiffness: float,
+    dt: float,
+    half_width: float,
+    half_depth: float,
+    seed: int,
+    cell_start: Int32,
+    order: Int32,
+    speed: Float64,
+    moved: Float64,
+) -> bool:
+    """The last resort of one tick `dt` [s]: who touches, or will `soon`, is moved away, whatever her feet do.
+
+    `now` (A, 2) and `soon` (K, A, 2) [m]: where the hips are, and where they will be at some moments soon; `speed`
+    (A, 2) [m/s] of these moves is kept from tick to tick and follows what lacks critically damped, with `stiffness`
+    [1/s]; `moved` (A, 2) [m] is this tick's move; returns whether anybody has one. Else as in `part_paths`.
+    """
+    columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
+    sort_into_cells(now, half_width, half_depth, NEIGHBOUR_RANGE, cell_start, order)
+    moved[:] = 0.0
+    for i in range(now.shape[0]):
+        if yields[i] < 0.0:
+            continue
+        column = min(max(math.floor((now[i, 0] + half_width) / NEIGHBOUR_RANGE), 0), columns - 1)
+        row = min(max(math.floor((now[i, 1] + half_depth) / NEIGHBOUR_RANGE), 0), rows - 1)
+        for r in range(max(row - 1, 0), min(row + 2, rows)):
+            for c in range(max(column - 1, 0), min(column + 2, columns)):
+                for k in range(cell_start[r * columns + c], cell_start[r * columns + c + 1]):
+                    j = order[k]
+                    if j <= i or yields[j] < 0.0:
+                        continue
+                    gap = radius[i] + radius[j] + margin
+                    nx, nz = now[j, 0] - now[i, 0], now[j, 1] - now[i, 1]
+                    size = math.sqrt(nx * nx + nz * nz)
+                    if size > gap + FARTHEST:
+                        continue
+                    if size < 1e-4:
+                        angle = 2.0 * math.pi * hash_unit(seed, i, j)
+                        nx, nz, size = math.sin(angle), math.cos(angle), 1.0
+                    nx, nz = nx / size, nz / size
+                    short = min(lack_of(now, soon, i, j, gap, nx, nz), 0.6)
+                    if short <= 0.0:
+                        continue
+                    own, other = yields[i], yields[j]
+                    if own + other <= 0.0:
+                        own = other = np.float32(1.0)
+                    part = short / (own + other)
+                    moved[i, 0] -= part * own * nx
+                    moved[i, 1] -= part * own * nz
+                    moved[j, 0] += part * other * nx
+                    moved[j, 1] += part * other * nz
+    return _follow(moved, speed, stiffness, dt)

@@ -1,1 +1,0 @@
-"""Wings: where dancers enter the stage and leave it while the show runs."""

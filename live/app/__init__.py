@@ -1,0 +1,1 @@
+"""Composition root: session, loops (was in cli)."""

@@ -1,0 +1,40 @@
+"""How a process of `live` ends: its exit codes, signals that end it in order, and a person's error on the terminal."""
+
+import signal
+from typing import Final
+
+from rich.console import Console
+from rich.text import Text
+
+from live.base.errors import PersonError
+
+EXIT_PERSON_ERROR: Final = 2
+EXIT_INTERRUPTED: Final = 130
+
+
+def show_person_error(error: PersonError) -> None:
+    """Print the error on stderr: one line, and one more for the remedy; nothing in it is read as markup."""
+    console = Console(stderr=True, soft_wrap=True, highlight=False)
+    console.print(Text.assemble(("error: ", "bold red"), " ".join(error.message.split())))
+    if error.remedy is not None:
+        console.print(Text.assemble(("  try: ", "bold"), error.remedy))
+
+
+def end_cleanly() -> None:
+    """Closed terminals, `kill` and a second Ctrl-C must not cost the film and the end of the journal.
+
+    Scripts start what runs behind `&` with Ctrl-C ignored; here it always counts.
+    """
+
+    def interrupt(_number: int, _frame: object) -> None:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # closing takes a moment: let it
+        raise KeyboardInterrupt
+
+    def leave(number: int, _frame: object) -> None:
+        signal.signal(number, signal.SIG_IGN)
+        raise SystemExit(128 + number)
+
+    signal.signal(signal.SIGINT, interrupt)
+    for name in ("SIGTERM", "SIGHUP"):
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), leave)

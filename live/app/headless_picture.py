@@ -1,0 +1,49 @@
+"""The picture of a show without a window: drawn where nobody sees it, for films and other programs."""
+
+from typing import TYPE_CHECKING
+
+import moderngl
+
+from live.app.wish import Wish
+from live.base.errors import PersonError
+from live.base.stage_snapshot import Scene, StageView
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+
+class HeadlessPicture:
+    """A context of OpenGL without a screen, and everything that draws in it. Thread: one."""
+
+    def __init__(self, wish: Wish, scene: Scene) -> None:
+        """PersonError where nothing can be drawn."""
+        from live.render.headless import NoOpenGL, create_headless_context
+        from live.render.outputs.flash_meter import FlashGuard
+        from live.render.outputs.pictures import Pictures
+        from live.render.outputs.shown import Shown
+        from live.render.renderer import Renderer
+
+        try:
+            self.ctx = create_headless_context()
+        except NoOpenGL as error:
+            raise PersonError(str(error)) from None
+        self._pictures, self.flashes = Pictures(self.ctx, wish.size), FlashGuard(self.ctx)
+        self._shown = Shown(self.ctx, wish.size)
+        self.renderer = Renderer(self.ctx, scene, size=wish.size, steps=wish.quality is not None)
+
+    def draw(self, view: StageView, now: "Callable[[], float]") -> moderngl.Framebuffer:
+        """Draw a picture, and return it as it is shown, flashes held. `now`: the show's time [s] once it is drawn."""
+        self.renderer.draw(view, self._pictures.next)
+        self._pictures.take()
+        if view.flashes:
+            self.flashes.rest()
+        left = 1.0 if view.flashes else self.flashes.left(self._pictures.texture, now())
+        return self._shown.of(self._pictures, left)
+
+    def close(self) -> None:
+        """Give everything back."""
+        from live.render.headless import release_headless_context
+
+        for thing in (self.renderer, self._shown, self.flashes, self._pictures):
+            thing.release()
+        release_headless_context(self.ctx)

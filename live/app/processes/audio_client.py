@@ -1,0 +1,154 @@
+"""RemoteAudio: sound that is listened to, or music that plays, in a process of its own; the engine's side.
+
+Messages are whole packets in a socket that the supervisor holds, too: when an engine ends, what is heard meanwhile
+waits in it for the next one, and the music plays on.
+"""
+
+import contextlib
+import json
+import os
+import select
+import socket
+import time
+from collections import deque
+from dataclasses import asdict
+from typing import Any, Final
+
+from live.app.processes.resume_state import Resumed
+from live.base.errors import PersonError
+from live.base.inbox import Inbox
+from live.clock.follower.seed import Seed
+from live.clock.time_source import SystemClock
+from live.control.events.event_json import event_from_json, event_to_json
+from live.control.events.events import ChooseAudio, ControlEvent, RestartAudio, SetLatency, SourceChanged
+from live.show.core import Show
+from live.show.venue.venue_latency import Latencies
+
+START_WITHIN: Final = 30.0
+"""Seconds that the process may take until it plays or listens: it loads the tracker first."""
+LARGEST: Final = 1 << 16
+SILENT_AFTER: Final = 1.0
+"""Seconds without a word from the process after which its source counts as lost: it tells its figures five times a
+second."""
+
+
+class RemoteAudio:
+    """An audio source like those in this process. Thread: the show's; `frame` is to be called before each frame."""
+
+    def __init__(
+        self, descriptor: int, plan: dict[str, Any], show: Show, latencies: Latencies, inbox: Inbox[ControlEvent],
+        clock: SystemClock, *, resumed: Resumed | None,
+    ) -> None:  # fmt: skip
+        """`plan`: what is played or listened to; `resumed`: the show that is gone on with, if another engine began."""
+        self._socket = socket.socket(fileno=os.dup(descriptor))
+        self._socket.setblocking(False)
+        self._plan, self._show, self._latencies, self._inbox, self._clock = plan, show, latencies, inbox, clock
+        self._running = resumed is not None and not resumed.elsewhere
+        self._waits = resumed is None
+        self.begun = None if resumed is None else resumed.begun
+        """When the sound began [s of the show]."""
+        self._facts: dict[str, Any] = {"state": "starting", "problem": ""}
+        self._seeds: deque[dict[str, Any]] = deque(maxlen=64)
+        self._heard_at = clock.now()
+        self._lost = False
+        self.level: float | None = None
+        """RMS of what an input device hears; None where music plays."""
+        if self._running:
+            show.follower.on_seed = self._tell_seed
+        else:
+            show.seed_tracker(self._tell_seed)
+
+    def start(self) -> None:
+        """Begin to listen or to play; PersonError if that is refused."""
+        if self._running:
+            return
+        self._order()
+        if not self._waits:
+            return  # the show goes on; the sound comes when it comes
+        deadline = time.monotonic() + START_WITHIN
+        while not self._began():
+            if time.monotonic() > deadline:
+                raise PersonError(
+                    f"the sound did not begin within {START_WITHIN:g} s", "--alone listens in one process"
+                )
+            select.select([self._socket], [], [], 0.1)
+            for told in self._packets():
+                if "refused" in told:
+                    raise PersonError(f"the sound: {told['refused']}", "see `live devices`")
+                self._take(told)
+
+    def _began(self) -> bool:
+        return self._running
+
+    def stop(self) -> None:
+        """Leave it to the supervisor, who ends it with the show."""
+        self._socket.close()
+
+    def frame(self) -> None:
+        """Take up what was heard since the last frame."""
+        for told in self._packets():
+            self._take(told)
+        now = self._clock.now()
+        if now - self._heard_at > SILENT_AFTER and not self._lost:
+            self._lost = True
+            self._facts = {**self._facts, "state": "lost", "problem": "the process that listens has gone"}
+            self._inbox.put(SourceChanged(time=now, source="audio", state="lost", detail="its process has gone"))
+
+    def facts(self) -> dict[str, Any]:
+        """What the operator is told of it."""
+        return self._facts
+
+    def act(self, event: ControlEvent) -> None:
+        """Pass on the events that ask something of the sound."""
+        if isinstance(event, SetLatency):
+            self._send(latency=[self._latencies.input, self._latencies.output])
+        if isinstance(event, RestartAudio | ChooseAudio):
+            self._send(event=event_to_json(event))
+        if isinstance(event, RestartAudio):  # by hand is anew: what the tracker was told is void
+            self._tell_seed(Seed("forget", event.time))
+            self._show.seed_tracker(self._tell_seed)
+
+    def silence(self) -> None:
+        """Play and listen no more."""
+        self._send(stop=True)
+
+    def _take(self, told: dict[str, Any]) -> None:
+        self._heard_at = self._clock.now()
+        if "hello" in told:  # another process in place of one that ended, or the first: it begins only once
+            self._order()
+        if "event" in told:
+            with contextlib.suppress(ValueError):
+                self._inbox.put(event_from_json(told["event"]))
+        if "started" in told:
+            self._running, self.begun = True, float(told["started"])
+        if "facts" in told:
+            self._facts, self.level = told["facts"], told["level"]
+            if self._lost:
+                self._lost = False
+                self._inbox.put(SourceChanged(time=self._heard_at, source="audio", state="found"))
+
+    def _order(self) -> None:
+        latency = [self._latencies.input, self._latencies.output]
+        self._send(start=self._plan | {"origin": self._clock.origin, "latency": latency, "begun": self.begun})
+        for seed in self._seeds:
+            self._send(seed=seed)
+
+    def _tell_seed(self, seed: Seed) -> None:
+        self._seeds.append(asdict(seed))
+        if self._running:
+            self._send(seed=asdict(seed))
+
+    def _send(self, **values: Any) -> None:
+        with contextlib.suppress(OSError):  # nobody is there now; whoever comes is told anew
+            self._socket.send(json.dumps(values).encode())
+
+    def _packets(self) -> list[dict[str, Any]]:
+        found: list[dict[str, Any]] = []
+        while True:
+            try:
+                data = self._socket.recv(LARGEST)
+            except OSError:
+                return found
+            if not data:
+                return found
+            found.append(json.loads(data))

@@ -1,0 +1,107 @@
+"""Standby: this machine dances what another one does, in lockstep and with its own picture, until it takes over."""
+
+import contextlib
+import time
+from collections.abc import Iterator
+from typing import Any
+
+from rich.console import Console
+
+from live.app.kernel_warmup import warm_kernels
+from live.app.played import Played
+from live.app.processes.heir import go_on, sound_of
+from live.app.processes.standby_output import StandbyOutput, status_can_be_written
+from live.base.errors import PersonError
+from live.base.inbox import Inbox
+from live.clock.time_source import SystemClock
+from live.control.events.events import ControlEvent, TakeOver
+from live.control.osc.osc_server import OscInput
+from live.render.pacing import Pacer
+from live.show.journal.replay_start import ReplayError
+from live.show.load import LoadedShow
+from live.supervisor.cpu_priority import ENGINE_NICE, come_forward
+from live.supervisor.heartbeat import Phase
+from live.supervisor.lifeline import Lifeline, nobody_left
+from live.supervisor.state_follower import Following
+
+RATE = 30.0
+"""Pictures a second while another machine leads."""
+
+
+def stand_by(played: Played, lifeline: Lifeline, console: Console) -> None:
+    """Follow, wait for the word, and play on."""
+    warm_kernels(console)
+    loaded = played.wish.load()
+    venue = played.wish.read_venue()
+    sound = sound_of(played, loaded, venue)
+    status_can_be_written(played)
+    output = StandbyOutput(played, loaded, venue, sound, lifeline)
+    try:
+        order, following = _follow(loaded, lifeline, played, output)
+        if order is None:
+            return
+        output.hand_over()
+        come_forward(ENGINE_NICE)
+        go_on(
+            played, loaded, venue, sound, lifeline, following, output.window, order, console, elsewhere=True,
+            headless=output.headless, sharing=output.sharing,
+        )  # fmt: skip
+    finally:
+        output.close(console)
+
+
+@contextlib.contextmanager
+def _listening(lifeline: Lifeline, played: Played) -> Iterator[Inbox[ControlEvent]]:
+    """OSC, of which only /dance/takeover counts here."""
+    inbox: Inbox[ControlEvent] = Inbox()
+    osc = OscInput(*played.wish.osc, inbox.lane(), SystemClock(), inherited=lifeline.osc)
+    osc.start()
+    try:
+        yield inbox
+    finally:
+        osc.stop()
+
+
+def follow(following: Following) -> None:
+    """Run what was told; PersonError if this machine plays another show, or has not the steps for it."""
+    if (other := following.other_show()) is not None:
+        raise PersonError(f"the leader plays another show: {other}", "start both machines with the same patch")
+    try:
+        following.follow()
+    except ReplayError as error:
+        raise PersonError(
+            f"the leader's show cannot be danced here: {error}", "use the same steps on both machines"
+        ) from None
+
+
+def _follow(
+    loaded: LoadedShow, lifeline: Lifeline, played: Played, output: StandbyOutput
+) -> tuple[dict[str, Any] | None, Following]:
+    """Run what the leader runs, and put it out, until the word comes; None if it never will."""
+    pacer = Pacer(RATE, time.perf_counter, time.sleep)
+    following = Following(loaded, heart=lifeline.heart)
+    with _listening(lifeline, played) as inbox:
+        while not nobody_left(lifeline):
+            lifeline.listen()
+            while lifeline.order("anew") is not None:
+                following = Following(loaded, heart=lifeline.heart)
+            for line in lifeline.lines:
+                following.take(line, arrived=time.perf_counter())
+                lifeline.log.take(line)
+            lifeline.lines.clear()
+            try:
+                follow(following)
+            except PersonError as error:
+                lifeline.wire.tell(alive="cannot", why=error.message)
+                raise
+            order = lifeline.order("go")
+            if order is not None:
+                return order, following
+            if any(isinstance(event, TakeOver) for event in inbox.drain()):
+                lifeline.wire.tell(alive="takeover")
+            output.frame(following)
+            lifeline.beat(following.tick, Phase.RUNNING)
+            lifeline.tell_following({**following.facts(), "ready": int(following.ready and output.draws)})
+            lifeline.wire.flush()
+            pacer.wait()
+    return None, following

@@ -1,0 +1,139 @@
+"""What a machine that stands by puts out while another one leads: pictures, shares, and its status."""
+
+import contextlib
+from collections import Counter
+from typing import Any
+
+from rich.console import Console
+
+from live.app.headless_picture import HeadlessPicture
+from live.app.memory import resident_megabytes
+from live.app.played import Played
+from live.app.processes.heir import open_picture
+from live.app.recording import live_rate
+from live.app.session_sound import Sound
+from live.app.sharing import LiveSharing
+from live.base.errors import PersonError
+from live.clock.ticks import TICK
+from live.show.core import Show
+from live.show.load import LoadedShow
+from live.show.status import Status, StatusFile
+from live.show.venue.venue import Venue
+from live.supervisor.lifeline import Lifeline
+from live.supervisor.state_follower import Following
+
+
+class StandbyOutput:
+    """The same as of a show that leads. Thread: the main thread, which owns the OpenGL context."""
+
+    def __init__(
+        self, played: Played, loaded: LoadedShow, venue: Venue | None, sound: Sound, lifeline: Lifeline
+    ) -> None:
+        """PersonError for what cannot be: everything that is needed later is made now."""
+        self._wish, self._lifeline = played.wish, lifeline
+        self.window: Any = open_picture(played, loaded, venue, hidden=False)
+        self.headless: HeadlessPicture | None = None
+        self.sharing: LiveSharing | None = None
+        self._show: Show | None = None
+        self._view: Any = None
+        self._status: Status | None = None
+        self._file: StatusFile | None = None
+        self._wrote = self._drawn = False
+        try:
+            if self.window is None and self._wish.share:
+                self.headless = HeadlessPicture(self._wish, loaded.scene(whole=False))
+            if self._wish.share:
+                self._share(sound)
+        except BaseException:
+            self.close(Console(stderr=True))
+            raise
+
+    def _share(self, sound: Sound) -> None:
+        if self.window is not None:
+            ctx, size = self.window.window.ctx, self.window.size
+            self.window.prepare_shown()
+        else:
+            assert self.headless is not None
+            ctx, size = self.headless.ctx, self._wish.size
+        self.sharing = LiveSharing(self._wish.share, ctx, size, live_rate(self._wish, ctx), sound.music)
+
+    @property
+    def draws(self) -> bool:
+        """Whether everything is put out that was asked for."""
+        return self._drawn or (self.window is None and self.headless is None)
+
+    def frame(self, following: Following) -> None:
+        """Draw, share and tell what is followed, as it is now."""
+        if self.window is not None:
+            for _ in self.window.poll():
+                pass
+        show, time = following.show, following.tick * TICK
+        if show is None:
+            return
+        if show is not self._show:
+            self._begin(show)
+        if self.window is not None or self.headless is not None:
+            show.fill(self._view, time)
+            self._draw(time)
+            self._drawn = True
+        if self._status is not None and self._file is not None:
+            self._status.frames += 1
+            self._status.ticks = following.tick
+            self._file.frame(time)
+
+    def _draw(self, time: float) -> None:
+        if self.window is not None:
+            self.window.draw(self._view)
+            self.window.show(time)
+            if self.sharing is not None:
+                self.sharing.frame(self.window.shown(), time)
+        elif self.headless is not None:
+            framebuffer = self.headless.draw(self._view, lambda: time)
+            if self.sharing is not None:
+                self.sharing.frame(framebuffer, time)
+
+    def _begin(self, show: Show) -> None:
+        """Another show is followed now, or the same one anew."""
+        self._show, self._view = show, show.view()
+        self._end_status()
+        if self._wish.status_json is None:
+            return
+        status = Status(show, rejected=Counter, memory=resident_megabytes())
+        status.more["alive"] = self._lifeline.status
+        if self.sharing is not None:
+            status.more["shared"] = self.sharing.facts
+        with contextlib.suppress(OSError):  # the folder has gone since; the show does not need it
+            self._status, self._file = status, StatusFile(self._wish.status_json, status, more=self._wrote)
+            self._wrote = True
+
+    def _end_status(self) -> None:
+        if self._file is not None:
+            self._file.close(0.0)
+        self._file = self._status = None
+
+    def hand_over(self) -> None:
+        """The status is the leader's from now on."""
+        self._end_status()
+
+    def close(self, console: Console) -> None:
+        """Give everything back."""
+        self._end_status()
+        if self.sharing is not None:
+            self.sharing.close(console)
+            self.sharing = None
+        if self.headless is not None:
+            self.headless.close()
+            self.headless = None
+        if self.window is not None:
+            self.window.close()
+
+
+def status_can_be_written(played: Played) -> None:
+    """PersonError if the status cannot be written where it was asked for."""
+    path = played.wish.status_json
+    if path is None:
+        return
+    try:
+        path.touch()
+    except OSError as error:
+        raise PersonError(f"cannot write --status-json {path}: {error.strerror}") from None

@@ -1,0 +1,95 @@
+"""The film of a journal: last night's show, in any size, with the sound it had."""
+
+import contextlib
+import math
+from dataclasses import replace
+from pathlib import Path
+
+from rich.console import Console
+
+from live.app.film_show import canvas, mixed_sound, progress_bar
+from live.app.recording import film_sound, film_writer
+from live.app.wish import Wish
+from live.base.errors import PersonError
+from live.clock.ticks import TICK
+from live.control.audio.music_file import Music, MusicFileError, read_music
+from live.render.film.film_sound import FilmSound
+from live.render.film.film_writer import FilmError
+from live.show.journal.journal_reading import Journal
+from live.show.journal.replay import Replayed, Replaying
+from live.show.journal.replay_start import Start
+from live.show.load import LoadedShow
+
+
+def film_replay(
+    start: Start,
+    journal: Journal,
+    loaded: LoadedShow,
+    path: Path,
+    size: tuple[int, int],
+    fps: float,
+    *,
+    first: int = 1,
+    to: int | None = None,
+    fine: bool = False,
+    alpha: bool = False,
+) -> Replayed:
+    """Film a journal from measure `first` to the end of `to` (from 1), comparing hashes on the way.
+
+    The sound is the music that was played from a file, if it was, with click and taps as the patch says. `alpha`: the
+    dancers without their stage, on nothing. A damaged line ends the film; PersonError for what cannot be made.
+    """
+    running = Replaying(start.show, journal.usable(), tick=start.tick, to=to)
+    running.advance_to(first)
+    show, begin = running.show, running.tick * TICK
+    if running.over:
+        raise PersonError(f"{journal.path}: measure {first} is not in it; it ends in measure {show.span.number + 1}")
+    music = _music(journal)
+    heard = film_sound(music)
+    mixed = mixed_sound(loaded, show, heard, begin=begin)
+    frames = max(1, math.ceil((journal.last_tick * TICK - begin) * fps))
+    with contextlib.ExitStack() as stack:
+        target, renderer = canvas(stack, Wish(size=size, fps=fps), replace(loaded, patch=show.patch), fine, alpha=alpha)
+        sound = mixed.film if mixed is not None else _from(music, begin)
+        writer = stack.enter_context(film_writer(path, size=size, fps=fps, sound=sound, alpha=alpha))
+        progress = stack.enter_context(progress_bar(Console(stderr=True)))
+        task = progress.add_task("", total=frames if to is None else None)
+        view, frame = show.view(), 0
+        try:
+            while not running.over and running.damaged is None:
+                time = begin + frame / fps
+                running.advance(math.floor(time / TICK + 1e-9))
+                show.fill(view, max(time, running.tick * TICK))
+                if mixed is not None:
+                    mixed.frame(view)
+                renderer.draw(view, target.framebuffer)
+                picture = target.push()
+                if picture is not None:
+                    writer.write(picture)
+                progress.advance(task)
+                frame += 1
+            last = target.flush()
+            if last is not None:
+                writer.write(last)
+            writer.close()
+        except FilmError as error:
+            raise PersonError(str(error)) from None
+    return running.found
+
+
+def _music(journal: Journal) -> Music | None:
+    """The music that was played from a file; PersonError if that is not there any more."""
+    name = journal.header.get("music")
+    if name is None:
+        return None
+    try:
+        return read_music(Path(name))
+    except MusicFileError as error:
+        raise PersonError(str(error)) from None
+
+
+def _from(music: Music | None, begin: float) -> FilmSound | None:
+    """The music alone, from `begin` [s] of the show on."""
+    if music is None:
+        return None
+    return FilmSound.of(music.samples, music.sample_rate, start=begin, loop=True)

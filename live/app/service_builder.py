@@ -1,0 +1,147 @@
+"""What runs beside a show: everything that command line, venue and patch ask for, made and joined to the show."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rich.console import Console
+
+from live.app.parts import Parts
+from live.app.services.audience_service import make_audience
+from live.app.services.click_part import make_click
+from live.app.services.dmx_service import make_dmx
+from live.app.services.link_part import make_link
+from live.app.services.midi_file_part import MidiFilePart
+from live.app.services.midi_part import OnMidi, make_midi
+from live.app.services.musicians_part import MusiciansPort
+from live.app.services.osc_out_part import make_osc_out
+from live.app.services.oscquery_part import OscQueryPart
+from live.app.services.psn_part import make_psn
+from live.app.services.vmc_output_service import make_vmc_out
+from live.app.services.vmc_part import make_vmc
+from live.app.services.web_part import WebPart
+from live.app.telling import Telling
+from live.app.wish import Wish
+from live.base.inbox import Inbox
+from live.clock.time_source import Clock
+from live.control.events.events import ControlEvent
+from live.control.registry.control import RANKS
+from live.show.engine import Engine
+from live.show.status import Status
+from live.show.venue.venue import Venue
+
+
+@dataclass
+class Beside:
+    """A show and what it is to be joined to; `parts` is what has been made so far, none of it started.
+
+    Every method raises PersonError for what cannot be.
+    """
+
+    wish: Wish
+    venue: Venue | None
+    inbox: Inbox[ControlEvent]
+    clock: Clock
+    engine: Engine
+    status: Status
+    telling: Telling
+    goes_on: bool = False
+    """Whether the show goes on after an engine that has ended."""
+    parts: Parts = field(default_factory=Parts)
+
+    def music(self) -> None:
+        """Click and Ableton Link."""
+        show = self.engine.show
+        click = make_click(self.wish.click, self.wish.click_channels, self.venue, show, self.clock)
+        if click is not None:
+            self.parts.add(click)
+            self.engine.outward.append(click.heard)
+            self.status.more["click"] = click.status
+            track = click.output.track
+            self.telling.know("/dance/click", lambda: track.on)
+        link = make_link(self.wish.link, show, self.inbox, self.clock, Console(stderr=True, highlight=False))
+        if link is not None:
+            self.parts.add(link)
+            self.engine.outward.append(link.heard)
+            self.status.more["link"] = link.status
+
+    def midi(self, patch: Path, begun: int) -> OnMidi:
+        """MIDI ports, and a MIDI file. `patch`: the patch's file; `begun`: the tick after which the show goes on."""
+        midi = make_midi(self.wish, self.engine.show, self.venue, self.inbox, self.clock, patch)
+        self.parts.add(midi)
+        if self.wish.midi_file is not None:
+            file = MidiFilePart(self.wish.midi_file, self.engine.show, self.engine, begun=begun)
+            self.parts.add(file)
+            self.status.more["midi_file"] = file.status
+        self.engine.patched.append(midi.take_patch)
+        self.engine.outward.append(midi.act)
+        self.telling.to.append(midi.tell)
+        self.status.more["midi"] = midi.status
+        self.status.notes.append(midi.note)
+        return midi
+
+    def osc(self) -> None:
+        """The musicians' port, what others are told, the hall's lamps, OSCQuery."""
+        wish, show, parts = self.wish, self.engine.show, self.parts
+        if wish.osc_musicians is not None:
+            port = MusiciansPort(*wish.osc_musicians, self.inbox.lane(rank=RANKS["musician"]), self.clock)
+            parts.add(port)
+            parts.refused.append(port.refused)
+            parts.refusals.append(port.refusal)
+            self.telling.to.append(port.tell)
+            self.status.more["osc_musicians"] = port.status
+        out = make_osc_out(wish, show, self.venue, self.clock, self.engine)
+        if out is not None:
+            parts.add(out)
+            self.status.more["osc_out"] = out.status
+        lamps = make_dmx(wish, self.clock, self.engine)
+        if lamps is not None:
+            parts.add(lamps)
+            self.telling.to.append(lamps.tell)
+            self.status.more["dmx"] = lamps.status
+        if wish.oscquery is not None:
+            query = OscQueryPart(wish.oscquery, wish.osc, f"Live {show.patch.name}", self.clock, hosts=self._hosts)
+            query.goes_on = self.goes_on
+            parts.add(query)
+            self.telling.to.append(query.tell)
+            self.status.more["oscquery"] = query.status
+
+    def bodies(self) -> None:
+        """Real dancers who come in, trackers, and dancers who go out to other programs."""
+        vmc = make_vmc(self.wish, self.engine.show, self.venue, self.inbox.lane(), self.clock)
+        if vmc is not None:
+            self.parts.add(vmc)
+            self.parts.refused.append(vmc.refused)
+            self.engine.patched.append(vmc.take_patch)
+            self.status.more["vmc"] = vmc.status
+        trackers = make_psn(self.wish, self.venue, self.inbox.lane(), self.clock)
+        if trackers is not None:
+            self.parts.add(trackers)
+            self.parts.refused.append(trackers.refused)
+            self.status.more["psn"] = trackers.status
+        avatars = make_vmc_out(self.wish, self.clock, self.engine)
+        if avatars is not None:
+            self.parts.add(avatars)
+            self.status.more["vmc_out"] = avatars.status
+
+    @property
+    def _hosts(self) -> tuple[str, ...]:
+        """Names by which this machine is reached beside its addresses."""
+        return self.wish.web_hosts + (() if self.venue is None else self.venue.web.hosts)
+
+    def pages(self) -> None:
+        """The operator's page and the audience's."""
+        wish, show = self.wish, self.engine.show
+        if wish.web is not None:
+            page = WebPart(wish.web, wish.web_key, wish.osc, show, self.clock, hosts=self._hosts)
+            page.goes_on = self.goes_on
+            self.parts.add(page)
+            self.telling.to.append(page.tell)
+            self.status.more["web"] = page.status
+        audience = make_audience(wish, show, self.venue, self.inbox.lane(), self.clock)
+        if audience is not None:
+            audience.goes_on = self.goes_on
+            self.parts.add(audience)
+            self.parts.audience = audience
+            self.parts.early.append(audience.before_frame)
+            self.parts.refused.append(audience.refused)
+            self.status.more["audience"] = audience.status

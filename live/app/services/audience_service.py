@@ -1,0 +1,290 @@
+"""The part of a live show that lets the audience's phones play: between the show and the gateway's process."""
+
+import importlib.util
+import math
+import socket
+from collections import Counter
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import urlsplit
+
+from rich.console import Console
+
+from live.app.services.audience_tls import Identity, files_of, read_identity
+from live.app.services.listening_socket import listening_socket
+from live.app.services.own_address import own_address
+from live.base.errors import PersonError
+from live.base.lane import Lane
+from live.clock.time_source import Clock
+from live.control.audience.admission import BEHIND_NAT, OWN_WIFI
+from live.control.audience.rules import Beat, Rules
+from live.control.events.events import AudienceHeard, ControlEvent
+from live.control.helper_process import Helper
+from live.show.core import Show
+from live.show.patch.audience import AudienceSection
+from live.show.venue.venue import Venue
+from live.show.venue.venue_audience import VenueAudience
+
+if TYPE_CHECKING:
+    from live.app.wish import Wish
+
+BEAT_EVERY: Final = 1.0
+"""The gateway is told the beat at least so often [s], and whenever it slips."""
+BACKLOG: Final = 1024
+"""Connections that wait until the gateway accepts them."""
+NUMBERS: Final = 500
+"""Phones have numbers from this times the seconds of the show on, when a gateway begins: more than any one before it
+can have given (`ALL_JOINS`), in this engine or one that it goes on from."""
+
+
+class AudiencePart:
+    """Thread: the one that runs the show."""
+
+    def __init__(
+        self, wish: "Wish", show: Show, lane: Lane[ControlEvent], clock: Clock, venue: Venue | None = None
+    ) -> None:
+        assert wish.audience is not None
+        self._wish, self._venue = wish, VenueAudience() if venue is None else venue.audience
+        self._identity: Identity | None = None
+        self._expires = math.inf
+        self._crowd_told = False
+        self._where, self._wished_link, self._secret = wish.audience, wish.audience_link, wish.audience_secret
+        self._show, self._lane, self._clock = show, lane, clock
+        self._socket: socket.socket | None = None
+        self._helper: Helper | None = None
+        self._plan: dict[str, Any] = {}
+        self._rules: Rules | None = None
+        self._beat: Beat | None = None
+        self._beat_at = 0.0
+        self._refused: Counter[str] = Counter()
+        self._refused_before: Counter[str] = Counter()
+        self.goes_on = False
+        """Whether the show goes on after an engine whose gateway may hold the port still."""
+        self.link = ""
+        """The whole link of the moment, with its key; empty before the gateway said it."""
+        self.code: list[str] = []
+        """Its QR code, rows of 0 and 1."""
+        self.heard = 0
+        """Events that came from the gateway."""
+
+    # -- beginning and end ---------------------------------------------------------------------------------------
+
+    def start(self) -> None:
+        """Listen, and let phones in; PersonError if that cannot be."""
+        if importlib.util.find_spec("aiohttp") is None:
+            raise PersonError("--audience needs the package aiohttp", "make play installs it")
+        try:
+            self._take_identity()
+        except PersonError as error:
+            if not self.goes_on:
+                raise
+            self._note(f"audience: {error}: the show goes on without its audience", "bold red")
+            return
+        try:
+            self._socket = listening_socket(self._where, BACKLOG, goes_on=self.goes_on)
+        except (OSError, OverflowError) as error:
+            where = f"{self._where[0]}:{self._where[1]}"
+            raise PersonError(f"--audience {where}: {error}", "choose another port") from None
+        section, venue, http = self._show.patch.audience, self._venue, self._socket.fileno()
+        self._plan = {
+            "http": http, "secret": self._secret, "first": self._first(), "link": self.address, "most": section.phones,
+            "per_address": section.phones_per_address, "visible": section.visible, "network": self.network,
+            "proxies": list(venue.proxies), "by_card": venue.by_card, "code_s": venue.code_s,
+            "grace_s": venue.grace_s, "joins_per_code": venue.joins_per_code, "bans": [],
+            "certificate": None if self._identity is None else (self._identity.certificate, self._identity.key),
+        }  # fmt: skip
+        self._helper = Helper("live.control.audience.gateway", self._clock, self._plan, self._anew, http, on=self._hear)
+        self._helper.start()
+        if self.is_public:
+            self._note(f"audience: open to the network at {self.address}; Q shows the code to join by", "bold red")
+
+    def _take_identity(self) -> None:
+        """Read the certificate, if there is one, and say what is doubtful about it; PersonError for what is wrong."""
+        files = tls_files(self._wish, self._venue)
+        if files is None:
+            return
+        self._identity = identity = read_identity(*files)
+        now = datetime.now(UTC)
+        for words in identity.doubt(now, self._host):
+            self._note(f"audience: {words}", "bold red")
+        if now < identity.ends:
+            self._expires = self._clock.now() + (identity.ends - now).total_seconds()
+
+    @property
+    def network(self) -> str:
+        """What the hall's network is like, as the venue says, or as it seems."""
+        return self._venue.network or network_of(self._show.patch.audience, public=self.is_public)
+
+    @staticmethod
+    def _note(words: str, style: str) -> None:
+        Console(stderr=True, highlight=False, soft_wrap=True).print(words, style=style, markup=False)
+
+    @property
+    def port(self) -> int:
+        """Where it listens."""
+        return self._where[1] if self._socket is None else int(self._socket.getsockname()[1])
+
+    @property
+    def is_public(self) -> bool:
+        """Whether other machines reach it."""
+        return not (self._where[0].startswith("127.") or self._where[0] in ("localhost", "::1"))
+
+    @property
+    def address(self) -> str:
+        """What phones open, without the key."""
+        if self._wished_link:
+            return self._wished_link.rstrip("/")
+        host = self._host
+        scheme = "http" if self._identity is None else "https"
+        return f"{scheme}://{f'[{host}]' if ':' in host else host}:{self.port}"
+
+    @property
+    def _host(self) -> str:
+        """The host that phones are given."""
+        if self._wished_link:
+            return urlsplit(self._wished_link).hostname or ""
+        host = own_address() if self._where[0] in ("0.0.0.0", "::", "") else self._where[0]
+        if self._identity is None or host in self._identity.names:
+            return host
+        return self._identity.host or host
+
+    @property
+    def process(self) -> int | None:
+        """The number of the gateway's process; None while there is none."""
+        return None if self._helper is None else self._helper.process
+
+    def stop(self) -> None:
+        """Let nobody in any more."""
+        if self._helper is not None:
+            self._helper.stop()
+        if self._socket is not None:
+            self._socket.close()
+            self._socket = None
+
+    def _anew(self) -> None:
+        """A fresh gateway: it is told everything, and gives other numbers than the one before."""
+        self._rules = self._beat = None
+        self._refused_before += self._refused
+        self._refused = Counter()
+
+    def _first(self) -> int:
+        now = self._clock.now()
+        return 1 if now < 1.0 else 1 + round(NUMBERS * (now + 1.0))
+
+    # -- each frame ----------------------------------------------------------------------------------------------
+
+    def before_frame(self) -> None:
+        """What the phones want, before the frame, so that it acts in it."""
+        if self._helper is not None:
+            self._helper.frame()
+
+    def _hear(self, packet: tuple[Any, ...]) -> None:
+        if packet[0] == "code":
+            if not self.link and not self.is_public:  # nobody else can use it
+                self._note(f"note: audience: {packet[1]}, this machine alone", "yellow")
+            _, self.link, self.code = packet
+            return
+        _, at, phones, order, share, places, lights, votes, shaken = packet
+        self.heard += 1
+        self._lane.put(
+            AudienceHeard(time=at, source="audience", phones=phones, order=order, share=share, places=places,
+                          lights=lights, votes=votes, shaken=shaken)
+        )  # fmt: skip
+
+    def frame(self) -> None:
+        """After each frame: what has changed for the phones."""
+        if self._helper is None:
+            return
+        facts = self._helper.facts()
+        self._plan["first"] = self._first()
+        self._plan["bans"] = facts.get("bans", self._plan["bans"])
+        self._look(facts)
+        self._refused = Counter(facts.get("refused", {}))
+        rules = rules_of(self._show)
+        if rules != self._rules and self._helper.send(rules):
+            self._rules = rules
+        beat, now = beat_of(self._show), self._clock.now()
+        slipped = self._beat is None or self._beat.slipped(beat, now)
+        if (slipped or now - self._beat_at > BEAT_EVERY) and self._helper.send(beat):
+            self._beat, self._beat_at = beat, now
+
+    def _look(self, facts: dict[str, Any]) -> None:
+        """Tell a person, once each, what she can do something about."""
+        if self._clock.now() >= self._expires:
+            self._expires = math.inf
+            self._note(
+                "audience: the certificate has expired: who has joined plays on; phones warn who joins", "bold red"
+            )
+        if facts.get("crowded") and not self._crowd_told:
+            self._crowd_told = True
+            self._note(
+                "audience: many phones come from one address or network card, and have no voice. Do all share an "
+                'address here? Then the venue says [audience] network = "behind nat"; by_card = false if a repeater '
+                "hides them", "yellow",
+            )  # fmt: skip
+
+    # -- what is told --------------------------------------------------------------------------------------------
+
+    def refused(self) -> Counter[str]:
+        """What was refused, by reason."""
+        return self._refused_before + self._refused
+
+    def status(self) -> dict[str, Any]:
+        """For the status line: nothing of anybody, and no key."""
+        facts = {} if self._helper is None else self._helper.facts()
+        told = ("messages", "late_ms", "ways_ms", "left_out", "restarts", "voices", "crowded", "held")
+        kept = {name: facts.get(name) for name in told}
+        until = None if self._identity is None else f"{self._identity.ends:%Y-%m-%dT%H:%M:%SZ}"
+        return {"at": self.address, "public": self.is_public, "network": self.network, "certificate_until": until,
+                **kept, **self._show.audience.facts()}  # fmt: skip
+
+
+def rules_of(show: Show) -> Rules:
+    """What the gateway has to know of a show."""
+    audience, span = show.audience, show.span
+    size = show.timeline.beats_per_measure
+
+    def line(measure: int) -> float:
+        """The beat at which a measure begins."""
+        return round(span.end + (measure - span.number - 1) * size, 3)
+
+    turn, vote = audience.turn, audience.vote
+    return Rules(
+        order=audience.order,
+        open=audience.open,
+        muted=audience.muted,
+        shake=audience.shaking,
+        half=(float(show.motion.floor.border[0]), float(show.motion.floor.border[1])),
+        regions=audience.regions,
+        weights=tuple(audience.heard_regions(span.number)),
+        banned=tuple(audience.banned),
+        turn=None if turn is None else (turn.region, line(turn.begins), line(turn.ends)),
+        vote=None if vote is None else (vote.number, vote.what, vote.choices, line(vote.closes)),
+        won=audience.result,
+    )
+
+
+def beat_of(show: Show) -> Beat:
+    """Where a show's beat is."""
+    timeline = show.timeline
+    line = round(show.span.end % timeline.beats_per_measure, 3)
+    return Beat(timeline.time_origin, timeline.beat_origin, timeline.tempo, timeline.beats_per_measure, line)
+
+
+def network_of(section: AudienceSection, *, public: bool) -> str:
+    """What a network is like if no venue says it: behind nat where the patch lets all phones come from one address, or
+    only this machine reaches it, as for trying things out; else phones have addresses of their own."""
+    return BEHIND_NAT if section.phones_per_address >= section.phones or not public else OWN_WIFI
+
+
+def tls_files(wish: "Wish", venue: VenueAudience) -> tuple[Path, Path] | None:
+    """Certificate and key, as the command line says, or the venue, whose files lie beside its own; None for http."""
+    return files_of(venue, wish.venue) if wish.audience_tls is None else wish.audience_tls
+
+
+def make_audience(
+    wish: "Wish", show: Show, venue: Venue | None, lane: Lane[ControlEvent], clock: Clock
+) -> AudiencePart | None:
+    """What `--audience` asks for, to be started; None if nothing."""
+    return None if wish.audience is None else AudiencePart(wish, show, lane, clock, venue)

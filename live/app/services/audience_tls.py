@@ -1,0 +1,162 @@
+"""The certificate by which phones are met over https: read once, checked, and watched until it expires."""
+
+import stat
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from live.base.errors import PersonError
+from live.library.plain_file import read_plain
+
+if TYPE_CHECKING:
+    from cryptography.x509 import Certificate
+
+    from live.show.venue.venue_audience import VenueAudience
+
+LARGEST: Final = 24_000
+"""Bytes of each file: both are handed to the gateway's process in one packet."""
+SOON: Final = timedelta(days=7)
+NAME: Final = "--audience-tls"
+
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """A certificate with its key."""
+
+    certificate: bytes
+    key: bytes
+    names: tuple[str, ...]
+    """The hosts that it is for."""
+    begins: datetime
+    ends: datetime
+    doubts: tuple[str, ...]
+    """What a person should know of its files."""
+
+    def doubt(self, now: datetime, host: str) -> list[str]:
+        """What a person should know at `now`, where phones are given `host`."""
+        found = list(self.doubts)
+        if now < self.begins:
+            found.append(
+                f"the certificate is valid from {self.begins:%Y-%m-%d %H:%M} UTC on: phones refuse it until then"
+            )
+        if now >= self.ends:
+            found.append(f"the certificate expired on {self.ends:%Y-%m-%d %H:%M} UTC: phones warn of it; renew it")
+        elif self.ends - now < SOON:
+            found.append(f"the certificate expires on {self.ends:%Y-%m-%d %H:%M} UTC: renew it soon")
+        if not any(_names(name, host) for name in self.names):
+            names = ", ".join(self.names) or "nobody"
+            found.append(f"the certificate is for {names}, and phones are given {host}: give --audience-link")
+        return found
+
+    @property
+    def host(self) -> str | None:
+        """The host name to give to phones; None if it has none that is whole."""
+        return next((name for name in self.names if "*" not in name), None)
+
+
+def _names(name: str, host: str) -> bool:
+    """Whether a name of a certificate is a host's; `*` is one label (RFC 9525)."""
+    name, host = name.casefold(), host.casefold().strip("[]")
+    if name.startswith("*."):
+        return host.partition(".")[2] == name[2:]
+    return name == host
+
+
+def files_of(venue: "VenueAudience", name: str | None) -> tuple[Path, Path] | None:
+    """Certificate and key of the venue of that name, beside whose file they lie; None if it has none."""
+    if venue.certificate is None or venue.key is None:
+        return None
+    from live.show.venue.venue import venue_path
+
+    folder = Path() if name is None else venue_path(name).parent
+    return folder / Path(venue.certificate).expanduser(), folder / Path(venue.key).expanduser()
+
+
+def parse_tls(text: str | None) -> tuple[Path, Path] | None:
+    """Two files as CERT,KEY; PersonError otherwise."""
+    if text is None:
+        return None
+    words = [word.strip() for word in text.split(",")]
+    if len(words) != 2 or not all(words):
+        raise PersonError(f"{NAME} {text!r}: two files expected, CERT,KEY", f"{NAME} fullchain.pem,privkey.pem")
+    return Path(words[0]).expanduser(), Path(words[1]).expanduser()
+
+
+def read_identity(certificate: Path, key: Path, name: str = NAME) -> Identity:
+    """A certificate and its key from PEM files; PersonError says what of them is wrong. `name`: who named them."""
+    from cryptography import x509
+    from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat, load_pem_private_key
+
+    chain, secret = _read(certificate, name), _read(key, name)
+    try:
+        found = x509.load_pem_x509_certificates(chain)[0]
+    except ValueError:
+        raise PersonError(f"{name}: {certificate} holds no certificate in PEM", _swapped(chain, secret)) from None
+    try:
+        private = load_pem_private_key(secret, password=None)
+    except TypeError:
+        raise PersonError(
+            f"{name}: the key {key} is locked by a password",
+            f"openssl pkey -in {key} -out open.key; chmod 600 open.key",
+        ) from None
+    except Exception:  # the library raises several kinds for what is no key that it knows
+        raise PersonError(f"{name}: {key} holds no key in PEM", _swapped(chain, secret)) from None
+    shapes = [each.public_bytes(Encoding.DER, PublicFormat.SubjectPublicKeyInfo)
+              for each in (found.public_key(), private.public_key())]  # fmt: skip
+    if shapes[0] != shapes[1]:
+        raise PersonError(
+            f"{name}: the key {key} is not that of the certificate {certificate}",
+            "the certificate itself comes first in its file, those that vouch for it after it",
+        )
+    identity = Identity(
+        chain, secret, _hosts(found), found.not_valid_before_utc, found.not_valid_after_utc, tuple(_open_to(key))
+    )
+    _check(identity, certificate, name)
+    return identity
+
+
+def _check(identity: Identity, certificate: Path, name: str) -> None:
+    """PersonError for what TLS itself refuses: keys that are too short, kinds that it does not know."""
+    import ssl
+
+    from live.control.audience.tls import server_context
+
+    try:
+        server_context(identity.certificate, identity.key)
+    except (ssl.SSLError, OSError) as error:
+        raise PersonError(f"{name}: {certificate} cannot be served: {error}", "have it issued anew") from None
+
+
+def _read(path: Path, name: str) -> bytes:
+    try:
+        data = read_plain(path, LARGEST)
+    except OSError as error:
+        remedy = f"chown it to who plays the show, and chmod 600 {path}" if isinstance(error, PermissionError) else None
+        raise PersonError(f"{name}: cannot read {path}: {error.strerror}", remedy) from None
+    except ValueError:
+        raise PersonError(f"{name}: cannot read {path}: no file can be called so") from None
+    if len(data) > LARGEST:
+        raise PersonError(f"{name}: {path} is larger than {LARGEST} bytes: no certificate or key is")
+    return data
+
+
+def _swapped(chain: bytes, secret: bytes) -> str:
+    if b"PRIVATE KEY" in chain and b"BEGIN CERTIFICATE" in secret:
+        return "the certificate comes first, then its key"
+    return "files as Let's Encrypt makes them: fullchain.pem and privkey.pem"
+
+
+def _hosts(certificate: "Certificate") -> tuple[str, ...]:
+    from cryptography import x509
+
+    try:
+        found: Any = certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
+    except (x509.ExtensionNotFound, ValueError):
+        return ()
+    return (*found.get_values_for_type(x509.DNSName), *map(str, found.get_values_for_type(x509.IPAddress)))
+
+
+def _open_to(key: Path) -> list[str]:
+    mode = stat.S_IMODE(key.stat().st_mode)
+    return [f"others can read the key {key} (mode {mode:o}): chmod 600 {key}"] if mode & 0o077 else []

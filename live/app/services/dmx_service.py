@@ -1,0 +1,101 @@
+"""The part of a live show that the hall's lamps follow: sACN or Art-Net."""
+
+import re
+import socket
+from dataclasses import astuple
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+from live.base.errors import PersonError
+from live.clock.time_source import Clock
+from live.control.dmx_mapping import USUAL
+from live.control.dmx_output import ARTNET_PORT, RATE, SACN_PORT, Universe
+from live.control.helper_process import Helper
+from live.control.registry.values import Changes
+from live.show.engine import Engine
+from live.show.outgoing import Outgoing
+
+if TYPE_CHECKING:
+    from live.app.wish import Wish
+
+AT_ONCE: Final = 64
+"""Values that are told in one packet."""
+
+
+def parse_universe(text: str) -> Universe:
+    """sacn:UNIVERSE[@HOST[:PORT]] or artnet:UNIVERSE@HOST[:PORT]; PersonError otherwise."""
+    match = re.fullmatch(r"\s*(sacn|artnet):(\d{1,5})(?:@([^:@\s]+)(?::(\d{1,5}))?)?\s*", text)
+    if match is None or (match[1] == "artnet" and not match[3]) or int(match[4] or 0) > 65535:
+        raise PersonError(
+            f"--dmx {text!r}: sacn:UNIVERSE, sacn:UNIVERSE@HOST or artnet:UNIVERSE@HOST expected", "--dmx sacn:1"
+        )
+    protocol: Literal["sacn", "artnet"] = "sacn" if match[1] == "sacn" else "artnet"
+    number, (low, high) = int(match[2]), (1, 63999) if protocol == "sacn" else (0, 32767)
+    if not low <= number <= high:
+        raise PersonError(f"--dmx {text!r}: universes of {protocol} are {low} to {high}", f"--dmx {protocol}:{low}")
+    port = int(match[4] or (SACN_PORT if protocol == "sacn" else ARTNET_PORT))
+    return Universe(protocol, number, match[3] or "", port)
+
+
+class DmxPart:
+    """Between the show and the process that sends. Thread: the one that runs the show."""
+
+    def __init__(self, engine: Engine, universes: tuple[Universe, ...], clock: Clock) -> None:
+        show = engine.show
+        self._engine, self._universes = engine, universes
+        self._outgoing = Outgoing(show, positions=RATE)
+        self._all: dict[str, Any] = {}
+        self._untold: dict[str, Any] = {}
+        channels = [row.made for row in show.patch.dmx] or list(USUAL)
+        self._named = {channel.sends for channel in channels} | {"/dance/blackout"}
+        width, depth = show.patch.stage.width, show.patch.stage.depth
+        plan = {
+            "universes": [astuple(each) for each in universes],
+            "channels": [astuple(each) for each in channels],
+            "half": (0.5 * width, 0.5 * depth),
+        }
+        self._helper = Helper("live.control.dmx_output", clock, plan, self._anew)
+
+    def start(self) -> None:
+        """Begin to send; PersonError for a host that nobody knows."""
+        for each in self._universes:
+            try:
+                socket.gethostbyname(each.host or "127.0.0.1")
+            except OSError as error:
+                where = f"{each.protocol}:{each.number}@{each.host}"
+                raise PersonError(f"--dmx {where}: {error.strerror or error}", "name hosts by their numbers") from None
+        self._helper.start()
+
+    def stop(self) -> None:
+        """Send nothing any more."""
+        self._helper.stop()
+
+    def tell(self, changes: Changes) -> None:
+        """These have new values in the show."""
+        mine = {address: rows for address, rows in changes.items() if address in self._named}
+        self._all.update(mine)
+        self._untold.update(mine)
+
+    def _anew(self) -> None:
+        self._outgoing.anew()
+        self._untold = dict(self._all)
+
+    def frame(self) -> None:
+        """After each frame: what there is to tell."""
+        self._helper.frame()
+        for told in self._outgoing.frame(self._engine.view):
+            self._helper.send(told)
+        if self._untold:
+            some = {address: self._untold[address] for address in list(self._untold)[:AT_ONCE]}
+            if self._helper.send(("values", some)):
+                for address in some:
+                    del self._untold[address]
+
+    def status(self) -> dict[str, Any]:
+        """For the status line."""
+        to = [f"{each.protocol}:{each.number}@{each.host or 'all'}" for each in self._universes]
+        return {"to": to, **self._helper.facts(), "too_many": self._outgoing.left_out}
+
+
+def make_dmx(wish: "Wish", clock: Clock, engine: Engine) -> DmxPart | None:
+    """What `--dmx` asks for, to be started; None if no lamp is to follow."""
+    return DmxPart(engine, tuple(map(parse_universe, wish.dmx)), clock) if wish.dmx else None

@@ -1,0 +1,100 @@
+"""The part of a live show that sends its dancers to other programs as avatars, by the VMC protocol."""
+
+import re
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from live.app.option_values import parse_endpoint
+from live.base.errors import PersonError, named
+from live.clock.time_source import Clock
+from live.control.capture.vmc_out import MOST_AVATARS, Avatars, VmcOut, dancers_as_told
+from live.control.helper_process import Helper
+from live.show.core import Show
+from live.show.engine import Engine
+
+if TYPE_CHECKING:
+    from live.app.wish import Wish
+
+LOOK_EVERY: Final = 1.0
+"""Seconds after which it is looked again whom words mean: groups change, dancers come and go."""
+
+
+def parse_avatars(text: str) -> Avatars:
+    """HOST:PORT, with `=WHO` and `@RATE` behind it where it is not the first dancer, 60 times a second."""
+    match = re.fullmatch(r"\s*([^=@\s]+)(?:=([^@]+))?(?:@(\d{1,3}(?:\.\d+)?))?\s*", text)
+    rate = 60.0 if match is None else float(match[3] or 60.0)
+    if match is None or not 1.0 <= rate <= 120.0:
+        raise PersonError(
+            f"--vmc-out {text!r}: HOST:PORT, HOST:PORT=WHO or HOST:PORT=WHO@RATE expected, 1 to 120 times a second",
+            '--vmc-out "127.0.0.1:39539=ember & 1"',
+        )
+    host, port = parse_endpoint(match[1], "--vmc-out")
+    return Avatars(host, port, (match[2] or "1").strip(), rate)
+
+
+class VmcOutPart:
+    """Between the show and the process that sends. Thread: the one that runs the show."""
+
+    def __init__(self, engine: Engine, wanted: tuple[Avatars, ...], clock: Clock) -> None:
+        self._engine, self._wanted, self._clock = engine, wanted, clock
+        self._rows = [self._look(each) for each in wanted]
+        self._due = [0.0] * len(wanted)
+        self._look_at = 0.0
+        targets = [(each.host, each.port) for each in wanted]
+        self._helper = Helper("live.control.capture.vmc_out", clock, {"targets": targets}, lambda: None)
+
+    def _look(self, wanted: Avatars) -> np.ndarray[Any, np.dtype[np.intp]]:
+        """Who is meant, and on the stage; PersonError for words that mean nobody there ever was."""
+        show: Show = self._engine.show
+        with named("--vmc-out"):
+            who = show.casting.select(wanted.who, show.state.position)
+        return np.flatnonzero(who & show.motion.present)[:MOST_AVATARS]
+
+    def start(self) -> None:
+        """Begin to send; PersonError for a host that nobody knows."""
+        for each in self._wanted:
+            try:
+                VmcOut(each.host, each.port).close()
+            except OSError as error:
+                where = f"{each.host}:{each.port}"
+                words = f"--vmc-out {where}: {error.strerror or error}"
+                raise PersonError(words, "name hosts by their numbers") from None
+        self._helper.start()
+
+    def stop(self) -> None:
+        """Send nothing any more."""
+        self._helper.stop()
+
+    def frame(self) -> None:
+        """After each frame: those who are due."""
+        self._helper.frame()
+        view, now = self._engine.view, self._clock.now()
+        if now >= self._look_at:
+            self._look_at = now + LOOK_EVERY
+            for index, each in enumerate(self._wanted):
+                try:
+                    self._rows[index] = self._look(each)
+                except PersonError:  # an edit has taken away the name: nobody is meant any more
+                    self._rows[index] = self._rows[index][:0]
+        if not view.filled:
+            return
+        for index, each in enumerate(self._wanted):
+            if view.time < self._due[index] or not len(self._rows[index]):
+                continue
+            self._due[index] = max(self._due[index] + 1.0 / each.rate, view.time)
+            data = dancers_as_told(self._rows[index], view.joint_position, view.joint_rotation)
+            self._helper.send((index, view.time, data))
+
+    def status(self) -> dict[str, Any]:
+        """For the status line."""
+        to = {
+            f"{each.host}:{each.port}": (rows + 1).tolist() for each, rows in zip(self._wanted, self._rows, strict=True)
+        }
+        return {"to": to, **self._helper.facts()}
+
+
+def make_vmc_out(wish: "Wish", clock: Clock, engine: Engine) -> VmcOutPart | None:
+    """What `--vmc-out` asks for, to be started; None if nobody is to be sent anything."""
+    wanted = tuple(parse_avatars(each) for each in wish.vmc_out)
+    return VmcOutPart(engine, wanted, clock) if wanted else None

@@ -1,0 +1,226 @@
+"""Session: a show with everything it listens to and writes; made here, driven by the window or a bare loop."""
+
+import contextlib
+import gc
+from collections.abc import Iterator
+
+from live.app.memory import resident_megabytes
+from live.app.practice import practice_events
+from live.app.processes.resume_state import Resumed
+from live.app.service_builder import Beside
+from live.app.services.audience_service import AudiencePart
+from live.app.services.operators_port import OperatorsPort
+from live.app.session_audio import SessionAudio
+from live.app.session_news import session_news
+from live.app.session_records import Records
+from live.app.session_sound import Sound
+from live.app.starting_tempo import start_tempo
+from live.app.telling import Telling
+from live.app.watches import make_watches
+from live.app.wish import Wish
+from live.base.errors import PersonError
+from live.base.fault_isolation import FAULTS, Bulkhead, name_of, run_once
+from live.base.inbox import Inbox
+from live.clock.ticks import STALL
+from live.clock.time_source import Clock, ProcessorClock, SystemClock
+from live.control.events.events import ControlEvent, SetLatency
+from live.show.core import Show
+from live.show.engine import Engine
+from live.show.load import LoadedShow
+from live.show.pressure import Pressure
+from live.show.status import Status
+from live.show.venue.venue import Venue
+from live.show.venue.venue_latency import Latencies
+from live.supervisor.heartbeat import Phase
+from live.supervisor.lifeline import Lifeline
+
+
+class Session:
+    """A running show: engine, inputs, journal, status."""
+
+    def __init__(
+        self, wish: Wish, loaded: LoadedShow, sound: Sound, venue: Venue | None = None, *,
+        lifeline: Lifeline | None = None, resumed: Resumed | None = None,
+    ) -> None:  # fmt: skip
+        """Everything is made, nothing is started; PersonError for what cannot be.
+
+        `lifeline`: to the supervisor, if there is one; `resumed`: the show that is gone on with.
+        """
+        self.latencies = Latencies.of(venue)
+        tempo = start_tempo(wish, loaded, sound)
+        show = loaded.start(seed=wish.seed, tempo=tempo) if resumed is None else resumed.show
+        self.lifeline = lifeline
+        self._resumed = resumed
+        self.wish = wish
+        self.venue = venue
+        self.loaded = loaded
+        self.sound = sound
+        self.show: Show = show
+        self.clock = SystemClock(None if resumed is None else resumed.origin)
+        self.processor: Clock = ProcessorClock()
+        """What this thread uses of the processor."""
+        self._processor_at = 0.0
+        self.inbox: Inbox[ControlEvent] = Inbox()
+        for event in practice_events(wish, show) if resumed is None else ():
+            self.inbox.put(event)
+        self.osc = OperatorsPort(wish, self.inbox, self.clock, lifeline)
+        self._audio = SessionAudio(
+            sound, loaded, show, self.latencies, self.inbox, self.clock, lifeline=lifeline, resumed=resumed
+        )
+        self._records = Records(wish, loaded, sound, lifeline=lifeline, resumed=resumed)
+        self.status = Status(
+            show,
+            rejected=lambda: sum((tell() for tell in self._parts.refused), self.osc.rejected()),
+            memory=resident_megabytes(),
+            level=lambda: self._audio.level,
+            refusal=lambda: self.news.refused,
+        )
+        self._tempo = tempo
+        stall = max(STALL, 3.0 / wish.film_fps)  # a slow rate is no stall
+        self.engine = Engine(
+            show, clock=self.clock, inbox=self.inbox, status=self.status, lead=self.latencies.lead, stall=stall
+        )
+        self.engine.forgiving = True
+        if lifeline is not None:
+            self.engine.progress = lifeline.heart
+            self.engine.gives_up = True
+            show.breakers.publish(lifeline.heart.stage)
+        self.engine.bulkhead = self._calls = Bulkhead()
+        self.status.more["parts"] = FAULTS.facts
+        self.status.notes.append(FAULTS.problem)
+        self.engine.outward.append(self._tell_devices)
+        self.pressure = Pressure()
+        """How hard it is to keep up, for whoever can draw less."""
+        self.status.more["pressure"] = lambda: round(self.pressure.value, 3)
+        self.status.more["out_of_service"] = lambda: dict(show.breakers.why)
+        self.status.notes.append(lambda: "   ".join(show.breakers.words()))
+        self.status.more["failed_events"] = lambda: self.engine.failed
+        self.status.more["latency"] = self.latencies.facts
+        self.status.more["music"] = show.reactions.facts
+        self.status.more["osc"] = self.osc.facts
+        self._telling = Telling(show, self.status, self.latencies)
+        self._telling.to.append(self.osc.tell)
+        if self._audio.source is not None:
+            self.status.more["audio"] = self._audio.source.facts
+        if lifeline is not None:
+            self.status.more["alive"] = lifeline.status
+        beside = Beside(wish, venue, self.inbox, self.clock, self.engine, self.status, self._telling)
+        beside.goes_on = resumed is not None
+        beside.music()
+        self.midi = midi = beside.midi(loaded.path, 0 if resumed is None else resumed.tick)
+        beside.osc()
+        beside.bodies()
+        beside.pages()
+        self._parts = beside.parts
+        self._watch, library = make_watches(loaded, show, post=self.inbox.put, now=self.clock.now)
+        self.status.more["patch"] = self._watch.facts
+        self.status.notes.append(lambda: self._watch.problem)
+        self.status.notes.append(self._records.problem)
+        self.news = session_news(
+            show, self.osc, self._audio.listens, midi, self._watch, library, journal=self._records.problem,
+            more=self._parts.refusals,
+        )  # fmt: skip
+
+    @property
+    def audience(self) -> AudiencePart | None:
+        """What the audience's phones play through; None if they may not."""
+        return self._parts.audience
+
+    @contextlib.contextmanager
+    def running(self) -> Iterator["Session"]:
+        """Start everything, and stop it again. Automatic garbage collection rests meanwhile.
+
+        Where a supervisor watches, an end that nobody asked for is a crash: nothing is closed, for another engine goes
+        on at once. Everything here is such that a process may end at any moment.
+        """
+        wished = False
+        try:
+            if self._resumed is None:
+                self.clock.origin = SystemClock().origin  # the show's time begins now
+            self.osc.start()
+            self._records.open_status(self.status)
+            self._audio.start()
+            self._parts.start(forgiving=self._resumed is not None)
+            self._records.open_journal(
+                self.engine, self.status, tempo=self._tempo, origin=self.clock.origin, begun=self._audio.begun
+            )
+            self._watch.start()
+            self.news.start()
+            if self._resumed is None:
+                gc.collect()
+            gc.freeze()
+            gc.disable()
+            if self._resumed is not None:
+                self._catch_up(self._resumed)
+            yield self
+            wished = True
+        except BaseException as error:
+            refused = isinstance(error, PersonError) and not self.status.frames  # what was asked for cannot be
+            wished = self.lifeline is None or self.lifeline.may_leave
+            if self.lifeline is not None and not wished and not refused:
+                self.lifeline.crash(error)
+            raise
+        finally:
+            if self.lifeline is not None:
+                self.lifeline.beat(self.engine.ticks.index, Phase.LEAVING)
+            gc.enable()
+            gc.unfreeze()
+            self._stop(ended=wished)
+
+    def _catch_up(self, resumed: Resumed) -> None:
+        """Dance what fell into the time in which nobody did: the show comes out where it would have been."""
+        for what, seconds in resumed.latencies.items():
+            self.latencies.set(what, seconds)
+        self.engine.lead = self.latencies.lead
+        self.engine.ticks.index = resumed.tick
+        self.engine.run_to(self.clock.now() + self.engine.lead)
+
+    def _tell_devices(self, event: ControlEvent) -> None:
+        """Events that concern the sound device and the venue's delays, not the dance."""
+        if isinstance(event, SetLatency):
+            self.latencies.set(event.what, event.seconds)
+            self.engine.lead = self.latencies.lead
+        self._audio.tell(event)
+
+    def before_frame(self) -> None:
+        """What other processes heard since the last frame; a frame's own time begins here."""
+        self._processor_at = self.processor.now()
+        self._calls.call("the sound", self._audio.frame)
+        self._calls.call("the OSC port", self.osc.frame)
+        self._parts.before_frame()
+
+    def _stop(self, *, ended: bool) -> None:
+        for part in (self._audio, self._parts, self.osc, self._watch, self.news):
+            run_once(f"the end of {name_of(part.stop)}", part.stop)
+        self._records.close(self.engine.ticks.index, self.clock.now(), ended=ended)
+        self._records.tell()
+
+    def after_frame(self, started: float, previous: float) -> None:
+        """Housekeeping after a frame: figures, the status line, and garbage of the youngest generation."""
+        self.status.work_times.add(self.clock.now() - started)
+        self.status.processor_times.add(self.processor.now() - self._processor_at)
+        self.status.frame_times.add(started - previous)
+        self.pressure.frame(self.status.late_frames, started - previous, self.overload)
+        self._parts.frame()
+        self._calls.call("telling values", self._telling.frame, started)
+        self._calls.call("the records", self._records.frame, started)
+        if self.lifeline is not None:
+            self.lifeline.frame(self.engine.ticks.index)
+            if self.lifeline.fenced and not self.engine.dark:
+                self._go_dark()
+        gc.collect(0)
+
+    def _go_dark(self) -> None:
+        """Another machine leads: nothing is shown, sent or played here any more."""
+        self.engine.dark = True
+        self._parts.stop()
+        self._audio.silence()
+
+    @property
+    def overload(self) -> float:
+        """How much too much the machine has to do, 0 to 1, as the supervisor feels it; 0 without one."""
+        return 0.0 if self.lifeline is None else float(self.lifeline.facts.get("overload", 0.0))
+
+    def finished(self, time: float) -> bool:
+        """Whether `--seconds` are over."""
+        return self.wish.seconds is not None and time >= self.wish.seconds

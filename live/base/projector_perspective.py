@@ -1,0 +1,118 @@
+"""A projector's perspective: from where it stands, and where its picture has the corners of the stage's floor.
+
+Four points of a plane and their images are a homography (eight numbers); with the place of the eye it says the whole
+projection but its scale: for floor points (x, z) it is M [e_x | e_z | -eye], so M = H [e_x | e_z | -eye]^-1, and M is
+the lens times the rotation, taken apart by RQ (Hartley and Zisserman 2004, 4.1 and 6.2.4). The corners are met exactly,
+whatever keystone correction lies between; what that leaves beside lens shift is `stretch` and `skew`, which are 1 and 0
+where place and corners agree.
+"""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.errors import PersonError
+from live.base.stage_snapshot import Camera
+
+Float64 = npt.NDArray[np.float64]
+
+CORNERS: Final = ("back left", "back right", "front right", "front left")
+"""The order of a stage's corners, as the audience sees them."""
+LEAST: Final = 1e-4
+"""Corners that span less than this share of the picture span nothing."""
+ANGLES: Final = (5.0, 120.0)
+"""Vertical angles of view that a camera can have [degrees]."""
+
+
+def floor_corners(width: float, depth: float) -> Float64:
+    """The corners (x, z) [m] of a stage's floor in the order of `CORNERS`, shape (4, 2)."""
+    x, z = 0.5 * width, 0.5 * depth
+    return np.array([[-x, -z], [x, -z], [x, z], [-x, z]])
+
+
+def homography(begin: Float64, end: Float64) -> Float64:
+    """The matrix (3, 3) that takes four points (x, y) to four others: `(x, y, 1)` to a multiple of `(u, v, 1)`.
+
+    numpy.linalg.LinAlgError if three of the points lie on a line.
+    """
+    rows = []
+    for (x, y), (u, v) in zip(begin, end, strict=True):
+        rows.append([x, y, 1.0, 0.0, 0.0, 0.0, -u * x, -u * y])
+        rows.append([0.0, 0.0, 0.0, x, y, 1.0, -v * x, -v * y])
+    return np.append(np.linalg.solve(np.array(rows), end.reshape(-1)), 1.0).reshape(3, 3)
+
+
+def check_corners(corners: Sequence[Sequence[float]]) -> None:
+    """PersonError unless four corners (u, v) are those of a convex quadrilateral, in the order of `CORNERS`."""
+    around = np.roll(np.asarray(corners, np.float64), -1, axis=0) - corners
+    turns = np.array([around[i - 1, 0] * around[i, 1] - around[i - 1, 1] * around[i, 0] for i in range(4)])
+    order = ", ".join(CORNERS)
+    if (turns > 0.0).any() and (turns < 0.0).any():
+        raise PersonError("the corners' lines cross, or one corner lies within the others", f"in this order: {order}")
+    if np.abs(turns).min() < LEAST:
+        raise PersonError("three of the corners lie on a line: they span no floor", f"in this order: {order}")
+    if (turns < 0.0).all():
+        raise PersonError(
+            "the corners go around the other way: left and right are exchanged", f"in this order: {order}"
+        )
+
+
+def matched(
+    at: Sequence[float], corners: Sequence[Sequence[float]], stage: tuple[float, float], aspect: float
+) -> Camera:
+    """The camera at `at` (x, y, z) [m] whose picture has the floor's corners at `corners`.
+
+    `corners` (4, 2): u to the right, v down, 0..1, in the order of `CORNERS`; `stage`: width, depth [m]; `aspect`: the
+    picture's width / height. PersonError for what cannot be: corners that cross, an eye on the floor, or one from which
+    no picture looks so.
+    """
+    check_corners(corners)
+    eye = np.asarray(at, np.float64)
+    if abs(eye[1]) < 1e-3:
+        raise PersonError("the projector lies on the floor: from there it is a line", "its height is the second number")
+    floor = floor_corners(*stage)
+    device = np.asarray(corners, np.float64) * (2.0, -2.0) + (-1.0, 1.0)
+    plane = np.array([[1.0, 0.0, -eye[0]], [0.0, 0.0, -eye[1]], [0.0, 1.0, -eye[2]]])
+    whole = homography(floor, device) @ np.linalg.inv(plane)
+    return _apart(whole, eye, floor, aspect)
+
+
+def _apart(whole: Float64, eye: Float64, floor: Float64, aspect: float) -> Camera:
+    """A projection without its place, (3, 3), taken apart into a camera's numbers."""
+    ways = np.stack([floor[:, 0] - eye[0], np.full(4, -eye[1]), floor[:, 1] - eye[2]], axis=1)
+    whole = whole / np.linalg.norm(whole[2])
+    depth = ways @ whole[2]
+    if depth.mean() < 0.0:
+        whole, depth = -whole, -depth
+    if depth.min() <= 0.0:
+        raise PersonError("no projector there can see the floor so: a corner would lie behind it", "measure `at` again")
+    forward = whole[2]
+    across, high = whole[0] @ forward, whole[1] @ forward
+    up = whole[1] - high * forward
+    scale = float(np.linalg.norm(up))
+    up /= scale
+    skew = float(whole[0] @ up)
+    right = whole[0] - across * forward - skew * up
+    wide = float(np.linalg.norm(right))
+    if np.linalg.det(whole) > 0.0:
+        raise PersonError("no projector there can see the floor so: only a mirrored one", "measure `at` again")
+    angle = float(np.rad2deg(2.0 * np.arctan(1.0 / scale)))
+    if not ANGLES[0] <= angle <= ANGLES[1]:
+        raise PersonError(
+            f"from there the picture would have an angle of view of {angle:.1f} degrees, {ANGLES[0]:g} to "
+            f"{ANGLES[1]:g} can be", "measure `at` and the corners again",
+        )  # fmt: skip
+    reach = float(depth.mean())
+    level = np.cross(forward, (0.0, 1.0, 0.0) if abs(forward[1]) < 0.9999 else (0.0, 0.0, -1.0))
+    level /= np.linalg.norm(level)
+    right /= wide
+    roll = float(np.rad2deg(np.arctan2(-right @ np.cross(level, forward), right @ level)))
+    target = eye + reach * forward
+    shift = (-0.5 * float(across), -0.5 * float(high))
+    place = (float(eye[0]), float(eye[1]), float(eye[2]))
+    return Camera(
+        place, (float(target[0]), float(target[1]), float(target[2])), angle, roll, shift,
+        stretch=wide * aspect / scale, skew=skew * aspect / scale,
+    )  # fmt: skip

@@ -1,0 +1,125 @@
+"""`live beats`: the beats of a sound, as a show hears them: while it comes in, without a look ahead."""
+
+import contextlib
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+if TYPE_CHECKING:
+    from live.cli.beats.beats_heard import Ear, Seeds
+    from live.cli.beats.beats_timeline import TimelineFile
+
+Form = Literal["table", "json", "csv"]
+STREAM_RATE = 44_100
+BLOCK = 512
+
+
+def beats(
+    file: Annotated[Path | None, typer.Argument(help="A music file: wav, flac, ogg, mp3, m4a …")] = None,
+    stdin: Annotated[
+        bool, typer.Option("--stdin", help="Read raw float32 samples, mono, 44.1 kHz, from standard input.")
+    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the beats as JSON.")] = False,
+    as_csv: Annotated[bool, typer.Option("--csv", help="Print the beats as CSV.")] = False,
+    click: Annotated[
+        Path | None, typer.Option(help="Write the sound with a click on each beat.", metavar="OUT.wav", dir_okay=False)
+    ] = None,
+    timeline: Annotated[
+        Path | None,
+        typer.Option(help="Write what the dancers' clock does, 64 lines a second.", metavar="OUT.csv", dir_okay=False),
+    ] = None,
+    tracker: Annotated[
+        Literal["network", "aubio"], typer.Option(help="What listens: our network, or aubio's tempo.")
+    ] = "network",
+    tap_bpm: Annotated[float | None, typer.Option(help="Somebody taps this tempo once …", metavar="BPM")] = None,
+    at: Annotated[float | None, typer.Option(help="… at this time [s].", metavar="SECONDS")] = None,
+    one_at: Annotated[
+        float | None, typer.Option(help='Somebody presses "this is the one" at this time [s].', metavar="SECONDS")
+    ] = None,
+) -> None:
+    """Listen to a file, or to what comes in on standard input, and say where the beats are.
+
+    With --stdin a line `B time emitted beat` is printed for each beat, mostly a little before it comes; `R time
+    emitted` takes one back. A file gives a table of the beats, or JSON, CSV, or a sound to check them by ear.
+    """
+    from live.app.option_values import parse_number
+    from live.base.errors import PersonError
+    from live.cli.beats.beats_heard import Ear, Seeds
+
+    parse_number(tap_bpm, "--tap-bpm", 40, 240)
+    parse_number(at, "--at", 0, 36_000)
+    parse_number(one_at, "--one-at", 0, 36_000)
+    if stdin == (file is not None):
+        raise PersonError("live beats needs a FILE or --stdin, one of them", "live beats music.ogg")
+    if stdin and (as_json or as_csv or click is not None):
+        raise PersonError("--json, --csv and --click are for files", "leave --stdin out and name a FILE")
+    if (tap_bpm is None) != (at is None):
+        raise PersonError("--tap-bpm and --at belong together", "--tap-bpm 96 --at 5")
+    seeds = Seeds(tap_bpm=tap_bpm, tap_at=at, one_at=one_at)
+    with contextlib.ExitStack() as stack:
+        lines = None if timeline is None else stack.enter_context(_timeline_file(timeline))
+        if stdin:
+            _stream(Ear(STREAM_RATE, tracker, seeds, lines))
+            return
+        assert file is not None
+        form: Form = "json" if as_json else "csv" if as_csv else "table"
+        _file(file, tracker, seeds, form=form, click=click, timeline=lines)
+
+
+def _timeline_file(path: Path) -> "TimelineFile":
+    from live.cli.beats.beats_timeline import TimelineFile
+
+    return TimelineFile(path)
+
+
+def _stream(ear: "Ear") -> None:
+    """Blocks from standard input until it ends; each line is flushed. PersonError where they cannot be written."""
+    import numpy as np
+
+    from live.base.errors import PersonError
+    from live.cli.beats.beats_heard import lines_of
+
+    source, out = sys.stdin.buffer, sys.stdout
+    while data := source.read(BLOCK * 4):
+        samples = np.frombuffer(bytearray(data[: len(data) - len(data) % 4]), "<f4")  # kernels take what can be written
+        text = "".join(lines_of(beat) for beat in ear.feed(samples))
+        try:
+            if text:
+                out.write(text)
+                out.flush()
+        except BrokenPipeError:  # who read has enough
+            raise
+        except OSError as error:
+            raise PersonError(f"the beats cannot be written ({error.strerror or error})") from None
+
+
+def _file(
+    file: Path,
+    tracker: Literal["network", "aubio"],
+    seeds: "Seeds",
+    *,
+    form: Form,
+    click: Path | None,
+    timeline: "TimelineFile | None",
+) -> None:
+    from live.base.errors import PersonError
+    from live.cli.beats.beats_heard import Ear, hear_file
+    from live.cli.beats.beats_written import as_csv, as_json, print_table, write_click
+    from live.control.audio.music_file import MusicFileError, read_music
+
+    try:
+        music = read_music(file)
+    except MusicFileError as error:
+        raise PersonError(str(error)) from None
+    ear = Ear(music.sample_rate, tracker, seeds, timeline)
+    beats = hear_file(ear, music)
+    if form == "json":
+        print(as_json(file, tracker, music, beats))
+    elif form == "csv":
+        print(as_csv(beats))
+    else:
+        print_table(file, music, beats, ear.note)
+    if click is not None:
+        write_click(click, music, beats)

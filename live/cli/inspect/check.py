@@ -1,0 +1,87 @@
+"""`live check`: is this patch good? Names file, line, field and remedy if it is not. And is the hall ready for it?"""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from live.cli.venue.checks import Check
+
+
+def check(
+    patch: Annotated[str | None, typer.Argument(help="A patch. Default: the first show.")] = None,
+    steps: Annotated[
+        Path | None, typer.Option(help="Check it with the recordings of this folder.", file_okay=False)
+    ] = None,
+    venue: Annotated[
+        str | None, typer.Option(help="And the hall: its devices, ports, monitors, disk space.", metavar="NAME")
+    ] = None,
+    osc: Annotated[str, typer.Option(help="Where the show will receive OSC.", metavar="HOST:PORT")] = "127.0.0.1:9010",
+    as_json: Annotated[bool, typer.Option("--json", help="All that --venue looks at, as one JSON object.")] = False,
+) -> None:
+    """Check a patch with its steps and music, without playing it; with --venue all that a show needs there.
+
+    Exit 1 if something that is needed is missing.
+    """
+    from rich.console import Console
+
+    from live.app.kernel_warmup import warm_kernels
+    from live.base.errors import PersonError
+    from live.show.patch.patch_search_path import find_patch
+
+    find_patch(patch)  # a name that nobody knows is told before seconds of loading
+    warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
+    from live.app.session_sound import choose_sound
+    from live.app.wish import Wish
+    from live.rehearse.all_doubts import all_doubts
+
+    wish = Wish(patch=patch, steps=steps, venue=venue)
+    hall = wish.read_venue()
+    loaded = wish.load()
+    show = loaded.start()
+    if venue is not None or as_json:
+        from live.app.option_values import parse_endpoint
+        from live.cli.inspect.before_doors import all_before_doors
+
+        _tell(all_before_doors(loaded, show, hall, parse_endpoint(osc), venue), as_json=as_json)
+        return
+    choose_sound(wish, loaded)
+    loaded.scene()
+    library, graph = loaded.graph.library, loaded.graph
+    console = Console(highlight=False)
+    if graph.missing:
+        raise PersonError("; ".join(graph.missing), "raise locomotion.threshold_m, or change those steps' ends")
+    for note in (words for doubts in all_doubts(show) for words in doubts.words):
+        console.print(f"note: {note}", style="yellow", soft_wrap=True, markup=False)
+    console.print(
+        f"ok {loaded.path}: {loaded.patch.name!r}, {loaded.patch.dancer_count} dancers in "
+        f"{len(loaded.patch.group)} groups, {len(library.steps)} steps, {library.node_count} measures, "
+        f"{graph.edge_count} transitions",
+        style="green",
+        soft_wrap=True,
+        markup=False,
+    )
+
+
+def _tell(checks: "list[Check]", *, as_json: bool) -> None:
+    """The table, or JSON; exit 1 if something that is needed is missing."""
+    import json
+    from dataclasses import asdict
+
+    ready = not any(check.needed and check.state != "ok" for check in checks)
+    if as_json:
+        print(json.dumps({"ready": ready, "checks": [asdict(check) for check in checks]}))
+        raise typer.Exit(0 if ready else 1)
+    from rich.console import Console
+
+    from live.cli.venue.doctor import table_of
+
+    console = Console(highlight=False)
+    console.print(table_of(checks))
+    limited = sum(check.state == "limited" for check in checks)
+    if not ready:
+        console.print("[red]Doors stay shut:[/] do what the last column says.")
+    else:
+        console.print("[green]Doors may open[/]" + (f", with {limited} limits." if limited else "."))
+    raise typer.Exit(0 if ready else 1)

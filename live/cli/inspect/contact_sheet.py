@@ -1,0 +1,136 @@
+"""`live contact-sheet`: a whole show as one picture."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from live.base.stage_snapshot import StageView
+    from live.cli.inspect.sheet_moments import Taken
+    from live.show.core import Show
+    from live.show.load import LoadedShow
+
+PICTURES = 24
+"""Pictures of a sheet, nearly, if nobody says how many measures lie between them."""
+
+
+def contact_sheet(
+    show: Annotated[str, typer.Argument(help="A journal, or a patch.", metavar="JOURNAL|PATCH")],
+    out: Annotated[Path, typer.Option(help="The picture to write.", metavar="FILE.png")],
+    every: Annotated[
+        int | None, typer.Option(min=1, help="A picture of every so many measures. Default: some two dozen in all.")
+    ] = None,
+    columns: Annotated[int, typer.Option(min=1, max=24, help="Pictures in a row.")] = 4,
+    width: Annotated[int, typer.Option(min=160, max=1920, help="Width of each picture in pixels.")] = 480,
+    seconds: Annotated[
+        float | None, typer.Option(help="Length of a patch's show. Default: the music's, the score's, or 60 s.")
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(min=0, max=2**31 - 1, help="Seed of all chance in a patch's show.")
+    ] = None,
+    light: Annotated[bool, typer.Option("--light", help="Dark on light, for paper.")] = False,
+    fine: Annotated[bool, typer.Option("--fine", help="Draw as a graphics card would even without one.")] = False,
+) -> None:
+    """Draw a contact sheet: pictures of a show with measure, section, cue, and what each group dances."""
+    import contextlib
+    from dataclasses import replace
+
+    from rich.console import Console
+
+    from live.app.kernel_warmup import warm_kernels
+    from live.app.option_values import parse_number, writable_file
+    from live.base.errors import PersonError
+
+    parse_number(seconds, "--seconds", 1.0, 86400)
+    writable_file(out, "--out")
+    if out.suffix.lower() not in (".png", ".jpg"):
+        raise PersonError(f"--out {out}: a picture's name ends in .png or .jpg", f"--out {out.with_suffix('.png')}")
+    console = Console(stderr=True, highlight=False)
+    warm_kernels(console)  # before anything is imported that has kernels
+    from live.app.film_show import canvas
+    from live.app.wish import Wish
+    from live.cli.pictures.sheet_picture import DARK, LIGHT, TALLEST, Sheet
+
+    size = (width, round(width * 9 / 16))
+    wish = Wish(patch=show, seed=seed, size=size)
+    journal = Path(show).is_file() and Path(show).suffix.lower() != ".toml"
+    loaded, moments = _of_journal(Path(show), every) if journal else _of_patch(wish, seconds, every)
+    sheet = Sheet(size, columns, LIGHT if light else DARK)
+    pictures = []
+    with contextlib.ExitStack() as stack:
+        target, renderer = canvas(stack, replace(wish, size=size), loaded, fine)
+        for view, taken in moments:
+            renderer.draw(view, target.framebuffer)
+            if taken is not None:
+                pictures.append((target.read().copy(), taken))
+                console.print(f"measure {taken.measure}", end="\r")
+                if sheet.measures(len(pictures))[1] > TALLEST:
+                    raise PersonError(
+                        f"{len(pictures)} pictures are too many for a sheet", "--every with more measures, or --columns"
+                    )
+    if not pictures:
+        raise PersonError(f"{show}: no measure of it is long enough for a picture", "more --seconds")
+    last = pictures[-1][1]
+    told = f"to measure {last.measure}   {int(last.seconds) // 60}:{int(last.seconds) % 60:02d}"
+    drawn = sheet.draw(pictures, loaded.patch.name, told)
+    try:
+        drawn.save(out)
+    except OSError as error:
+        raise PersonError(f"--out {out}: it cannot be written: {error.strerror or error}") from None
+    console.print(f"{len(pictures)} pictures: {out.resolve()}", soft_wrap=True, markup=False)
+
+
+def _of_journal(path: Path, every: int | None) -> "tuple[LoadedShow, Iterator[tuple[StageView, Taken | None]]]":
+    from dataclasses import replace
+
+    from live.base.errors import PersonError
+    from live.cli.inspect.sheet_moments import measures_of, moments_of_journal
+    from live.show.journal.journal_reading import JournalError, read_journal
+    from live.show.journal.replay import ReplayError, Replaying
+    from live.show.journal.replay_start import loaded_by, start_before
+
+    try:
+        journal = read_journal(path)
+        loaded = loaded_by(journal)
+        start = start_before(journal, loaded, 1, [])
+    except (JournalError, ReplayError) as error:
+        raise PersonError(str(error)) from None
+    running = Replaying(start.show, journal.usable(), tick=start.tick, compare=False)
+    moments = moments_of_journal(running, every or _apart(measures_of(journal)))
+    return replace(loaded, patch=start.show.patch), moments
+
+
+def _of_patch(
+    wish: Any, seconds: float | None, every: int | None
+) -> "tuple[LoadedShow, Iterator[tuple[StageView, Taken | None]]]":
+    from live.app.session_sound import choose_sound
+    from live.app.starting_tempo import start_tempo
+    from live.base.errors import PersonError
+    from live.cli.inspect.sheet_moments import moments_of_patch
+
+    loaded = wish.load()
+    sound = choose_sound(wish, loaded)
+    if sound.device is not None:
+        raise PersonError(f"{wish.patch}: it listens to a device; a journal of it can be drawn")
+    show = loaded.start(seed=wish.seed, tempo=start_tempo(wish, loaded, sound))
+    measure = show.timeline.beats_per_measure * 60.0 / show.timeline.tempo
+    length = seconds or (sound.music.duration if sound.music is not None else _written(show, measure))
+    every = every or _apart(round(length / measure))
+    return loaded, moments_of_patch(loaded, show, sound, length, every)
+
+
+def _written(show: "Show", measure: float) -> float:
+    """How long the score is [s] if its measures are; a minute where it has no end."""
+    length = show.playhead.length
+    return 60.0 if length is None else length * measure
+
+
+def _apart(measures: int) -> int:
+    """Measures between two pictures of some two dozen: 1, 2, 4, 8 ..."""
+    every = 1
+    while measures / every > PICTURES:
+        every *= 2
+    return every

@@ -1,0 +1,246 @@
+"""`live formation SPEC`: a formation seen from above, and the ways into it."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    from live.agents.formations.formation import Formation
+    from live.agents.formations.spec import FormationSpec
+    from live.agents.formations.stage_fit import StageFit
+
+LARGEST_FILE = 2_000_000
+DEFAULT_DANCERS = 24
+
+
+def formation(
+    spec: Annotated[
+        str,
+        typer.Argument(
+            help="circle, line, star:6, 'circle poisson', text:LIVE, svg:FILE.svg, or a TOML or JSON file "
+            "(FILE.toml:NAME takes one of several).",
+            metavar="SPEC",
+        ),
+    ],
+    svg: Annotated[
+        Path | None, typer.Option(help="Draw it, seen from above, the public below.", metavar="OUT.svg")
+    ] = None,
+    dancers: Annotated[
+        int | None, typer.Option(help=f"How many. Default: what SPEC says, or {DEFAULT_DANCERS}.")
+    ] = None,
+    from_: Annotated[
+        str | None, typer.Option("--from", help="Draw the ways from this formation, too.", metavar="SPEC2")
+    ] = None,
+    stage: Annotated[str, typer.Option(help="Width and depth of the stage in metres.", metavar="WxD")] = "12x8",
+    seed: Annotated[int, typer.Option(help="Seed of all chance.")] = 1,
+    as_json: Annotated[bool, typer.Option("--json", help="Print places, distances and warnings as JSON.")] = False,
+) -> None:
+    """Draw a formation with its dancers, and who goes where into it; say whether it fits the stage.
+
+    Ways are straight, matched so that the squared distances are least: dancers who leave together never collide if
+    all places are more than 0.71 m apart.
+    """
+    from rich.console import Console
+
+    from live.agents.formations.formation import formation_of
+    from live.agents.formations.stage_fit import fit_stage
+    from live.app.option_values import parse_number
+    from live.base.errors import PersonError
+
+    parse_number(dancers, "--dancers", 0, 4000)
+    if not 0 <= seed < 2**31:
+        raise PersonError(f"--seed {seed}: 0 to {2**31 - 1} expected")
+    floor = _parse_stage(stage)
+    wished = read_spec(spec)
+    count = dancers if dancers is not None else _own_count(wished)
+    made = formation_of(wished, count, seed)
+    before = None if from_ is None else formation_of(read_spec(from_), count, seed)
+    slot = None if before is None else _who_goes_where(before, made)
+    fit = fit_stage(made, *floor)
+    if svg is not None:
+        _write_svg(svg, made, floor, fit, before, slot, spec)
+    if as_json:
+        print(json.dumps(_as_json(made, fit, floor, before, slot)))
+        return
+    console = Console(highlight=False)
+    for line in _described(made, fit, floor, svg):
+        console.print(line, soft_wrap=True, markup=False)
+
+
+def read_spec(words: str) -> "FormationSpec":
+    """The spec that a file or short words say; PersonError if they say none."""
+    from live.agents.formations.formation_notation import spec_from_words
+    from live.agents.formations.spec_table import spec_from_table
+    from live.agents.formations.svg_import import svg_file_paths
+
+    if words.startswith("svg:"):
+        path = Path(words.removeprefix("svg:"))
+        table = {"shape": "path", "path": list(svg_file_paths(_read(path), str(path))), "name": path.stem[:64]}
+        return spec_from_table(table, str(path))
+    _, _, wanted = words.partition(".toml:") if ".toml:" in words else words.partition(".json:")
+    path = Path(words) if not wanted else Path(words[: -len(wanted) - 1])
+    if path.suffix.lower() in (".toml", ".json"):
+        return spec_from_table(_table_of(path, wanted), str(path))
+    if path.suffix.lower() == ".svg":
+        return read_spec(f"svg:{words}")
+    return spec_from_words(words)
+
+
+def _table_of(path: Path, wanted: str) -> "dict[str, Any]":
+    """The formation in a file: its own keys, a table [formation], or one of several [[formation]] by name."""
+    import tomllib
+
+    from live.base.errors import PersonError
+    from live.base.toml_lines import error_line
+    from live.base.toml_remedy import toml_remedy
+
+    text = _read(path)
+    try:
+        content = tomllib.loads(text) if path.suffix.lower() == ".toml" else json.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        line = error_line(str(error), text)
+        raise PersonError(f"{path}, line {line}: {error}", toml_remedy(str(error), text, line)) from None
+    except (ValueError, RecursionError) as error:
+        raise PersonError(f"{path}: not JSON: {str(error)[:100]}") from None
+    if not isinstance(content, dict):
+        raise PersonError(f"{path}: a table expected", 'such as {"shape": "star"}')
+    found = content.get("formation", content)
+    if isinstance(found, dict):
+        return found
+    tables = [each for each in found if isinstance(each, dict)] if isinstance(found, list) else []
+    names = [str(each.get("name", "")) for each in tables]
+    if not tables:
+        raise PersonError(f"{path}: no formation in it", 'such as [[formation]] name = "gate" shape = "arc"')
+    if wanted:
+        if wanted not in names:
+            raise PersonError(f"{path}: no formation is called {wanted!r}; there are: {', '.join(names)}")
+        return tables[names.index(wanted)]
+    if len(tables) > 1:
+        raise PersonError(f"{path}: has {len(tables)} formations", f"say which: {path}:{names[0]}")
+    return tables[0]
+
+
+def _read(path: Path) -> str:
+    from live.base.errors import PersonError
+
+    try:
+        if path.stat().st_size > LARGEST_FILE:
+            raise PersonError(f"{path}: larger than {LARGEST_FILE // 1_000_000} MB")
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise PersonError(f"{path}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise PersonError(f"{path}: not a text in UTF-8") from None
+
+
+def _parse_stage(text: str) -> tuple[float, float]:
+    from live.base.errors import PersonError
+
+    try:
+        width, depth = (float(each) for each in text.lower().replace("×", "x").split("x"))
+    except ValueError:
+        width = depth = 0.0
+    if not (2 <= width <= 200 and 2 <= depth <= 200):
+        raise PersonError(f"--stage {text!r}: width and depth from 2 to 200 m expected", "--stage 12x8")
+    return width, depth
+
+
+def _own_count(spec: "FormationSpec") -> int:
+    """As many dancers as the spec has places for, so that nobody is over."""
+    from live.agents.formations.formation import formation_of
+
+    if spec.count is None and spec.density is None and spec.spacing is None:
+        return DEFAULT_DANCERS
+    return len(formation_of(spec, 0, 0).slots)
+
+
+def _who_goes_where(before: "Formation", after: "Formation") -> "npt.NDArray[np.int32]":
+    """The place in `after` of the dancer on each place of `before`, -1 for none."""
+    from live.agents.evolutions.matching import assign
+
+    return assign(before.slots, after.slots)
+
+
+def _write_svg(
+    to: Path,
+    made: "Formation",
+    floor: tuple[float, float],
+    fit: "StageFit",
+    before: "Formation | None",
+    slot: "npt.NDArray[np.int32] | None",
+    spec: str,
+) -> None:
+    from live.agents.evolutions.paths import straight
+    from live.app.option_values import writable_file
+    from live.app.whole_file import write_whole
+    from live.base.errors import PersonError
+    from live.cli.pictures.formation_picture import draw_formation
+
+    if to.suffix.lower() != ".svg":
+        raise PersonError(f"--svg {to}: a name that ends in .svg expected", f"--svg {to.stem or 'formation'}.svg")
+    writable_file(to, "--svg")
+    ways: Any = ()
+    if before is not None and slot is not None:
+        goes = slot >= 0
+        ways = straight(before.slots[goes], made.slots[slot[goes]])
+    lines = _described(made, fit, floor, None)
+    text = draw_formation(
+        made, floor, ways=ways, outside=fit.outside, title=made.name or spec, under="\n".join(lines[:2])
+    )
+    write_whole(text.encode(), to, "--svg")
+
+
+def _described(made: "Formation", fit: "StageFit", floor: tuple[float, float], svg: Path | None) -> list[str]:
+    low_x, low_z, high_x, high_z = made.extent()
+    lines = [f"{len(made.slots)} places on {high_x - low_x:.1f} x {high_z - low_z:.1f} m"]
+    if len(made.slots) > 1:
+        lines[0] += f", neighbours at least {made.closest:.2f} m apart"
+    if not fit.fits:
+        size = f"{floor[0]:g} x {floor[1]:g} m"
+        lines.append(f"warning: {len(fit.outside)} places are not on the stage of {size}: {fit.remedy}")
+    lines += [f"warning: {each}" for each in made.warnings]
+    if svg is not None:
+        lines.append(f"{svg}: drawn")
+    return lines
+
+
+def _as_json(
+    made: "Formation",
+    fit: "StageFit",
+    floor: tuple[float, float],
+    before: "Formation | None",
+    slot: "npt.NDArray[np.int32] | None",
+) -> "dict[str, Any]":
+    """Points are [x, z] in metres, headings radians, sections from 1 (null: none), places from 1 in the order here."""
+    import numpy as np
+
+    report: dict[str, Any] = {
+        "name": made.name,
+        "slots": [[round(float(x), 6), round(float(z), 6)] for x, z in made.slots],
+        "heading": [round(float(each), 6) for each in made.heading],
+        "section": [int(each) + 1 if each >= 0 else None for each in made.section],
+        "soloist": [bool(each) for each in made.soloist],
+        "min_distance_m": round(made.closest, 6) if len(made.slots) > 1 else None,
+        "waiting": made.waiting,
+        "empty": made.empty,
+        "stage": list(floor),
+        "fits": fit.fits,
+        "outside": [each + 1 for each in fit.outside],
+        "remedy": fit.remedy or None,
+        "warnings": list(made.warnings),
+    }
+    if before is not None and slot is not None:
+        goes = slot >= 0
+        length = np.hypot(*(before.slots[goes] - made.slots[slot[goes]]).T)
+        report["from"] = {
+            "slots": [[round(float(x), 6), round(float(z), 6)] for x, z in before.slots],
+            "to": [int(each) + 1 if each >= 0 else None for each in slot],
+            "longest_m": round(float(length.max(initial=0.0)), 6),
+            "total_m": round(float(length.sum()), 6),
+        }
+    return report

@@ -1,0 +1,209 @@
+"""`live journal show | diff | export`: what is in a journal."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from live.show.journal.journal_reading import Journal
+    from live.show.journal.journal_survey import Survey
+
+app = typer.Typer(
+    help="Read the journal of a show: what happened, where two differ, as MIDI or CSV.", no_args_is_help=True
+)
+FILE = Annotated[Path, typer.Argument(help="A journal written by --journal.")]
+
+
+def _read(path: Path) -> "Journal":
+    from live.base.errors import PersonError
+    from live.show.journal.journal_reading import JournalError, read_journal
+
+    try:
+        return read_journal(path)
+    except JournalError as error:
+        raise PersonError(str(error)) from None
+
+
+@app.command("show")
+def show(
+    journal: FILE,
+    picture: Annotated[Path | None, typer.Option(help="Draw the timeline.", metavar="OUT.svg|OUT.png")] = None,
+    events: Annotated[bool, typer.Option("--events", help="List every event as well.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the figures as JSON.")] = False,
+) -> None:
+    """How long, how many measures, which events from whom, and what is damaged."""
+    import json
+
+    from rich.console import Console
+
+    from live.app.whole_file import write_whole
+    from live.base.errors import PersonError
+    from live.cli.pictures.journal_picture import draw_journal, size_of
+    from live.cli.pictures.reach_picture import PngCanvas, SvgCanvas
+    from live.show.journal.journal_survey import survey
+
+    if picture is not None and picture.suffix.lower() not in (".svg", ".png"):
+        raise PersonError(f"--picture {picture}: a name that ends in .svg or .png expected")
+    recorded = _read(journal)
+    found = survey(recorded)
+    if picture is not None:
+        size = size_of(found)
+        canvas = SvgCanvas(size) if picture.suffix.lower() == ".svg" else PngCanvas(size)
+        draw_journal(found, canvas)
+        write_whole(canvas.data(), picture, "--picture")
+    if as_json:
+        print(json.dumps(_facts(found)))
+        return
+    console = Console(highlight=False)
+    if events:
+        _list(recorded, console)
+    _tell(found, console)
+
+
+def _facts(found: "Survey") -> dict[str, Any]:
+    from live.show.journal.journal_file import read_snapshots
+    from live.show.journal.replay_start import snapshots_of
+    from live.show.state.snapshot import facts_of
+
+    header, problems = found.journal.header, list(found.problems)
+    path = snapshots_of(found.journal)
+    measures = [facts_of(data)["measure"] for data in read_snapshots(path, problems)]
+    tempo = [bpm for _, bpm in found.tempo()]
+    return {
+        "journal": str(found.journal.path),
+        "format": header.get("journal"),
+        "version": header.get("version"),
+        "show": found.journal.patch.get("name"),
+        "seed": header.get("seed"),
+        "complete": found.journal.complete,
+        "seconds": found.seconds,
+        "skipped_ticks": found.skipped,
+        "measures": len(found.measure),
+        "bpm": [min(tempo), max(tempo)] if tempo else None,
+        "events": [{"source": s, "type": t, "count": n} for (s, t), n in found.counts.most_common()],
+        "bytes": found.journal.path.stat().st_size,
+        "snapshots": {"measures": measures, "bytes": path.stat().st_size if path.is_file() else 0},
+        "damaged": found.damaged,
+        "problems": problems,
+    }
+
+
+def _tell(found: "Survey", console: Any) -> None:
+    from rich.table import Table
+
+    facts = _facts(found)
+    end = "" if facts["complete"] else " (cut off)"
+    tempo = "" if facts["bpm"] is None else ", {:.1f} to {:.1f} bpm".format(*facts["bpm"])
+    console.print(
+        f"{facts['show']}, seed {facts['seed']}, format {facts['format']} of version {facts['version']}: "
+        f"{facts['seconds'] / 60:.1f} min{end}, {facts['measures']} measures{tempo}",
+        markup=False,
+    )
+    kept = facts["snapshots"]
+    console.print(
+        f"{facts['bytes'] / 1e6:.2f} MB, {len(kept['measures'])} snapshots in {kept['bytes'] / 1e6:.2f} MB; "
+        f"{facts['skipped_ticks']} ticks left out in stalls"
+    )
+    table = Table("source", "event", "count")
+    for row in facts["events"]:
+        table.add_row(row["source"], row["type"], str(row["count"]))
+    console.print(table)
+    for problem in facts["problems"][:20]:
+        console.print(problem, style="yellow", markup=False, soft_wrap=True)
+    if len(facts["problems"]) > 20:
+        console.print(f"and {found.damaged - 20} more damaged lines", style="yellow")
+
+
+def _list(journal: "Journal", console: Any) -> None:
+    from live.clock.ticks import TICK
+    from live.control.events.event_json import event_to_json
+
+    measure = 1
+    for line in journal.usable():
+        if line.measure is not None:
+            measure = line.measure
+        if line.event is None:
+            continue
+        values = event_to_json(line.event)
+        kind, source = values.pop("type"), values.pop("source")
+        del values["time"]
+        told = " ".join(f"{key}={value}" for key, value in values.items())
+        console.print(
+            f"{line.tick * TICK:9.2f} s  m{measure:<5} {source:10} {kind} {told}", markup=False, soft_wrap=True
+        )
+
+
+@app.command("diff")
+def diff(
+    first: FILE,
+    second: Annotated[Path, typer.Argument(help="Another one.")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
+) -> None:
+    """Where two journals part: the first event and the first state that differ. Exit 1 if there are any."""
+    import json
+
+    from rich.console import Console
+
+    from live.show.journal.journal_diff import differences
+
+    found = differences(_read(first), _read(second))
+    if as_json:
+        facts = {
+            "header": list(found.header),
+            "event": None if found.event is None else found.event.as_json(),
+            "state": None if found.state is None else found.state.as_json(),
+            "events": list(found.events),
+            "measures": list(found.measures),
+        }
+        print(json.dumps(facts))
+    else:
+        console = Console(highlight=False, soft_wrap=True)
+        if found.none:
+            console.print(f"the same show: {found.events[0]} events, {found.measures[0]} measures")
+        if found.header:
+            console.print(f"begun differently: {', '.join(found.header)}", markup=False)
+        if found.event is not None:
+            console.print(f"first other event ({found.events[0]} | {found.events[1]} in all):")
+            console.print(f"  {found.event.in_words()}", markup=False)
+        if found.state is not None:
+            console.print(f"first other state ({found.measures[0]} | {found.measures[1]} measures):")
+            console.print(f"  {found.state.in_words()}", markup=False)
+    if not found.none:
+        raise typer.Exit(1)
+
+
+@app.command("export")
+def export(
+    journal: FILE,
+    out: Annotated[
+        Path, typer.Argument(help="A MIDI file (beats, markers, steps) or a table.", metavar="OUT.mid|OUT.csv")
+    ],
+) -> None:
+    """As a MIDI file (the show is run once more for it), or as a table with a row for each event and measure."""
+    from rich.console import Console
+
+    from live.app.option_values import writable_file
+    from live.app.whole_file import write_whole
+    from live.base.errors import PersonError
+
+    kind = out.suffix.lower()
+    if kind not in (".mid", ".midi", ".csv"):
+        raise PersonError(f"{out}: a name that ends in .mid or .csv expected", f"{out.stem}.mid")
+    writable_file(out, "OUT")
+    recorded = _read(journal)
+    if kind == ".csv":
+        from live.cli.inspect.journal_table import write_table
+
+        write_table(recorded, out)
+        return
+    from live.app.kernel_warmup import warm_kernels
+    from live.cli.inspect.journal_midi import midi_of
+    from live.show.journal.replay_start import ReplayError, first_start, loaded_by
+
+    warm_kernels(Console(stderr=True))
+    try:
+        start = first_start(recorded, loaded_by(recorded))
+    except ReplayError as error:
+        raise PersonError(str(error)) from None
+    write_whole(midi_of(recorded, start), out, "OUT")

@@ -1,0 +1,124 @@
+"""A journal as a MIDI file: the beat as its tempo track, what was done as markers, what was danced as notes."""
+
+import io
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import mido
+import numpy as np
+
+from live.clock.ticks import TICK
+from live.control.events.audio import MusicHeard
+from live.control.events.event_json import event_to_json
+from live.control.events.events import BeatHeard, MocapFrame, NotesHeard, TrackerMoved
+from live.show.journal.journal_reading import Journal, JournalLine
+from live.show.journal.replay import Replaying
+from live.show.journal.replay_start import Start
+
+PULSES: Final = 480
+"""Pulses of a quarter note, which is a beat."""
+LOWEST: Final = 36
+"""The note of the first step of the library; the others follow."""
+HEARD: Final = (BeatHeard, MusicHeard, NotesHeard, MocapFrame, TrackerMoved)
+"""What sources say all the time is no marker."""
+Message = tuple[int, Any]
+
+
+@dataclass(slots=True)
+class _Score:
+    """What a run of the show tells, by pulses since its first measure."""
+
+    tempo: list[Message] = field(default_factory=list)
+    markers: list[Message] = field(default_factory=list)
+    groups: dict[int, list[tuple[int, int, int]]] = field(default_factory=dict)
+    """For each group: first and last pulse, and step."""
+
+
+def midi_of(journal: Journal, start: Start) -> bytes:
+    """Run the show through its journal once more and write down its measures, events and steps.
+
+    A measure's tempo is the one it had from its first to its last beat; within it the file's beats are even.
+    """
+    score = _Score()
+    show, origin = start.show, start.tick * TICK
+    waiting: list[JournalLine] = []
+    running = Replaying(show, _noting(journal, waiting), tick=start.tick, compare=False)
+    begun, pulse = show.timeline.beat_at(origin), 0
+    while not running.over and running.damaged is None:
+        number, line = show.span.number, show.span.end
+        running.advance(running.tick + 1)
+        if show.span.number == number and not running.over:
+            continue
+        beat = show.timeline.beat_at(show.time) if show.span.number == number else line
+        time = max(show.timeline.time_at(beat), origin + 1e-3)
+        beats = max(1, round(beat - begun))
+        _add_measure(score, pulse, beats, time - origin)
+        over = [line for line in waiting if line.tick <= running.tick]
+        del waiting[: len(over)]  # the line after them was read already
+        _add_markers(score, over, pulse, origin, time, beats)
+        _add_steps(score, show, pulse, pulse + beats * PULSES)
+        pulse, begun, origin = pulse + beats * PULSES, beat, time
+    return _file(score, show.patch.name, [group.name for group in show.patch.group], show.graph.library.steps)
+
+
+def _noting(journal: Journal, waiting: list[JournalLine]) -> Any:
+    for line in journal.usable():
+        if line.event is not None and not isinstance(line.event, HEARD):
+            waiting.append(line)
+        yield line
+
+
+def _add_measure(score: _Score, pulse: int, beats: int, seconds: float) -> None:
+    tempo = min(max(round(seconds / beats * 1e6), 1), (1 << 24) - 1)
+    score.tempo.append((pulse, mido.MetaMessage("set_tempo", tempo=tempo)))
+    score.tempo.append((pulse, mido.MetaMessage("time_signature", numerator=beats, denominator=4)))
+
+
+def _add_markers(score: _Score, lines: list[JournalLine], pulse: int, begin: float, end: float, beats: int) -> None:
+    for line in lines:
+        if line.event is None:
+            continue
+        values = event_to_json(line.event)
+        kind, source = values.pop("type"), values.pop("source")
+        share = (values.pop("time") - begin) / max(end - begin, 1e-9)
+        told = " ".join(str(value) for value in values.values() if value not in ("", 0.0, False))
+        text = f"{kind} {told} ({source})".encode("ascii", "replace").decode()[:120]
+        place = pulse + round(min(max(share, 0.0), 1.0) * beats * PULSES)
+        score.markers.append((place, mido.MetaMessage("marker", text=text)))
+
+
+def _add_steps(score: _Score, show: Any, begin: int, end: int) -> None:
+    """The step that most dancers of each group have danced in the measure that is over."""
+    past = show.dancers.past.node
+    for group in range(len(show.patch.group)):
+        node = past[(show.group == group) & (past >= 0)]
+        if len(node):
+            step = int(np.bincount(show.graph.library.node_step[node]).argmax())
+            score.groups.setdefault(group, []).append((begin, end, step))
+
+
+def _file(score: _Score, name: str, groups: list[str], steps: tuple[str, ...]) -> bytes:
+    file = mido.MidiFile(ticks_per_beat=PULSES)
+    file.tracks.append(_track(name, score.tempo))
+    file.tracks.append(_track("events", score.markers))
+    for group, danced in sorted(score.groups.items()):
+        messages: list[Message] = []
+        for begin, end, step in danced:
+            note, channel = min(LOWEST + step, 127), group % 16
+            messages.append((begin, mido.MetaMessage("text", text=steps[step].encode("ascii", "replace").decode())))
+            messages.append((begin, mido.Message("note_on", note=note, channel=channel, velocity=80)))
+            messages.append((end, mido.Message("note_off", note=note, channel=channel)))
+        file.tracks.append(_track(groups[group], messages))
+    out = io.BytesIO()
+    file.save(file=out)
+    return out.getvalue()
+
+
+def _track(name: str, messages: list[Message]) -> Any:
+    """A track with messages at pulses; offs come before what begins at the same pulse."""
+    track = mido.MidiTrack([mido.MetaMessage("track_name", name=name.encode("ascii", "replace").decode())])
+    last = 0
+    for pulse, message in sorted(messages, key=lambda one: (one[0], one[1].type != "note_off")):
+        track.append(message.copy(time=pulse - last))
+        last = pulse
+    return track

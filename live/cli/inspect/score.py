@@ -1,0 +1,91 @@
+"""`live score PATCH`: the timeline of a show, a box for each measure: sections, signals, steps, motion, calls."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from live.show.score.score_sheet import Sheet
+
+
+def score(
+    patch: Annotated[str | None, typer.Argument(help="A patch. Default: the first show.")] = None,
+    svg: Annotated[Path | None, typer.Option(help="Draw it, a box for each measure.", metavar="OUT.svg")] = None,
+    steps: Annotated[Path | None, typer.Option(help="Dance the recordings of this folder.", file_okay=False)] = None,
+    seed: Annotated[int | None, typer.Option(help="Seed of what is improvised. Default: the patch's.")] = None,
+    per_row: Annotated[int, typer.Option("--per-row", help="Measures in a row of the picture.")] = 16,
+    as_json: Annotated[bool, typer.Option("--json", help="Print it as JSON.")] = False,
+) -> None:
+    """Print or draw the score of a patch as it is written, every section once.
+
+    Steps with ~ are drawn by chance: what is danced depends on where dancers are, too. Steps in brackets are the
+    group's own.
+    """
+    from rich.console import Console
+
+    from live.app.kernel_warmup import warm_kernels
+    from live.app.option_values import parse_number
+    from live.show.patch.patch_search_path import find_patch
+
+    find_patch(patch)  # a name that nobody knows is told before seconds of loading
+    warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
+    from live.app.wish import Wish
+    from live.show.score.score_sheet import sheet_of
+
+    parse_number(seed, "--seed", 0, 2**31 - 1)
+    parse_number(per_row, "--per-row", 1, 256)
+    loaded = Wish(patch=patch, steps=steps).load()
+    sheet = sheet_of(loaded.start(seed=seed))
+    if svg is not None:
+        _draw(sheet, svg, per_row, loaded.patch)
+    if as_json:
+        print(json.dumps(sheet.as_json()))
+        return
+    console = Console(highlight=False)
+    for line in described(sheet):
+        console.print(line, soft_wrap=True, markup=False)
+    if svg is not None:
+        console.print(f"{svg}: drawn", soft_wrap=True, markup=False)
+
+
+def described(sheet: "Sheet") -> list[str]:
+    """The sheet in words: under each section what begins with which measure."""
+    lines = []
+    sections = next(track for track in sheet.tracks if track.name == "section")
+    for section in sections.boxes:
+        lines.append(f"{section.words}: measures {section.first + 1} to {section.last + 1}")
+        for track in sheet.tracks:
+            if track is sections:
+                continue
+            words = [
+                f"{box.first + 1}{'' if box.first == box.last else f'-{box.last + 1}'} {_marked(box.words, box.kind)}"
+                for box in track.boxes
+                if section.first <= box.first <= section.last
+            ]
+            if words:
+                lines.append(f"  {track.name:>10}: {', '.join(words)}")
+    return lines
+
+
+def _marked(words: str, kind: str) -> str:
+    return f"~{words}" if kind == "improvised" else f"({words})" if kind == "own" else words
+
+
+def _draw(sheet: "Sheet", to: Path, per_row: int, patch: object) -> None:
+    from live.app.option_values import writable_file
+    from live.app.whole_file import write_whole
+    from live.base.errors import PersonError
+    from live.cli.pictures.score_picture import score_picture
+    from live.show.load import scene_of
+    from live.show.patch.patch import Patch
+
+    assert isinstance(patch, Patch)
+    if to.suffix.lower() != ".svg":
+        raise PersonError(f"--svg {to}: a name that ends in .svg expected", f"--svg {to.stem or 'score'}.svg")
+    writable_file(to, "--svg")
+    colours = [
+        "#" + "".join(f"{round(255 * part):02x}" for part in each) for each in scene_of(patch).look.group_colours
+    ]
+    write_whole(score_picture(sheet, colours, per_row=per_row).encode(), to, "--svg")

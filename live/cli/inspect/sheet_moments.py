@@ -1,0 +1,149 @@
+"""The moments of a contact sheet: a show is run through, and stopped where a picture is taken."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.app.session_sound import Sound, analysis_for
+from live.base.picture import BY_ADDRESS, STYLE_OF_GROUP, of_group
+from live.base.stage_snapshot import StageView
+from live.clock.ticks import TICK
+from live.control.audio.music_file import OfflineMusic
+from live.show.core import Show
+from live.show.journal.journal_reading import Journal
+from live.show.journal.replay import Replaying
+from live.show.load import LoadedShow
+
+WITHIN: Final = 0.55
+"""How far into its measure a picture is taken: on most steps the way is widest open there."""
+TRACE: Final = 2.0
+"""So many beats before it are drawn as well, where something leaves a trace."""
+
+
+@dataclass(frozen=True, slots=True)
+class Taken:
+    """What is told of a picture."""
+
+    measure: int
+    """From 1, as is `beat`."""
+    beat: int
+    seconds: float
+    tempo: float
+    section: str | None
+    cue: str | None
+    """The cue that happened last."""
+    steps: tuple[tuple[tuple[float, float, float], str, str], ...]
+    """Of each group that is on the stage: its colour (linear RGB), its name, what most of it dances."""
+
+
+class Taking:
+    """Says at each tick whether a picture is taken, or drawn only for the traces in a later one."""
+
+    def __init__(self, show: Show, every: int, first: int) -> None:
+        """A picture of measure `first` (from 0) and of each `every` measures after it."""
+        self.show, self._every, self._next = show, every, first
+        self._view = show.view()
+
+    def look(self, time: float) -> tuple[StageView, Taken | None] | None:
+        """At `time` [s], after its tick: the moment to be drawn, with what is told of it if it is taken."""
+        show, beats = self.show, self.show.desk.beats
+        if show.span.number > self._next:
+            self._next += self._every * math.ceil((show.span.number - self._next) / self._every)
+        ahead = (self._next + WITHIN) * beats - show.danced
+        if ahead > TRACE:
+            return None
+        if ahead > 0.0 and (round(time / TICK) % 4 or not self._remembers()):
+            return None
+        show.fill(self._view, time)
+        if ahead > 0.0:
+            return self._view, None
+        self._next += self._every
+        return self._view, self._taken(time)
+
+    def _remembers(self) -> bool:
+        row = self._view.picture
+        if row is None:
+            return True
+        styles = [of_group(STYLE_OF_GROUP + name, group) for name in ("trails", "ribbons") for group in self._groups]
+        return bool(row[BY_ADDRESS["/dance/pass/trails"].first] > 0.0 or any(row[one.first] > 0.0 for one in styles))
+
+    @property
+    def _groups(self) -> range:
+        return range(len(self.show.patch.group))
+
+    def _taken(self, time: float) -> Taken:
+        show, row = self.show, self._view.picture
+        beats = show.timeline.beats_per_measure
+        within = show.danced - show.span.number * show.desk.beats
+        section = show.prompter.facts()["section"]
+        return Taken(
+            show.span.number + 1, min(int(within * beats / show.desk.beats), beats - 1) + 1, time,
+            float(show.follower.tempo), section if len(show.playhead.stretches) > 1 else None,
+            show.desk.facts(show.danced)["cues"]["last"],
+            tuple(
+                (_colour(row, group), show.patch.group[group].name, step)
+                for group in self._groups
+                if (step := self._step(group)) is not None
+            ),
+        )  # fmt: skip
+
+    def _step(self, group: int) -> str | None:
+        """What most of a group dance: a step, or what they answer their leaders with."""
+        library, rows = self.show.graph.library, (self._view.group == group) & self._view.present
+        nodes = self.show.dancers.node[rows]
+        if len(nodes) == 0:
+            return None
+        return self._answer(rows) or str(library.steps[int(np.bincount(library.node_step[nodes]).argmax())])
+
+    def _answer(self, rows: npt.NDArray[np.bool_]) -> str | None:
+        """What most of these dancers answer their leaders with at the moment; None if they dance steps of their own."""
+        answering = self.show.dancers.answering
+        if answering is None or 2 * np.count_nonzero(answering.along.carried & rows) <= np.count_nonzero(rows):
+            return None
+        partners = {answering.asked[pair.partner].name for pair in answering.pairs if rows[pair.follower]}
+        labels = (label for _, partner, label in reversed(answering.leaders.news) if partner in partners)
+        return next(labels, None)
+
+
+def _colour(row: "np.ndarray[tuple[int], np.dtype[np.float64]] | None", group: int) -> tuple[float, float, float]:
+    if row is None:
+        return 0.6, 0.6, 0.6
+    red, green, blue = row[of_group("/dance/group/colour", group).where].tolist()
+    return red, green, blue
+
+
+def moments_of_patch(
+    loaded: LoadedShow, show: Show, sound: Sound, seconds: float, every: int
+) -> Iterator[tuple[StageView, Taken | None]]:
+    """The moments of a show from its beginning, `seconds` long."""
+    music = None
+    if sound.music is not None:
+        one_at = loaded.patch.music.one_at_s if sound.known else None
+        music = OfflineMusic(sound.music, loop=True, one_at=one_at, analysis=analysis_for(loaded, show))
+    taking = Taking(show, every, 0)
+    for tick in range(1, math.ceil(seconds / TICK) + 1):
+        for event in [] if music is None else music.events_until(tick * TICK):
+            show.apply(event)
+        show.tick(tick * TICK)
+        found = taking.look(tick * TICK)
+        if found is not None:
+            yield found
+
+
+def moments_of_journal(running: Replaying, every: int) -> Iterator[tuple[StageView, Taken | None]]:
+    """The moments of what a journal holds, from where the replay stands."""
+    taking = Taking(running.show, every, running.show.span.number)
+    while not running.over and running.damaged is None:
+        running.advance(running.tick + 1)
+        found = taking.look(running.tick * TICK)
+        if found is not None:
+            yield found
+
+
+def measures_of(journal: Journal) -> int:
+    """How many measures it holds, whole ones and the last."""
+    return sum(line.measure is not None for line in journal.usable()) + 1

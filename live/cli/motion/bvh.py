@@ -1,0 +1,128 @@
+"""`live bvh`: what a motion file holds and what is strange about it."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from live.motion.formats.motion_facts import MotionFacts, SourceTracks
+    from live.motion.formats.source_motion import UpAxis
+
+
+def bvh(
+    file: Annotated[Path, typer.Argument(help="A .bvh, .amc, .glb, .gltf, .vrm, .vrma or AMASS .npz file.")],
+    fps: Annotated[float | None, typer.Option(help="Its true frame rate, where the file lies.")] = None,
+    unit: Annotated[float | None, typer.Option(help="Metres per unit.", metavar="METRES")] = None,
+    up: Annotated[str | None, typer.Option(help="The axis that points up.", metavar="Y|Z")] = None,
+    skeleton: Annotated[
+        Path | None, typer.Option(help="FILE.amc: its skeleton. Default: the .asf beside it.", metavar="FILE.asf")
+    ] = None,
+    joints: Annotated[
+        Path | None,
+        typer.Option(help="Write all joints in metres, Y up: names (J,), positions (T, J, 3).", metavar="OUT.npz"),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False,
+) -> None:
+    """Say what a motion file holds: joints, rate, axes, unit, floor, the way it goes, and everything strange."""
+    from live.app.option_values import parse_number, writable_file
+    from live.base.errors import PersonError
+    from live.library.motion_file import read_motion
+    from live.motion.formats.file_error import MotionFileError
+    from live.motion.formats.motion_facts import find_facts
+
+    parse_number(fps, "--fps", 1, 10_000)
+    parse_number(unit, "--unit", 1e-6, 1000)
+    if up is not None and up.upper() not in ("Y", "Z"):
+        raise PersonError(f"--up {up!r}: Y or Z expected")
+    writable_file(joints, "--joints")
+    if joints is not None and joints.suffix.lower() != ".npz":  # a recording named by mistake would be lost
+        raise PersonError(f"--joints {joints}: a name that ends in .npz expected", f"--joints {joints.stem}.npz")
+    if joints is not None and joints.exists() and file.exists() and joints.samefile(file):
+        raise PersonError(f"--joints {joints}: that is the file to be read", "give the new file another name")
+    axis: UpAxis | None = None if up is None else "Z" if up.upper() == "Z" else "Y"
+    try:
+        motion = read_motion(file, skeleton=skeleton, up=axis)
+        facts, tracks = find_facts(motion, fps=fps, unit_m=unit, up=axis)
+    except MotionFileError as error:
+        raise PersonError(str(error)) from None
+    if joints is not None:
+        _write_joints(joints, tracks)
+    if as_json:
+        print(json.dumps(facts_json(facts)))
+        return
+    from rich.console import Console
+
+    Console().print(_table(str(file), facts))
+
+
+def facts_json(facts: "MotionFacts") -> dict[str, Any]:
+    """The object that `--json` prints; a warning is {what}, with `frame` (from 0) or `line` (from 1) if it has one."""
+    from dataclasses import fields
+
+    values = {field.name: getattr(facts, field.name) for field in fields(facts)}
+    values["warnings"] = [
+        {key: value for key, value in (("frame", one.frame), ("line", one.line)) if value is not None}
+        | {"what": one.what}
+        for one in facts.warnings
+    ]
+    return values
+
+
+def _write_joints(path: Path, tracks: "SourceTracks") -> None:
+    import numpy as np
+
+    from live.base.errors import PersonError
+
+    try:
+        with path.open("wb") as out:
+            np.savez(out, names=np.array(tracks.names), positions=tracks.positions)
+    except OSError as error:
+        raise PersonError(f"--joints {path}: cannot be written: {error.strerror}") from None
+
+
+def _table(file: str, facts: "MotionFacts") -> "Table":
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(title=Text(file), title_justify="left", box=None, show_header=False, padding=(0, 2, 0, 0))
+    table.add_column(style="bold", no_wrap=True)
+    table.add_column(overflow="fold")
+    for name, words in _rows(facts):
+        table.add_row(name, Text(words))
+    return table
+
+
+def _rows(facts: "MotionFacts") -> list[tuple[str, str]]:
+    """The facts in words, a line each."""
+
+    def metres(value: float | None) -> str:
+        return "cannot be told" if value is None else f"{value:.3g} m"
+
+    declared = "" if facts.frames == facts.frames_declared else f" (the file says {facts.frames_declared})"
+    header = "" if facts.fps == facts.header_fps else f" (the file says {facts.header_fps:.6g})"
+    offset = {
+        "zero": "none",
+        "add": "to be added to its position channels",
+        "replace": "already in its position channels",
+        None: "cannot be told",
+    }
+    rows = [
+        ("skeleton", f"{facts.joints} joints, {facts.end_sites} ends, {facts.channels} numbers a frame"),
+        ("frames", f"{facts.frames}{declared}, {facts.fps:.6g} a second{header}: {facts.seconds:.2f} s"),
+        ("unit, up axis", f"{metres(facts.unit_m)}, {facts.up or 'cannot be told'}"),
+        ("root offset", offset[facts.root_offset]),
+        ("floor", f"{metres(facts.floor_m)} over zero"),
+        ("body height", metres(facts.height_m)),
+        ("way of the hips", metres(facts.travel_m)),
+    ]
+    rows += [(engine, source or "-") for engine, source in facts.mapped.items()]
+    for one in facts.warnings:
+        place = (
+            f"line {one.line}: " if one.line is not None else f"frame {one.frame}: " if one.frame is not None else ""
+        )
+        rows.append(("warning", place + one.what))
+    return rows

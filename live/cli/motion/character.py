@@ -1,0 +1,104 @@
+"""`live character`: what a model brings along, which of its bones were found, and a picture of it dancing."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from live.render.characters.character import Character
+
+
+def character(
+    file: Annotated[Path, typer.Argument(help="A .glb, .gltf or .vrm file.", metavar="FILE")],
+    out: Annotated[Path | None, typer.Option(help="Draw it dancing into this picture.", metavar="FILE.png")] = None,
+    step: Annotated[str | None, typer.Option(help="The step that it dances there. Default: the first.")] = None,
+    joint: Annotated[
+        list[str] | None, typer.Option(help="A bone whose name does not say it; again for each.", metavar="JOINT=BONE")
+    ] = None,
+    size: Annotated[str, typer.Option(help="Width and height of the picture.", metavar="WxH")] = "1280x720",
+    as_json: Annotated[bool, typer.Option("--json", help="All of it as one JSON object.")] = False,
+) -> None:
+    """Look at a character before it is on the stage: bones, triangles, images, size, licence.
+
+    In a patch it is a [[character]] with this file and, if need be, joints = { JOINT = "BONE" }.
+    """
+    import json
+
+    from rich.console import Console
+
+    from live.app.kernel_warmup import warm_kernels
+    from live.app.option_values import parse_size, writable_file
+    from live.base.character import CharacterFile
+    from live.base.errors import PersonError
+    from live.motion.skeleton import SKELETON
+
+    writable_file(out, "--out")
+    if out is not None and out.suffix.lower() != ".png":
+        raise PersonError(f"--out {out}: a name that ends in .png expected", f"--out {out.stem}.png")
+    console = Console(highlight=False)
+    warm_kernels(Console(stderr=True, highlight=False))
+    from live.render.characters.character import load_character
+
+    said = CharacterFile(file.stem, str(file), tuple(_joint(each, SKELETON.names) for each in joint or ()))
+    loaded = load_character(said)
+    if as_json:
+        print(json.dumps(facts(loaded)))
+    else:
+        for line in _told(loaded):
+            console.print(line, soft_wrap=True, markup=False)
+    if out is not None:
+        from live.cli.pictures.character_picture import draw_character
+
+        draw_character(said, out, step, parse_size(size))
+        if not as_json:
+            console.print(f"the picture is here: {out.resolve()}", soft_wrap=True, markup=False)
+
+
+def _joint(said: str, names: tuple[str, ...]) -> tuple[str, str]:
+    from live.base.errors import PersonError
+
+    joint, _, bone = said.partition("=")
+    if joint.strip() not in names or not bone.strip():
+        raise PersonError(f"--joint {said!r}: JOINT=BONE expected", f"JOINT is one of {', '.join(names)}")
+    return joint.strip(), bone.strip()
+
+
+def facts(loaded: "Character") -> dict[str, Any]:
+    """All that is told of a character, as plain values."""
+    model = loaded.model
+    return {
+        "file": model.file,
+        "kind": model.kind,
+        "bytes": model.size,
+        "height_m": round(loaded.fitted.height, 3),
+        "farthest_joint_m": round(loaded.fitted.moved, 3),
+        "triangles": [len(loaded.levels[level].body.triangle) for level in sorted(loaded.levels, reverse=True)],
+        "triangles_in_file": model.triangle_count,
+        "images": sum(image is not None for image in model.images),
+        "image_pixels": int(loaded.layers.shape[1]),
+        "materials": [material.name for material in model.materials],
+        "joints": {name: None if node is None else model.names[node] for name, node in loaded.joints.items()},
+        "licence": model.licence,
+        "notes": list(model.notes),
+    }
+
+
+def _told(loaded: "Character") -> list[str]:
+    told, model = facts(loaded), loaded.model
+    found = {name: bone for name, bone in told["joints"].items() if bone is not None}
+    missing = [name for name in told["joints"] if name not in found]
+    unit = " (taken for centimetres)" if loaded.fitted.height > 20 else ""
+    lines = [
+        f"{model.file}: {model.kind}, {model.size / 1e6:.1f} MB, {loaded.fitted.height:.2f} high{unit}",
+        f"  triangles: {told['triangles_in_file']}, drawn with {', '.join(map(str, told['triangles']))} "
+        "(near, light, far and shadows)",
+        f"  images: {told['images']}, drawn at {told['image_pixels']} x {told['image_pixels']} pixels",
+        f"  materials: {', '.join(told['materials']) or 'none'}",
+        f"  bones: {len(found)} of {len(told['joints'])} joints found"
+        + (f"; without {', '.join(missing)}, which are made up" if missing else ""),
+        "    " + ", ".join(f"{name} = {bone}" for name, bone in found.items()),
+        f"  proportions: a joint lies {told['farthest_joint_m'] * 100:.0f} cm from the dancer's at most",
+    ]
+    lines += [f"  {words}: {said}" for words, said in model.licence.items()] or ["  licence: the file says nothing"]
+    return lines + [f"  note: {note}" for note in model.notes]

@@ -1,0 +1,207 @@
+"""`live export`: engine motion out again, as BVH or glTF for Blender, as .vrma for VRM avatars."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from live.motion.clip import Clip
+    from live.motion.formats.source_motion import UpAxis
+    from live.motion.step_clip import StepClip
+
+ENDINGS = (".bvh", ".glb", ".vrma")
+KNOWN_STEPS_SHOWN = 12
+
+
+def export(
+    source: Annotated[str, typer.Argument(help="A motion file, or the name of a step.", metavar="FILE|STEP")],
+    to: Annotated[Path, typer.Option(help="The file to write.", metavar="OUT.bvh|OUT.glb|OUT.vrma")],
+    rate: Annotated[
+        str, typer.Option(help="Frames per second; 'source' keeps those of the file, one to one.", metavar="HZ|source")
+    ] = "60",
+    force: Annotated[bool, typer.Option("--force", help="Write over OUT if it is there.")] = False,
+    fps: Annotated[float | None, typer.Option(help="FILE: its true frame rate, where its header lies.")] = None,
+    unit: Annotated[float | None, typer.Option(help="FILE: metres per unit, to have its size checked.")] = None,
+    up: Annotated[str | None, typer.Option(help="FILE: the axis that points up.", metavar="Y|Z")] = None,
+    skeleton: Annotated[
+        Path | None, typer.Option(help="FILE.amc: its skeleton. Default: the .asf beside it.", metavar="FILE.asf")
+    ] = None,
+    drop_frames: Annotated[int | None, typer.Option(help="FILE: leave out so many frames at its start.")] = None,
+    library: Annotated[
+        Path | None,
+        typer.Option(help="STEP: the folder it is in. Default: your own, and the project's.", metavar="DIR"),
+    ] = None,
+    variation: Annotated[int | None, typer.Option(help="STEP: which of its variations, from 1.")] = None,
+    measures: Annotated[int | None, typer.Option(help="STEP: only its first measures. Default: all.")] = None,
+) -> None:
+    """Write a recording or a step as a BVH, GLB or VRMA file: the engine's skeleton, the same poses.
+
+    A recording is brought onto the engine's skeleton first; a step is written at its own tempo, from its first beat
+    to the end of its last measure. BVH: centimetres, Y up, ZXY. GLB: metres, Y up, opens in Blender and VRM tools.
+    """
+    from rich.console import Console
+
+    from live.app.option_values import parse_number
+    from live.base.errors import PersonError
+
+    hertz = _parse_rate(rate)
+    parse_number(fps, "--fps", 1, 10_000)
+    parse_number(unit, "--unit", 1e-6, 1000)
+    if up is not None and up.upper() not in ("Y", "Z"):
+        raise PersonError(f"--up {up!r}: Y or Z expected")
+    _check_target(to, source, force=force)
+    for_files = {"--fps": fps, "--unit": unit, "--up": up, "--skeleton": skeleton, "--drop-frames": drop_frames}
+    for_steps = {"--library": library, "--variation": variation, "--measures": measures}
+    if _is_file(source):
+        _refuse_options(for_steps, source, "a file; that option is for steps")
+        clip = _retargeted(Path(source), hertz, fps, unit, up, skeleton, drop_frames)
+    else:
+        _refuse_options(for_files, source, "a step; that option is for files")
+        clip = _step(source, hertz, library, variation, measures)
+    size = _write(clip, to)
+    Console(highlight=False).print(
+        f"{to}: {clip.sample_count} frames, {clip.sample_rate:g} per second, {clip.seconds:.2f} s, {size} bytes",
+        soft_wrap=True,
+        markup=False,
+    )
+
+
+def _parse_rate(text: str) -> float | None:
+    """Frames per second; None keeps the source's."""
+    from live.base.errors import PersonError
+
+    if text.strip().lower() == "source":
+        return None
+    try:
+        hertz = float(text)
+    except ValueError:
+        hertz = 0.0
+    if not 1.0 <= hertz <= 1000.0:
+        raise PersonError(f"--rate {text!r}: 1 to 1000 frames per second expected, or source", "--rate 60")
+    return hertz
+
+
+def _check_target(to: Path, source: str, *, force: bool) -> None:
+    from live.app.option_values import writable_file
+    from live.base.errors import PersonError
+
+    if to.suffix.lower() not in ENDINGS:
+        raise PersonError(f"--to {to}: a name that ends in {', '.join(ENDINGS)} expected", f"--to {to.stem}.glb")
+    writable_file(to, "--to")
+    if not to.exists():
+        return
+    if _is_file(source) and Path(source).exists() and to.samefile(source):
+        raise PersonError(f"--to {to}: that is the file to be read", "give the new file another name")
+    if not force:
+        raise PersonError(f"--to {to}: the file is there already", "give another name, or --force to write over it")
+
+
+def _is_file(source: str) -> bool:
+    """Whether the source is the name of a file, there or not, and not that of a step."""
+    from live.library.motion_file import MOTION_ENDINGS
+    from live.show.patch.patch_search_path import is_file
+
+    path = Path(source)
+    return is_file(path) or path.suffix.lower() in (*MOTION_ENDINGS, ".fbx", ".c3d") or "/" in source
+
+
+def _refuse_options(options: "Mapping[str, object]", source: str, words: str) -> None:
+    from live.base.errors import PersonError
+
+    given = [name for name, value in options.items() if value is not None]
+    if given:
+        raise PersonError(f"{given[0]}: {source!r} is {words}", f"leave {' and '.join(given)} out")
+
+
+def _retargeted(
+    path: Path,
+    hertz: float | None,
+    fps: float | None,
+    unit: float | None,
+    up: str | None,
+    skeleton: Path | None,
+    drop_frames: int | None,
+) -> "Clip":
+    """The file's motion on the engine's skeleton; what is strange in it is said on stderr."""
+    from rich.console import Console
+
+    from live.base.errors import PersonError
+    from live.library.motion_file import read_motion
+    from live.motion.retarget.retarget import retarget
+
+    axis: UpAxis | None = None if up is None else "Y" if up.upper() == "Y" else "Z"
+    try:
+        motion = read_motion(path, skeleton=skeleton, up=axis)
+        clip = retarget(
+            motion,
+            name=path.stem.encode("utf-8", "replace").decode("utf-8"),
+            fps=fps,
+            unit_m=unit,
+            up=axis,
+            drop_frames=drop_frames or 0,
+            sample_rate=hertz or fps or motion.header_fps,
+        )
+    except ValueError as error:  # MotionFileError is one; the others are arguments out of range
+        raise PersonError(" ".join(str(error).split())) from None
+    console = Console(stderr=True, highlight=False)
+    for warning in motion.warnings:
+        console.print(f"warning: {path}: {warning.what}", soft_wrap=True, markup=False)
+    return clip
+
+
+def _step(name: str, hertz: float | None, library: Path | None, variation: int | None, measures: int | None) -> "Clip":
+    """The measures of one variation of a step, without the lead-in."""
+    from live.base.errors import PersonError
+    from live.motion.resample import resample
+
+    found = _variations(name, library)
+    if variation is not None and not 1 <= variation <= len(found):
+        raise PersonError(f"--variation {variation}: the step {name!r} has {len(found)}: {_described(found)}")
+    step = found[(variation or 1) - 1]
+    if measures is not None and not 1 <= measures <= step.measures:
+        raise PersonError(f"--measures {measures}: the step {name!r} has {step.measures}")
+    last = step.first + (measures or step.measures) * step.samples_per_measure
+    return resample(step.clip, hertz or step.clip.sample_rate, first=step.first, last=last)
+
+
+def _variations(name: str, library: Path | None) -> "list[StepClip]":
+    import difflib
+
+    from live.base.errors import PersonError
+    from live.cli.steps.steps_library import folders, named_steps
+
+    clips = [clip for step in named_steps(library) for clip in step.clips]
+    found = [clip for clip in clips if clip.step.casefold() == name.strip().casefold()]
+    if found:
+        return found
+    names = sorted({clip.step for clip in clips})
+    where = " and ".join(map(str, folders(library)))
+    near = difflib.get_close_matches(name, names, n=1)
+    shown = ", ".join(names[:KNOWN_STEPS_SHOWN]) + (", ..." if len(names) > KNOWN_STEPS_SHOWN else "")
+    raise PersonError(
+        f"there is no file and no step {name[:100]!r} in {where}; steps there: {shown}",
+        f"live export {near[0]!r}" if near else "give a motion file, a step, or --library DIR",
+    )
+
+
+def _described(clips: "list[StepClip]") -> str:
+    words = [f"{n} {clip.direction}{' (mirrored)' if clip.mirrored else ''}" for n, clip in enumerate(clips, 1)]
+    return ", ".join(words)
+
+
+def _write(clip: "Clip", to: Path) -> int:
+    """Write the file whole or not at all; its size in bytes."""
+    from live.app.whole_file import write_whole
+
+    if to.suffix.lower() == ".bvh":
+        from live.motion.formats.writer import write_bvh
+
+        data = write_bvh(clip, rate=None).encode("ascii")
+    else:
+        from live.motion.formats.gltf_writer import write_glb
+
+        data = write_glb(clip, rate=None)
+    return write_whole(data, to, "--to")

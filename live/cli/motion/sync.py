@@ -1,0 +1,130 @@
+"""`live sync`: where the beats lie in a recording, from claps, a click, a song, or the feet."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import typer
+
+if TYPE_CHECKING:
+    from live.library.sync import Sync
+
+
+def sync(
+    file: Annotated[Path, typer.Argument(help="A recording: BVH, AMC, glTF, GLB, VRM or AMASS npz.")],
+    click: Annotated[float | None, typer.Option(help="Tempo of the click that was clapped to.", metavar="BPM")] = None,
+    count: Annotated[int | None, typer.Option(help="How many beats of it were clapped.")] = None,
+    song: Annotated[Path | None, typer.Option(help="The music that was clapped to.", metavar="AUDIO")] = None,
+    anchor: Annotated[
+        float | None, typer.Option(help="When measure 1 begins, if you know it; it wins.", metavar="SECONDS")
+    ] = None,
+    bpm: Annotated[float | None, typer.Option(help="The tempo, if you know it; it wins.")] = None,
+    beats_per_measure: Annotated[int, typer.Option(help="Beats of a measure.")] = 4,
+    fps: Annotated[float | None, typer.Option(help="True frame rate, where the file lies.")] = None,
+    up: Annotated[Literal["Y", "Z"] | None, typer.Option(help="The axis that points up.")] = None,
+    skeleton: Annotated[Path | None, typer.Option(help="The ASF file of an AMC file.", metavar="ASF")] = None,
+    drop_frames: Annotated[
+        int | None, typer.Option(help="Leading frames to leave out. Default: an added T-pose and its run-in.")
+    ] = None,
+    json_out: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Find the first beat and the tempo of a recorded dance, and print the lines for its TOML file.
+
+    Times count from the first frame that is kept. Clap on the beats before you dance: with --click or --song the claps
+    are matched to its beats. Where nobody claps the feet are asked, and the answer is a guess for you to confirm.
+    """
+    from live.app.option_values import parse_number
+    from live.base.errors import PersonError
+    from live.library.sync import SyncWish, find_sync
+
+    parse_number(click, "--click", 20, 400)
+    parse_number(bpm, "--bpm", 20, 400)
+    parse_number(count, "--count", 1, 1000)
+    parse_number(anchor, "--anchor", 0, 36_000)
+    parse_number(beats_per_measure, "--beats-per-measure", 1, 16)
+    parse_number(fps, "--fps", 1, 10_000)
+    parse_number(drop_frames, "--drop-frames", 0, 10_000_000)
+    if click is not None and song is not None:
+        raise PersonError("--click and --song: one of them", "--click for a click, --song for a music file")
+    if count is not None and click is None:
+        raise PersonError("--count counts the beats of a click", f"--click BPM --count {count}")
+    found = find_sync(
+        SyncWish(
+            file=file,
+            skeleton=skeleton,
+            fps=fps,
+            up=up,
+            drop_frames=drop_frames,
+            click_bpm=click,
+            count=count,
+            song=song,
+            anchor_s=anchor,
+            bpm=bpm,
+            beats_per_measure=beats_per_measure,
+        )
+    )
+    if json_out:
+        import json
+
+        print(json.dumps(_as_json(found)))
+    else:
+        _print(found, _toml(found, file, fps, beats_per_measure, by_hand=(bpm is not None, anchor is not None)))
+
+
+def _as_json(found: "Sync") -> dict[str, Any]:
+    reference = found.reference
+    return {
+        "first_beat_s": round(reference.first_beat_s, 4),
+        "bpm": round(reference.bpm, 3),
+        "confidence": round(reference.confidence, 3),
+        "source": reference.source,
+        "note": reference.note,
+        "drop_frames": found.drop_frames,
+        "fps": found.fps,
+        "claps": [
+            {
+                "time_s": round(one.clap.time_s, 4),
+                "beat": one.beat,
+                "residual_ms": None if one.residual_ms is None else round(one.residual_ms, 1),
+                "distance_m": round(one.clap.distance_m, 3),
+            }
+            for one in found.claps
+        ],
+    }
+
+
+def _toml(
+    found: "Sync", file: Path, fps: float | None, beats_per_measure: int, *, by_hand: tuple[bool, bool]
+) -> list[str]:
+    """Lines for the TOML file beside the recording, in its vocabulary; `by_hand`: whether tempo, first beat are."""
+    notes = ["" if one else f" # {found.comment}" for one in by_hand]
+    lines = [f"file = {_quoted(file.name)}"]
+    if fps is not None:
+        lines.append(f"fps = {fps:g}")
+    if found.drop_frames:
+        lines.append(f"drop_frames = {found.drop_frames}")
+    lines += [f"bpm = {found.reference.bpm:.3f}".rstrip("0").rstrip(".") + notes[0]]
+    lines += [f"first_beat_s = {found.reference.first_beat_s:.4f}{notes[1]}"]
+    return [*lines, f"beats_per_measure = {beats_per_measure}"] if beats_per_measure != 4 else lines
+
+
+def _quoted(text: str) -> str:
+    import json
+
+    return json.dumps(text.encode("utf-8", "replace").decode("utf-8"), ensure_ascii=False)
+
+
+def _print(found: "Sync", toml: list[str]) -> None:
+    from rich.console import Console
+
+    reference = found.reference
+    console = Console(highlight=False, soft_wrap=True, markup=False)
+    console.print(f"first beat {reference.first_beat_s:.3f} s, {reference.bpm:.2f} bpm")
+    console.print(f"confidence {reference.confidence:.2f} ({reference.source}): {reference.note}")
+    for one in found.claps:
+        place = "no beat" if one.beat is None else f"beat {one.beat}, {one.residual_ms:+.0f} ms"
+        console.print(f"  clap {one.clap.time_s:8.3f} s  {place}", style="dim" if one.beat is None else None)
+    if found.drop_frames:
+        dropped = found.drop_frames
+        words = f"times count from frame {dropped}, after a T-pose; with --anchor, give --drop-frames {dropped}, too"
+        console.print(words, style="dim")
+    console.print("\n".join(["", *toml]))

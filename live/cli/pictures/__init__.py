@@ -1,0 +1,1 @@
+"""Svg/png drawings."""

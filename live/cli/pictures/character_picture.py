@@ -1,0 +1,77 @@
+"""A character in three moments of a step, side by side, as a show would draw it."""
+
+from pathlib import Path
+
+import numpy as np
+
+from live.app.whole_file import write_whole
+from live.base.character import CharacterFile
+from live.base.errors import PersonError
+from live.base.stage_snapshot import Camera, Look, Scene, StageView
+from live.cli.steps.steps_library import named_steps
+from live.motion import quaternion
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.skeleton import JOINT_COUNT
+from live.motion.step_clip import StepClip
+from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context, release_headless_context
+from live.render.quality import CARD
+from live.render.renderer import Renderer
+
+MOMENTS = 3
+_APART = 1.6
+_TURNS = (18.0, -28.0, 150.0)
+"""Which way it looks in each moment [degrees]: the last one shows its back."""
+
+
+def draw_character(said: CharacterFile, out: Path, step: str | None, size: tuple[int, int]) -> None:
+    """Draw the character dancing `step` (None: the first that there is) into a PNG file; PersonError."""
+    from io import BytesIO
+
+    from PIL import Image
+
+    view = _dancing(_step(step))
+    camera = Camera(eye=(0.0, 1.5, 7.4), target=(0.0, 0.92, 0.0), field_of_view_deg=22.0)
+    scene = Scene((10.0, 7.0), camera, Look(), MOMENTS, JOINT_COUNT, bodies=(said.name,) * MOMENTS, characters=(said,))
+    try:
+        ctx = create_headless_context()
+    except NoOpenGL as error:
+        raise PersonError(str(error)) from None
+    try:
+        target = OffscreenTarget(ctx, size)
+        renderer = Renderer(ctx, scene, size=size, quality=CARD)
+    except ValueError as error:
+        raise PersonError(str(error)) from None
+    renderer.draw(view, target.framebuffer)
+    png = BytesIO()
+    Image.fromarray(target.read()).save(png, "PNG")
+    for thing in (renderer, target):
+        thing.release()
+    release_headless_context(ctx)
+    write_whole(png.getvalue(), out, "--out")
+
+
+def _step(name: str | None) -> StepClip:
+    steps = named_steps(None)
+    wanted = [step for step in steps if name is None or step.name.casefold() == name.strip().casefold()]
+    if not wanted:
+        known = ", ".join(sorted(step.name for step in steps)[:12])
+        raise PersonError(f"--step {name!r}: there is no such step", f"there are: {known}")
+    return wanted[0].clips[0]
+
+
+def _dancing(step: StepClip) -> StageView:
+    view = StageView.allocate(MOMENTS, JOINT_COUNT)
+    samples = step.first + step.samples_per_measure * (np.arange(MOMENTS) + 0.5) / MOMENTS
+    rows = np.clip(np.rint(samples).astype(int), 0, step.clip.sample_count - 1)
+    places, turns = forward_kinematics(
+        step.clip.root_position[rows].astype(np.float64), step.clip.rotation[rows].astype(np.float64)
+    )
+    for moment, degrees in enumerate(_TURNS):
+        turn = quaternion.from_axis_angle(np.array([0.0, 1.0, 0.0]), np.radians(degrees))
+        own = places[moment] - places[moment, 0] * (1.0, 0.0, 1.0)
+        own = quaternion.rotate(turn, own)
+        own[:, 0] += (moment - 0.5 * (MOMENTS - 1)) * _APART
+        view.joint_position[moment] = own
+        view.joint_rotation[moment] = quaternion.mul(turn, turns[moment])
+        view.group[moment] = moment % 3
+    return view

@@ -1,0 +1,182 @@
+"""The reachable region of a step as a picture, seen from above (Fig 5.7b): SVG or PNG, drawn by ourselves."""
+
+import io
+import math
+from dataclasses import dataclass
+from typing import Final, Protocol
+from xml.sax.saxutils import escape
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.select.reach import ARC, DIRECTIONS, Reach
+
+Float64 = npt.NDArray[np.float64]
+Point = tuple[float, float]
+
+SIZE: Final = 720
+"""Width and height of the picture in pixels."""
+TOP: Final = 64
+"""Pixels above the picture for its title."""
+SECTORS: Final = 72
+LONGEST_NAME: Final = 40
+INK, FAINT, TURNED, MIXED, CLIP, MISSING = "#222222", "#d9d9d9", "#e3ecf7", "#7fa8d9", "#1f4e8c", "#c03030"
+
+
+class Canvas(Protocol):
+    """What the picture needs to be drawn on; points in pixels, y downwards."""
+
+    def polygon(self, points: list[Point], fill: str) -> None:
+        """A filled polygon."""
+
+    def line(self, a: Point, b: Point, colour: str, width: float, dashed: bool = False) -> None:
+        """A straight line."""
+
+    def circle(self, centre: Point, radius: float, fill: str | None, colour: str | None = None) -> None:
+        """A circle, filled or only its line."""
+
+    def text(self, at: Point, words: str, size: int, colour: str, anchor: str = "start") -> None:
+        """Words whose start, middle or end lies at the point, on their base line."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Scale:
+    """Metres as the dancer sees them, x to her left and z ahead, to pixels: ahead is up, her left is left."""
+
+    metres: float
+    """From the centre to the edge."""
+
+    def at(self, way: Float64 | Point) -> Point:
+        pixels = 0.42 * SIZE / self.metres
+        return SIZE / 2 - pixels * float(way[0]), TOP + SIZE / 2 - pixels * float(way[1])
+
+    def radius(self, metres: float) -> float:
+        return 0.42 * SIZE / self.metres * metres
+
+
+def draw_reach(reach: Reach, canvas: Canvas) -> None:
+    """Rings at every quarter or half metre, the region with turns, mixtures, clips, and what is missing."""
+    everything = np.concatenate([reach.clips, reach.mixed, reach.turned.reshape(-1, 2)])
+    scale = _Scale(max(0.25, 1.05 * float(np.hypot(*everything.T).max(initial=0.0))))
+    canvas.polygon([scale.at(way) for way in outline(reach.turned.reshape(-1, 2))], TURNED)
+    ring = 0.25 if scale.metres <= 1.0 else 0.5
+    for n in range(1, int(scale.metres / ring) + 1):
+        canvas.circle(scale.at((0.0, 0.0)), scale.radius(n * ring), None, FAINT)
+        x, y = scale.at((0.0, -n * ring))
+        canvas.text((x + 4, y - 3), f"{n * ring:g} m", 12, "#888888")
+    for way in reach.mixed:
+        canvas.circle(scale.at(way), 2.5, MIXED)
+    for way in reach.clips:
+        canvas.line(scale.at((0.0, 0.0)), scale.at(way), CLIP, 1.0)
+        canvas.circle(scale.at(way), 5.0, CLIP)
+    _draw_missing(reach, scale, canvas)
+    x, y = scale.at((0.0, 0.0))
+    canvas.polygon([(x, y - 13), (x - 8, y + 8), (x + 8, y + 8)], INK)  # she faces up
+    canvas.text((16, 28), f"{reach.step[:LONGEST_NAME]}: where one measure leads", 19, INK)
+    words = "large dots: clips, small: mixtures, shaded: turned by up to 90°"
+    canvas.text((16, 50), words + ("; red: nothing recorded" if reach.missing else ""), 12, "#555555")
+
+
+def _draw_missing(reach: Reach, scale: _Scale, canvas: Canvas) -> None:
+    """A dashed line in every direction in which there is nothing."""
+    for name in reach.missing:
+        angle = DIRECTIONS.index(name) * ARC
+        end = (0.97 * scale.metres * math.sin(angle), 0.97 * scale.metres * math.cos(angle))
+        canvas.line(scale.at((0.0, 0.0)), scale.at(end), MISSING, 1.5, dashed=True)
+        x, y = scale.at(end)
+        side = "middle" if abs(end[0]) < 0.1 * scale.metres else ("end" if x < SIZE / 2 else "start")
+        canvas.text((x, y + (14 if end[1] < -0.1 * scale.metres else -6)), name, 12, MISSING, side)
+
+
+def outline(ways: Float64) -> list[Point]:
+    """The border of what is reached, seen from the middle: the farthest of `ways` (n, 2) in each of many sectors."""
+    heading = np.arctan2(ways[:, 0], ways[:, 1])
+    sector = np.round(heading / (2.0 * math.pi) * SECTORS).astype(np.int64) % SECTORS
+    radius = np.zeros(SECTORS)
+    np.maximum.at(radius, sector, np.hypot(*ways.T))
+    angles = np.arange(SECTORS) / SECTORS * 2.0 * math.pi
+    return [(float(r * math.sin(a)), float(r * math.cos(a))) for r, a in zip(radius, angles, strict=True)]
+
+
+class SvgCanvas:
+    """Collects SVG elements; `size` in pixels."""
+
+    def __init__(self, size: tuple[int, int] = (SIZE, SIZE + TOP)) -> None:
+        self._size = size
+        self._parts: list[str] = []
+
+    def polygon(self, points: list[Point], fill: str) -> None:
+        listed = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
+        self._parts.append(f'<polygon points="{listed}" fill="{fill}"/>')
+
+    def line(self, a: Point, b: Point, colour: str, width: float, dashed: bool = False) -> None:
+        dash = ' stroke-dasharray="6 5"' if dashed else ""
+        self._parts.append(
+            f'<line x1="{a[0]:.1f}" y1="{a[1]:.1f}" x2="{b[0]:.1f}" y2="{b[1]:.1f}" '
+            f'stroke="{colour}" stroke-width="{width:g}"{dash}/>'
+        )
+
+    def circle(self, centre: Point, radius: float, fill: str | None, colour: str | None = None) -> None:
+        self._parts.append(
+            f'<circle cx="{centre[0]:.1f}" cy="{centre[1]:.1f}" r="{radius:.1f}" '
+            f'fill="{fill or "none"}" stroke="{colour or "none"}"/>'
+        )
+
+    def text(self, at: Point, words: str, size: int, colour: str, anchor: str = "start") -> None:
+        plain = escape("".join(sign if sign.isprintable() else "?" for sign in words))
+        self._parts.append(
+            f'<text x="{at[0]:.1f}" y="{at[1]:.1f}" font-size="{size}" fill="{colour}" '
+            f'text-anchor="{anchor}">{plain}</text>'
+        )
+
+    def data(self) -> bytes:
+        """The file."""
+        size = 'width="{}" height="{}"'.format(*self._size)
+        head = f'<svg xmlns="http://www.w3.org/2000/svg" {size} font-family="Helvetica, Arial, sans-serif">'
+        return "\n".join([head, f'<rect {size} fill="white"/>', *self._parts, "</svg>", ""]).encode()
+
+
+class PngCanvas:
+    """Draws with pillow, twice as large, and makes it smaller at the end: edges are smooth."""
+
+    FINE = 2
+
+    def __init__(self, size: tuple[int, int] = (SIZE, SIZE + TOP)) -> None:
+        from PIL import Image, ImageDraw
+
+        self._size = size
+        self._image = Image.new("RGB", (self.FINE * size[0], self.FINE * size[1]), "white")
+        self._draw = ImageDraw.Draw(self._image)
+
+    def polygon(self, points: list[Point], fill: str) -> None:
+        self._draw.polygon([(self.FINE * x, self.FINE * y) for x, y in points], fill=fill)
+
+    def line(self, a: Point, b: Point, colour: str, width: float, dashed: bool = False) -> None:
+        length = math.dist(a, b)
+        cuts = np.arange(0.0, length, 11.0) if dashed else np.zeros(1)
+        for begin in cuts:
+            end = min(begin + 6.0, length) if dashed else length
+            ends = [
+                tuple(self.FINE * (a[n] + (b[n] - a[n]) * part / max(length, 1e-9)) for n in (0, 1))
+                for part in (begin, end)
+            ]
+            self._draw.line([*ends[0], *ends[1]], fill=colour, width=max(1, round(self.FINE * width)))
+
+    def circle(self, centre: Point, radius: float, fill: str | None, colour: str | None = None) -> None:
+        x, y, r = self.FINE * centre[0], self.FINE * centre[1], self.FINE * radius
+        self._draw.ellipse((x - r, y - r, x + r, y + r), fill=fill, outline=colour, width=self.FINE)
+
+    def text(self, at: Point, words: str, size: int, colour: str, anchor: str = "start") -> None:
+        from PIL import ImageFont
+
+        from live.render.typeface import readable
+
+        font, words = ImageFont.load_default(self.FINE * size), readable(words)
+        place = {"start": "ls", "middle": "ms", "end": "rs"}[anchor]
+        self._draw.text((self.FINE * at[0], self.FINE * at[1]), words, fill=colour, font=font, anchor=place)
+
+    def data(self) -> bytes:
+        """The file."""
+        buffer = io.BytesIO()
+        self._image.resize(self._size, resample=3).save(buffer, "PNG")
+        return buffer.getvalue()

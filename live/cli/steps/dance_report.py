@@ -1,0 +1,104 @@
+"""What `live dance` gives back: the motion, the report, and the dance in words or JSON."""
+
+import json
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from live.app.option_values import writable_file
+from live.app.whole_file import write_whole
+from live.base.errors import PersonError
+from live.cli.motion.export import ENDINGS
+from live.cli.steps.dance_plan import Plan
+from live.graph.dance_metrics import DanceFigures
+from live.graph.render_dance import Assembled
+from live.motion.clip import Clip
+from live.motion.formats.gltf_writer import write_glb
+from live.motion.formats.writer import write_bvh
+
+SHOWN: Final = 200
+"""Measures that the table shows; JSON holds them all."""
+
+
+def check_targets(out: Path | None, report: Path | None, *, force: bool) -> None:
+    """PersonError for files that cannot or must not be written."""
+    if out is not None and out.suffix.lower() not in ENDINGS:
+        raise PersonError(f"--out {out}: a name that ends in {', '.join(ENDINGS)} expected", f"--out {out.stem}.bvh")
+    if report is not None and report.suffix.lower() != ".json":
+        raise PersonError(f"--report {report}: a name that ends in .json expected", f"--report {report.stem}.json")
+    for file, option in ((out, "--out"), (report, "--report")):
+        writable_file(file, option)
+        if file is not None and file.exists() and not force:
+            raise PersonError(
+                f"{option} {file}: the file is there already", "another name, or --force to write over it"
+            )
+
+
+def write_motion(clip: Clip, out: Path) -> None:
+    """The dance as a file: BVH 60 frames/s, or glTF."""
+    data = write_bvh(clip, rate=None).encode("ascii") if out.suffix.lower() == ".bvh" else write_glb(clip, rate=None)
+    write_whole(data, out, "--out")
+
+
+def write_report(plan: Plan, dance: Assembled, report: Path) -> None:
+    """The figures of the dance, keys as the contracts have them."""
+    values = DanceFigures(plan.graph, dance, plan.targets).result()
+    values |= {"steps": step_rows(plan), "missing": [one.row() for one in plan.missing]}
+    write_whole((json.dumps(values, ensure_ascii=False, indent=1) + "\n").encode(), report, "--report")
+
+
+def step_rows(plan: Plan) -> list[dict[str, Any]]:
+    """The measures, numbered from 1; `weight` is the share of the clip where another take is mixed in."""
+    library, followed = plan.graph.library, plan.followed
+    share = np.zeros(len(plan.node)) if followed is None else followed.share
+    return [
+        {
+            "dancer": 1,
+            "measure": measure + 1,
+            "step": library.steps[library.node_step[node]],
+            "clip": library.describe(node),
+            "weight": round(1.0 - float(share[measure]), 3),
+            "cost": round(float(plan.edge_cost[measure]), 4),
+        }
+        for measure, node in enumerate(plan.node.tolist())
+    ]
+
+
+def print_dance(plan: Plan, *, as_json: bool) -> None:
+    """The dance on stdout; what is missing in the table's form on stderr."""
+    rows, wrong = step_rows(plan), plan.wrong
+    if as_json:
+        value = {
+            "measures": len(rows),
+            "bpm": plan.bpm,
+            "cost": int(wrong.sum()),
+            "roughness_m": round(float(plan.edge_cost.sum()), 4),
+            "steps": rows,
+            "missing": [one.row() for one in plan.missing],
+        }
+        print(json.dumps(value, ensure_ascii=False))
+        return
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for column in ("measure", "clip", "join"):
+        table.add_column(column, overflow="fold", justify="left" if column == "clip" else "right")
+    for row, off in zip(rows[:SHOWN], wrong, strict=False):
+        clip = escape(row["clip"]) + (" [yellow](not as wanted)[/]" if off else "")
+        table.add_row(str(row["measure"]), clip, f"{100.0 * row['cost']:.1f} cm")
+    console = Console(highlight=False)
+    console.print(table)
+    if len(rows) > SHOWN:
+        console.print(f"... {len(rows)} measures in all; --json holds them")
+    told = Console(stderr=True, highlight=False, soft_wrap=True)
+    if wrong.any():
+        told.print(
+            f"{wrong.sum()} of {len(rows)} measures {'is' if wrong.sum() == 1 else 'are'} not as wanted: "
+            "this is the nearest dance",
+            style="yellow",
+        )
+    for one in plan.missing:
+        where = "" if one.source is None else f" after {one.source}"
+        told.print(f"missing in measure {one.measure}{where}: {one.needs}", markup=False)

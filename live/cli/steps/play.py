@@ -1,0 +1,167 @@
+"""`live steps play`: a step again and again on the stage, a dancer for each variation."""
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+
+from live.app.session_sound import Sound
+from live.app.wish import Wish
+from live.base.errors import PersonError
+from live.cli.steps.steps_library import find_step, named_steps
+from live.graph.motion_graph import build_graph
+from live.graph.step_library import build_library
+from live.motion.clip import Clip
+from live.motion.step_clip import StepClip
+from live.motion.step_figures import travel
+from live.show.load import LoadedShow
+from live.show.patch.group import GroupSection
+from live.show.patch.motion import LocomotionSection
+from live.show.patch.music import ClockSection
+from live.show.patch.patch import Patch
+from live.show.patch.section_stage import CameraSection, StageSection
+
+MOST = 16
+"""Variations shown at once."""
+PER_ROW = 8
+GAP = 1.7
+"""Metres between dancers."""
+ANY_POSE = 2.0
+"""The step follows itself however far apart its ends are [m]: this is a look at it, not a dance."""
+LOOPS = 8
+"""A film without --seconds shows the step so often."""
+TRAVEL_LOOPS = 4
+"""With --travel there is room on the stage for so many."""
+
+
+@dataclass(frozen=True, slots=True)
+class Preview:
+    """What was asked for on the command line."""
+
+    step: str
+    library: Path | None = None
+    variation: int | None = None
+    tempo: float | None = None
+    seconds: float | None = None
+    travel: bool = False
+    headless: bool = False
+    film: Path | None = None
+    monitor: str | None = None
+    fullscreen: bool = False
+    size: tuple[int, int] = (1280, 720)
+    fps: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class PreviewWish(Wish):
+    """A wish for a show that was made here instead of read."""
+
+    show: LoadedShow | None = None
+
+    def load(self, *, whole: bool = True) -> LoadedShow:
+        """The show that was made; nothing is read."""
+        assert self.show is not None
+        return self.show
+
+
+def play_step(preview: Preview) -> None:
+    """Show the step in a window, as a film, or without a picture; PersonError if that cannot be."""
+    step = find_step(named_steps(preview.library), preview.step)
+    chosen = _chosen(list(step.clips), preview.variation)
+    console = Console(stderr=True, highlight=False)
+    if len(chosen) > MOST:
+        console.print(f"{len(chosen)} variations, the first {MOST} are shown; --variation N shows another")
+        chosen = chosen[:MOST]
+    for number, clip in chosen:
+        mirrored = ", mirrored" if clip.mirrored else ""
+        words = f"{number}: {clip.direction}{mirrored}, {clip.measures} measures at {clip.bpm:g} bpm"
+        console.print(words, style="dim", soft_wrap=True, markup=False)
+    loaded = preview_show(step.name, [clip for _, clip in chosen], travelling=preview.travel)
+    bpm = preview.tempo or chosen[0][1].bpm
+    loop = max(clip.beats for _, clip in chosen) * 60.0 / bpm
+    wish = PreviewWish(
+        bpm=bpm, osc=("127.0.0.1", 0), seconds=preview.seconds, record=preview.film, size=preview.size,
+        fps=preview.fps, show=loaded,
+    )  # fmt: skip
+    from live.app.stage import play_show
+    from live.render.window.monitors import list_monitors
+
+    if preview.film is not None and not preview.headless:
+        from live.app.film_show import film_show
+        from live.app.kernel_warmup import warm_kernels
+
+        warm_kernels(console)
+        seconds = preview.seconds or LOOPS * loop
+        film_show(wish, loaded, Sound(), path=preview.film, seconds=seconds, console=console)
+        console.print(f"the film is here: {preview.film.resolve()}", soft_wrap=True, markup=False)
+        return
+    if not preview.headless and not list_monitors():  # play_show makes a film then: give it a name of its own
+        name = "".join(letter if letter.isalnum() else "-" for letter in step.name)
+        wish = replace(wish, record=Path(f"{name}.mp4"), seconds=preview.seconds or LOOPS * loop)
+    play_show(wish, monitor=preview.monitor, fullscreen=preview.fullscreen, headless=preview.headless)
+
+
+def _chosen(clips: list[StepClip], variation: int | None) -> list[tuple[int, StepClip]]:
+    numbered = list(enumerate(clips, start=1))
+    if variation is None:
+        return numbered
+    if variation > len(clips):
+        raise PersonError(f"--variation {variation}: the step has {len(clips)}", "live steps show STEP lists them")
+    return [numbered[variation - 1]]
+
+
+def preview_show(name: str, clips: list[StepClip], *, travelling: bool) -> LoadedShow:
+    """A show in which every dancer dances her own one of the variations `clips` for ever, in rows side by side.
+
+    On the spot their way is taken out of the clips evenly, as on a treadmill; a light hand keeps them in their places.
+    """
+    names = [f"{name} {number}" for number in range(1, len(clips) + 1)]
+    shown = [
+        replace(clip if travelling else on_the_spot(clip), step=own, begin_pose="", end_pose="", weight_transfer=False)
+        for own, clip in zip(names, clips, strict=True)
+    ]
+    rows = math.ceil(len(clips) / PER_ROW)
+    columns = math.ceil(len(clips) / rows)
+    room = TRAVEL_LOOPS * max(float(np.hypot(*travel(clip))) for clip in clips) if travelling else 0.0
+    width, depth = columns * GAP + 2.0 + 2 * room, rows * GAP + 2.0 + 2 * room
+    groups = []
+    for number, own in enumerate(names):
+        row, column = divmod(number, columns)
+        in_row = min(columns, len(names) - row * columns)
+        centre = ((column - (in_row - 1) / 2) * GAP, ((rows - 1) / 2 - row) * GAP)
+        groups.append(GroupSection(name=own[:60] + str(number), dancers=1, steps=(f"{own} x1",), centre=centre))
+    patch = Patch(
+        name=f"Step {name}"[:64],
+        reserve=0,
+        clock=ClockSection(bpm=clips[0].bpm, beats_per_measure=clips[0].beats_per_measure),
+        stage=StageSection(width=min(width, 200.0), depth=min(depth, 200.0)),
+        camera=_camera(columns * GAP + 2 * room, rows * GAP + 2 * room),
+        locomotion=LocomotionSection(
+            threshold_m=ANY_POSE, correction_m=0.0 if travelling else 0.1, turn_deg=0.0 if travelling else 10.0
+        ),
+        group=tuple(groups),
+    )
+    window = min(1.0, patch.locomotion.transition_beats / patch.clock.beats_per_measure)
+    try:
+        graph = build_graph(build_library(shown), window=window, threshold=ANY_POSE)
+    except ValueError as error:
+        raise PersonError(f"step {name!r}: {error}") from None
+    return LoadedShow(Path(patch.name), patch, graph)
+
+
+def on_the_spot(step: StepClip) -> StepClip:
+    """The step without its way: what its hips get forward is taken off evenly over its measures."""
+    samples = np.arange(step.clip.sample_count)
+    done = (samples - step.first) / (step.measures * step.samples_per_measure)
+    x, z = travel(step)
+    root = step.clip.root_position - np.outer(done, (x, 0.0, z)).astype(np.float32)
+    clip = Clip(step.clip.name, root, step.clip.rotation, step.clip.sample_rate, step.clip.contact)
+    return replace(step, clip=clip, distance_m=0.0)
+
+
+def _camera(width: float, depth: float) -> CameraSection:
+    """A view of dancers within `width` and `depth` [m] at 16:9 through a lens of 36 degrees."""
+    far = max(4.2, 0.5 * width / 0.55) + 0.5 * depth
+    return CameraSection(eye=(0.0, 1.3 + 0.12 * far, far), target=(0.0, 0.85, 0.0), field_of_view_deg=36)

@@ -1,0 +1,265 @@
+"""`live steps`: the library of steps: add a recording, list, show, check, play."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+app = typer.Typer(
+    help="The library of steps: recordings and sketches, what is said of them, and what they look like.",
+    no_args_is_help=True,
+    rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+PANEL_FILE = "How the file is read"
+PANEL_MUSIC = "Where the music is"
+PANEL_STEP = "What is said of the step"
+
+Library = Annotated[
+    Path | None,
+    typer.Option(
+        "--library", help="A folder of steps. Default: your own, and the project's.", metavar="DIR", file_okay=False
+    ),
+]
+JsonOut = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+
+
+@app.command("add")
+def add(
+    file: Annotated[Path, typer.Argument(help="A recording: BVH, AMC, glTF, GLB, VRM or AMASS npz.")],
+    name: Annotated[str, typer.Option(help="The step's name; steps of one name are variations.")],
+    bpm: Annotated[float | None, typer.Option(help="Tempo of the recorded dance.", rich_help_panel=PANEL_MUSIC)] = None,
+    anchor: Annotated[
+        float | None,
+        typer.Option(help="When measure 1 begins. Default: as found.", metavar="SECONDS", rich_help_panel=PANEL_MUSIC),
+    ] = None,
+    click: Annotated[
+        float | None, typer.Option(help="The claps are to a click of this tempo.", rich_help_panel=PANEL_MUSIC)
+    ] = None,
+    count: Annotated[
+        int | None, typer.Option(help="So many beats of the click were clapped.", rich_help_panel=PANEL_MUSIC)
+    ] = None,
+    song: Annotated[
+        Path | None, typer.Option(help="The claps are to this audio file.", rich_help_panel=PANEL_MUSIC)
+    ] = None,
+    beats_per_measure: Annotated[int | None, typer.Option(help="Default: 4.", rich_help_panel=PANEL_MUSIC)] = None,
+    start: Annotated[
+        int | None,
+        typer.Option(help="Measure in which the step begins. Default: 1.", rich_help_panel=PANEL_MUSIC),
+    ] = None,
+    measures: Annotated[int | None, typer.Option(help="Its length. Default: 1.", rich_help_panel=PANEL_MUSIC)] = None,
+    fps: Annotated[
+        float | None, typer.Option(help="True frame rate where the file lies.", rich_help_panel=PANEL_FILE)
+    ] = None,
+    unit: Annotated[
+        float | None, typer.Option(help="Metres per unit, to be checked.", rich_help_panel=PANEL_FILE)
+    ] = None,
+    up: Annotated[
+        Literal["Y", "Z"] | None, typer.Option(help="The axis that points up.", rich_help_panel=PANEL_FILE)
+    ] = None,
+    skeleton: Annotated[
+        Path | None, typer.Option(help="The ASF file of an AMC file.", rich_help_panel=PANEL_FILE)
+    ] = None,
+    drop_frames: Annotated[
+        int | None, typer.Option(help="Leading frames to leave out.", rich_help_panel=PANEL_FILE)
+    ] = None,
+    repair: Annotated[
+        bool, typer.Option("--repair", help="Mend tracking faults where that is safe.", rich_help_panel=PANEL_FILE)
+    ] = False,
+    leading_foot: Annotated[
+        Literal["left", "right"] | None,
+        typer.Option(help="The foot that begins.", rich_help_panel=PANEL_STEP),
+    ] = None,
+    begin_pose: Annotated[
+        str | None, typer.Option(help="Name of the pose in which it begins.", rich_help_panel=PANEL_STEP)
+    ] = None,
+    end_pose: Annotated[
+        str | None, typer.Option(help="Name of the pose in which it ends.", rich_help_panel=PANEL_STEP)
+    ] = None,
+    weight_transfer: Annotated[
+        bool,
+        typer.Option(
+            "--weight-transfer",
+            help="It ends on the other foot: repeats alternate the sides.",
+            rich_help_panel=PANEL_STEP,
+        ),
+    ] = False,
+    direction: Annotated[
+        str | None, typer.Option(help='Like "long left". Default: as measured.', rich_help_panel=PANEL_STEP)
+    ] = None,
+    distance: Annotated[
+        float | None, typer.Option(help="Metres. Default: as measured.", rich_help_panel=PANEL_STEP)
+    ] = None,
+    author: Annotated[str | None, typer.Option(help="Who danced it.", rich_help_panel=PANEL_STEP)] = None,
+    style: Annotated[str | None, typer.Option(help="How it is danced.", rich_help_panel=PANEL_STEP)] = None,
+    tag: Annotated[
+        list[str] | None, typer.Option(help="A tag; may be given often.", rich_help_panel=PANEL_STEP)
+    ] = None,
+    mirror: Annotated[
+        bool, typer.Option("--mirror", help="Its mirror image is a variation, too.", rich_help_panel=PANEL_STEP)
+    ] = False,
+    library: Library = None,
+) -> None:
+    """Cut a step out of a recording and put it into the library.
+
+    The recording is copied there, and a table "step" joins the TOML file of its name. Nothing is written before the
+    step was cut, and nothing that is there is written over.
+    """
+    from live.cli.steps.steps_add import Listening, add_to_library
+
+    given = {
+        "name": name, "skeleton": None if skeleton is None else str(skeleton), "fps": fps, "unit_m": unit, "up": up,
+        "drop_frames": drop_frames, "repair": repair or None, "bpm": bpm, "first_beat_s": anchor,
+        "beats_per_measure": beats_per_measure, "start_measure": start, "measures": measures,
+        "leading_foot": leading_foot, "begin_pose": begin_pose, "end_pose": end_pose,
+        "weight_transfer": weight_transfer or None, "direction": direction, "distance_m": distance, "author": author,
+        "style": style, "tags": tag or None, "mirror": mirror or None,
+    }  # fmt: skip
+    fields = {key: value for key, value in given.items() if value is not None}
+    add_to_library(file, fields, library, Listening(click=click, count=count, song=song))
+
+
+@app.command("list")
+def list_(library: Library = None, json_out: JsonOut = False) -> None:
+    """List the steps: name, variations, length, tempo, ways, feet, poses, tags."""
+    from live.cli.steps.steps_list import print_list
+
+    print_list(library, json_out)
+
+
+@app.command("show")
+def show(
+    step: Annotated[str, typer.Argument(help="The step's name.")],
+    library: Library = None,
+    json_out: JsonOut = False,
+    reach: Annotated[
+        Path | None,
+        typer.Option(help="Draw where one measure of it can lead, seen from above.", metavar="OUT.svg|OUT.png"),
+    ] = None,
+) -> None:
+    """Show a step: all that is said of it, its variations, contacts on the beats, and what can follow it."""
+    from live.cli.steps.steps_show import print_step
+
+    if reach is not None:
+        from live.cli.steps.steps_reach import write_reach
+
+        write_reach(step, library, reach)
+    print_step(step, library, json_out)
+
+
+@app.command("graph")
+def graph(
+    library: Annotated[
+        Path | None,
+        typer.Argument(help="A folder of steps. Default: your own, and the project's.", metavar="[LIBRARY]"),
+    ] = None,
+    json_out: JsonOut = False,
+    dot: Annotated[bool, typer.Option("--dot", help="Print the structural variations as Graphviz text.")] = False,
+    svg: Annotated[
+        Path | None, typer.Option(help="Write the steps and what leads where as a picture.", metavar="OUT.svg")
+    ] = None,
+    threshold: Annotated[
+        float | None, typer.Option(help="Largest distance of poses that are joined, in metres.")
+    ] = None,
+    window: Annotated[
+        float | None, typer.Option(help="Length of a transition as a share of the measure. Default: 0.75 beats.")
+    ] = None,
+    bridges: Annotated[
+        bool, typer.Option("--bridges", help="Search the recordings for ways between steps that nothing joins.")
+    ] = False,
+) -> None:
+    """Show the motion graph: which step leads to which, how near, dead ends, and what is missing."""
+    from live.app.option_values import parse_number, writable_file
+    from live.base.errors import PersonError
+    from live.cli.steps.steps_graph import print_graph
+
+    parse_number(threshold, "--threshold", 0.001, 10)
+    parse_number(window, "--window", 0.01, 0.9)
+    if svg is not None and svg.suffix.lower() != ".svg":
+        raise PersonError(f"--svg {svg}: a name that ends in .svg expected", f"--svg {svg.with_suffix('.svg')}")
+    if json_out and dot:
+        raise PersonError("--json and --dot are two answers, and one is printed", "leave one of them out")
+    writable_file(svg, "--svg")
+    print_graph(library, as_json=json_out, as_dot=dot, svg=svg, threshold=threshold, window=window, bridges=bridges)
+
+
+@app.command("check")
+def check(library: Library = None, json_out: JsonOut = False) -> None:
+    """Find what is wrong or doubtful in a library. Exit 1 if something in it cannot be danced."""
+    from live.cli.steps.steps_check import print_findings
+
+    print_findings(library, json_out)
+
+
+@app.command("enrich")
+def enrich(
+    with_: Annotated[
+        list[Path] | None,
+        typer.Option("--with", help="Motion capture: files, or folders of them; may be given often.", metavar="PLACE"),
+    ] = None,
+    library: Library = None,
+    step: Annotated[list[str] | None, typer.Option(help="Only this step; may be given often.")] = None,
+    paths: Annotated[int, typer.Option(min=1, max=16, help="Textured versions of each variation.")] = 2,
+    bands: Annotated[str, typer.Option(help="Bands of texture, 1 the highest.")] = "2-3",
+    match: Annotated[int, typer.Option(help="Band that is matched: 4 for walks, 6 for modern dance.")] = 4,
+    drive: Annotated[str, typer.Option(help="Joints whose angles are matched.", metavar="JOINTS")] = "hips,knees",
+    upper: Annotated[
+        Literal["auto", "make", "texture"],
+        typer.Option(help="Upper bodies: made anew, textured; auto: made unless the sketch is about them."),
+    ] = "auto",
+    weigh: Annotated[float, typer.Option(help="Cost of a join; 0: the fewest joins, as published.")] = 2.0,
+    fps: Annotated[float | None, typer.Option(help="True rate of the motion capture where headers lie.")] = None,
+    remove: Annotated[bool, typer.Option("--remove", help="Take the textured versions away.")] = False,
+) -> None:
+    """Give every sketched step textured versions: upper bodies and detail of real dancers.
+
+    They are kept beside the sketch (walk.textured beside walk.toml), belong to the library from then on as other takes
+    of the same step, and begin and end where the sketch does. What is needed of the motion capture is in them.
+    """
+    from live.app.option_values import parse_number
+    from live.cli.steps.steps_enrich import enrich_library
+    from live.motion.texture.texture_settings import Wish, parse_bands, parse_joints
+
+    parse_number(fps, "--fps", 1, 10_000)
+    wish = Wish(
+        drive=parse_joints(drive, "--drive"), bands=parse_bands(bands, "--bands"), match_band=match, paths=paths,
+        apart=True, weigh=weigh,
+    )  # fmt: skip
+    enrich_library(library, with_ or [], step or [], wish, upper, fps=fps, remove=remove)
+
+
+@app.command("play")
+def play(
+    step: Annotated[str, typer.Argument(help="The step's name.")],
+    library: Library = None,
+    variation: Annotated[int | None, typer.Option(min=1, help="Only this variation (see `live steps show`).")] = None,
+    tempo: Annotated[float | None, typer.Option(help="Beats per minute. Default: the step's own.")] = None,
+    seconds: Annotated[float | None, typer.Option(help="End after so many seconds.")] = None,
+    travel: Annotated[
+        bool, typer.Option("--travel", help="Let them get away; without it they dance on the spot.")
+    ] = False,
+    headless: Annotated[
+        bool, typer.Option("--headless", help="No window: run in real time without a picture.")
+    ] = False,
+    film: Annotated[Path | None, typer.Option(help="Render a film instead.", metavar="OUT.mp4")] = None,
+    monitor: Annotated[str | None, typer.Option(help="Monitor by number or name.", metavar="N|NAME")] = None,
+    fullscreen: Annotated[bool, typer.Option("--fullscreen", help="Full screen.")] = False,
+    size: Annotated[str, typer.Option(help="Size of the window or film.", metavar="WxH")] = "1280x720",
+    fps: Annotated[float | None, typer.Option(help="Frames per second.")] = None,
+) -> None:
+    """Play a step again and again, a dancer for each variation, on the stage."""
+    from live.app.option_values import film_file, parse_number, parse_size, writable_file
+    from live.cli.steps.play import Preview, play_step
+
+    parse_number(tempo, "--tempo", 20, 400)
+    parse_number(seconds, "--seconds", 0.1, 7 * 86400)
+    parse_number(fps, "--fps", 1, 480)
+    writable_file(film, "--film")
+    film_file(film, "--film", never=[])
+    play_step(
+        Preview(
+            step=step, library=library, variation=variation, tempo=tempo, seconds=seconds, travel=travel,
+            headless=headless, film=film, monitor=monitor, fullscreen=fullscreen, size=parse_size(size), fps=fps,
+        )
+    )  # fmt: skip

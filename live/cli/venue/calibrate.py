@@ -1,0 +1,159 @@
+"""`live calibrate`: how long sound and pictures take in a hall, measured and written into the venue's file."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from live.control.audio.channel_mixer import Channels
+    from live.control.audio.sound_devices import SoundDevice
+    from live.show.venue.venue import Venue
+
+
+def calibrate(
+    venue: Annotated[
+        str | None, typer.Option(help="The venue to write into; without it nothing is written.", metavar="NAME")
+    ] = None,
+    claps: Annotated[
+        bool, typer.Option("--claps", help="Measure the picture: the screen flashes, and people clap with it.")
+    ] = False,
+    audio: Annotated[str | None, typer.Option(help="The input, by name.", metavar="DEVICE")] = None,
+    audio_channel: Annotated[
+        str | None, typer.Option(help="Which of its channels: 3, or 5,6, or all.", metavar="N[,N]|all")
+    ] = None,
+    output: Annotated[str | None, typer.Option(help="The output, by name.", metavar="DEVICE")] = None,
+    repeats: Annotated[int, typer.Option(help="Sweeps that are played, or flashes.")] = 16,
+    monitor: Annotated[str | None, typer.Option(help="The monitor that flashes.", metavar="N|NAME")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False,
+) -> None:
+    """Measure delays: of the sound by sweeps that are played and heard again, of the picture by claps.
+
+    First without --claps: the loudspeakers play, the microphone that the show will listen to hears it. Then with
+    --claps: the projector flashes, and people at the audience's place clap with the flashes.
+    """
+    from live.app.option_values import parse_number
+    from live.base.errors import PersonError
+    from live.show.venue.venue import Venue, read_venue, user_venues, venue_path
+
+    parse_number(repeats, "--repeats", 8, 200)
+    there = read_venue(venue) if venue is not None and venue_path(venue).is_file() else Venue()
+    microphone, channels = _input(audio, audio_channel, there)
+    if claps:
+        found, values = _claps(microphone, channels, there, repeats, monitor)
+    else:
+        found, values = _round_trip(microphone, channels, output or there.audio.output, repeats)
+    chosen: dict[str, Any] = {"device": microphone.name} if audio is not None else {}
+    if audio_channel is not None and channels.numbers:
+        chosen["channels"] = [number + 1 for number in channels.numbers]
+    if output is not None:
+        chosen["output"] = found["output"]
+    if venue is not None:
+        found["file"] = _write(venue, {"audio": chosen, "latency": values} if chosen else {"latency": values})
+        if not str(found["file"]).startswith(str(user_venues())):
+            found["note"] = "this venue is the project's own"
+    if not found:
+        raise PersonError("nothing was measured")
+    _print(found, as_json)
+
+
+def _input(audio: str | None, audio_channel: str | None, there: "Venue") -> "tuple[SoundDevice, Channels]":
+    from live.base.errors import PersonError, named
+    from live.control.audio.channel_mixer import Channels
+    from live.control.audio.sound_devices import SoundUnavailable, find_device
+
+    with named("--audio-channel" if audio_channel is not None else "audio.channels of the venue"):
+        channels = Channels.of(audio_channel if audio_channel is not None else there.audio.channels or (1, 2))
+    try:
+        return find_device(audio or there.audio.device), channels
+    except (SoundUnavailable, ValueError) as error:
+        raise PersonError(f"--audio: {error}") from None
+
+
+def _round_trip(
+    device: "SoundDevice", channels: "Channels", output: str | None, repeats: int
+) -> tuple[dict[str, Any], dict[str, float]]:
+    from live.base.errors import PersonError
+    from live.clock.time_source import SystemClock
+    from live.control.audio.calibration import measure, sweep_train
+    from live.control.audio.calibration_devices import Microphone, play_and_record
+    from live.control.audio.sound_devices import SoundUnavailable, find_device
+
+    try:
+        speaker = find_device(output, "output")
+    except (SoundUnavailable, ValueError) as error:
+        raise PersonError(f"--output: {error}") from None
+    clock = SystemClock()
+    train = sweep_train(speaker.sample_rate, repeats)
+    microphone = Microphone(device, channels, len(train.sound) / train.sample_rate + 10.0, clock)
+    try:
+        recording, reported = play_and_record(train, speaker, microphone, clock)
+    finally:
+        microphone.close()
+    trip = measure(train, recording)
+    known = reported is not None and microphone.latency is not None
+    share = reported / (reported + microphone.latency) if known else 0.5  # type: ignore[operator]
+    values = {
+        "input_ms": round(1000.0 * trip.seconds * (1.0 - share), 1),
+        "output_ms": round(1000.0 * trip.seconds * share, 1),
+        "round_trip_ms": round(1000.0 * trip.seconds, 1),
+        "round_trip_spread_ms": round(1000.0 * trip.spread, 2),
+    }
+    told = {
+        "output": speaker.name,
+        "input": device.name,
+        **values,
+        "divided": "as the devices say" if known else "in halves",
+        "heard": trip.heard,
+        "of": trip.of,
+    }
+    return told, values
+
+
+def _claps(
+    device: "SoundDevice", channels: "Channels", there: "Venue", flashes: int, monitor: str | None
+) -> tuple[dict[str, Any], dict[str, float]]:
+    from live.cli.venue.calibrate_claps import WindowScreen, clap_test
+
+    with WindowScreen(monitor) as screen:
+        offset = clap_test(screen, device, channels, max(flashes, 16))
+    seconds = max(offset.seconds - there.latency.input_ms / 1000.0, 0.0)
+    display = min(there.latency.display_ms, 1000.0 * seconds)
+    values = {
+        "display_ms": round(display, 1),
+        "projector_ms": round(1000.0 * seconds - display, 1),
+        "claps_spread_ms": round(1000.0 * offset.spread, 1),
+    }
+    told = {"input": device.name, "input_ms": there.latency.input_ms, **values, "claps": offset.claps}
+    return told, values
+
+
+def _write(name: str, values: dict[str, dict[str, Any]]) -> str:
+    import time
+
+    from live.app.whole_file import write_whole
+    from live.base.errors import PersonError
+    from live.show.venue.venue import venue_path
+    from live.show.venue.venue_file import changed_venue
+
+    path = venue_path(name)
+    text = changed_venue(path, name, values, f"measured {time.strftime('%Y-%m-%d')}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise PersonError(f"cannot make the folder {path.parent}: {error.strerror}") from None
+    write_whole(text.encode(), path, "--venue")
+    return str(path)
+
+
+def _print(found: dict[str, Any], as_json: bool) -> None:
+    if as_json:
+        import json
+
+        print(json.dumps(found))
+        return
+    from rich.console import Console
+
+    console = Console(highlight=False, soft_wrap=True, markup=False)
+    for key, value in found.items():
+        unit = " ms" if key.endswith("_ms") else ""
+        console.print(f"{key.removesuffix('_ms').replace('_', ' ')}: {value}{unit}")

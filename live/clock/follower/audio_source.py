@@ -1,0 +1,184 @@
+"""AudioSource: what is heard in the room, through either kind of tracker."""
+
+import math
+from typing import Final
+
+from live.clock.follower.consensus_ear import ConsensusEar
+from live.clock.follower.pointer_ear import PointerEar
+from live.clock.follower.said import Said
+from live.clock.follower.source import HeardSource, Lines, State
+from live.clock.grid import Grid
+
+NOTHING_HEARD: Final = 3.0
+"""Seconds (at least three beats) without a statement after which the tempo runs on alone."""
+
+SAME_TEMPO: Final = 0.12
+"""Tempi within this (natural logarithm) are at the same level."""
+
+PATIENCE: Final = 8.0
+PATIENCE_EARLY: Final = 2.0
+EARLY: Final = 10.0
+"""A tracker that changes its mind only about the level (half or double) is followed in that after so many seconds;
+sooner in the first seconds of a song."""
+
+AHEAD: Final = 0.25
+"""Trackers name a beat at most so long [s] before it comes."""
+
+ON_BEAT: Final = 0.2
+"""Beats of two levels coincide within this [beats]."""
+
+OFF_BEAT: Final = 0.17
+"""Beats within this of half a beat of the tracker's away are the off-beat."""
+
+
+class AudioSource(HeardSource):
+    """A tracker that names beats of the measure is believed; one that only hears beats is asked for a consensus."""
+
+    def __init__(self, grid: Grid, known_tempo: float | None = None) -> None:
+        """`grid` is what is run while nothing is heard; `known_tempo` [bpm]: what the music's score says."""
+        super().__init__("audio")
+        self.consensus = ConsensusEar(grid, known_tempo)
+        self.pointer = PointerEar()
+        self._pointing = False
+        self._restarts = 0
+        self._song_since = -math.inf
+        self._kept_since = math.inf
+        self._before_pause: State | None = None
+        self._paused_at = -math.inf
+        self.rest_until = -math.inf
+        """Until then the hand rules, and nothing is decided [s]."""
+
+    def raw(self) -> Grid | None:
+        """The tracker's beats."""
+        return self.pointer.grid if self._pointing else self.consensus.grid
+
+    def own_lines(self) -> Lines | None:
+        """The tracker's measures."""
+        return self.pointer.lines() if self._pointing else None
+
+    def heard(self, said: Said, now: float) -> None:
+        """One estimate of the tracker."""
+        if self._before_pause is not None:
+            if said.time <= self._paused_at + AHEAD:  # said before the pause was noticed
+                return
+            self.found(now)
+        if self.silent_since is not None:
+            if self.too_late(said):
+                return
+            self.found(now)
+        self.heard_at = max(self.heard_at, now)
+        if said.beat >= 0 or said.beats_per_measure > 0:
+            self._pointing = True
+        if self._pointing:
+            self._point(said, now)
+        else:
+            self.consensus.heard(said, now, decide=now >= self.rest_until)
+            self._judge(self.consensus.believed, self.consensus.sure, self.consensus.share)
+
+    def _point(self, said: Said, now: float) -> None:
+        raw_before = self.raw()
+        before = None if raw_before is None else self.level.grid(raw_before)
+        if raw_before is None:
+            self._song_since = now
+        self.pointer.heard(said)
+        raw = self.raw()
+        if self.pointer.restarts != self._restarts and before is not None and raw_before is not None:
+            self._restarts = self.pointer.restarts
+            assert raw is not None
+            self._changed_over(raw_before, before, raw, said.time, now)
+        patience = PATIENCE if now - self._song_since > EARLY else PATIENCE_EARLY
+        if raw is not None and now - self._kept_since > patience:
+            self._kept_since = math.inf
+            self.level.scale(1.0 / self.level.factor, math.floor(self.level.danced(raw.beat_at(said.time)) + 0.5))
+        self._judge(self.pointer.believed, self.pointer.sure, self.pointer.share)
+
+    def _changed_over(self, raw_before: Grid, before: Grid, raw: Grid, time: float, now: float) -> None:
+        """The tracker has another tempo: it is danced, unless it is only another level of the same music."""
+        if abs(math.log(raw.tempo / before.tempo)) < SAME_TEMPO:  # the level that is danced is its own now
+            self.level.reset(raw.beat_at(time), before.beat_at(time))
+            self._kept_since = math.inf
+            return
+        kept = math.isfinite(self._kept_since)
+        if self.level.factor != 1.0 and not kept:  # a hand has set the level
+            return
+        ratio = math.log2(raw.tempo / before.tempo)
+        octave = round(ratio)
+        at = raw if octave < 0 else before  # beats of the slower level are beats of the faster one
+        beat = at.number + math.floor((time - at.time) / at.period + 0.5)
+        place = at.time + (beat - at.number) * at.period
+        other = before if octave < 0 else raw
+        near = abs(other.residual(place)) < ON_BEAT
+        if abs(octave) == 1 and abs(ratio - octave) * math.log(2.0) < SAME_TEMPO and near:
+            count = math.floor(other.beat_at(place) + 0.5)
+            mine, theirs = (count, beat) if octave < 0 else (beat, count)
+            self.level.pin(theirs, mine, 0.5**octave)
+            self._kept_since = self._kept_since if kept else now
+            return
+        self.level.reset(raw.beat_at(time), before.beat_at(time))
+        self._kept_since = math.inf
+
+    def _judge(self, believed: bool, sure: bool, share: float) -> None:
+        """The state from what the ear says; a lock once made holds until most of what is said contradicts."""
+        self.confidence = min(max(share, 0.0), 1.0)
+        if not believed:
+            self.state = "listening"
+        elif sure or (self.state == "locked" and share >= 0.3):
+            self.state = "locked"
+        else:
+            self.state = "following"
+
+    def paused(self, now: float) -> None:
+        """It rests for longer than usual: nothing is believed until it is heard again, nothing is forgotten."""
+        if self.silent_since is None and self._before_pause is None and self.state != "absent":
+            self._before_pause, self._paused_at, self.state = self.state, now, "listening"
+
+    def silent(self, now: float) -> None:
+        """Nothing is played any more."""
+        self._before_pause = None
+        super().silent(now)
+        self._forget()
+
+    def found(self, now: float) -> None:
+        """There is something to hear again."""
+        if self._before_pause is not None:
+            self.state, self._before_pause = self._before_pause, None
+            self.heard_at = max(self.heard_at, now)
+            return
+        super().found(now)
+        self._forget()
+
+    def _forget(self) -> None:
+        self.consensus.clear()
+        self.pointer.clear()
+        self.state = "absent" if self.state == "absent" else "listening"
+
+    def watch(self, now: float) -> None:
+        """Notice that nothing comes any more."""
+        raw = self.raw()
+        if self.ready and raw is not None and now - self.heard_at > max(NOTHING_HEARD, 3.0 * raw.period):
+            self.state = "listening"
+            self.pointer.clear()
+
+    def take(self, grid: Grid, until: float) -> None:
+        """The hand says what the beat is, and rules until then [s]."""
+        self.consensus.take(grid)
+        self.rest_until = until
+
+    def agree_with(self, hand: Grid, now: float) -> None:
+        """Dance the tracker's beats at the hand's level, and on the hand's side of the beat."""
+        raw = self.raw()
+        if not self._pointing or raw is None:
+            return
+        self.level.reset(raw.beat_at(now), hand.beat_at(now))
+        ratio = math.log2(hand.tempo / raw.tempo)
+        if round(ratio) in (-1, 1) and abs(ratio - round(ratio)) * math.log(2.0) < SAME_TEMPO:
+            danced = self.level.danced(math.floor(raw.beat_at(now)))
+            self.level.scale(2.0 ** round(ratio), danced)
+        grid = self.grid()
+        if grid is None:
+            return
+        off = grid.beat_at(now) - hand.beat_at(now)
+        unit = 0.5 * min(self.level.factor, 1.0)  # half a beat of the tracker's
+        side = math.floor(off / unit + 0.5) * unit
+        if side % 1.0 and abs(off - side) < OFF_BEAT:
+            self.level.shift(side % 1.0)

@@ -1,1 +1,0 @@
-"""Everything that says where the beat is, and how one Timeline is run after it."""

@@ -1,1 +1,0 @@
-"""Magnitudes of a real signal's spectrum, for any length without large prime factors, without allocating anything."""

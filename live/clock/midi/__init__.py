@@ -1,0 +1,1 @@
+"""Midi beat clock and time code."""

@@ -1,0 +1,223 @@
+"""MidiClock: MIDI beat clock in (24 pulses a beat, start, stop, continue, song position), beats ahead of time out.
+
+After the MIDI 1.0 Detailed Specification (4.2.1), system common and real time messages. A start or continue takes
+effect at the next pulse. The song position counts sixteenths, six pulses each. A sender with active sensing is gone
+after 330 ms without any message.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from live.clock.midi.pulse_train import PulseTrain
+
+PULSES_PER_BEAT: Final = 24
+PULSES_PER_SIXTEENTH: Final = 6
+TOLD_EVERY: Final = 6
+"""Pulses from one estimate to the next."""
+
+LOST_AFTER: Final = 0.5
+"""Seconds without a pulse, at least `LOST_PULSES` periods, after which a running clock counts as lost."""
+
+LOST_PULSES: Final = 4.0
+SENSED_FOR: Final = 0.33
+"""Seconds that a sender with active sensing may be silent."""
+
+GAP: Final = 8.0
+"""Periods without a pulse after which a clock that is not running, or is cued, begins a new train."""
+
+SURE_AFTER: Final = 48.0
+"""Pulses of one steady stretch after which an estimate is wholly trusted."""
+
+BEAT_MIN_S: Final = 0.12
+BEAT_MAX_S: Final = 4.0
+"""Periods of beats beyond these are no music's, and not told."""
+
+CLOCK, START, CONTINUE, STOP, SENSING, RESET = 0xF8, 0xFA, 0xFB, 0xFC, 0xFE, 0xFF
+SONG_POSITION: Final = 0xF2
+
+
+@dataclass(frozen=True, slots=True)
+class ClockBeat:
+    """A beat that comes, as known at `time` [s]. A newer one replaces all that was said before."""
+
+    time: float
+    beat_time: float
+    period: float
+    """Seconds of a beat from now on."""
+    confidence: float
+    beat: int
+    """Beat of its measure, from 0; -1 where it cannot be told."""
+    measure: int
+    """From 0, by the song position; -1 where it cannot be told."""
+    jump: bool
+    """Whether the position jumped here: start, continue, song position."""
+    anchored: bool
+    """False while the clock was not started: beats are counted from any pulse."""
+
+
+@dataclass(frozen=True, slots=True)
+class ClockState:
+    """The source is "found" or "lost", the song "started" or "stopped"."""
+
+    time: float
+    state: str
+    detail: str = ""
+
+
+News = ClockBeat | ClockState
+
+
+class MidiClock:
+    """Decodes one sender. Pure: messages come with their times [s], none is read. Thread: one at a time."""
+
+    def __init__(self, *, beats_per_measure: int = 4, tempo: float = 120.0) -> None:
+        """`tempo` [bpm] is assumed until pulses tell it; MIDI does not say how many beats a measure has."""
+        self.beats_per_measure = beats_per_measure
+        self.running = False
+        """Whether the song runs (started or continued, and not stopped)."""
+        self.rejected = 0
+        """Messages that cannot be true: bad lengths, data bytes above 127, times that are no numbers."""
+        self.train = PulseTrain(60.0 / (tempo * PULSES_PER_BEAT))
+        self._origin = 0
+        self._cue: int | None = None
+        self._held = 0
+        self._cued_for = 0
+        self._told: int | None = None
+        self._started = False
+        self._ticking = False
+        self._heard_at = -math.inf
+        self._sensing = False
+
+    @property
+    def position(self) -> int:
+        """Pulses since the beginning of the song, of the newest pulse; where it stands still, of the next."""
+        return self.train.last - self._origin if self.running and self._cue is None else self._held
+
+    def receive(self, message: Sequence[int], time: float) -> list[News]:
+        """What a message that arrived at `time` [s] tells. Messages of no concern to clocks change nothing."""
+        if not math.isfinite(time) or not message or not 0x80 <= message[0] <= 0xFF:
+            self.rejected += 1
+            return []
+        self._heard_at = time
+        status = message[0]
+        if status == CLOCK:
+            return self._pulse(time)
+        if status == START:
+            return self._start(0, time)
+        if status == CONTINUE:
+            return self._start(self._held if not self.running else self.position + 1, time)
+        if status == STOP:
+            return self._stop(time)
+        if status == SONG_POSITION:
+            return self._locate(message)
+        if status == SENSING:
+            self._sensing = True
+        if status == RESET:
+            self._held = 0
+            return self._stop(time)
+        return []
+
+    def advance(self, now: float) -> list[News]:
+        """What is known at `now` [s] because nothing came; to be called a few times a second."""
+        silent_for = now - self._heard_at
+        if self._sensing and silent_for > SENSED_FOR:
+            self._sensing = False
+            return self._lose(now, "active sensing ended")
+        if not self._ticking:
+            return []
+        if now - self.train.arrived > max(LOST_AFTER, LOST_PULSES * self.train.curve.period):
+            if self._started and not self.running:  # a stopped song may rest: nothing is lost
+                self._ticking = False
+                return []
+            return self._lose(now, "no clock")
+        return []
+
+    def unplugged(self, now: float) -> list[News]:
+        """The cable was pulled, or the port went away."""
+        self._sensing = False
+        return self._lose(now, "port gone") if self._ticking else []
+
+    def _lose(self, now: float, detail: str) -> list[News]:
+        self._ticking = False
+        return [ClockState(now, "lost", detail)]
+
+    def _start(self, position: int, time: float) -> list[News]:
+        was = self.running
+        self.running = self._started = True
+        self._cue = self._held = position
+        return [] if was else [ClockState(time, "started")]
+
+    def _stop(self, time: float) -> list[News]:
+        if not self.running:
+            return []
+        self._held = self.position + 1 if self._cue is None else self._cue
+        self.running, self._cue, self._told = False, None, None
+        return [ClockState(time, "stopped")]
+
+    def _locate(self, message: Sequence[int]) -> list[News]:
+        if len(message) != 3 or max(message[1:]) > 127:
+            self.rejected += 1
+            return []
+        position = (message[1] + 128 * message[2]) * PULSES_PER_SIXTEENTH
+        if not self.running:
+            self._held = position
+        elif abs(position - (self.position + 1)) >= PULSES_PER_SIXTEENTH or self._cue is not None:
+            self._cue = self._held = position
+        return []
+
+    def _pulse(self, time: float) -> list[News]:
+        news: list[News] = []
+        if not self._ticking:
+            self._ticking = True
+            news.append(ClockState(time, "found"))
+        train = self.train
+        fresh = not self.running or self._cue is not None
+        if train.length and fresh and time - train.arrived > GAP * train.curve.period:
+            train.restart(train.last + 1)
+        lost = train.lost
+        train.add(time)
+        self._cued_for += 1
+        jump = self._cue is not None
+        if self._cue is not None:
+            self._origin, self._cue, self._cued_for = train.last - self._cue, None, 1
+        elif train.renumbered >= self._cued_for:  # the pulse that began the song was itself one of them
+            self._origin += train.lost - lost
+        beat = self._estimate(time, jump)
+        return [*news, beat] if beat is not None else news
+
+    def _estimate(self, time: float, jump: bool) -> ClockBeat | None:
+        """What is told at this pulse: at each sixteenth, at a jump, and soon after a sudden change."""
+        train = self.train
+        position = train.last - self._origin
+        sixteenth = position // TOLD_EVERY
+        soon = train.length in (5, 8, 12)
+        if (sixteenth == self._told and not soon and not jump) or (train.unsure and not jump):
+            return None
+        if not self.running and train.curve.count == 0:  # neither tempo nor position is known
+            return None
+        self._told = sixteenth
+        beats = -(-position // PULSES_PER_BEAT) if jump else position // PULSES_PER_BEAT + 1
+        curve = train.curve
+        period = curve.time_of(train.last + PULSES_PER_BEAT) - curve.time_of(train.last)
+        if not BEAT_MIN_S <= period <= BEAT_MAX_S:
+            return None
+        anchored = self.running
+        return ClockBeat(
+            time=time,
+            beat_time=curve.time_of(beats * PULSES_PER_BEAT + self._origin),
+            period=period,
+            confidence=self._confidence(),
+            beat=beats % self.beats_per_measure if anchored else -1,
+            measure=beats // self.beats_per_measure if anchored else -1,
+            jump=jump,
+            anchored=anchored,
+        )
+
+    def _confidence(self) -> float:
+        curve = self.train.curve
+        if curve.count == 0:
+            return 0.2
+        length = min(self.train.length / SURE_AFTER, 1.0)
+        return (0.4 + 0.6 * length) / (1.0 + curve.noise / curve.period)

@@ -1,0 +1,91 @@
+"""PulseSchedule: which MIDI clock messages a Timeline asks for, and when.
+
+The song begins at the first measure line. What the Timeline does slowly, pulses follow; where it jumps (a new song,
+"this is the one") the song is stopped, located and continued at the next sixteenth, as the song position allows.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from live.clock.midi.midi_clock import (
+    CLOCK,
+    CONTINUE,
+    PULSES_PER_BEAT,
+    PULSES_PER_SIXTEENTH,
+    SONG_POSITION,
+    START,
+    STOP,
+)
+from live.clock.timeline import Timeline
+
+JUMP: Final = 3.0
+"""Pulses that the Timeline may be off before it has jumped."""
+
+SIXTEENTHS: Final = 1 << 14
+"""Song positions that a message can tell."""
+
+
+@dataclass(frozen=True, slots=True)
+class Due:
+    """Messages to be sent together at `time` [s]."""
+
+    time: float
+    messages: tuple[bytes, ...]
+
+
+class PulseSchedule:
+    """One song. Pure. Thread: one at a time."""
+
+    def __init__(self) -> None:
+        self._next: int | None = None
+        self._begun_at = 0
+        self._begun = False
+        self._running = False
+        self._stop = False
+        self.jumps = 0
+
+    def due(self, timeline: Timeline, now: float) -> Due:
+        """The next pulse and what goes before it; until `sent` the same one, at the time that the Timeline says."""
+        here = (timeline.beat_at(now) - timeline.measure_origin) * PULSES_PER_BEAT
+        if self._next is None:
+            self._next = math.ceil(here)
+        elif not -JUMP <= self._next - here <= JUMP + 1.0:
+            self._next = math.ceil(here)
+            self.jumps += 1
+            self._stop, self._running = self._stop or self._running, False
+        time = timeline.time_at(timeline.measure_origin + self._next / PULSES_PER_BEAT)
+        stop = (bytes((STOP,)),) if self._stop else ()
+        return Due(time, (*stop, *self._transport(timeline), bytes((CLOCK,))))
+
+    def sent(self, timeline: Timeline) -> None:
+        """The messages of `due` were sent."""
+        assert self._next is not None  # `due` came first
+        if self._transport(timeline):
+            if self._starts(timeline):
+                self._begun_at, self._begun = self._next, True
+            self._running = True
+        self._stop = False
+        self._next += 1
+
+    def relocate(self) -> None:
+        """Somebody new listens: told once more where the song is."""
+        self._running = False
+
+    def _starts(self, timeline: Timeline) -> bool:
+        """Whether the song begins, or begins again, at the next pulse."""
+        assert self._next is not None
+        fresh = not self._begun or self._next < self._begun_at
+        return fresh and self._next % (PULSES_PER_BEAT * timeline.beats_per_measure) == 0
+
+    def _transport(self, timeline: Timeline) -> tuple[bytes, ...]:
+        if self._running or self._next is None:
+            return ()
+        if self._starts(timeline):
+            return (bytes((START,)),)
+        position, rest = divmod(self._next - self._begun_at, PULSES_PER_SIXTEENTH)
+        if not self._begun or rest or position < 0:
+            return ()
+        measure = 4 * timeline.beats_per_measure
+        position %= SIXTEENTHS // measure * measure
+        return bytes((SONG_POSITION, position & 127, position >> 7)), bytes((CONTINUE,))

@@ -1,0 +1,233 @@
+"""PulseTrain: which number each arriving pulse has, and when pulses fall; jitter, stalls and losses do not move it.
+
+Pulses are sent evenly and arrive late by chance. One that lies off the curve is left out and watched. When several
+in a row do, they are judged together: late by whole pulses, and so ever since, means that pulses were lost (they are
+counted by time); late ones that come in a heap are a stall that will pass; all else is a new tempo, and the curve
+begins anew there.
+"""
+
+from typing import Final
+
+import numpy as np
+
+from live.clock.midi.pulse_fit import NOISE_MIN, PulseFit, Times, fit, noise_of
+
+CAPACITY: Final = 2048
+KEPT: Final = 1024
+
+ENOUGH: Final = 5
+"""Pulses after which their own curve is used instead of the assumed period."""
+
+GATE: Final = 4.0
+GATE_MIN: Final = 6e-4
+"""A pulse this many noises, and seconds, off the curve is watched."""
+
+HALF: Final = 0.45
+"""Also one this share of a period off: where the scatter is large, lost pulses show by that it goes on."""
+
+WATCHED: Final = 4
+WATCHED_NOISY: Final = 6
+"""So many watched pulses in a row are judged; more where the scatter is above a tenth of the period."""
+
+BEFORE: Final = 8
+"""Pulses before the watched ones that are judged with them."""
+
+HEAP: Final = 0.5
+"""Pulses closer than this share of a period come in a heap."""
+
+STALL_MAX: Final = 32
+WHOLE: Final = 0.3
+"""How far from a whole number of periods, at most, a step may be that means lost pulses."""
+
+KNOWN_AFTER: Final = 24
+"""Pulses of one curve after which its period is worth keeping for the next train."""
+
+FAR: Final = 4000
+"""Pulses across which no curve is fitted: after a longer loss only the period is kept."""
+
+BUNDLE_WITHIN: Final = 400
+"""Two like steps within so many pulses are those of a clock that is sent in bundles; ..."""
+
+BUNDLE_NOISE: Final = 0.5
+"""... scatter in shares of such a step, ..."""
+
+BUNDLE_FADES: Final = 0.999
+"""... which is forgotten by this factor at every fit."""
+
+OFTEN: Final = 24
+SELDOM: Final = 3
+"""The curve is fitted at every pulse up to `OFTEN` after a sudden change, then at every third."""
+
+
+class PulseTrain:
+    """Numbers pulses by count and by time, and keeps the curve through them. Pure: times [s] are given, none is read.
+
+    Times must not go back: an earlier one counts as the last. Thread: one at a time.
+    """
+
+    def __init__(self, period: float) -> None:
+        """`period` [s] is assumed until a few pulses have come."""
+        self._number = np.zeros(CAPACITY, np.int64)
+        self._time = np.zeros(CAPACITY)
+        self._weight = np.zeros(CAPACITY)
+        self._count = 0
+        self._since = 0
+        self._watched = 0
+        self._noise = 10.0 * NOISE_MIN
+        self._error = 0.0
+        self._known: float | None = None
+        self._bundle = 0.0
+        self._shifted = (-(10**9), 0.0)
+        self._fit = PulseFit(0, 0.0, period, 0.0, self._noise, 0)
+        self.lost = 0
+        """Pulses that never came, counted by time (those that came too many count down)."""
+        self.renumbered = 0
+        """How many of the newest pulses got other numbers by the last `add`."""
+
+    @property
+    def curve(self) -> PulseFit:
+        """The curve in force; `count` 0 says that its period is only assumed."""
+        return self._fit
+
+    @property
+    def last(self) -> int:
+        """Number of the newest pulse; meaningless before the first."""
+        return int(self._number[self._count - 1])
+
+    @property
+    def arrived(self) -> float:
+        """When the newest pulse arrived [s]."""
+        return float(self._time[self._count - 1])
+
+    @property
+    def unsure(self) -> bool:
+        """Whether the newest pulses are still being judged: the curve before them goes on meanwhile."""
+        return self._watched > 1
+
+    @property
+    def length(self) -> int:
+        """Pulses since the last sudden change."""
+        return self._count - self._since
+
+    def restart(self, number: int) -> None:
+        """The next pulse is `number` and begins a new train; its period is assumed to be the present one."""
+        self._known = self._fit.period if self._fit.count >= KNOWN_AFTER else None
+        self._fit = PulseFit(number, 0.0, self._fit.period, 0.0, self._noise, 0)
+        self._count = self._since = self._watched = 0
+
+    def add(self, time: float) -> None:
+        """A pulse arrived at `time` [s]."""
+        if self._count == CAPACITY:
+            self._forget()
+        number = self._fit.number if self._count == 0 else self.last + 1
+        self.renumbered = 0
+        slot = self._count
+        if slot:
+            time = max(time, self.arrived)
+        self._number[slot], self._time[slot], self._weight[slot] = number, time, 1.0
+        self._count += 1
+        if self._fit.count == 0:
+            self._assume(number, time)
+        else:
+            self._watch(time - self._fit.time_of(number))
+        if not self.unsure:
+            self._refit()
+
+    def _assume(self, number: int, time: float) -> None:
+        """Until there are enough: the line of the assumed period that begins at the first pulse."""
+        if self.length == 1:
+            self._fit = PulseFit(number, time, self._fit.period, 0.0, self._noise, 0)
+
+    def _gate(self) -> float:
+        few = 1.0 + 12.0 / max(self._fit.count, 1) ** 1.5 * max(1, self.last - self._fit.number)
+        return float((GATE * self._noise + GATE_MIN) * few)
+
+    def _watch(self, error: float) -> None:
+        """Watch a pulse that lies off the curve, and judge when there are enough of them."""
+        gate, half = self._gate(), HALF * self._fit.period
+        if abs(error) <= min(gate, half):
+            self._watched = 0
+            return
+        if abs(error) > gate:
+            self._weight[self._count - 1] = 0.0
+        self._watched = self._watched + 1 if error * self._error > 0.0 else 1
+        self._error = error
+        noisy = self._noise > 0.1 * self._fit.period
+        if self._watched < (WATCHED_NOISY if noisy else WATCHED):
+            return
+        heap = self._time[self._count - 1] - self._time[self._count - 2] < HEAP * self._fit.period
+        if error > 0.0 and heap and self._watched < STALL_MAX:
+            return
+        self._judge()
+
+    def _judge(self) -> None:
+        """Pulses lost, or moved as a whole, or a new tempo: what explains the watched ones and those before best."""
+        first = self._count - self._watched
+        begin = max(first - BEFORE, self._since)
+        numbers = self._number[begin : self._count]
+        errors = self._time[begin : self._count] - np.array([self._fit.time_of(float(n)) for n in numbers])
+        x = np.arange(begin - first, self._count - first, dtype=np.float64)
+        step = float(np.median(errors[first - begin :]))
+        as_step = float(np.square(errors - step * (x >= 0.0)).sum())
+        as_tempo = min(_misfit_of_ramp(errors, x - knee) for knee in np.arange(-BEFORE, 1.0) - 0.5)
+        self._weight[first : self._count] = 1.0
+        self._watched = 0
+        if as_step > as_tempo:
+            self._since, self._known = first, None
+            return
+        moved = _whole(step / self._fit.period)
+        self._number[first : self._count] += moved
+        self.renumbered = self._count - first if moved else 0
+        self.lost += moved
+        if abs(moved) > FAR:
+            self._since, self._known = first, self._fit.period
+            return
+        rest = step - moved * self._fit.period
+        if abs(rest) > self._gate():
+            self._shift(first, rest)
+
+    def _shift(self, first: int, by: float) -> None:
+        """All pulses from index `first` on are `by` [s] later than those before, at the same tempo.
+
+        Once, the sender moved its phase: what came before is moved along. Twice by the same, it is a clock that is
+        sent in bundles, whose pulses drift against them: that is scatter of that size.
+        """
+        number, before = self._shifted
+        if self.last - number <= BUNDLE_WITHIN and abs(by - before) < 0.3 * abs(before):
+            self._bundle = BUNDLE_NOISE * abs(by)
+            self._time[self._since : max(self._count - (self.last - number), self._since)] -= before
+            self._shifted = (self.last, 0.0)
+            return
+        self._time[self._since : first] += by
+        self._shifted = (self.last, by)
+
+    def _refit(self) -> None:
+        if self.length < ENOUGH and self._fit.count == 0:
+            return
+        if self.length < 4 or (self.length > OFTEN and self.last - self._fit.number < SELDOM):
+            return
+        since = max(self._since, self._count - KEPT // 4 * 3)
+        self._bundle *= BUNDLE_FADES
+        self._noise = max(noise_of(self._number[: self._count], self._time[: self._count]), self._bundle)
+        numbers, times = self._number[since : self._count], self._time[since : self._count]
+        self._fit = fit(numbers, times, self._weight[since : self._count], self._noise, self._known)
+
+    def _forget(self) -> None:
+        """Only the newest pulses are kept."""
+        for values in (self._number, self._time, self._weight):
+            values[:KEPT] = values[CAPACITY - KEPT :]
+        self._count = KEPT
+        self._since = max(self._since - (CAPACITY - KEPT), 0)
+
+
+def _whole(periods: float) -> int:
+    """Pulses lost, for a step of so many periods; one that is hardly nearer to one than to none is none."""
+    whole = round(periods)
+    return 0 if abs(whole) <= 1 and abs(periods - whole) > WHOLE else whole
+
+
+def _misfit_of_ramp(errors: Times, x: Times) -> float:
+    """Sum of squares that is left when errors grow evenly from x = 0 on."""
+    ramp = np.maximum(x, 0.0)
+    slope = float(ramp @ errors) / float(ramp @ ramp)
+    return float(np.square(errors - slope * ramp).sum())

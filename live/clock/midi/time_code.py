@@ -1,0 +1,192 @@
+"""MIDI time code in: quarter frames and full frames to seconds, and seconds to beats at a tempo that is set.
+
+After MIDI 1.0 Detailed Specification, MIDI Time Code (MMA RP-004/008): four quarter frames a frame; eight carry one
+time, that of the frame at which the first of them was sent. 29.97 drop frame leaves out the numbers 0 and 1 of each
+minute but the tenths. Time code has no beats: the tempo and the time code of the first measure are the show's.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Final
+
+from live.clock.midi.midi_clock import ClockBeat, ClockState, News
+from live.clock.midi.pulse_train import PulseTrain
+
+QUARTER_FRAME: Final = 0xF1
+EXCLUSIVE: Final = 0xF0
+FULL_FRAME: Final = (0xF0, 0x7F, None, 0x01, 0x01)
+FULL_FRAME_LENGTH: Final = 10
+FRAMES: Final = (24, 25, 30, 30)
+"""Frames counted in a second, by the two bits of the rate: 24, 25, 30 drop frame, 30."""
+
+SPEEDS: Final = (24.0, 25.0, 30.0 / 1.001, 30.0)
+"""Frames that pass in a second: drop frame is the one for 29.97."""
+
+DROP: Final = 2
+LOST_AFTER: Final = 0.3
+JUMP: Final = 8
+"""Quarter frames that the time may be off before it has jumped; less is counted anew and slewed."""
+
+TOLD_PER_BEAT: Final = 4
+SURE_AFTER: Final = 96.0
+
+
+def frame_number(hours: int, minutes: int, seconds: int, frames: int, rate: int) -> int | None:
+    """Frames since 0:00:00:00 at a rate (0 to 3, as in the messages); None for a time that does not exist."""
+    base = FRAMES[rate]
+    if not (hours < 24 and minutes < 60 and seconds < 60 and frames < base):
+        return None
+    number = ((hours * 60 + minutes) * 60 + seconds) * base + frames
+    if rate != DROP:
+        return number
+    if seconds == 0 and frames < 2 and minutes % 10:
+        return None
+    whole = hours * 60 + minutes
+    return number - 2 * (whole - whole // 10)
+
+
+class TimeCode:
+    """Collects quarter frames into times. Pure. Thread: one at a time."""
+
+    def __init__(self) -> None:
+        self.rate = 1
+        """24, 25, 29.97 drop, 30: 0 to 3."""
+        self.direction = 0
+        """1 forwards, -1 backwards, 0 not known yet."""
+        self.rejected = 0
+        self._nibbles = [-1] * 8
+        self._last = -1
+        self._run = 0
+
+    def quarter(self, data: int) -> int | None:
+        """A quarter frame's data byte; after eight in a row the number of quarter frames at this very one, else None.
+
+        Counted from 0:00:00:00. Times that do not exist are counted as rejected.
+        """
+        piece, nibble = data >> 4, data & 15
+        step = (piece - self._last) % 8
+        direction = 1 if step == 1 else -1 if step == 7 else 0
+        if direction == 0 or direction != self.direction:
+            self._run = 1
+        self.direction = direction
+        self._run += 1
+        self._last, self._nibbles[piece] = piece, nibble
+        if self._run <= 8 or piece != (7 if direction == 1 else 0):
+            return None
+        n = self._nibbles
+        rate = (n[7] >> 1) & 3
+        number = frame_number(n[6] | (n[7] & 1) << 4, n[4] | n[5] << 4, n[2] | n[3] << 4, n[0] | n[1] << 4, rate)
+        if number is None:
+            self.rejected += 1
+            return None
+        self.rate = rate
+        return 4 * number + 7 if direction == 1 else 4 * number
+
+    def full(self, message: Sequence[int]) -> int | None:
+        """A full frame message: the number of quarter frames it names; None, and counted, for a time there is not."""
+        rate = (message[5] >> 5) & 3
+        number = frame_number(message[5] & 31, message[6], message[7], message[8], rate)
+        if number is None:
+            self.rejected += 1
+            return None
+        self.rate, self.direction, self._run = rate, 0, 0
+        return 4 * number
+
+
+def is_full_frame(message: Sequence[int]) -> bool:
+    """Whether an exclusive message is MTC's full frame."""
+    return len(message) == FULL_FRAME_LENGTH and all(
+        wanted is None or byte == wanted for byte, wanted in zip(message, FULL_FRAME, strict=False)
+    )
+
+
+class TimeCodeClock:
+    """Beats along MIDI time code: news as MidiClock gives them. Pure; times [s] are given. Thread: one at a time."""
+
+    def __init__(self, *, tempo: float, offset: float = 0.0, beats_per_measure: int = 4) -> None:
+        """`tempo` [bpm] from the time code `offset` [s] on, where the first measure begins."""
+        self.tempo = tempo
+        self.offset = offset
+        self.beats_per_measure = beats_per_measure
+        self.code = TimeCode()
+        self._train = PulseTrain(0.01)
+        self._origin: int | None = None
+        self._ticking = False
+        self._jump = False
+        self._told: int | None = None
+
+    @property
+    def seconds(self) -> float:
+        """The time code at the newest quarter frame [s]; NaN while it is not known."""
+        if self._origin is None or not self._train.length:
+            return math.nan
+        return (self._train.last - self._origin) / (4.0 * SPEEDS[self.code.rate])
+
+    def receive(self, message: Sequence[int], time: float) -> list[News]:
+        """What a message that arrived at `time` [s] tells; all but time code's change nothing."""
+        if not message or not math.isfinite(time):
+            return []
+        if message[0] == EXCLUSIVE and is_full_frame(message):
+            self.code.full(message)
+            self._origin = None
+            return []
+        if message[0] != QUARTER_FRAME or len(message) != 2 or message[1] > 127:
+            return []
+        return self._quarter(message[1], time)
+
+    def advance(self, now: float) -> list[News]:
+        """Time code that has ended is lost: tape machines say no more when they stop."""
+        if self._ticking and now - self._train.arrived > LOST_AFTER:
+            return self.unplugged(now)
+        return []
+
+    def unplugged(self, now: float) -> list[News]:
+        """The cable was pulled, or the code ended."""
+        was, self._ticking = self._ticking, False
+        return [ClockState(now, "lost", "no time code")] if was else []
+
+    def _quarter(self, data: int, time: float) -> list[News]:
+        train = self._train
+        number = self.code.quarter(data)
+        if train.length and (not self._ticking or self.code.direction < 0):
+            train.restart(train.last + 1)
+            self._origin = None
+        train.add(time)
+        if number is not None and self.code.direction > 0:
+            origin = train.last - number
+            self._jump |= self._origin is None or abs(origin - self._origin) > JUMP
+            self._origin = origin
+        news: list[News] = []
+        if self._origin is None:
+            return news
+        if not self._ticking:
+            news.append(ClockState(time, "found"))
+        beat = self._estimate(time)
+        self._ticking = True
+        return [*news, beat] if beat is not None else news
+
+    def _estimate(self, time: float) -> ClockBeat | None:
+        train, origin = self._train, self._origin
+        if origin is None or (train.unsure and not self._jump) or train.curve.count == 0:
+            return None
+        speed = 4.0 * SPEEDS[self.code.rate]
+        per_beat = speed * 60.0 / self.tempo
+        position = ((train.last - origin) / speed - self.offset) * self.tempo / 60.0
+        told = math.floor(position * TOLD_PER_BEAT)
+        if (told == self._told and not self._jump) or position < -1.0:
+            return None
+        self._told, jump, self._jump = told, self._jump, False
+        beat = math.floor(position) + 1
+        curve = train.curve
+        period = curve.period_at(train.last) * per_beat
+        due = origin + self.offset * speed + beat * per_beat
+        return ClockBeat(
+            time=time,
+            beat_time=curve.time_of(due) if beat >= 0 else time,
+            period=period,
+            confidence=0.5 + 0.5 * min(train.length / SURE_AFTER, 1.0),
+            beat=beat % self.beats_per_measure,
+            measure=beat // self.beats_per_measure,
+            jump=jump,
+            anchored=True,
+        )

@@ -1,0 +1,1 @@
+"""Audio features, onset and beat networks."""

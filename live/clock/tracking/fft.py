@@ -1,0 +1,57 @@
+"""Transform: the tables and the working room for one length of window."""
+
+import numpy as np
+import numpy.typing as npt
+
+from live.clock.tracking.fft_kernels import magnitudes
+
+Floats = npt.NDArray[np.float32]
+
+PRIMES = (2, 3, 5, 7, 11)
+"""What the length of a fast transform may be made of."""
+
+
+def factors(number: int) -> list[int]:
+    """`number` as a product of 4s and `PRIMES`, the 4s first; empty where it has other prime factors."""
+    found = []
+    for prime in (4, *PRIMES):
+        while number % prime == 0:
+            found.append(prime)
+            number //= prime
+    return found if number == 1 else []
+
+
+def fast_length(least: int) -> int:
+    """The smallest even number from `least` on that a transform is fast for."""
+    length = least + least % 2
+    while not factors(length // 2):
+        length += 2
+    return length
+
+
+class Transform:
+    """Windowed magnitudes of the newest samples; allocates nothing after it was made."""
+
+    def __init__(self, window: Floats, bins: int) -> None:
+        """window (W,); `bins` is how many of the bins, from 0 Hz on, are wanted.
+
+        Raises ValueError for more bins than there are.
+        """
+        self.length = fast_length(window.shape[0])
+        """Length of the transform: the window is padded with zeros to it; bins lie sample_rate / length apart."""
+        if not 0 < bins <= self.length // 2:
+            raise ValueError(f"{bins} bins of {self.length // 2}")
+        self.magnitude = np.zeros(bins, np.float32)
+        """Magnitudes of the newest spectrum, shape (bins,)."""
+        half = self.length // 2
+        turns = np.exp(-2.0j * np.pi * np.arange(half) / half)
+        halves = np.exp(-1.0j * np.pi * np.arange(half) / half)
+        self._window = window
+        self._radices = np.array(factors(half), np.int32)
+        self._turn = turns.real.astype(np.float32), turns.imag.astype(np.float32)
+        self._half = halves.real.astype(np.float32), halves.imag.astype(np.float32)
+        self._work = np.zeros((4, half), np.float32)
+
+    def read(self, history: Floats) -> None:
+        """Transform the newest W samples of history (n,), n >= W, into `magnitude`."""
+        magnitudes(history, self._window, self._radices, *self._turn, *self._half, self._work, self.magnitude)

@@ -1,0 +1,47 @@
+"""Onsets: a plain activation without any training, the rises of all bands against their usual strength.
+
+A stand-in where there are no weights: spectral flux (Dixon, Onset detection revisited, DAFx 2006), squashed. It knows
+no downbeats: the low bands' rises stand for them.
+"""
+
+import math
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.clock.tracking.bands import BAND_COUNT
+
+LOW_BANDS: Final = 6
+"""Bands of the short window below about 160 Hz: bass drum, bass."""
+
+MEMORY: Final = 0.004
+"""Share of each frame in the usual strength (time constant 3 s)."""
+
+
+class Onsets:
+    """Beat activation from spectral flux alone."""
+
+    def __init__(self) -> None:
+        self.beat = np.zeros(1)
+        self.downbeat = np.zeros(1)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the usual strength."""
+        self._held = (0.0, 0.0)
+        self._usual = 0.02
+        self._spread = 0.02
+
+    def step(self, look: npt.NDArray[np.float32]) -> int:
+        """Take one frame's compressed bands and rises, shape (2 * BAND_COUNT,); returns 1."""
+        rises = look[BAND_COUNT:]
+        flux = float(rises.mean())
+        low = float(rises[:LOW_BANDS].mean())
+        self._usual += MEMORY * (flux - self._usual)
+        self._spread += MEMORY * (abs(flux - self._usual) - self._spread)
+        height = (flux - self._usual) / (self._spread + 1e-3)
+        self.beat[0], self.downbeat[0] = self._held  # the rise is steepest a frame before its moment comes
+        beat = 1.0 / (1.0 + math.exp(3.0 - height))
+        self._held = (beat, beat * min(max(low / (4.0 * flux + 1e-3), 0.0), 0.5))
+        return 1

@@ -1,0 +1,132 @@
+"""Neighbours: which network card (link-layer address) an address of the hall's own network belongs to.
+
+Who asks for forty addresses by DHCP has one radio all the same. The kernel's table is read over netlink (RFC 3549,
+rtnetlink(7)): one dump for IPv4 and IPv6. Where there is no such table (not Linux, a network behind a router, this very
+machine), nothing is known. Cards are kept as keyed hashes, in memory alone.
+"""
+
+import asyncio
+import hashlib
+import hmac
+import ipaddress
+import socket
+import struct
+import time
+from collections.abc import Iterator
+from typing import Final
+
+from live.control.audience.client_address import Address
+
+RTM_NEWNEIGH: Final = 28
+RTM_GETNEIGH: Final = 30
+NLMSG_ERROR: Final = 2
+NLMSG_DONE: Final = 3
+_DUMP: Final = 0x301
+"""NLM_F_REQUEST | NLM_F_DUMP."""
+_NDA_DST: Final = 1
+_NDA_LLADDR: Final = 2
+_FAILED: Final = 0x20 | 0x01
+"""NUD_FAILED, NUD_INCOMPLETE: nobody answered."""
+_MESSAGE: Final = struct.Struct("=IHHII")
+_NEIGHBOUR: Final = struct.Struct("=BxHiHBB")
+_ATTRIBUTE: Final = struct.Struct("=HH")
+MOST: Final = 65_536
+"""Entries that are read."""
+WITHIN: Final = 0.2
+"""The kernel answers so soon [s], or is not asked again."""
+SHARE: Final = 10.0
+"""It is read so rarely that reading takes no more than one part of so many of the time ..."""
+STALE: Final = 2.0
+"""... and a table that is older [s] is read again."""
+
+
+def neighbours_of(data: bytes) -> Iterator[tuple[Address, bytes] | None]:
+    """(address, link-layer address) of each entry of a dump; None once it is at its end. Broken messages end it."""
+    begin = 0
+    while begin + _MESSAGE.size <= len(data):
+        size, kind, *_ = _MESSAGE.unpack_from(data, begin)
+        if kind in (NLMSG_DONE, NLMSG_ERROR) or not _MESSAGE.size <= size <= len(data) - begin:
+            yield None
+            return
+        if kind == RTM_NEWNEIGH:
+            found = _neighbour(data[begin + _MESSAGE.size : begin + size])
+            if found is not None:
+                yield found
+        begin += (size + 3) & ~3
+
+
+def _neighbour(body: bytes) -> tuple[Address, bytes] | None:
+    if len(body) < _NEIGHBOUR.size:
+        return None
+    _, _, _, state, _, _ = _NEIGHBOUR.unpack_from(body)
+    address: Address | None = None
+    card, begin = b"", _NEIGHBOUR.size
+    while begin + _ATTRIBUTE.size <= len(body):
+        size, kind = _ATTRIBUTE.unpack_from(body, begin)
+        if size < _ATTRIBUTE.size or begin + size > len(body):
+            return None
+        value = body[begin + _ATTRIBUTE.size : begin + size]
+        if kind == _NDA_DST and len(value) in (4, 16):
+            address = ipaddress.ip_address(value)
+        elif kind == _NDA_LLADDR:
+            card = value
+        begin += (size + 3) & ~3
+    if address is None or not any(card) or state & _FAILED:
+        return None
+    return address, card
+
+
+class Neighbours:
+    """The table of the moment. Thread: the gateway's loop."""
+
+    def __init__(self, secret: bytes) -> None:
+        self._secret = secret
+        self._cards: dict[Address, bytes] = {}
+        self._read_at = -1e9
+        self._rest = 0.0
+        self._there = hasattr(socket, "AF_NETLINK")
+
+    async def card_of(self, address: Address) -> str:
+        """A name for the network card that has an address; empty if that is not known.
+
+        Who has just sent something stands in the kernel's table; so who is not in ours is looked for again.
+        """
+        if address.is_loopback or not self._there:
+            return ""
+        if address not in self._cards or time.monotonic() > self._read_at + max(STALE, self._rest):
+            wait = self._read_at + self._rest - time.monotonic()
+            if wait > 0.0:
+                await asyncio.sleep(wait)
+            if time.monotonic() >= self._read_at + self._rest:  # else somebody who waited, too, has read it
+                self._read()
+        card = self._cards.get(address, b"")
+        return "card " + hmac.new(self._secret, b"card " + card, hashlib.sha256).hexdigest()[:16] if card else ""
+
+    def _read(self) -> None:
+        began = time.monotonic()
+        found: dict[Address, bytes] = {}
+        try:
+            for entry in _dump():
+                found[entry[0]] = entry[1]
+        except TimeoutError:
+            pass
+        except OSError:
+            self._there = False  # a system that has no such table is not asked again
+        self._cards = found
+        self._read_at = time.monotonic()
+        self._rest = SHARE * (self._read_at - began)
+
+
+def _dump() -> Iterator[tuple[Address, bytes]]:
+    """The kernel's table; OSError if there is none."""
+    with socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, 0) as asking:  # 0: NETLINK_ROUTE
+        asking.settimeout(WITHIN)
+        body = _NEIGHBOUR.pack(0, 0, 0, 0, 0, 0)
+        asking.send(_MESSAGE.pack(_MESSAGE.size + len(body), RTM_GETNEIGH, _DUMP, 1, 0) + body)
+        count = 0
+        while count < MOST:
+            for entry in neighbours_of(asking.recv(1 << 17)):
+                if entry is None:
+                    return
+                yield entry
+                count += 1

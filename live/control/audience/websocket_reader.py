@@ -1,0 +1,93 @@
+"""Reading: a phone's frames from the moment on it was welcomed, without a task's turn for each of them.
+
+Of RFC 6455 there is all that a phone needs: whole, masked frames of at most 125 bytes, close, ping and pong. Whatever
+is longer, in parts, not masked or reserved ends the connection. What is sent goes the server's own way.
+"""
+
+import asyncio
+from typing import Any, Final
+
+from live.control.audience.hall import Hall
+from live.control.audience.phones import Phone
+from live.control.audience.rate_limit import Why
+
+BINARY: Final = 0x82
+TEXT: Final = 0x81
+CLOSE: Final = 0x88
+PING: Final = 0x89
+PONG: Final = 0x8A
+"""First bytes of whole frames."""
+LONGEST: Final = 125
+
+
+class Reading(asyncio.Protocol):
+    """Takes a connection over from the server's `handler`, which hears of its end. Thread: the gateway's loop."""
+
+    def __init__(self, hall: Hall, phone: Phone, handler: Any) -> None:
+        self._hall, self._phone, self._handler = hall, phone, handler
+        self._transport: Any = phone.transport
+        self._rest = b""
+        self.gone: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        """Done once the connection is lost."""
+
+    def data_received(self, data: bytes) -> None:
+        """Heed every whole frame."""
+        if self._rest:
+            data, self._rest = self._rest + data, b""
+        begin, end, now = 0, len(data), self._hall.now()
+        while end - begin >= 6:
+            size = data[begin + 1] - 0x80
+            if not 0 <= size <= LONGEST:
+                self._hall.refused[Why.LONG if size > LONGEST else Why.MALFORMED] += 1
+                self._transport.abort()
+                return
+            after = begin + 6 + size
+            if after > end:
+                break
+            payload = data[begin + 6 : after]
+            if size:
+                mask = (data[begin + 2 : begin + 6] * (size // 4 + 1))[:size]
+                whole = int.from_bytes(payload, "little") ^ int.from_bytes(mask, "little")
+                payload = whole.to_bytes(size, "little")
+            if not self._heed(data[begin], payload, now):
+                self._transport.abort()
+                return
+            begin = after
+        self._rest = data[begin:]
+
+    def _heed(self, first: int, payload: bytes, now: float) -> bool:
+        """One frame; whether the phone may stay."""
+        if first == BINARY:
+            answer = self._hall.hear(self._phone, payload, now)
+            if answer:
+                self._transport.write(bytes((BINARY, len(answer))) + answer)
+            return answer is not None
+        if first == PING:
+            self._transport.write(bytes((PONG, len(payload))) + payload)
+            return self._hall.hear(self._phone, b"", now) is not None  # it counts, and means nothing
+        if first == PONG:
+            return True
+        if first == CLOSE:
+            self._phone.left_by_itself = True
+            self._transport.write(bytes((CLOSE, 0)))
+            self._transport.close()
+            return True
+        return self._hall.amiss(self._phone, Why.MALFORMED) and first == TEXT
+
+    def pause_writing(self) -> None:
+        """More waits than should."""
+        self._handler.pause_writing()
+
+    def resume_writing(self) -> None:
+        """It has gone out."""
+        self._handler.resume_writing()
+
+    def eof_received(self) -> bool:
+        """It says no more."""
+        return False
+
+    def connection_lost(self, error: Exception | None) -> None:
+        """It has gone."""
+        self._handler.connection_lost(error)
+        if not self.gone.done():
+            self.gone.set_result(None)

@@ -1,0 +1,240 @@
+"""ClickOutput: the beat as a click on a sound output of its own, for the players' ears."""
+
+import math
+import threading
+from collections.abc import Callable
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.errors import PersonError
+from live.base.fault_isolation import keep_running
+from live.clock.sample_clock import SampleClock
+from live.clock.time_source import Clock
+from live.clock.timeline import Timeline
+from live.control.audio.channel_mixer import Channels
+from live.control.audio.click_track import ClickTrack, Float32
+from live.control.audio.sound_devices import SoundDevice, close_stream, find_again, find_device, open_stream, refresh
+
+MakeVoices = Callable[[int], tuple[Float32, Float32]]
+"""For a sample rate [Hz]: the sound of a measure's first beat, and that of the others."""
+
+POLL: Final = 0.010
+LOST_AFTER: Final = 0.5
+"""Seconds without a callback after which the output counts as gone ..."""
+
+FIRST_SOUND: Final = 3.0
+"""... and so many after it was opened (sound servers fill their buffers and pause)."""
+
+RETRY: Final = 2.0
+"""Seconds between attempts to open it again."""
+
+SETTLED: Final = 1.0
+"""The first click comes when the line through the callbacks has stayed where it is for so many seconds of samples
+and of time ..."""
+
+STEADY: Final = 0.020
+"""... within this [s]. A sound server may take samples at once, and then pause for two seconds."""
+
+AHEAD: Final = 0.080
+"""Seconds of sound that are asked of the device as its buffer: a callback may be late by as much unheard."""
+
+LONGEST: Final = 16384
+"""Frames of a block at most; what a sound server asks beyond stays silent."""
+
+STAMPS: Final = 512
+
+
+class ClickOutput:
+    """Plays a ClickTrack. An output that goes away is opened again by name; the show never waits for it.
+
+    When a sample is heard: a line through the callbacks' times against the count of their samples (as for music), the
+    latency that the device says, and `later`, which is found by ear or by measuring.
+    """
+
+    def __init__(
+        self,
+        device: str | int | None,
+        clock: Clock,
+        voices: MakeVoices,
+        *,
+        channels: Channels = Channels(),  # noqa: B008 - frozen
+        later: float = 0.0,
+        on: bool = True,
+    ) -> None:
+        """`device` as for `find_device`; `later` [s]: how much later it is heard than the device says.
+
+        Raises SoundUnavailable or UnknownDevice, and PersonError if the device lacks the channels.
+        """
+        self.device: SoundDevice = find_device(device, "output")
+        missing = channels.missing(self.device.channels)
+        if missing:
+            raise PersonError(f"{self.device.name}: {missing}", "choose others, see `live devices`")
+        self.later = later
+        """As given; it may be changed meanwhile."""
+        self.problem = ""
+        """Why nothing clicks, in words; empty if it does."""
+        self.reopened = 0
+        """How often the output was opened again."""
+        self._make_voices = voices
+        self._rate = self.device.sample_rate
+        self.track = ClickTrack(*voices(round(self._rate)), on=on)
+        self._clock = clock
+        self._wanted = channels
+        self._channels = channels.among(self.device.channels)
+        self._block = np.zeros(LONGEST, np.float32)
+        self._stamp_frame = np.zeros(STAMPS, np.int64)
+        self._stamp_time = np.zeros(STAMPS)
+        self._stream: Any = None
+        self._stop = threading.Event()
+        self._thread: threading.Thread | None = None
+        self._reported = 0.0
+        self._opened_at = self._alive_at = -math.inf
+        self._begin()
+
+    def show(self, timeline: Timeline, one: float = -math.inf) -> None:
+        """How the show runs now, and the beat that is counted down to, if any; each frame."""
+        self.track.show(timeline, one)
+
+    def facts(self) -> dict[str, Any]:
+        """What the operator is told, for the status. Thread: any."""
+        return {
+            "device": self.device.name,
+            "state": "open" if self._stream is not None else "lost",
+            "on": self.track.on,
+            "latency_ms": round(1000.0 * self.delay, 2),
+            "clicks": self.track.clicks,
+            "missed": self.track.missed,
+            "reopened": self.reopened,
+            "problem": self.problem,
+        }
+
+    @property
+    def delay(self) -> float:
+        """From a sample handed over until it is heard [s]."""
+        return self._reported + self.later
+
+    def start(self) -> None:
+        """Open the output and begin; raises sounddevice.PortAudioError if it refuses now."""
+        self.open()
+        self._stop.clear()
+        self._thread = threading.Thread(target=self._run, name="click", daemon=True)
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End."""
+        self._stop.set()
+        if self._thread is not None:
+            self._thread.join(timeout=2.0)
+            self._thread = None
+
+    def _begin(self) -> None:
+        """Everything that depends on the device as it is now."""
+        if self._rate != self.device.sample_rate:
+            self._rate = self.device.sample_rate
+            self.track.voices = self._make_voices(round(self._rate))
+        self._channels = self._wanted.among(self.device.channels)
+        self._line = SampleClock(self._rate)
+        self._asked = self._stamps = self._stamps_read = 0
+        self._place: tuple[float, float] | None = None  # when frame 0 is handed over, and seconds per frame
+        self._steady: tuple[float, float, float] | None = None  # where the line lies, since which sample and when
+
+    def open(self) -> None:
+        """Open the output; `start` does it, and turns in a thread."""
+        self._begin()
+        self._stream = open_stream(
+            "output",
+            device=self.device.index,
+            samplerate=self._rate,
+            channels=max(self._channels) + 1,
+            dtype="float32",
+            latency=AHEAD,
+            callback=self._callback,
+        )
+        reported = float(self._stream.latency)
+        self._reported = reported if 0.0 <= reported <= 1.0 else 0.0  # some hosts report nonsense
+        self._opened_at = self._alive_at = self._clock.now()
+
+    def _callback(self, out: npt.NDArray[np.float32], frames: int, _times: Any, _status: Any) -> None:
+        slot = self._stamps % STAMPS
+        self._stamp_frame[slot], self._stamp_time[slot] = self._asked, self._clock.now()
+        self._stamps += 1
+        out[:] = 0.0
+        place = self._place
+        if place is not None:
+            block = self._block[: min(frames, LONGEST)]
+            begin = place[0] + self._asked * place[1] + self.delay
+            self.track.fill(block, begin, block.shape[0] * place[1])
+            for channel in self._channels:
+                out[: block.shape[0], channel] = block
+        self._asked += frames
+
+    def _run(self) -> None:
+        try:
+            keep_running("the click", self._turns, self._stop.wait)
+        finally:
+            self._close()
+
+    def _turns(self) -> None:
+        while not self._stop.wait(POLL):
+            self.turn()
+
+    def turn(self) -> None:
+        """One round, which never raises: where the samples are, whether the output is there. Thread: the click's."""
+        now = self._clock.now()
+        if self._stream is not None:
+            try:
+                self._watch(now)
+            except Exception as error:  # the output is opened anew, the click's thread goes on
+                self._lose(now, f"the click failed: {type(error).__name__}: {error}")
+        elif now - self._alive_at >= RETRY:
+            self._try_again(now)
+
+    def _watch(self, now: float) -> None:
+        until = self._stamps
+        for index in range(max(self._stamps_read, until - STAMPS // 2), until):
+            time = float(self._stamp_time[index % STAMPS])
+            self._line.observe(float(self._stamp_frame[index % STAMPS]), time)
+            self._alive_at = max(self._alive_at, time)
+        self._stamps_read = until
+        if until:
+            self._place_samples()
+        patience = LOST_AFTER if now - self._opened_at > FIRST_SOUND else FIRST_SOUND
+        if now - self._alive_at > patience:
+            self._lose(now, f"{self.device.name} went away")
+
+    def _place_samples(self) -> None:
+        """Say when samples are handed over, once that is known."""
+        asked = float(self._asked)
+        handed_over = self._line.time_of(asked)
+        lies = handed_over - asked / self._rate
+        if self._steady is None or abs(lies - self._steady[0]) > STEADY:
+            self._steady = (lies, asked, self._alive_at)
+        _, since, then = self._steady
+        if self._place is not None or min((asked - since) / self._rate, self._alive_at - then) >= SETTLED:
+            step = (self._line.time_of(asked + self._rate) - handed_over) / self._rate
+            self._place = (handed_over - asked * step, step)
+
+    def _lose(self, now: float, why: str) -> None:
+        self.problem, self._alive_at = why, now
+        self._close()
+
+    def _close(self) -> None:
+        if self._stream is not None:
+            stream, self._stream = self._stream, None
+            close_stream(stream)
+
+    def _try_again(self, now: float) -> None:
+        """Look for the output by its name and open it; whatever goes wrong, there is another time."""
+        self._alive_at = now
+        try:
+            refresh()
+            self.device = find_again(self.device, "output")
+            self.open()
+        except Exception as error:  # the sound system is coming and going: no error of its may end the click
+            self._stream = None
+            self.problem = str(error)
+            return
+        self.problem = self._wanted.missing(self.device.channels)
+        self.reopened += 1

@@ -1,0 +1,174 @@
+"""Music from a file: decoded once into memory, and followed offline sample by sample."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.clock.tracking.aubio_tracker import RATE_MAX_HZ, RATE_MIN_HZ
+from live.control.audio.audio_analysis import AudioAnalysis, MakeAnalysis
+from live.control.events.events import ControlEvent, One, SourceChanged
+
+LONGEST: Final = 3.0 * 3600.0
+"""Longest music [s]; it is kept in memory, 21 MB a minute in stereo."""
+
+SHORTEST: Final = 0.1
+
+TOLD_AHEAD: Final = 30.0
+"""A known first downbeat is told so long before it is heard [s]: a score that begins with it is not to be late, and a
+tracker is not to move the measure lines before it."""
+
+
+class MusicFileError(ValueError):
+    """A file that cannot be played; the message names the file, what is wrong and what to do."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Music:
+    """Decoded sound: `samples` (n, channels) with 1 or 2 channels, full scale = 1, at `sample_rate` [Hz]."""
+
+    samples: npt.NDArray[np.float32]
+    sample_rate: int
+
+    @property
+    def duration(self) -> float:
+        """Seconds."""
+        return float(self.samples.shape[0] / self.sample_rate)
+
+    def block(self, start: int, count: int, loop: bool) -> npt.NDArray[np.float32]:
+        """`count` frames from `start` on, shape (≤ count, channels); the end meets the beginning if it loops."""
+        length = self.samples.shape[0]
+        if not loop:
+            return self.samples[start : start + count]
+        start %= length
+        if start + count <= length:
+            return self.samples[start : start + count]
+        return np.take(self.samples, range(start, start + count), axis=0, mode="wrap")
+
+
+def read_music(path: Path | str) -> Music:
+    """Decode the first sound stream of any file that FFmpeg reads; more than two channels are mixed to stereo.
+
+    Raises MusicFileError for a file that is missing, is no music, holds no sound, or is longer than three hours.
+    """
+    import av  # not at the top: it loads FFmpeg (0.2 s), and a show that listens to a device does not need it
+
+    path = Path(path)
+    if path.is_dir():
+        raise MusicFileError(f"{path} is a folder; name a music file (wav, flac, ogg, mp3, m4a …)")
+    if not path.exists():
+        raise MusicFileError(f"{path}: there is no such file; name a music file (wav, flac, ogg, mp3, m4a …)")
+    try:
+        with av.open(str(path)) as container:
+            if not container.streams.audio:
+                raise MusicFileError(f"{path} holds no sound; name a file with a sound stream")
+            music = _decoded(container, path)
+    except av.FFmpegError as error:
+        reason = error.strerror or type(error).__name__
+        raise MusicFileError(
+            f"{path} cannot be read as music ({reason}); is it complete? wav, flac, ogg, mp3 and m4a are understood"
+        ) from None
+    except OSError as error:
+        raise MusicFileError(f"{path} cannot be opened ({error.strerror or error})") from None
+    if music.duration < SHORTEST:
+        raise MusicFileError(f"{path} holds {music.duration:.2f} s of sound; at least {SHORTEST} s are needed")
+    return music
+
+
+def _decoded(container: Any, path: Path) -> Music:
+    from av.audio.resampler import AudioResampler
+
+    stream = container.streams.audio[0]
+    told = float(container.duration or 0) / 1e6
+    if told > LONGEST:
+        raise _too_long(path)
+    rate, channels = int(stream.rate), min(int(stream.channels), 2)
+    if not RATE_MIN_HZ <= rate <= RATE_MAX_HZ:
+        raise MusicFileError(
+            f"{path} has a sample rate of {rate} Hz; {RATE_MIN_HZ:g} to {RATE_MAX_HZ:g} Hz can be followed"
+        )
+    resampler = AudioResampler(format="flt", layout="stereo" if channels == 2 else "mono", rate=rate)
+    blocks: list[npt.NDArray[np.float32]] = []
+    frames = 0
+
+    def keep(decoded: Any) -> None:
+        nonlocal frames
+        for part in resampler.resample(decoded):
+            block = part.to_ndarray().reshape(-1, channels).astype(np.float32, copy=False)
+            blocks.append(block)
+            frames += block.shape[0]
+        if frames > LONGEST * rate:
+            raise _too_long(path)
+
+    for frame in container.decode(stream):
+        keep(frame)
+    keep(None)
+    samples = np.concatenate(blocks) if blocks else np.zeros((0, channels), np.float32)
+    np.nan_to_num(samples, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
+    samples.setflags(write=False)
+    return Music(samples, rate)
+
+
+def _too_long(path: Path) -> MusicFileError:
+    return MusicFileError(f"{path} is longer than {LONGEST / 3600:g} hours; cut it into pieces")
+
+
+class OfflineMusic:
+    """Follows music without playing it: the events that a player would have put by a given time of the show.
+
+    The first sample is heard at `begin` [s]. The events depend only on the music, not on how it is asked for.
+    """
+
+    def __init__(
+        self,
+        music: Music,
+        *,
+        loop: bool = True,
+        begin: float = 0.0,
+        one_at: float | None = None,
+        analysis: MakeAnalysis = AudioAnalysis,
+    ) -> None:
+        """`one_at` [s of the music] is the first downbeat, if that is known: it is told as One, TOLD_AHEAD before."""
+        self._music = music
+        self._loop = loop
+        self._begin = begin
+        self._one = None if one_at is None else One(time=begin + one_at, source="audio")
+        self._tell_one = 0 if one_at is None else max(int((one_at - TOLD_AHEAD) * music.sample_rate), 0)
+        self._fed = 0
+        self._ended = False
+        self._analysis = analysis(music.sample_rate)
+        if one_at is not None:
+            self._analysis.know_one(one_at)
+
+    @property
+    def ended(self) -> bool:
+        """Whether the music is over (never, if it loops)."""
+        return self._ended
+
+    def events_until(self, time: float) -> list[ControlEvent]:
+        """The events from the last call up to `time` [s], in order."""
+        events: list[ControlEvent] = []
+        wanted = int((time - self._begin) * self._music.sample_rate)
+        if wanted >= 0:
+            self._say_one(events)
+        while self._fed < wanted and not self._ended:
+            before = wanted if self._one is None else self._tell_one
+            block = self._music.block(self._fed, min(wanted - self._fed, before - self._fed, 65536), self._loop)
+            self._fed += block.shape[0]
+            events += self._analysis.feed(block, self._time_of)
+            self._say_one(events)
+            if not self._loop and self._fed >= self._music.samples.shape[0]:
+                self._ended = True
+                end = self._time_of(self._music.duration)
+                events.append(SourceChanged(time=end, source="audio", state="silent", detail="the music is over"))
+        return events
+
+    def _say_one(self, events: list[ControlEvent]) -> None:
+        if self._one is not None and self._fed >= self._tell_one:
+            events.append(self._one)
+            self._one = None
+
+    def _time_of(self, position: float) -> float:
+        return self._begin + position

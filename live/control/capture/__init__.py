@@ -1,0 +1,1 @@
+"""Vmc and posistagenet."""

@@ -1,0 +1,122 @@
+"""CaptureInput: what hears a capture system over UDP: one thread for all its ports, within bounds."""
+
+import selectors
+import socket
+import threading
+from typing import Any, Final
+
+from live.base.fault_isolation import keep_running
+from live.clock.time_source import Clock
+from live.control.osc.osc_socket import dropped_by
+from live.control.osc.udp_batch import Datagrams
+from live.control.registry.rejections import Reason, Tally
+
+FLOOD: Final = 2000
+"""Datagrams in a tenth of a second that are read ..."""
+WINDOW: Final = 0.1
+"""... and for how long [s] the others are not."""
+_PAUSE_S: Final = 0.05
+
+
+class CaptureInput:
+    """Receives datagrams and hands them to `hear`. Subclasses say how sockets are opened, and hear.
+
+    Thread: its own daemon thread receives; all counters may be read from any thread.
+    """
+
+    def __init__(self, name: str, clock: Clock, largest: int) -> None:
+        """Nothing is opened yet. `name`: the thread's; `largest`: bytes of a datagram at most."""
+        self.clock, self._name, self._largest = clock, name, largest
+        self.rejected = Tally()
+        """What was refused, by reason."""
+        self.received = 0
+        """Datagrams read."""
+        self._sockets: list[socket.socket] = []
+        self._wake: tuple[socket.socket, socket.socket] | None = None
+        self._thread: threading.Thread | None = None
+        self._stopping = threading.Event()
+        self._window, self._read = 0.0, 0
+        self._lost = 0
+
+    def open(self) -> list[socket.socket]:
+        """The sockets to be heard; CannotListen, with the remedy, if that cannot be."""
+        raise NotImplementedError
+
+    def hear(self, data: bytes, sender: Any, port: int, now: float) -> None:
+        """A datagram of `sender` has come to `port` at `now` [s]. Thread: the input's own."""
+        raise NotImplementedError
+
+    def start(self) -> None:
+        """Bind all ports and begin to receive; CannotListen, with the remedy, if that cannot be."""
+        self._sockets = self.open()
+        self._wake = socket.socketpair()
+        self._stopping.clear()
+        self._thread = threading.Thread(target=self._run, name=self._name, daemon=True)
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End the thread and free the ports; harmless if it never started."""
+        if self._thread is not None and self._wake is not None:
+            self._stopping.set()
+            self._wake[1].send(b"\0")
+            self._thread.join()
+            for one in self._wake:
+                one.close()
+        self._thread = self._wake = None
+        self._lost = self.lost
+        for one in self._sockets:
+            one.close()
+        self._sockets.clear()
+
+    @property
+    def ports(self) -> list[int]:
+        """The ports it really receives on."""
+        return [int(each.getsockname()[1]) for each in self._sockets]
+
+    @property
+    def lost(self) -> int:
+        """Datagrams that the system dropped because nobody read them in time."""
+        return self._lost if not self._sockets else sum(dropped_by(each) for each in self._sockets)
+
+    def _run(self) -> None:
+        keep_running(f"the thread that hears {self._name}", self._receive_all, self._stopping.wait)
+
+    def _receive_all(self) -> None:
+        assert self._wake is not None
+        with selectors.DefaultSelector() as selector:
+            for each in self._sockets:
+                port = int(each.getsockname()[1])
+                selector.register(each, selectors.EVENT_READ, (Datagrams(each, self._largest), port))
+            selector.register(self._wake[0], selectors.EVENT_READ)
+            while not self._stopping.is_set():
+                for key, _ in selector.select():
+                    if key.data is not None:
+                        self.receive(*key.data)
+
+    def receive(self, datagrams: Datagrams, port: int) -> None:
+        """Read what is there, within bounds."""
+        try:
+            found = datagrams.read()
+        except OSError:  # a network that went away: the show goes on
+            self.rejected.count(Reason.SOCKET)
+            self._stopping.wait(_PAUSE_S)
+            return
+        now = self.clock.now()
+        if now - self._window >= WINDOW:
+            self._window, self._read = now, 0
+        for data, sender in found:
+            self._read += 1
+            if self._read > FLOOD:
+                self.rejected.count(Reason.FLOOD)
+                continue
+            try:
+                self.hear(data, sender, port, now)
+            except Exception:  # whatever a datagram may bring to light, the next one is heard
+                self.rejected.count(Reason.INTERNAL)
+        self.received += len(found)  # last, so that whoever sees it sees what became of them
+        if self._read > FLOOD:
+            self._stopping.wait(max(self._window + WINDOW - now, 0.001))
+
+    def facts(self) -> dict[str, Any]:
+        """For the status."""
+        return {"received": self.received, "lost": self.lost, "refused": self.rejected.as_dict()}

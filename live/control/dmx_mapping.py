@@ -1,0 +1,126 @@
+"""Chart: which channel of the hall's lamps follows what, and what it is now.
+
+Flashes (beat, measure, steps, feet) are full when it happens and fade in a straight line. Values of the registry take
+their whole range; the light level goes with blackout, so that the hall's lamps do, too.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.clock.timeline import Timeline
+from live.control.registry.registry import REGISTRY
+from live.control.registry.values import Changes
+
+CHANNELS: Final = 512
+SENDS: Final = ("beat", "measure", "steps", "feet", "tempo", "dancer")
+LEVEL: Final = "/dance/light/level"
+BLACKOUT: Final = "/dance/blackout"
+
+
+def widths_of(sends: str) -> int:
+    """How many channels this takes when it is not fine; 0 if nothing is called that."""
+    if sends in SENDS:
+        return 4 if sends == "dancer" else 1
+    control = REGISTRY.find(sends)
+    if control is None or control.named or any(argument.type in ("name", "text") for argument in control.valued):
+        return 0
+    return control.value
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """One row of the chart: from `channel` (from 1) on; `beats`: how long a flash is seen."""
+
+    channel: int
+    sends: str
+    dancer: int = 1
+    beats: float = 1.0
+    fine: bool = False
+
+
+USUAL: Final = (
+    Channel(1, "beat"), Channel(2, "measure", beats=2.0), Channel(3, "tempo"), Channel(4, "steps"),
+    Channel(5, "feet", beats=0.5), Channel(6, LEVEL), Channel(7, "/dance/light/key"),
+    Channel(8, "/dance/light/key/colour"), Channel(11, "/dance/light/rim"), Channel(12, "/dance/light/rim/colour"),
+    Channel(15, "/dance/light/ambient"), Channel(16, "/dance/light/side"),
+    *(Channel(17 + 4 * n, "dancer", dancer=n + 1) for n in range(16)),
+)  # fmt: skip
+"""The chart of a patch that has none."""
+
+
+class Chart:
+    """What all channels are. `half` [m]: half the stage, at whose edges a dancer's channels are 0 and full."""
+
+    def __init__(self, channels: Sequence[Channel], half: tuple[float, float]) -> None:
+        self._channels, self._half = tuple(channels), half
+        self._values: dict[str, tuple[float, ...]] = {}
+        self._places: Mapping[int, tuple[float, float]] = {}
+        self._flash: dict[str, tuple[float, float]] = {}
+        self._row = np.zeros(CHANNELS, np.uint8)
+
+    def take_values(self, changes: Changes) -> None:
+        """These have new values; of one that groups have each their own the first counts."""
+        for address, rows in changes.items():
+            if rows and not any(isinstance(value, str) for value in rows[0][1]):
+                self._values[address] = tuple(float(value) for value in rows[0][1])
+
+    def take_places(self, rows: npt.NDArray[np.float32]) -> None:
+        """Rows (number from 1, x, z, heading) of all dancers who are there."""
+        self._places = {int(row[0]): (row[1], row[2]) for row in rows.tolist()}
+
+    def flash(self, what: str, beat: float, strength: float = 1.0) -> None:
+        """It happens at this beat, so strongly (0 to 1)."""
+        self._flash[what] = (beat, min(max(strength, 0.0), 1.0))
+
+    def row(self, timeline: Timeline, now: float) -> npt.NDArray[np.uint8]:
+        """All channels (512,) at `now` [s]; the same array at each call."""
+        beat = timeline.beat_at(now)
+        self._row[:] = 0
+        for channel in self._channels:
+            shares = self._shares(channel, timeline, beat)
+            at = channel.channel - 1
+            if channel.fine or channel.sends == "dancer":
+                for share in shares:
+                    number = round(65535 * share)
+                    self._row[at], self._row[at + 1] = number >> 8, number & 255
+                    at += 2
+            else:
+                self._row[at : at + len(shares)] = [round(255 * share) for share in shares]
+        return self._row
+
+    def _shares(self, channel: Channel, timeline: Timeline, beat: float) -> list[float]:
+        """Its numbers, 0 to 1."""
+        match channel.sends:
+            case "beat":
+                return [_fading(beat % 1.0, channel.beats)]
+            case "measure":
+                return [_fading((beat - timeline.measure_origin) % timeline.beats_per_measure, channel.beats)]
+            case "tempo":
+                return [min(timeline.tempo / 255.0, 1.0)]
+            case "steps" | "feet":
+                begun, strength = self._flash.get(channel.sends, (-np.inf, 0.0))
+                return [strength * _fading(beat - begun, channel.beats)]
+            case "dancer":
+                x, z = self._places.get(channel.dancer, (0.0, 0.0))
+                places = zip((x, z), self._half, strict=True)
+                return [min(max(0.5 + 0.5 * place / half, 0.0), 1.0) for place, half in places]
+            case address:
+                return self._of_value(address)
+
+    def _of_value(self, address: str) -> list[float]:
+        control = REGISTRY[address]
+        values = self._values.get(address, (0.0,) * control.value)
+        light = 0.0 if address == LEVEL and self._values.get(BLACKOUT, (0.0,))[0] else 1.0
+        shares = []
+        for argument, value in zip(control.arguments, values, strict=False):
+            low, high = (0.0, 1.0) if argument.type == "bool" else (argument.minimum, argument.maximum)
+            shares.append(light * min(max((value - low) / (high - low), 0.0), 1.0) if high > low else 0.0)
+        return shares
+
+
+def _fading(since: float, beats: float) -> float:
+    return max(1.0 - since / beats, 0.0) if since >= 0.0 else 0.0

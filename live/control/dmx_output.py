@@ -1,0 +1,168 @@
+"""DmxOut: what the show tells the hall's lamps, so many times a second, over sACN (E1.31) or Art-Net.
+
+Run as a module it is a process of its own (`Helper`); the packets are those of the packages sacn and stupidartnet.
+"""
+
+import gc
+import secrets
+import select
+import socket
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Final, Literal, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from live.clock.time_source import SystemClock
+from live.clock.timeline import Timeline
+from live.control.dmx_mapping import Channel, Chart
+from live.control.helper_process import Told
+
+RATE: Final = 40.0
+"""Rows a second: near the 44 that DMX itself carries at most."""
+FIGURES_EVERY: Final = 1.0
+SACN_PORT: Final = 5568
+ARTNET_PORT: Final = 6454
+NAME: Final = "ChoreoGraphics Live"
+
+
+@dataclass(frozen=True, slots=True)
+class Universe:
+    """Where a row goes: `host` may be empty for sACN, which then goes to everybody of its universe (multicast)."""
+
+    protocol: Literal["sacn", "artnet"]
+    number: int
+    host: str
+    port: int
+
+
+class Sender(Protocol):
+    """What sends a row of 512 bytes; OSError if the network refuses it."""
+
+    def send(self, row: npt.NDArray[np.uint8]) -> None: ...
+    def close(self) -> None: ...
+
+
+class SacnSender:
+    """A universe over sACN."""
+
+    def __init__(self, to: Universe) -> None:
+        from sacn import DataPacket
+
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.setblocking(False)
+        self._socket.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 8)
+        group = f"239.255.{to.number >> 8}.{to.number & 255}"
+        self._to = (socket.gethostbyname(to.host) if to.host else group, to.port)
+        self._packet = DataPacket(tuple(secrets.token_bytes(16)), NAME, to.number, (0,) * 512)
+
+    def send(self, row: npt.NDArray[np.uint8]) -> None:
+        """Send a row."""
+        self._packet.dmxData = tuple(row.tolist())
+        self._socket.sendto(bytes(self._packet.getBytes()), self._to)
+        self._packet.sequence_increase()
+
+    def close(self) -> None:
+        """Say that no more comes, and end."""
+        self._packet.option_StreamTerminated = True
+        try:
+            for _ in range(3):  # as E1.31 asks
+                self._socket.sendto(bytes(self._packet.getBytes()), self._to)
+                self._packet.sequence_increase()
+        except OSError:
+            pass
+        self._socket.close()
+
+
+class ArtnetSender:
+    """A universe over Art-Net."""
+
+    def __init__(self, to: Universe) -> None:
+        from stupidArtnet import StupidArtnet
+
+        self._to = (socket.gethostbyname(to.host), to.port)
+        self._sender = StupidArtnet(self._to[0], to.number, 512, RATE, port=to.port)
+        self._sender.socket_client.setblocking(False)
+
+    def send(self, row: npt.NDArray[np.uint8]) -> None:
+        """Send a row; not by its own `show`, which hides what the network refuses."""
+        self._sender.socket_client.sendto(bytes(self._sender.packet_header) + row.tobytes(), self._to)
+
+    def close(self) -> None:
+        """End."""
+        self._sender.close()
+
+
+def sender_of(to: Universe) -> Sender:
+    """What sends to a universe; OSError if there is no network."""
+    return SacnSender(to) if to.protocol == "sacn" else ArtnetSender(to)
+
+
+class DmxOut:
+    """What the lamps are told and when. Thread: one."""
+
+    def __init__(self, chart: Chart, senders: Sequence[Sender]) -> None:
+        self._chart, self._senders = chart, senders
+        self._timeline: Timeline | None = None
+        self.sent = self.failed = 0
+
+    def take(self, told: tuple[str, Any], now: float) -> None:
+        """Take up something from the show: what `OscOut` takes, and `values`."""
+        what, value = told
+        if what == "timeline":
+            self._timeline = Timeline(*value)
+        elif what == "values":
+            self._chart.take_values(value)
+        elif what == "positions":
+            self._chart.take_places(np.frombuffer(value, np.float32).reshape(-1, 4))
+        elif what == "news" and self._timeline is not None:
+            beat = self._timeline.beat_at(now)
+            for name, values in value:
+                if name == "step":
+                    self._chart.flash("steps", beat)
+                elif name == "foot":
+                    self._chart.flash("feet", beat, values[4])
+
+    def turn(self, now: float) -> None:
+        """Send a row; what the network refuses is counted."""
+        if self._timeline is None:
+            return
+        row = self._chart.row(self._timeline, now)
+        for sender in self._senders:
+            try:
+                sender.send(row)
+                self.sent += 1
+            except OSError:
+                self.failed += 1
+
+
+def main() -> None:
+    """Send until the show has gone."""
+    told = Told(int(sys.argv[1]))
+    gc.disable()
+    plan = told.plan
+    senders = [sender_of(Universe(*each)) for each in plan["universes"]]
+    out = DmxOut(Chart([Channel(*each) for each in plan["channels"]], plan["half"]), senders)
+    clock = SystemClock(plan["origin"])
+    due = say_at = clock.now()
+    while not told.ended:
+        select.select([told.socket], [], [], max(due - clock.now(), 0.0))
+        for packet in told.packets():
+            out.take(packet, clock.now())
+        now = clock.now()
+        if now < due:
+            continue
+        due = max(due + 1.0 / RATE, now)
+        out.turn(now)
+        if now >= say_at:
+            say_at = now + FIGURES_EVERY
+            gc.collect(0)
+            told.say({"rows": out.sent, "failed": out.failed})
+    for sender in senders:
+        sender.close()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,118 @@
+"""MidiHands: what hands and feet do, from channel messages: which note, controller, bend … and where it stands now.
+
+Controllers come twice: with their own 7 bits and, below 32, as pairs of 14 bits with the one 32 higher (MIDI 1.0, data
+entry and controllers 0 to 63); 98, 99, 6 and 38 are also read as parameters without a registered number (NRPN).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from live.control.midi.midi_binding import FINE_BELOW, Kind
+
+NOTE_OFF, NOTE_ON, CONTROLLER, PROGRAM, PRESSURE, BEND = 0x8, 0x9, 0xB, 0xC, 0xD, 0xE
+MOST: Final = 127
+FINEST: Final = 16383
+MIDDLE: Final = 8192
+DATA, DATA_FINE, NRPN_FINE, NRPN, RPN_FINE, RPN = 6, 38, 98, 99, 100, 101
+LENGTHS: Final = {NOTE_OFF: 3, NOTE_ON: 3, CONTROLLER: 3, PROGRAM: 2, PRESSURE: 2, BEND: 3}
+
+
+@dataclass(frozen=True, slots=True)
+class Played:
+    """Something was pressed, let go or moved."""
+
+    kind: Kind
+    number: int
+    channel: int
+    """1 to 16."""
+    share: float
+    """Where it stands, 0 to 1; how hard it was pressed."""
+    step: float
+    """The least by which that moves."""
+    down: bool
+    """Whether it is pressed, or in the upper half."""
+    fine: bool = False
+    """Whether it is a pair of controllers."""
+
+
+class _Pair:
+    """Two controllers that are one number of 14 bits; many send the upper seven alone, or first."""
+
+    def __init__(self) -> None:
+        self.high, self.low, self.has_low = 0, 0, False
+
+    def coarse(self, value: int) -> float:
+        """The upper seven bits came: until the lower ones do, the end that lies towards where they came from."""
+        up, self.high = value >= self.high, value
+        if not self.has_low:
+            return value / MOST
+        self.low = 0 if up or value == 0 else MOST
+        return self.share
+
+    def finer(self, value: int) -> float:
+        """The lower seven bits came."""
+        self.low, self.has_low = value, True
+        return self.share
+
+    @property
+    def share(self) -> float:
+        """Where they are together, 0 to 1."""
+        return (self.high * 128 + self.low) / FINEST
+
+
+class MidiHands:
+    """Reads one port. Thread: one at a time."""
+
+    def __init__(self) -> None:
+        self._pairs: dict[tuple[int, int], _Pair] = {}
+        self._numbers: dict[int, list[int]] = {}  # of each channel: upper and lower bits of the NRPN; -1: none
+        self._data: dict[int, tuple[int, _Pair]] = {}  # of each channel: the one that is set now
+
+    def played(self, message: Sequence[int]) -> list[Played]:
+        """What a message tells; nothing for what is no hand's, or broken."""
+        if len(message) < 2 or not 0x80 <= message[0] < 0xF0 or not 0 <= min(message[1:]) <= max(message[1:]) <= MOST:
+            return []
+        status, channel, first = message[0] >> 4, (message[0] & 15) + 1, message[1]
+        if len(message) != LENGTHS.get(status):
+            return []
+        if status == CONTROLLER:
+            return self._controller(first, message[2], channel)
+        if status in (NOTE_ON, NOTE_OFF):
+            on = status == NOTE_ON and message[2] > 0
+            return [Played("note", first, channel, message[2] / MOST if on else 0.0, 1 / MOST, on)]
+        if status == PROGRAM:
+            return [Played("program", first, channel, 1.0, 1.0, True)]
+        if status == PRESSURE:
+            return [_moved("pressure", 0, channel, first / MOST)]
+        bend = first + 128 * message[2]
+        share = 0.5 * bend / MIDDLE if bend <= MIDDLE else 0.5 + 0.5 * (bend - MIDDLE) / (FINEST - MIDDLE)
+        return [_moved("bend", 0, channel, share, 1 / FINEST)]
+
+    def _controller(self, number: int, value: int, channel: int) -> list[Played]:
+        made = [_moved("cc", number, channel, value / MOST)]
+        if number < 2 * FINE_BELOW:
+            upper = number % FINE_BELOW
+            pair = self._pairs.setdefault((channel, upper), _Pair())
+            share = pair.coarse(value) if number < FINE_BELOW else pair.finer(value)
+            made.append(_moved("cc", upper, channel, share, 1 / (FINEST if pair.has_low else MOST), fine=True))
+        chosen = self._numbers.setdefault(channel, [-1, -1])
+        if number in (NRPN, NRPN_FINE):
+            chosen[number == NRPN_FINE] = value
+        elif number in (RPN, RPN_FINE):
+            chosen[:] = [-1, -1]
+        elif number in (DATA, DATA_FINE) and min(chosen) >= 0 and chosen != [MOST, MOST]:
+            which = chosen[0] * 128 + chosen[1]
+            before, pair = self._data.get(channel, (-1, _Pair()))
+            if which != before:
+                pair = _Pair()
+            self._data[channel] = which, pair
+            share = pair.coarse(value) if number == DATA else pair.finer(value)
+            made.append(_moved("nrpn", which, channel, share, 1 / (FINEST if pair.has_low else MOST), fine=True))
+        return made
+
+
+def _moved(
+    kind: Kind, number: int, channel: int, share: float, step: float = 1 / MOST, *, fine: bool = False
+) -> Played:
+    return Played(kind, number, channel, share, step, share * MOST >= 64 - 1e-9, fine)

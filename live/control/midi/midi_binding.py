@@ -1,0 +1,162 @@
+"""Binding: one line of a MIDI map: what is played, which control it works, and how."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final, Literal
+
+from live.control.registry.control import Argument, Plain
+from live.control.registry.registry import REGISTRY
+from live.control.registry.rejections import Reason
+
+Kind = Literal["note", "cc", "program", "bend", "pressure", "nrpn"]
+Mode = Literal["toggle", "momentary"]
+
+MOVING: Final = ("cc", "bend", "pressure", "nrpn")
+"""Kinds that have a place between two ends; the others are pressed."""
+HIGHEST: Final[dict[Kind, int]] = {"note": 127, "cc": 127, "program": 127, "bend": 0, "pressure": 0, "nrpn": 16383}
+"""The highest number of each kind; a channel has one bend and one pressure."""
+FINE_BELOW: Final = 32
+"""Controllers below this have a second one, 32 higher, for their lower seven bits."""
+
+
+class BadBinding(ValueError):
+    """A line of a map that cannot work; the message says why and what could."""
+
+
+@dataclass(frozen=True, slots=True)
+class Binding:
+    """One line of a map. BadBinding if the control does not exist or cannot be worked so."""
+
+    kind: Kind
+    number: int
+    control: str
+    channel: int = 0
+    """1 to 16; 0: all."""
+    values: Mapping[str, Plain] = field(default_factory=dict)
+    """Arguments of the control that are always the same, by name."""
+    scale: tuple[float, float] | None = None
+    """What the lowest and the highest place mean; the argument's own range if not given."""
+    curve: float = 1.0
+    """The place, 0 to 1, to this power is the share of the scale: 2 is finer at the low end, 0.5 at the high end."""
+    fine: bool = False
+    """Whether a controller is one of a pair of 14 bits."""
+    velocity: bool = False
+    """Whether a note sets a number by how hard it is struck."""
+    mode: Mode | None = None
+    """How a switch is worked: None is toggle for notes and programs, momentary for controllers."""
+    pickup: bool | None = None
+    """Whether nothing happens until the place crosses the present value; None: for controllers, not for springs."""
+    lit: tuple[int, int] = (0, 127)
+    """What a pad is told when its switch is off and on: velocities, which many take as colours."""
+
+    def __post_init__(self) -> None:
+        try:
+            control = REGISTRY[self.control]
+        except KeyError:
+            near = [item.address for item in REGISTRY if item.address.startswith(self.control.rpartition("/")[0])]
+            known = ", ".join(near or [item.address for item in REGISTRY])
+            raise BadBinding(f"no control is called {self.control!r}; there are {known}") from None
+        names = [argument.name for argument in control.arguments]
+        for name, value in self.values.items():
+            argument = next((item for item in control.arguments if item.name == name), None)
+            if argument is None:
+                raise BadBinding(f"{self.control} has no value {name!r}; it has {', '.join(names) or 'none'}")
+            if isinstance(argument.checked(value), Reason):
+                raise BadBinding(f"values.{name}: {argument.expected} expected, found {value!r}")
+        slot = self.slot
+        for argument in control.arguments:
+            if argument.default is None and argument.name not in self.values and argument is not slot:
+                raise BadBinding(f"{self.control} needs a value: values = {{ {argument.name} = … }}")
+        self._check_scale(slot)
+        self._check_kind(slot)
+
+    def _check_scale(self, slot: Argument | None) -> None:
+        if self.scale is None and self.curve == 1.0:
+            return
+        if slot is None or slot.type != "float":
+            raise BadBinding("scale is for controllers (cc) that set a number; so is curve")
+        if self.scale is not None and not all(slot.minimum <= bound <= slot.maximum for bound in self.scale):
+            raise BadBinding(f"scale: {slot.expected} expected, found {list(self.scale)}")
+
+    def _check_kind(self, slot: Argument | None) -> None:
+        if not 0 <= self.number <= HIGHEST[self.kind]:
+            raise BadBinding(f"{self.kind} 0 to {HIGHEST[self.kind]} expected, found {self.number}")
+        if self.fine and (self.kind != "cc" or self.number >= FINE_BELOW):
+            raise BadBinding(
+                f"fine is for controllers (cc) below {FINE_BELOW}, whose second one is {FINE_BELOW} higher"
+            )
+        if self.velocity and (self.kind != "note" or slot is None):
+            raise BadBinding("velocity is for notes that set a number")
+        if self.mode is not None and (slot is None or slot.type != "bool") and not self.velocity:
+            raise BadBinding(f"mode is for switches; {self.control} has none")
+
+    @property
+    def slot(self) -> Argument | None:
+        """The argument that is set by what is played: a controller's number or switch, or what presses toggle."""
+        free = [argument for argument in REGISTRY[self.control].arguments if argument.name not in self.values]
+        wanted = ("float",) if self.velocity else ("float", "bool") if self.kind in MOVING else ("bool",)
+        return next((argument for type_ in wanted for argument in free if argument.type == type_), None)
+
+    @property
+    def toggles(self) -> bool:
+        """Whether a press turns a switch over."""
+        return self.mode == "toggle" or (self.mode is None and self.kind not in MOVING)
+
+    @property
+    def picks_up(self) -> bool:
+        """Whether it does nothing until it crosses the present value."""
+        return self.kind in ("cc", "nrpn") if self.pickup is None else self.pickup
+
+    @property
+    def place(self) -> tuple[Kind, int, int]:
+        """Kind, number and channel of what is played."""
+        return self.kind, self.number, self.channel
+
+    def value(self, share: float) -> float:
+        """What the place `share`, 0 to 1, sets."""
+        low, high = self._bounds
+        return low + (high - low) * (share if self.curve == 1.0 else share**self.curve)
+
+    def share(self, value: float) -> float:
+        """The place, 0 to 1, that sets `value`; the nearest end for one beyond the scale."""
+        low, high = self._bounds
+        share = min(max((value - low) / (high - low), 0.0), 1.0) if high != low else 0.0
+        return share if self.curve == 1.0 else float(share ** (1.0 / self.curve))
+
+    @property
+    def _bounds(self) -> tuple[float, float]:
+        slot = self.slot
+        assert slot is not None  # nobody asks for the value of a press
+        return self.scale or (slot.minimum, slot.maximum)
+
+
+def joined(written: Sequence[Binding], learned: Sequence[Binding]) -> tuple[Binding, ...]:
+    """What was learned, and of what was written all that is not played by the same thing."""
+    taken = {(binding.kind, binding.number) for binding in learned}
+    channels = {binding.place for binding in learned}
+
+    def is_taken(binding: Binding) -> bool:
+        if (binding.kind, binding.number) not in taken:
+            return False
+        either = binding.channel == 0 or (binding.kind, binding.number, 0) in channels
+        return either or binding.place in channels
+
+    return (*(binding for binding in written if not is_taken(binding)), *learned)
+
+
+DEFAULTS: Final = (
+    Binding("cc", 64, "/dance/clock/tap"),
+    Binding("cc", 66, "/dance/clock/one"),
+    Binding("cc", 67, "/dance/clock/hold"),
+    Binding("note", 36, "/dance/clock/tap", 16),
+    Binding("note", 37, "/dance/clock/one", 16),
+    Binding("note", 38, "/dance/clock/half", 16),
+    Binding("note", 39, "/dance/clock/double", 16),
+    Binding("note", 40, "/dance/clock/hold", 16),
+    Binding("note", 41, "/dance/clock/nudge", 16, {"seconds": -0.01}),
+    Binding("note", 42, "/dance/clock/nudge", 16, {"seconds": 0.01}),
+    Binding("note", 43, "/dance/clock/shift", 16, {"beats": -1.0}),
+    Binding("note", 44, "/dance/clock/shift", 16, {"beats": 1.0}),
+    Binding("note", 45, "/dance/clock/count_in", 16),
+)
+"""What works without a map: pedals on any channel (sustain, sostenuto, soft) and notes from C2 (36) on channel 16."""

@@ -1,0 +1,165 @@
+"""MidiDecoding: what one sender's messages say, as events: clock, time code, notes, and what hands and feet do.
+
+It has no port, thread or clock: messages come with their times, from a port (`MidiInput`) or a file
+(`MidiSongPlayer`).
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Final
+
+from live.base.inbox import Inbox
+from live.base.lane import Lane
+from live.clock.midi.midi_clock import ClockBeat, ClockState, MidiClock, News
+from live.clock.midi.time_code import TimeCodeClock
+from live.clock.note_energy import NoteEnergy
+from live.control.events.events import BeatHeard, ControlEvent, NotesHeard, SourceChanged
+from live.control.midi.channel_messages import Played
+from live.control.midi.midi_binding import MOVING, Binding, joined
+from live.control.midi.midi_learn import MidiLearn
+from live.control.midi.midi_mapping import MidiMap
+from live.control.midi.midi_queue import put_by_hand
+from live.control.registry.rejections import Rejection
+
+ECHO: Final = 0.06
+"""Seconds in which what was told to a controller comes back, if it does."""
+
+NO_HAND: Final = frozenset((0xF8, 0xFE))
+"""Messages that come all the time: clock and sensing."""
+
+
+class MidiDecoding:
+    """Puts BeatHeard, SourceChanged, NotesHeard and the map's events into the inbox. Thread: one at a time."""
+
+    def __init__(
+        self,
+        inbox: Inbox[ControlEvent] | Lane[ControlEvent],
+        *,
+        decoder: MidiClock | None = None,
+        time_code: TimeCodeClock | None = None,
+        midi_map: MidiMap | None = None,
+        notes: NoteEnergy | None = None,
+        clocked: bool = True,
+    ) -> None:
+        """`inbox`: a lane of its own, where others share it and are not to be crowded out.
+
+        `clocked`: whether its clock and time code are followed, or only hands are.
+        """
+        self.messages = 0
+        self.last_rejection: Rejection | None = None
+        """What the map last refused."""
+        self.decoder = decoder if decoder is not None else MidiClock()
+        self.time_code = time_code
+        self.notes = notes
+        self.learning: MidiLearn | None = None
+        """What waits for somebody to move a controller. Thread: any may set it."""
+        self.on_learned: Callable[[Binding], None] = lambda _: None
+        """Told what was moved. Thread: that of the messages."""
+        self.echoes: dict[bytes, float] = {}
+        """What was told to a controller, and when [s]: it may come back over a cable, and is no hand's then."""
+        self._clocked = clocked
+        self._map = midi_map
+        self._inbox = inbox
+
+    @property
+    def beats_per_measure(self) -> int:
+        """Beats of a measure; MIDI does not tell."""
+        return self.decoder.beats_per_measure
+
+    @beats_per_measure.setter
+    def beats_per_measure(self, beats: int) -> None:
+        self.decoder.beats_per_measure = beats
+        if self.time_code is not None:
+            self.time_code.beats_per_measure = beats
+
+    def decode(self, message: Sequence[int], time: float) -> None:
+        """Decode one message that arrived at `time` [s of the show]."""
+        self.messages += 1
+        if not message:
+            self.decoder.rejected += 1
+            return
+        if self._clocked:
+            self._put("midi", self.decoder.receive(message, time))
+            if self.time_code is not None:
+                self._put("mtc", self.time_code.receive(message, time))
+        if message[0] in NO_HAND or (self.echoes and time - self.echoes.pop(bytes(message), -ECHO) < ECHO):
+            return
+        if self.notes is not None:
+            self.notes.receive(message, time)
+            self._tell_notes(time)
+        if self._map is not None:
+            self._play(self._map, self._map.hands.played(message), time)
+
+    def _play(self, midi_map: MidiMap, played: list[Played], time: float) -> None:
+        """What hands do works controls; what is moved while somebody learns works nothing."""
+        learning = self.learning
+        if learning is not None and played:
+            found = learning.hear(played)
+            if found is not None:
+                self.learning = None
+                midi_map.take(joined(midi_map.bindings, [found]))  # at once: the hand goes on moving
+                self.on_learned(found)
+                return
+            if played[0].kind in MOVING:
+                return
+        for binding, made in (made for one in played for made in midi_map.act(one, time)):
+            if isinstance(made, Rejection):
+                self.last_rejection = made
+            elif isinstance(self._inbox, Lane):
+                put_by_hand(self._inbox, binding, made)
+            else:
+                self._inbox.put(made)
+
+    def _tell_notes(self, time: float) -> None:
+        if self.notes is None:
+            return
+        told = self.notes.advance(time)
+        if told is not None:
+            self._inbox.put(
+                NotesHeard(
+                    time=told.time,
+                    source="midi",
+                    beats=told.beats,
+                    energy=told.energy,
+                    density=told.density,
+                    chord=told.chord,
+                    pitch=told.pitch,
+                )
+            )
+
+    def look(self, now: float) -> None:
+        """What is known at `now` because nothing came."""
+        self._put("midi", self.decoder.advance(now))
+        if self.time_code is not None:
+            self._put("mtc", self.time_code.advance(now))
+        self._tell_notes(now)
+
+    def _put(self, source: str, news: list[News]) -> None:
+        for item in news:
+            self._inbox.put(event_of(item, source, self.decoder.beats_per_measure))
+
+    def unplugged(self, now: float) -> None:
+        """The sender has gone."""
+        self._put("midi", self.decoder.unplugged(now))
+        if self.time_code is not None:
+            self._put("mtc", self.time_code.unplugged(now))
+        if self.notes is not None:
+            self.notes.silence()
+
+
+def event_of(item: News, source: str, beats_per_measure: int) -> ControlEvent:
+    """What a decoder tells, as an event of the show."""
+    if isinstance(item, ClockState):
+        return SourceChanged(time=item.time, source=source, state=item.state, detail=item.detail)
+    beat: ClockBeat = item
+    return BeatHeard(
+        time=beat.time,
+        source=source,
+        beat_time=beat.beat_time,
+        period=beat.period,
+        confidence=beat.confidence,
+        beat=beat.beat,
+        beats_per_measure=beats_per_measure if beat.anchored else 0,
+        measure=beat.measure,
+        jump=beat.jump,
+        anchored=beat.anchored,
+    )

@@ -1,0 +1,129 @@
+"""MidiFeedback: what controllers are told, so that lights of pads and motor faders show what the show does.
+
+A pad is told how its switch stands, whoever turned it over: it does not know by itself. A fader is told where it
+belongs, but not while a hand moves it, nor what the hand has just set.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Final
+
+from live.control.midi.channel_messages import (
+    BEND,
+    CONTROLLER,
+    DATA,
+    DATA_FINE,
+    FINEST,
+    MIDDLE,
+    MOST,
+    NOTE_ON,
+    NRPN,
+    NRPN_FINE,
+)
+from live.control.midi.midi_binding import Binding
+from live.control.midi.midi_mapping import MidiMap, key, present
+from live.control.registry.values import Values
+
+OWN: Final = 1.0
+"""Seconds after its last move in which a fader is not told anything."""
+EVERY: Final = 0.05
+"""Seconds from one turn to the next at least ..."""
+AT_ONCE: Final = 48
+"""... and bindings that are told in one at most: what a cable of MIDI 1.0 takes in that time."""
+
+
+class MidiFeedback:
+    """Tells what a map's bindings set. Thread: the show's; the map's own may work it meanwhile."""
+
+    def __init__(self, midi_map: MidiMap, values: Values) -> None:
+        self._map, self._values = midi_map, values
+        self._of: dict[str, list[Binding]] = {}
+        self._all: dict[tuple[str, object], Binding] = {}
+        self._due: dict[tuple[str, object], Binding] = {}
+        self._told: dict[tuple[str, object], tuple[int, ...]] = {}
+        self._channels: dict[tuple[str, object], int] = {}  # on which something was played last
+        self._next = 0.0
+        self.sent = 0
+        """Values that were told."""
+
+    def take(self, bindings: Sequence[Binding]) -> None:
+        """From now on these hold: controllers are told where they are."""
+        self._of, self._due, self._all = {}, {}, {}
+        for binding in bindings:
+            if binding.kind not in ("program", "pressure") and binding.slot is not None:
+                self._of.setdefault(binding.control, []).append(binding)
+                self._all[key(binding)] = binding
+        self._told = {name: told for name, told in self._told.items() if name in self._all}
+        self.changed(self._of)
+
+    def changed(self, addresses: Iterable[str]) -> None:
+        """These have other values."""
+        for address in addresses:
+            for binding in self._of.get(address, ()):
+                self._due[key(binding)] = binding
+
+    def afresh(self) -> None:
+        """Somebody was plugged in who knows nothing."""
+        self._told.clear()
+        self.changed(self._of)
+
+    def turn(self, now: float) -> list[bytes]:
+        """What is to be told at `now` [s]."""
+        if now < self._next:
+            return []
+        self._next = now + EVERY
+        moved = self._map.moved.copy()
+        for name, (_, at, _) in moved.items():
+            if now - at >= OWN and name in self._all:  # the hand has left it, perhaps somewhere else
+                self._due[name] = self._all[name]
+        messages: list[bytes] = []
+        for name, binding in list(self._due.items())[:AT_ONCE]:
+            share, at, channel = moved.get(name, (None, now - OWN, self._channels.get(name, 1)))
+            self._channels[name] = channel
+            if now - at < OWN and binding.kind != "note":
+                continue
+            del self._due[name]
+            self._map.moved.pop(name, None)
+            value = present(binding, self._values)
+            if value is None or isinstance(value, str):
+                continue
+            numbers = _numbers(binding, float(value))
+            stands = self._told.get(name) if share is None or binding.kind == "note" else _places(binding, share)
+            self._told[name] = numbers
+            if numbers != stands:
+                messages += _messages(binding, binding.channel or channel, numbers)
+                self.sent += 1
+        return messages
+
+
+def _numbers(binding: Binding, value: float) -> tuple[int, ...]:
+    """The data bytes that say a value."""
+    slot = binding.slot
+    if slot is not None and slot.type == "bool":
+        return (binding.lit[bool(value)],) if binding.kind == "note" else _places(binding, float(bool(value)))
+    return _places(binding, binding.share(value))
+
+
+def _places(binding: Binding, share: float) -> tuple[int, ...]:
+    """The data bytes of a place, the upper seven bits first where there are 14."""
+    if binding.kind == "bend":
+        bend = round(2 * share * MIDDLE if share <= 0.5 else MIDDLE + (2 * share - 1) * (FINEST - MIDDLE))
+        return divmod(bend, 128)
+    if binding.fine or binding.kind == "nrpn":
+        return divmod(round(share * FINEST), 128)
+    return (round(share * MOST),)
+
+
+def _messages(binding: Binding, channel: int, numbers: tuple[int, ...]) -> Iterator[bytes]:
+    controller = CONTROLLER << 4 | channel - 1
+    if binding.kind == "note":
+        yield bytes((NOTE_ON << 4 | channel - 1, binding.number, numbers[0]))
+    elif binding.kind == "bend":
+        yield bytes((BEND << 4 | channel - 1, numbers[1], numbers[0]))
+    elif binding.kind == "nrpn":
+        upper, lower = divmod(binding.number, 128)
+        for number, value in ((NRPN, upper), (NRPN_FINE, lower), (DATA, numbers[0]), (DATA_FINE, numbers[1])):
+            yield bytes((controller, number, value))
+    else:
+        yield bytes((controller, binding.number, numbers[0]))
+        if binding.fine:
+            yield bytes((controller, binding.number + 32, numbers[1]))

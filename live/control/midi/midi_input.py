@@ -1,0 +1,155 @@
+"""MidiInput: one MIDI port: clock, time code and what hands and feet do, into the inbox.
+
+rtmidi's thread stamps what arrives and hands it over; a thread of ours decodes, looks whether the port is still there,
+and opens it again by name.
+"""
+
+import contextlib
+import queue
+from collections.abc import Sequence
+from typing import Any, Final
+
+from live.base.inbox import Inbox
+from live.base.lane import Lane
+from live.clock.midi.midi_clock import MidiClock
+from live.clock.midi.time_code import TimeCodeClock
+from live.clock.note_energy import NoteEnergy
+from live.clock.time_source import Clock
+from live.control.events.events import ControlEvent
+from live.control.midi import midi_port_thread
+from live.control.midi.midi_decoder import MidiDecoding
+from live.control.midi.midi_mapping import MidiMap
+from live.control.midi.midi_port_thread import Open, PortThread, words_of
+from live.control.midi.midi_ports import open_port
+from live.control.midi.midi_streams import Port
+
+LOOK: Final = 0.2
+"""Seconds from one quick look to the next whether an open port still is: what is plugged in again may have its old
+name, and be connected to nobody."""
+
+WAITS: Final = 0.05
+"""Seconds after which the decoding thread looks at the time though nothing came."""
+
+WAITING_MAX: Final = 4096
+"""Messages that may wait to be decoded; more are counted and dropped."""
+
+
+def _open_input(name: str) -> Port:
+    return open_port("input", name)
+
+
+class MidiInput(MidiDecoding, PortThread):
+    """Listens to a port by name and puts what it says into the inbox."""
+
+    def __init__(
+        self,
+        name: str,
+        inbox: Inbox[ControlEvent] | Lane[ControlEvent],
+        clock: Clock,
+        *,
+        decoder: MidiClock | None = None,
+        time_code: TimeCodeClock | None = None,
+        midi_map: MidiMap | None = None,
+        notes: NoteEnergy | None = None,
+        clocked: bool = True,
+        open_by_name: Open = _open_input,
+    ) -> None:
+        """Nothing is opened yet. `open_by_name` raises whatever it likes where there is no such port (yet).
+
+        The others are those of `MidiDecoding`.
+        """
+        MidiDecoding.__init__(
+            self, inbox, decoder=decoder, time_code=time_code, midi_map=midi_map, notes=notes, clocked=clocked
+        )
+        PortThread.__init__(self, name, "midi in", open_by_name)
+        self.dropped = 0
+        """Messages that waited too long."""
+        self.failed = 0
+        """Messages, and looks at the time, that a decoder failed at ..."""
+        self.failure = ""
+        """... and the last failure in words."""
+        self._counted = 0
+        self._clock = clock
+        self._arrived: queue.SimpleQueue[tuple[float, Sequence[int]]] = queue.SimpleQueue()
+
+    def facts(self) -> dict[str, Any]:
+        """For the status line."""
+        train = self.decoder.train
+        return super().facts() | {
+            "messages": self.messages,
+            "bad": self.decoder.rejected + self.dropped + self.failed,
+            "failure": self.failure,
+            "lost_clocks": train.lost,
+            "clock_noise_ms": round(1e3 * train.curve.noise, 2) if train.curve.count else None,
+        }
+
+    def receive(self, message: Sequence[int]) -> None:
+        """A message arrived. Thread: any; never blocks."""
+        now = self._clock.now()
+        if self._arrived.qsize() >= WAITING_MAX:
+            self.dropped += 1
+            return
+        self._arrived.put((now, message))
+
+    def _decode_safely(self, message: Sequence[int], time: float) -> None:
+        """Decode; a message that no decoder foresaw is counted, and the show goes on."""
+        try:
+            self.decode(message, time)
+        except Exception as error:
+            self._fail(" ".join(f"{byte:02x}" for byte in message[:8]), error)
+
+    def _fail(self, where: str, error: Exception) -> None:
+        self.failed += 1
+        self.failure = f"{where}: {type(error).__name__}: {error}"
+
+    def _look_safely(self, now: float) -> None:
+        """Look; a decoder that fails at it is counted, and its port is listened to on."""
+        try:
+            self.look(now)
+        except Exception as error:
+            self._fail("nothing came", error)
+
+    def _run(self) -> None:
+        due = quick = self._clock.now()
+        try:
+            while not self._stop.is_set():
+                with contextlib.suppress(queue.Empty):
+                    time, message = self._arrived.get(timeout=WAITS)
+                    self._decode_safely(message, time)
+                now = self._clock.now()
+                self._look_safely(now)
+                if now >= quick:
+                    quick = now + LOOK
+                    if not self._is_there():
+                        due = now
+                if now >= due:
+                    due = now + midi_port_thread.RETRY
+                    self._care()
+        finally:
+            self._close()
+
+    def _is_there(self) -> bool:
+        """Whether the port that is open still is; lost if not. No port at all is none that has gone."""
+        problem = ""
+        try:
+            if self._port is None or self._port.there:
+                return True
+        except Exception as error:
+            problem = words_of(error)
+        self._lose(problem)
+        return False
+
+    def _lives(self, port: Port) -> bool:
+        """Whether it is there; where nothing has come since the last look, whether its system runs, too."""
+        quiet, self._counted = self._counted == self.messages, self.messages
+        return port.there and (not quiet or port.system_runs)
+
+    def _begin(self, port: Port) -> None:
+        self._counted = self.messages
+        port.listen(self.receive)
+
+    def _lose(self, problem: str) -> None:
+        now, was_open = self._clock.now(), self._port is not None
+        super()._lose(problem)
+        if was_open:
+            self.unplugged(now)

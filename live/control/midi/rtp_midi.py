@@ -1,0 +1,213 @@
+"""MIDI over RTP: what one datagram holds (RFC 6295), and how a session is begun and kept (Apple's protocol).
+
+We are invited and never invite. Recovery journals are not read: where packets are lost, all notes end.
+"""
+
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Final
+
+from live.control.midi.midi_tokens import MidiTokens
+
+Where = tuple[str, int]
+
+INVITATION, ACCEPTED, REFUSED, GOODBYE, SYNC = b"IN", b"OK", b"NO", b"BY", b"CK"
+VERSION: Final = 2
+MOST_SESSIONS: Final = 8
+SILENT_FOR: Final = 70.0
+"""Seconds after which a session of which nothing comes is over; inviters synchronise every ten seconds or so."""
+NAME_MOST: Final = 64
+UNITS: Final = 10_000.0
+"""Timestamps count tenths of a millisecond."""
+_EXCHANGE: Final = struct.Struct(">H2sIII")
+_SYNC: Final = struct.Struct(">H2sIB3xQQQ")
+_RTP: Final = struct.Struct(">BBHII")
+MIDI_TYPE: Final = 0x61
+ALL_NOTES_OFF: Final = 123
+_LENGTHS: Final = {8: 3, 9: 3, 10: 3, 11: 3, 12: 2, 13: 2, 14: 3}
+_COMMON: Final = {0xF1: 2, 0xF2: 3, 0xF3: 2}
+
+
+class BadPacket(ValueError):
+    """A datagram that is no MIDI over RTP."""
+
+
+def commands(payload: bytes) -> bytes:
+    """The MIDI bytes of a payload, without the times between its commands; BadPacket where it is cut off.
+
+    An exclusive message may come in pieces, of several packets: F0 … F0, F7 … F0, F7 … F7; F7 … F4 takes it back.
+    """
+    if not payload:
+        raise BadPacket("no header")
+    long = payload[0] & 0x80
+    if long and len(payload) < 2:
+        raise BadPacket("no length")
+    size = (payload[0] & 0x0F) << 8 | payload[1] if long else payload[0] & 0x0F
+    begin = 2 if long else 1
+    part = payload[begin : begin + size]
+    if len(part) < size:
+        raise BadPacket("cut off")
+    found, at, running = bytearray(), 0, 0
+    timed = bool(payload[0] & 0x20)
+    while at < size:
+        if timed:
+            at = _after_time(part, at)
+            if at == size:  # a time may stand alone at the end
+                break
+        timed = True
+        end, running = _after_command(part, at, running)
+        found += _whole(part[at:end])
+        at = end
+    return bytes(found)
+
+
+def _whole(command: bytes) -> bytes:
+    """A command as a wire has it: pieces of an exclusive message without the bytes that mark them as pieces."""
+    if command[0] not in (0xF0, 0xF7):
+        return command
+    return command[command[0] == 0xF7 : len(command) - (command[-1] == 0xF0)]
+
+
+def _after_time(part: bytes, at: int) -> int:
+    """Behind a time of one to four bytes."""
+    for end in range(at + 1, at + 5):
+        if end > len(part):
+            raise BadPacket("a time is cut off")
+        if part[end - 1] < 0x80:
+            return end
+    raise BadPacket("a time of more than four bytes")
+
+
+def _after_command(part: bytes, at: int, running: int) -> tuple[int, int]:
+    """Behind the command at `at`, and the running status then."""
+    status, end = part[at], at
+    if status < 0x80:
+        if not running:
+            raise BadPacket("data without a status")
+        return _checked(part, at, at + _LENGTHS[running >> 4] - 1), running
+    if status < 0xF0:
+        return _checked(part, at, at + _LENGTHS[status >> 4]), status
+    if status in (0xF0, 0xF7):  # an exclusive message, or a piece of one
+        end = at + 1
+        while end < len(part) and part[end] < 0x80:
+            end += 1
+        if end == len(part) or part[end] not in (0xF0, 0xF7, 0xF4):
+            raise BadPacket("an exclusive message without end")
+        return end + 1, 0
+    if status >= 0xF8:
+        return at + 1, running
+    return _checked(part, at, at + _COMMON.get(status, 1)), 0
+
+
+def _checked(part: bytes, at: int, end: int) -> int:
+    if end > len(part):
+        raise BadPacket("a command is cut off")
+    return end
+
+
+@dataclass(slots=True)
+class _Session:
+    """Somebody who has invited us."""
+
+    source: int
+    token: int
+    name: str
+    heard: float
+    data: Where | None = None
+    """Where its music comes from, once it has invited us there, too."""
+    number: int | None = None
+    """Of its last packet."""
+    tokens: MidiTokens = field(default_factory=MidiTokens)
+
+
+class RtpMidi:
+    """The sessions of one pair of ports. Pure: datagrams come with their senders and times. Thread: one at a time."""
+
+    def __init__(self, source: int, name: str = "ChoreoGraphics") -> None:
+        """`source`: our own identifier (SSRC), any number of 32 bits."""
+        self.rejected = 0
+        """Datagrams that are of no session, broken, or refused."""
+        self.lost = 0
+        """Packets that never came."""
+        self._source, self._name = source, name
+        self._sessions: dict[tuple[str, int], _Session] = {}
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Who plays now."""
+        return tuple(session.name for session in self._sessions.values() if session.data is not None)
+
+    def hear(self, datagram: bytes, sender: Where, now: float, *, control: bool) -> tuple[list[bytes], list[bytes]]:
+        """(answers, MIDI messages) of a datagram that came from `sender` at `now` [s], to the control port or not."""
+        self._forget(now)
+        try:
+            if datagram[:2] == b"\xff\xff":
+                return self._converse(datagram, sender, now, control=control), []
+            if control:
+                raise BadPacket("music on the port of control")
+            return [], list(self._play(datagram, sender, now))
+        except (BadPacket, struct.error):
+            self.rejected += 1
+            return [], []
+
+    def _converse(self, datagram: bytes, sender: Where, now: float, *, control: bool) -> list[bytes]:
+        what = datagram[2:4]
+        if what == SYNC:
+            return self._synchronise(datagram, sender, now)
+        _, _, version, token, source = _EXCHANGE.unpack_from(datagram)
+        key = (sender[0], source)
+        if what == INVITATION and version == VERSION:
+            name = datagram[_EXCHANGE.size :].split(b"\0")[0][:NAME_MOST].decode("utf-8", "replace")
+            return [self._invited(key, token, name, sender, now, control=control)]
+        session = self._sessions.get(key)
+        if what == GOODBYE and session is not None:  # with its token or none, as macOS sends it
+            del self._sessions[key]
+            return []
+        if what == b"RS":
+            return []
+        raise BadPacket("no such session")
+
+    def _invited(self, key: Where, token: int, name: str, sender: Where, now: float, *, control: bool) -> bytes:
+        session = self._sessions.get(key)
+        if control and session is None and len(self._sessions) < MOST_SESSIONS:
+            session = self._sessions[key] = _Session(key[1], token, name, now)
+        if session is None or (session.token != token and not control):
+            self.rejected += 1
+            return _EXCHANGE.pack(0xFFFF, REFUSED, VERSION, token, self._source)
+        session.token, session.heard = token, now
+        if not control:
+            session.data, session.number = sender, None
+        answer = _EXCHANGE.pack(0xFFFF, ACCEPTED, VERSION, token, self._source)
+        return answer + self._name.encode() + b"\0"
+
+    def _synchronise(self, datagram: bytes, sender: Where, now: float) -> list[bytes]:
+        _, _, source, count, first, _, _ = _SYNC.unpack_from(datagram)
+        session = self._sessions.get((sender[0], source))
+        if session is None or session.data != sender:
+            raise BadPacket("no such session")
+        session.heard = now
+        if count != 0:
+            return []
+        return [_SYNC.pack(0xFFFF, SYNC, self._source, 1, first, int(now * UNITS), 0)]
+
+    def _play(self, datagram: bytes, sender: Where, now: float) -> Iterator[bytes]:
+        flags, kind, number, _, source = _RTP.unpack_from(datagram)
+        session = self._sessions.get((sender[0], source))
+        if session is None or session.data != sender or flags >> 6 != 2 or kind & 0x7F != MIDI_TYPE:
+            raise BadPacket("of no session")
+        data = commands(datagram[_RTP.size + 4 * (flags & 0x0F) :])
+        session.heard = now
+        missed = 0 if session.number is None else (number - session.number - 1) & 0xFFFF
+        if missed >= 0x8000:
+            raise BadPacket("late, or twice")
+        session.number = number
+        if missed:
+            self.lost += missed
+            session.tokens.end()
+            yield from (bytes((0xB0 | channel, ALL_NOTES_OFF, 0)) for channel in range(16))
+        yield from session.tokens.feed(data)
+
+    def _forget(self, now: float) -> None:
+        for key in [key for key, session in self._sessions.items() if now - session.heard > SILENT_FOR]:
+            del self._sessions[key]

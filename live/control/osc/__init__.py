@@ -1,0 +1,1 @@
+"""Osc and oscquery."""

@@ -1,0 +1,235 @@
+"""OscDoor: what becomes of each message at one OSC port: an event for the show, an answer, or a refusal that counts.
+
+It has no socket, so that it can be tried without one; `osc.py` reads the datagrams and sends the answers.
+"""
+
+import time as _time
+from collections.abc import Callable, Iterator, Sequence
+from typing import Final
+
+from live.base.lane import Lane
+from live.control.events.events import ControlEvent
+from live.control.osc.osc_decode import IMMEDIATELY, Message, OscRejected, Value, decode
+from live.control.osc.osc_encode import bundles, encode
+from live.control.osc.osc_pattern import BadPattern, Matcher, is_pattern
+from live.control.osc.osc_scheduler import Later
+from live.control.osc.osc_subscriptions import Subscribers, Where, is_near
+from live.control.registry.control import RANKS, Control, Reply, Request, Role
+from live.control.registry.registry import REGISTRY, Registry
+from live.control.registry.rejections import Reason, Rejection, Tally
+from live.control.registry.values import READABLE, Values
+
+SOURCE: Final = "osc"
+MUSICIANS_SOURCE: Final = "osc musician"
+PATTERNS_PER_SECOND: Final = 20
+"""New patterns that are looked up; those asked for lately cost nothing."""
+MOST_LANES: Final = 32
+OF_A_HOST: Final = 8
+"""Lanes of the senders of one host, however many ports it sends from."""
+KEPT: Final = 10.0
+"""Seconds for which a lane stays with a sender who says nothing."""
+MOST_ANSWERS: Final = 64
+"""Values that one datagram may ask for."""
+_NTP_SECONDS_AT_1970: Final = 2_208_988_800
+
+
+class OscDoor:
+    """One port's messages. Thread: one; counters and `values` may be used from any."""
+
+    def __init__(
+        self, taker: Lane[ControlEvent], *, registry: Registry = REGISTRY, role: Role = "operator",
+        wall: Callable[[], float] = _time.time, more: Callable[[], Lane[ControlEvent]] | None = None,
+    ) -> None:  # fmt: skip
+        """`role`: what may be asked for here; `wall` [s since 1970]: the clock of time tags; `more`: makes lanes, so
+        that each sender has its own (else all share `taker`)."""
+        self._more, self._lanes = more, dict[Where, Lane[ControlEvent]]()
+        self._said_at: dict[Where, float] = {}
+        self._taker, self._registry, self._role, self._wall = taker, registry, role, wall
+        self._source = SOURCE if role == "operator" else MUSICIANS_SOURCE
+        self._matcher = Matcher(READABLE)
+        self._tokens, self._tokens_at = float(PATTERNS_PER_SECOND), 0.0
+        self._whole: dict[str, bool] = {}
+        self.values = Values()
+        """What everything is now, told by the show."""
+        self.subscribers = Subscribers(self.values)
+        self.later: Later[tuple[Message, Where]] = Later()
+        self.accepted = 0
+        """Messages that became an event, an answer or a request."""
+        self.rejected = Tally()
+        """Refused packets and messages by reason."""
+        self.future_timetags = 0
+        """Messages that asked to act later than is waited for, and acted at once."""
+        self.waited = 0
+        """Messages that waited for their time."""
+        self.last_rejection: Rejection | None = None
+        """The most recent refusal, for the operator's overlay."""
+
+    @property
+    def replaced(self) -> int:
+        """Values that gave way to later ones before the show took them."""
+        return self._taker.replaced + sum(lane.replaced for lane in list(self._lanes.values()))
+
+    def hear(self, packet: memoryview, sender: Where, time: float) -> Iterator[bytes]:
+        """Let a datagram act that came at `time` [s of the show]; yields the answers to its sender."""
+        try:
+            messages = decode(packet)
+        except OscRejected as rejected:
+            self.reject(Rejection(rejected.reason, "", "an OSC packet", bytes(packet[:16])))
+            return
+        answers: list[bytes] = []
+        wall = self._wall()  # one moment for the whole bundle, which keeps its order
+        for message in messages:
+            if message.timetag != IMMEDIATELY and (ahead := _ahead(message.timetag, wall)) > 0.0:
+                if self.later.put(time + ahead, time, (message, sender)):
+                    continue
+                self.future_timetags += 1
+            self._act(message.address, message.arguments, sender, time, answers)
+        yield from self._within_bounds(answers, len(packet), sender)
+
+    def _within_bounds(self, answers: list[bytes], received: int, sender: Where) -> Iterator[bytes]:
+        """The answers in datagrams; to somebody far away one at most, and no longer than what was received."""
+        if not answers:
+            return
+        if is_near(sender[0]):
+            yield from bundles(answers)
+        elif len(answers[0]) <= received:
+            yield answers[0]
+
+    def release(self, time: float) -> None:
+        """Let act what has waited for its time; answers are not waited for."""
+        for due, (message, sender) in self.later.due(time):
+            self.waited += 1
+            self._act(message.address, message.arguments, sender, due, [])
+
+    def _act(self, address: str, values: Sequence[Value], sender: Where, time: float, answers: list[bytes]) -> None:
+        if not is_pattern(address):
+            rejection = self._call(address, values, sender, time, answers)
+            if rejection is not None:
+                self.reject(rejection)
+            return
+        found = self._find(address, time)
+        if isinstance(found, Rejection):
+            self.reject(found)
+            return
+        if _says_nothing(values):
+            self._answer(found, answers)
+            return
+        refused = [self._call(each, values, sender, time, answers) for each in found]
+        if found and all(refused):  # if some take these values, the others were not meant
+            assert refused[0] is not None
+            self.reject(refused[0])
+
+    def _find(self, pattern: str, time: float) -> tuple[str, ...] | Rejection:
+        """The values that a pattern stands for: what happens once, as a panic, wants its own name."""
+        if not self._matcher.remembers(pattern):
+            grown = self._tokens + max(time - self._tokens_at, 0.0) * PATTERNS_PER_SECOND
+            self._tokens, self._tokens_at = min(grown, PATTERNS_PER_SECOND), time
+            if self._tokens < 1.0:
+                return Rejection(Reason.WILDCARD, pattern, f"at most {PATTERNS_PER_SECOND} new patterns a second", "")
+            self._tokens -= 1.0
+        try:
+            found = self._matcher.find(pattern)
+        except BadPattern:
+            return Rejection(Reason.WILDCARD, pattern, "a pattern as in OSC 1.0", pattern)
+        return found or Rejection(Reason.UNKNOWN_ADDRESS, pattern)
+
+    def _call(
+        self, address: str, values: Sequence[Value], sender: Where, time: float, answers: list[bytes]
+    ) -> Rejection | None:
+        control = self._registry.meant(address)
+        if _says_nothing(values) and (address in READABLE if control is None else control.asked_by_nothing(address)):
+            return self._answer((address,), answers)
+        if control is not None and RANKS[control.who] > RANKS[self._role]:
+            return Rejection(Reason.ROLE, address, f"an {control.who}", self._role)
+        result = self._registry.call(address, values, time, self._source)
+        match result:
+            case Rejection():
+                return result
+            case Reply():
+                if encode(result.address) not in answers:
+                    answers.append(encode(result.address))
+            case Request():
+                return self._serve(result, sender, time, answers)
+            case ControlEvent():
+                kept, _ = self._registry.kept_at(address)
+                whole = values if control is None else self._registry.whole(address, values)
+                self._put(result, control, whole, sender)
+                self.subscribers.note_setter(sender, kept, tuple(values if kept == address else whole), time)
+        self.accepted += 1
+        return None
+
+    def _lane(self, sender: Where, time: float) -> Lane[ControlEvent]:
+        """The lane of a sender; for whom there is none left the one that all such share."""
+        lane = self._lanes.get(sender)
+        if lane is None:
+            if self._more is None:
+                return self._taker
+            host = [other for other in self._lanes if other[0] == sender[0]]
+            if len(host) < OF_A_HOST and len(self._lanes) < MOST_LANES:
+                lane = self._more()
+            else:
+                among = host if len(host) >= OF_A_HOST else self._lanes
+                oldest = min(among, key=self._said_at.__getitem__)
+                if time - self._said_at[oldest] < KEPT or len(self._lanes[oldest]):
+                    return self._taker
+                lane = self._lanes.pop(oldest)
+                del self._said_at[oldest]
+            self._lanes[sender] = lane
+        self._said_at[sender] = time
+        return lane
+
+    def _put(self, event: ControlEvent, control: Control | None, values: Sequence[object], sender: Where) -> None:
+        """Hand an event over; of values that nobody has taken yet the last one counts."""
+        lane = self._lane(sender, event.time)
+        if control is None or control.kind == "event":
+            lane.put(event)
+            return
+        whom = control.whom(values)
+        whole = control.named or not whom or whom[-1].strip() in ("", "*")
+        flipped = self._whole.get(control.address, whole) != whole  # all, then one, then all again: in this order
+        self._whole[control.address] = whole
+        lane.put(event, (control.address, *whom), after=flipped)
+
+    def _serve(self, request: Request, sender: Where, time: float, answers: list[bytes]) -> Rejection | None:
+        if request.what == "get":
+            pattern = is_pattern(request.address)
+            found = self._find(request.address, time) if pattern else (request.address,)
+            return found if isinstance(found, Rejection) else self._answer(found, answers)
+        where = (sender[0], request.port or sender[1], *sender[2:])
+        if request.what == "unsubscribe":
+            self.subscribers.remove(where)
+        elif not is_near(sender[0]):
+            return Rejection(Reason.SENDER, request.address, "somebody in a network of our own", sender[0])
+        elif not self.subscribers.add(where, sender, request.address, request.seconds, time):
+            return Rejection(Reason.SUBSCRIBERS, request.address)
+        self.accepted += 1
+        return None
+
+    def _answer(self, addresses: Sequence[str], answers: list[bytes]) -> Rejection | None:
+        """What these are now; where there is only one, and it has no value, that is said, too."""
+        known = [address for address in addresses if address in self.values]
+        for address in known[:MOST_ANSWERS]:
+            answers += [encode(where, values) for where, values in self.values.messages(address)]
+        if not known:
+            address = addresses[0]
+            if address not in READABLE and self._registry.meant(address) is None:
+                return Rejection(Reason.UNKNOWN_ADDRESS, address)
+            answers.append(encode("/dance/no_value", (address,)))
+        self.accepted += 1
+        return None
+
+    def reject(self, rejection: Rejection) -> None:
+        """Count a refusal."""
+        self.rejected.count(rejection.reason)
+        self.last_rejection = rejection
+
+
+def _ahead(timetag: int, wall: float) -> float:
+    """How far ahead an NTP time tag lies [s], across the end of the NTP era in 2036, too; 0 if it does not."""
+    now = int((wall + _NTP_SECONDS_AT_1970) * 2.0**32)
+    ahead = (timetag - now) % 2**64
+    return ahead / 2.0**32 if ahead < 2**63 else 0.0
+
+
+def _says_nothing(values: Sequence[Value]) -> bool:
+    return all(value is None for value in values)

@@ -1,0 +1,185 @@
+"""OscOut: what the show tells musicians and other programs over OSC while it runs: beat, measure, tempo, steps, feet,
+places. Beats fall when they are due by the show's Timeline, not when a frame happens to be drawn.
+
+Run as a module it is a process of its own (`Helper`), so that nothing that is sent costs a frame anything.
+"""
+
+import gc
+import math
+import select
+import socket
+import sys
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from live.clock.time_source import Clock, SystemClock
+from live.clock.timeline import Timeline
+from live.control.helper_process import Told
+from live.control.osc.osc_encode import bundles, encode
+
+OUT: Final = "/dance/out/"
+SENT: Final = (
+    ("beat", "iif", "beat measure tempo", "On each beat: which of the measure, of which measure (from 1); its bpm."),
+    ("measure", "i", "measure", "On each measure line, before its beat: the measure that begins."),
+    ("tempo", "f", "tempo", "The tempo in bpm, whenever it is another one."),
+    ("step", "iss", "dancer step group", "A dancer begins another step."),
+    (
+        "foot", "isfffi", "dancer foot x z strength part",
+        "A foot comes down: `left` or `right`, where [m], how hard (0 to 1); 0 the ball, 1 the heel, 2 the whole sole.",
+    ),
+    (
+        "unit", "sss", "partner label name",
+        "It is decided what a partner dances in answer to a leader: the unit, as in `turn/2`, and the name of its "
+        "recording or step, as in `turn`.",
+    ),
+    (
+        "position", "ifff", "dancer x z heading",
+        "So many times a second: where each dancer's hips are [m], and where she looks [rad; 0 is towards the "
+        "audience, positive towards +x].",
+    ),
+)  # fmt: skip
+"""Address, type tags, values, and when it is sent."""
+
+FIGURES_EVERY: Final = 1.0
+TEMPO_EVERY: Final = 0.1
+SAME_TEMPO: Final = 5e-4
+"""Share by which a tempo has to differ to be told."""
+OVERDUE: Final = 0.5
+"""Beats; one that is so late is not sent any more."""
+
+Send = Callable[[bytes], None]
+
+
+class OscOut:
+    """What is sent and when. Thread: one."""
+
+    def __init__(self, send: Send, clock: Clock) -> None:
+        self._send, self._clock = send, clock
+        self._timeline: Timeline | None = None
+        self._measure = (0, 0.0)
+        self._beat = -math.inf
+        self._tempo, self._tempo_at = 0.0, -math.inf
+        self.beats = 0
+        """Beats that were sent."""
+        self.late: deque[float] = deque(maxlen=512)
+        """How late the last of them were [s]."""
+
+    def take(self, told: tuple[str, Any]) -> None:
+        """Take up something from the show: `timeline`, `measure` (number from 0, the beat of its end), `news` or
+        `positions` (array of rows dancer, x, z, heading)."""
+        what, value = told
+        if what == "timeline":
+            self._follow(Timeline(*value))
+        elif what == "measure":
+            self._measure = value
+        elif what == "news":
+            self._tell([encode(OUT + name, values) for name, values in value])
+        elif what == "positions":
+            rows = np.frombuffer(value, np.float32).reshape(-1, 4).tolist()
+            self._tell([encode(f"{OUT}position", (int(row[0]), *row[1:])) for row in rows])
+
+    def wait(self) -> float:
+        """Seconds until the next beat, or until something else may be due."""
+        if self._timeline is None:
+            return FIGURES_EVERY
+        due = self._timeline.time_at(self._beat + 1.0)
+        return min(max(due - self._clock.now(), 0.0), FIGURES_EVERY)
+
+    def turn(self) -> None:
+        """Send the beats that are due; of several only the last."""
+        timeline = self._timeline
+        if timeline is None:
+            return
+        now = self._clock.now()
+        self._tell_tempo(timeline.tempo, now)
+        last = math.floor(timeline.beat_at(now) + 1e-9)
+        if last <= self._beat:
+            return
+        self._beat = last
+        late = now - timeline.time_at(last)
+        if late * timeline.tempo / 60.0 > OVERDUE:
+            return
+        measure, beat = self._place(last, timeline.beats_per_measure)
+        line = [encode(f"{OUT}measure", (measure,))] if beat == 1 else []
+        self._tell([*line, encode(f"{OUT}beat", (beat, measure, float(timeline.tempo)))])
+        self.beats += 1
+        self.late.append(late)
+
+    def _follow(self, timeline: Timeline) -> None:
+        first = self._timeline is None
+        self._timeline = timeline
+        if first:
+            self._beat = math.floor(timeline.beat_at(self._clock.now()) + 1e-9)
+
+    def _place(self, beat: float, size: int) -> tuple[int, int]:
+        """Measure and beat of it, from 1, of a beat of the Timeline: of the measure that is danced, or the next."""
+        number, end = self._measure
+        over = round(beat - end)
+        if over >= 0:
+            return number + 2 + over // size, over % size + 1
+        return number + 1, max(size + over, 0) + 1
+
+    def _tell_tempo(self, tempo: float, now: float) -> None:
+        if abs(tempo - self._tempo) > SAME_TEMPO * tempo and now - self._tempo_at >= TEMPO_EVERY:
+            self._tempo, self._tempo_at = tempo, now
+            self._tell([encode(f"{OUT}tempo", (float(tempo),))])
+
+    def _tell(self, messages: Sequence[bytes]) -> None:
+        for datagram in bundles(messages):
+            self._send(datagram)
+
+
+class Targets:
+    """Where it is sent. Thread: one."""
+
+    def __init__(self, targets: Sequence[tuple[str, int]]) -> None:
+        """OSError for a host that is not known."""
+        self._all = []
+        for host, port in targets:
+            family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
+            sock = socket.socket(family, kind, protocol)
+            sock.setblocking(False)
+            self._all.append((sock, address))
+        self.sent = self.failed = 0
+
+    def close(self) -> None:
+        """Send nothing any more."""
+        for sock, _ in self._all:
+            sock.close()
+
+    def send(self, datagram: bytes) -> None:
+        """To each of them; what one does not take is counted and does not concern the others."""
+        for sock, address in self._all:
+            try:
+                sock.sendto(datagram, address)
+                self.sent += 1
+            except OSError:
+                self.failed += 1
+
+
+def main() -> None:
+    """Send until the show has gone."""
+    told = Told(int(sys.argv[1]))
+    gc.disable()
+    targets = Targets(told.plan["targets"])
+    clock = SystemClock(told.plan["origin"])
+    out = OscOut(targets.send, clock)
+    say_at = clock.now() + FIGURES_EVERY
+    while not told.ended:
+        select.select([told.socket], [], [], out.wait())
+        out.turn()
+        for packet in told.packets():
+            out.take(packet)
+        if clock.now() >= say_at:
+            say_at = clock.now() + FIGURES_EVERY
+            gc.collect(0)
+            late = sorted(out.late)
+            p99 = round(1e3 * late[int(0.99 * (len(late) - 1))], 3) if late else None
+            told.say({"datagrams": targets.sent, "failed": targets.failed, "beats": out.beats, "late_p99_ms": p99})
+
+
+if __name__ == "__main__":
+    main()

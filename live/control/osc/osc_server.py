@@ -1,0 +1,281 @@
+"""OSC over UDP: one socket thread that stamps what comes, lets an `OscDoor` see to it, and sends the answers.
+
+Nothing stops it: what is not understood is counted (waiting for time tags is how one small packet stops other
+receivers; here they wait in a queue). Nobody far away is sent more than he sent.
+"""
+
+import ipaddress
+import os
+import selectors
+import socket
+import threading
+from collections import deque
+from collections.abc import Callable, Iterable
+from typing import Any, Final
+
+from live.base.fault_isolation import keep_running
+from live.base.lane import Lane
+from live.clock.time_source import Clock
+from live.control.events.events import ControlEvent
+from live.control.osc.osc_decode import MAX_PACKET_BYTES
+from live.control.osc.osc_handler import OscDoor
+from live.control.osc.osc_prefilter import OscSieve
+from live.control.osc.osc_socket import CannotListen, PortBusy, bound_socket, dropped_by
+from live.control.osc.udp_batch import AT_A_TIME, Datagrams
+from live.control.registry.control import Role
+from live.control.registry.registry import REGISTRY, Registry
+from live.control.registry.rejections import Reason, Rejection, Tally
+from live.control.registry.values import Changes
+
+__all__ = ["CannotListen", "OscInput", "PortBusy", "bound_socket"]
+
+_PAUSE_S: Final = 0.05
+ROUNDS: Final = 4
+"""Calls for datagrams before others have their turn."""
+MANY: Final = 16
+"""Datagrams of one call that are a flood ..."""
+GATHER: Final = 0.001
+"""... and what is waited for the next ones then [s]."""
+
+Network = ipaddress.IPv4Network | ipaddress.IPv6Network
+
+
+class OscInput:
+    """Receives OSC on `host`:`port` (0: any free port) and puts the events into `lane`, stamped by `clock`.
+
+    `allow`: addresses or networks ("192.168.1.0/24") that may send; None: everybody who can reach the socket.
+    Thread: its own daemon thread receives; all counters may be read from any thread.
+    """
+
+    def __init__(
+        self,
+        host: str,
+        port: int,
+        lane: Lane[ControlEvent],
+        clock: Clock,
+        *,
+        allow: Iterable[str] | None = None,
+        registry: Registry = REGISTRY,
+        inherited: int | None = None,
+        role: Role = "operator",
+        option: str = "--osc",
+        after: Callable[[], float | None] = lambda: None,
+        more: Callable[[], Lane[ControlEvent]] | None = None,
+        gather: float = GATHER,
+    ) -> None:
+        """`inherited`: the descriptor of a socket that was bound by another process, and outlives this one; `role`:
+        what may be asked for at this port; `option`: how a person chooses another one; `after`: is
+        called when events have come, and says in how many seconds it wants to be called again; `more`: makes
+        a lane for each sender; `gather` [s]: what is waited for more in a flood."""
+        self._inherited, self._gather = inherited, gather
+        self._host, self._wanted_port, self._option = host, port, option
+        self._clock, self._lane, self._after = clock, lane, after
+        self._again: float | None = None
+        self.door = OscDoor(lane, registry=registry, role=role, more=more)
+        self._moved: deque[str] = deque(maxlen=4096)
+        self._allow: tuple[Network, ...] | None = None
+        if allow is not None:
+            self._allow = tuple(ipaddress.ip_network(entry, strict=False) for entry in allow)
+        self._socket: socket.socket | None = None
+        self._wake: tuple[socket.socket, socket.socket] | None = None
+        self._thread: threading.Thread | None = None
+        self._stopping = threading.Event()
+        self._sieve = OscSieve(registry, self._pass, self.door.rejected)
+        self._lost = 0
+        self.unsent = 0
+        """Answers and values that the system did not take."""
+        self.received = 0
+        """Datagrams read from the socket."""
+
+    def start(self) -> None:
+        """Bind and begin to receive; PortBusy or CannotListen, with the remedy, if that cannot be."""
+        if self._thread is not None:
+            raise RuntimeError("this OSC input was already started")
+        self._socket = (
+            bound_socket(self._host, self._wanted_port, self._option)
+            if self._inherited is None
+            else socket.socket(fileno=os.dup(self._inherited))
+        )
+        self._wake = socket.socketpair()
+        self._stopping.clear()
+        self._thread = threading.Thread(target=self._run, name="osc", daemon=True)
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End the thread and free the port; harmless if it never started."""
+        if self._thread is None or self._wake is None or self._socket is None:
+            return
+        self._stopping.set()
+        self._wake[1].send(b"\0")
+        self._thread.join()
+        self._lost = self.lost
+        for one in (self._socket, *self._wake):
+            one.close()
+        self._socket = self._wake = self._thread = None
+
+    def __enter__(self) -> "OscInput":
+        self.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+    @property
+    def port(self) -> int:
+        """The port it really receives on."""
+        return self._wanted_port if self._socket is None else int(self._socket.getsockname()[1])
+
+    @property
+    def buffer_bytes(self) -> int:
+        """The receive buffer that the system granted (Linux reports twice what it was asked for)."""
+        return 0 if self._socket is None else self._socket.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
+
+    @property
+    def lost(self) -> int:
+        """Datagrams that the system dropped because the receive buffer was full (0 where it does not say)."""
+        return self._lost if self._socket is None else dropped_by(self._socket)
+
+    @property
+    def accepted(self) -> int:
+        """Messages that became an event, an answer or a request."""
+        return self.door.accepted
+
+    @property
+    def rejected(self) -> Tally:
+        """Refused packets and messages by reason."""
+        return self.door.rejected
+
+    @property
+    def future_timetags(self) -> int:
+        """Messages that asked to act later than is waited for, and acted at once."""
+        return self.door.future_timetags
+
+    @property
+    def last_rejection(self) -> Rejection | None:
+        """The most recent refusal, for the operator's overlay."""
+        return self.door.last_rejection
+
+    def refused(self) -> dict[str, int]:
+        """What was refused, by reason."""
+        return self.door.rejected.as_dict()
+
+    def refusal(self) -> str:
+        """The last refusal: of a packet that was not understood the reason, of a control all that is known."""
+        rejection = self.last_rejection
+        if rejection is None:
+            return ""
+        return str(rejection) if rejection.address else f"an OSC packet: {rejection.reason}"
+
+    def facts(self) -> dict[str, Any]:
+        """For the status."""
+        door = self.door
+        replaced = self._sieve.replaced + door.replaced
+        return {
+            "received": self.received, "lost": self.lost, "replaced": replaced, "waiting": len(door.later),
+            "waited": door.waited, "future_timetags": door.future_timetags, "unsent": self.unsent,
+            "subscribers": door.subscribers.active, "told": door.subscribers.sent,
+        }  # fmt: skip
+
+    def tell(self, changes: Changes) -> None:
+        """These have new values in the show. Thread: the show's; costs it no call of the system."""
+        self.door.values.take(changes)
+        if self.door.subscribers.active:
+            self._moved.extend(changes)
+
+    def _run(self) -> None:
+        keep_running("the thread that hears OSC", self._receive, self._stopping.wait)
+
+    def _receive(self) -> None:
+        assert self._socket is not None
+        assert self._wake is not None
+        datagrams = Datagrams(self._socket, MAX_PACKET_BYTES)
+        with selectors.DefaultSelector() as selector:
+            selector.register(self._socket, selectors.EVENT_READ)
+            selector.register(self._wake[0], selectors.EVENT_READ)
+            while not self._stopping.is_set():
+                ready = selector.select(self._wait())
+                many = (ready or self._sieve.waits) and self._received(datagrams)
+                self._turn()
+                if many:  # a flood: many are cheaper together
+                    self._stopping.wait(self._gather)
+
+    def _wait(self) -> float | None:
+        """Seconds until something is to be done though nothing comes; None: nothing is."""
+        waits = (self.door.later.wait(self._clock.now()), self.door.subscribers.wait(), self._again,
+                 self._gather if self._sieve.waits else None)  # fmt: skip
+        return min((wait for wait in waits if wait is not None), default=None)
+
+    def _turn(self) -> None:
+        """What has waited for its time acts, and subscribers are told what has changed."""
+        try:
+            now = self._clock.now()
+            self.door.release(now)
+            self._again = self._after()
+            if self.door.subscribers.active:
+                moved = {self._moved.popleft(): None for _ in range(len(self._moved))}
+                self.door.subscribers.note(moved, now)
+                self.door.subscribers.turn(now, self._send)
+        except Exception as error:
+            self.door.reject(Rejection(Reason.INTERNAL, "", f"no {type(error).__name__}: {error}", b""))
+
+    def _received(self, datagrams: Datagrams) -> bool:
+        """As `_receive_all`; whatever the datagrams may bring to light, the next ones are heard."""
+        try:
+            return self._receive_all(datagrams)
+        except Exception as error:
+            self.door.reject(Rejection(Reason.INTERNAL, "", f"no {type(error).__name__}: {error}", b""))
+            self._stopping.wait(_PAUSE_S)
+            return False
+
+    def _receive_all(self, datagrams: Datagrams) -> bool:
+        """Read what is there; whether it was many, and all."""
+        for _ in range(ROUNDS):
+            if self._stopping.is_set():
+                break
+            try:
+                found = datagrams.read()
+            except OSError:  # a network that went away, an answer nobody wanted: the show goes on
+                self.rejected.count(Reason.SOCKET)
+                self._stopping.wait(_PAUSE_S)
+                break
+            if not found:
+                self._sieve.take([], self._clock.now())
+                break
+            now = self._clock.now()
+            refused = self._sieve.take(
+                [each for each in found if self._is_allowed(each[1][0])], now, more=len(found) >= MANY
+            )
+            if refused is not None:
+                self.door.last_rejection = refused
+            self._lane.thinned = self._sieve.replaced
+            self.received += len(found)  # last, so that whoever sees it sees what became of them
+            if len(found) < AT_A_TIME:
+                return len(found) >= MANY
+        return False
+
+    def _pass(self, data: bytes, sender: Any) -> bool:
+        """Let the door see to a datagram; whether nothing in it was refused."""
+        before = self.door.rejected.total
+        try:
+            for answer in self.door.hear(memoryview(data), sender, self._clock.now()):
+                self._send(answer, sender)
+        except Exception as error:  # whatever a datagram may bring to light, the next one is heard
+            self.door.reject(Rejection(Reason.INTERNAL, "", f"no {type(error).__name__}: {error}", data[:16]))
+        return self.door.rejected.total == before
+
+    def _send(self, datagram: bytes, where: Any) -> None:
+        assert self._socket is not None
+        try:
+            self._socket.sendto(datagram, where)
+        except OSError:  # whoever it was is gone, or the send buffer is full: he may ask again
+            self.unsent += 1
+
+    def _is_allowed(self, host: str) -> bool:
+        """Whether a host may send; one that may not is counted."""
+        if self._allow is None:
+            return True
+        address = ipaddress.ip_address(host.partition("%")[0])
+        if any(address in network for network in self._allow):
+            return True
+        self.door.reject(Rejection(Reason.SENDER, "", "a listed address", host))
+        return False

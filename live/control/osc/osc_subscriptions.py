@@ -1,0 +1,188 @@
+"""Subscribers: who is told, over OSC, what changes: bounded in number, time, and how much each is sent."""
+
+import ipaddress
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from live.control.osc.osc_encode import bundles, encode
+from live.control.registry.control import Plain
+from live.control.registry.registry import REGISTRY
+from live.control.registry.values import READABLE, Rows, Values
+
+MOST: Final = 16
+MOST_PARTS: Final = 16
+"""Addresses that one may subscribe to."""
+LONGEST: Final = 3600.0
+"""Seconds for which one may subscribe at most before it has to say so again."""
+EVERY: Final = 1 / 30
+"""Seconds between two datagrams to one of them at least ..."""
+AT_ONCE: Final = 48
+"""... with so many values at most; what has changed meanwhile is sent as it is then."""
+OWN: Final = 1.0
+"""Seconds in which who has set a value is not told about it, while it goes there."""
+CLOSE: Final = 1e-4
+"""Share by which a number that was set and one that is may differ, for it was rounded on its way."""
+
+Where = tuple[Any, ...]
+"""Host and port, and for IPv6 what else belongs to it."""
+_ORDER: Final = {address: place for place, address in enumerate(READABLE)}
+
+
+@dataclass(slots=True)
+class _Subscriber:
+    where: Where
+    source: Where
+    """Where it sends from: many hear at another port."""
+    parts: dict[str, float] = field(default_factory=dict)
+    """Addresses under which it is told what changes, each with the time until when."""
+    next: float = 0.0
+    due: dict[str, float] = field(default_factory=dict)
+    """What has changed, and not before when it is to be told."""
+    told: dict[str, Rows] = field(default_factory=dict)
+
+    def hears(self, address: str) -> bool:
+        """Whether it is told of an address."""
+        return any(_under(address, part) for part in self.parts)
+
+
+@dataclass(frozen=True, slots=True)
+class _Setter:
+    """Who has set a value last."""
+
+    source: Where
+    values: tuple[object, ...]
+    until: float
+    """Until when the value may be on its way there."""
+
+
+class Subscribers:
+    """Those of one port. Thread: the port's; `active` from any."""
+
+    def __init__(self, values: Values) -> None:
+        self._values = values
+        self._all: dict[Where, _Subscriber] = {}
+        self._setters: dict[str, _Setter] = {}
+        self.refused = 0
+        """Subscriptions for which there was no room."""
+        self.sent = 0
+        """Values that were sent."""
+
+    @property
+    def active(self) -> int:
+        """How many there are."""
+        return len(self._all)
+
+    def add(self, where: Where, source: Where, prefix: str, seconds: float, now: float) -> bool:
+        """Tell `where` what changes under an address, for so long, beginning with all that is now; False: no room.
+
+        `source`: where it sends from; what comes from there it need not be told.
+        """
+        self._forget(now)
+        one = self._all.get(where)
+        full = len(self._all) >= MOST if one is None else prefix not in one.parts and len(one.parts) >= MOST_PARTS
+        if full:
+            self.refused += 1
+            return False
+        if one is None:
+            one = self._all[where] = _Subscriber(where, source)
+        if prefix not in one.parts:
+            one.due |= {address: now for address in READABLE if address in self._values and _under(address, prefix)}
+        one.source, one.parts[prefix] = source, now + min(seconds, LONGEST)
+        return True
+
+    def remove(self, where: Where) -> None:
+        """Tell it nothing any more; harmless if it was not told anything."""
+        self._all.pop(where, None)
+
+    def note_setter(self, source: Where, address: str, values: tuple[object, ...], now: float) -> None:
+        """This one sets a value now: others are told, and it itself if nothing comes of it."""
+        if self._all and address in self._values:
+            self._setters[address] = _Setter(source, values, now + OWN)
+            for one in self._all.values():
+                if one.source == source and one.hears(address):
+                    one.due[address] = now + OWN
+
+    def note(self, addresses: Iterable[str], now: float) -> None:
+        """These have another value."""
+        for address in addresses:
+            for one in self._all.values():
+                if one.hears(address):
+                    one.due.setdefault(address, now)
+
+    def wait(self) -> float | None:
+        """Seconds until `turn` should be called again; None: nobody listens."""
+        return EVERY if self._all else None
+
+    def turn(self, now: float, send: Callable[[bytes, Where], None]) -> None:
+        """Tell what is to be told."""
+        self._forget(now)
+        for one in self._all.values():
+            if one.due and now >= one.next:
+                one.next = now + EVERY
+                for datagram in bundles(self._news(one, now)):
+                    send(datagram, one.where)
+
+    def _news(self, one: _Subscriber, now: float) -> Iterator[bytes]:
+        ready = [address for address, time in one.due.items() if time <= now]
+        for address in sorted(ready, key=lambda address: _ORDER.get(address, 0))[:AT_ONCE]:
+            setter = self._setters.get(address)
+            if setter is not None and setter.source != one.source:
+                setter = None
+            if setter is not None and setter.until > now:
+                one.due[address] = setter.until
+                continue
+            del one.due[address]
+            rows = self._values.rows(address)
+            told = one.told.get(address, ())
+            known = told == rows if setter is None else _is_what(address, rows, setter.values, told)
+            one.told[address] = rows
+            if setter is not None:
+                del self._setters[address]
+            if not known:
+                self.sent += len(rows)
+                for where, values in self._values.messages(address):
+                    yield encode(where, values)
+
+    def _forget(self, now: float) -> None:
+        for where, one in list(self._all.items()):
+            for part in [part for part, until in one.parts.items() if until <= now]:
+                del one.parts[part]
+            if not one.parts:
+                del self._all[where]
+        if not self._all:
+            self._setters.clear()
+
+
+def _under(address: str, prefix: str) -> bool:
+    return address == prefix or address.startswith(prefix if prefix.endswith("/") else prefix + "/")
+
+
+def _is_what(address: str, rows: Rows, said: tuple[object, ...], told: Rows) -> bool:
+    """Whether that is what somebody has set; of a control that names whose it is: of that one, others being as told."""
+    control = REGISTRY.find(address)
+    if control is None or not control.named:
+        return all(_are_close(now, said) for _, now in rows)
+    before = dict(told)
+    return all(_are_close(now, said[1:]) if name == said[0] else before.get(name) == now for name, now in rows)
+
+
+def _are_close(now: tuple[Plain, ...], said: tuple[object, ...]) -> bool:
+    return len(said) >= len(now) and all(map(_is_close, now, said))
+
+
+def _is_close(now: Plain, said: object) -> bool:
+    if isinstance(now, str) or not isinstance(said, int | float):
+        return now == said
+    return abs(float(now) - said) <= CLOSE * max(abs(float(now)), 1.0)
+
+
+def is_near(host: str) -> bool:
+    """Whether a host is this machine or in a network of one's own: to others nothing is sent that is longer than what
+    they sent, for a forged sender must gain nothing."""
+    try:
+        address = ipaddress.ip_address(host.partition("%")[0])
+    except ValueError:
+        return False
+    mapped = getattr(address, "ipv4_mapped", None)
+    return (mapped or address).is_private or address.is_link_local

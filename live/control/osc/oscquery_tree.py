@@ -1,0 +1,145 @@
+"""OSCQuery: the tree of all controls and figures as JSON, by which other programs find out what there is.
+
+After the proposal at github.com/Vidvox/OSCQueryProposal (2018). Of a control the arguments are told that must be given,
+or that are its value: the optional ones (how long, for whom) are left to whoever reads the reference.
+"""
+
+from dataclasses import replace
+from typing import Any, Final
+
+from live.control.registry.control import Argument, Control, Plain
+from live.control.registry.readings import READINGS, Reading
+from live.control.registry.registry import REGISTRY
+from live.control.registry.values import Values
+
+ATTRIBUTES: Final = (
+    "FULL_PATH", "CONTENTS", "TYPE", "ACCESS", "VALUE", "RANGE", "DESCRIPTION", "TAGS", "UNIT", "CLIPMODE", "CRITICAL",
+)  # fmt: skip
+NONE, READ, WRITE, BOTH = 0, 1, 2, 3
+"""ACCESS of a node."""
+_NAMED: Final = tuple(control for control in REGISTRY if control.named)
+_NAMES: Final = frozenset(control.address for control in _NAMED)
+_TYPES: Final = {"float": "f", "bool": "T", "name": "s", "text": "s", "int": "i"}
+
+
+def told_of(control: Control) -> tuple[Argument, ...]:
+    """The arguments that others are told of."""
+    if control.value:
+        return control.arguments[: control.named + control.value]
+    return tuple(argument for argument in control.arguments if argument.default is None)
+
+
+class Namespace:
+    """The tree. Thread: one."""
+
+    def __init__(self, values: Values) -> None:
+        self._values = values
+        self._tree: dict[str, Any] = {"FULL_PATH": "/", "ACCESS": NONE, "DESCRIPTION": "ChoreoGraphics Live"}
+        self._nodes = {"/": self._tree}
+        for reading in READINGS:
+            self._add(reading.address, _of_reading(reading))
+        for control in REGISTRY:
+            self._add(control.address, _of_control(control))
+
+    def _add(self, address: str, facts: dict[str, Any]) -> None:
+        path, node = "", self._tree
+        for part in address[1:].split("/"):
+            path += "/" + part
+            node = node.setdefault("CONTENTS", {}).setdefault(part, {"FULL_PATH": path, "ACCESS": NONE})
+            self._nodes[path] = node
+        node |= facts
+
+    def _grow(self) -> None:
+        """Whoever is named by a value has nodes of her own."""
+        for control in _NAMED:
+            for name, _ in self._values.rows(control.address):
+                path = control.address_of(name)
+                if path is not None and path not in self._nodes:
+                    own = replace(control, address=path, arguments=control.arguments[1:], named=False)
+                    self._add(path, _of_control(own))
+
+    def has(self, path: str) -> bool:
+        """Whether there is such a node."""
+        self._grow()
+        return _clean(path) in self._nodes
+
+    def readable(self, path: str) -> bool:
+        """Whether a node has a value."""
+        return bool(self._nodes.get(_clean(path), {}).get("ACCESS", NONE) & READ)
+
+    def node(self, path: str) -> dict[str, Any]:
+        """A node with all below it and their present values; KeyError if there is none."""
+        self._grow()
+        return self._with_values(self._nodes[_clean(path)])
+
+    def attribute(self, path: str, name: str) -> dict[str, Any] | None:
+        """One attribute of a node; None if it has not got it; KeyError if there is no such node or attribute."""
+        if name not in ATTRIBUTES:
+            raise KeyError(name)
+        node = self.node(path)
+        return {name: node[name]} if name in node else None
+
+    def _with_values(self, node: dict[str, Any]) -> dict[str, Any]:
+        told = dict(node)
+        if node["ACCESS"] & READ:
+            rows = self._values.rows(node["FULL_PATH"])
+            if rows:  # of groups that differ, the first: the messages of a LISTEN have them all
+                name, value = rows[0]
+                whole = (name, *value) if node["FULL_PATH"] in _NAMES else value
+                told["VALUE"] = list(whole)
+                told["TYPE"] = "".join(_type_of(tag, value) for tag, value in zip(told["TYPE"], whole, strict=True))
+        if "CONTENTS" in node:
+            told["CONTENTS"] = {name: self._with_values(below) for name, below in node["CONTENTS"].items()}
+        return told
+
+
+def _clean(path: str) -> str:
+    return path.rstrip("/") or "/"
+
+
+def _type_of(tag: str, value: Plain) -> str:
+    return ("T" if value else "F") if tag == "T" else tag
+
+
+def _of_reading(reading: Reading) -> dict[str, Any]:
+    return {
+        "TYPE": _TYPES[reading.type], "ACCESS": READ, "DESCRIPTION": reading.description,
+        **({"UNIT": [reading.unit]} if reading.unit else {}), "TAGS": ["status"],
+    }  # fmt: skip
+
+
+def _of_control(control: Control) -> dict[str, Any]:
+    arguments = told_of(control)
+    facts: dict[str, Any] = {
+        "TYPE": "".join(_TYPES[argument.type] for argument in arguments) or "I",
+        "ACCESS": BOTH if control.value else WRITE,
+        "DESCRIPTION": control.description,
+        "TAGS": [control.who, control.kind],
+    }
+    if control.kind == "event":
+        facts["CRITICAL"] = True
+    if arguments:
+        facts["RANGE"] = [_range(argument) for argument in arguments]
+        facts["CLIPMODE"] = ["none"] * len(arguments)
+    if any(argument.unit for argument in arguments):
+        facts["UNIT"] = [argument.unit or None for argument in arguments]
+    return facts
+
+
+def _range(argument: Argument) -> dict[str, Any]:
+    if argument.type == "float":
+        return {"MIN": argument.minimum, "MAX": argument.maximum}
+    return {"VALS": [False, True]} if argument.type == "bool" else {}
+
+
+def host_info(name: str, osc: tuple[str, int], http: tuple[str, int]) -> dict[str, Any]:
+    """Who answers, what it can do, and where its OSC and its WebSocket are."""
+    can = ("ACCESS", "VALUE", "RANGE", "DESCRIPTION", "TAGS", "UNIT", "CLIPMODE", "CRITICAL", "LISTEN")
+    info: dict[str, Any] = {
+        "NAME": name, "EXTENSIONS": dict.fromkeys(can, True), "OSC_PORT": osc[1], "OSC_TRANSPORT": "UDP",
+        "WS_PORT": http[1],
+    }  # fmt: skip
+    for key, (host, _) in (("OSC_IP", osc), ("WS_IP", http)):
+        if host not in ("0.0.0.0", "::"):  # elsewhere: where the question was sent
+            info[key] = host
+    return info

@@ -1,0 +1,104 @@
+"""Procedural elements: attractors, repulsors, spreaders, crossings, flows and the rest (T105-T110, T132)."""
+
+from collections.abc import Callable
+from typing import Final
+
+from live.control.events import events
+from live.control.events.events import ControlEvent
+from live.control.registry.arguments import MEASURES, NEXT, POINTS, STRENGTH, WHO, X2, Z2, X, Z
+from live.control.registry.control import Argument, Control
+
+_USUAL: Final = (STRENGTH, MEASURES, WHO, NEXT)
+_RADIUS: Final = Argument("radius", "float", "how far the region reaches", "m", 0.1, 50)
+_TURN: Final = Argument("strength", "float", "how strongly it acts; below 0 the other way round", "", -10, 10, 1.0)
+_WHOM: Final = Argument("whom", "name", "a dancer's number from 1, or the name of a group")
+
+
+def _place(kind: str, *, flow: str = "", closed: bool = False) -> Callable[..., ControlEvent]:
+    """The event that places an element of a kind, from whatever arguments its control has."""
+
+    def make(
+        *,
+        time: float,
+        source: str,
+        x: float | None = None,
+        z: float = 0.0,
+        x2: float | None = None,
+        z2: float = 0.0,
+        points: str = "",
+        **others: float | bool | str,
+    ) -> ControlEvent:
+        if x is not None:
+            points = f"{x!r} {z!r}" + ("" if x2 is None else f", {x2!r} {z2!r}")
+        return events.PlaceElement(
+            time=time,
+            source=source,
+            kind=kind,
+            flow=flow,
+            closed=closed,
+            points=points,
+            **others,  # type: ignore[arg-type]
+        )
+
+    return make  # fmt: skip
+
+
+ELEMENT_CONTROLS: Final = (
+    Control(
+        "/dance/attract", events.Attract, (X, Z, *_USUAL), "Dancers gather around a point of the stage.", "audience",
+    ),
+    Control(
+        "/dance/attract/line", _place("attract"), (X, Z, X2, Z2, *_USUAL), "Dancers gather along a line.", "musician",
+    ),
+    Control(
+        "/dance/attract/drawn", _place("attract"), (POINTS, *_USUAL), "Dancers gather along a drawn line.", "musician",
+    ),
+    Control(
+        "/dance/attract/region", _place("attract"), (X, Z, _RADIUS, *_USUAL),
+        "Dancers come into a region; inside it they are free.", "musician",
+    ),
+    Control(
+        "/dance/voice", events.Voice, (X, Z),
+        "One voice of an audience: dancers go where many voices are, and never for a single one. Each sender has one; "
+        "it fades after two measures unless it is sent again.", "audience", "continuous",
+    ),
+    Control(
+        "/dance/repel", events.Repel, (X, Z, *_USUAL), "Dancers leave the surroundings of a point.", "musician",
+    ),
+    Control(
+        "/dance/repel/line", _place("repel"), (X, Z, X2, Z2, *_USUAL),
+        "Dancers leave the surroundings of a line.", "musician",
+    ),
+    Control(
+        "/dance/repel/region", _place("repel"), (X, Z, _RADIUS, *_USUAL), "Dancers leave a region.", "musician",
+    ),
+    Control("/dance/spread", events.Spread, (MEASURES, WHO, NEXT), "Dancers spread over the stage.", "musician"),
+    Control(
+        "/dance/cross", _place("cross"), (X, Z, X2, Z2, *_USUAL),
+        "Dancers cross a bar through two points: each side changes over to the other.", "musician",
+    ),
+    Control(
+        "/dance/flow", _place("flow", flow="uniform"), (X, Z, X2, Z2, *_USUAL),
+        "Dancers go as from the first point to the second, wherever they are.", "musician",
+    ),
+    Control(
+        "/dance/flow/radial", _place("flow", flow="radial"), (X, Z, _TURN, MEASURES, WHO, NEXT),
+        "Dancers go outwards from a point; with a strength below 0 inwards.", "musician",
+    ),
+    Control(
+        "/dance/flow/vortex", _place("flow", flow="vortex"), (X, Z, _TURN, MEASURES, WHO, NEXT),
+        "Dancers go round a point.", "musician",
+    ),
+    Control(
+        "/dance/flow/drawn", _place("flow", flow="drawn"), (POINTS, *_USUAL),
+        "Dancers go along a drawn line's direction.", "musician",
+    ),
+    Control(
+        "/dance/path", _place("path"), (POINTS, *_USUAL), "Dancers follow a drawn path.", "musician",
+    ),
+    Control("/dance/wander", _place("wander"), _USUAL, "Dancers wander.", "musician"),
+    Control("/dance/flock", _place("flock"), _USUAL, "Dancers go together, as birds in a flock.", "musician"),
+    Control("/dance/follow", _place("follow"), (_WHOM, *_USUAL), "Dancers follow a leader.", "musician"),
+    Control("/dance/pursue", _place("pursue"), (_WHOM, *_USUAL), "Dancers run after somebody.", "musician"),
+    Control("/dance/evade", _place("evade"), (_WHOM, *_USUAL), "Dancers run away from somebody.", "musician"),
+)  # fmt: skip

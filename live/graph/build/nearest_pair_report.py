@@ -1,0 +1,76 @@
+"""The pair of measures that could most easily be joined though the graph does not join them (T034, T135, T136)."""
+
+import math
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.build.transition import all_pairs, transition_windows
+from live.graph.motion_graph import MotionGraph
+from live.graph.transition_rules import begun_side, plain_pose
+
+Float64 = npt.NDArray[np.float64]
+Int64 = npt.NDArray[np.int64]
+Bool = npt.NDArray[np.bool_]
+
+_ROWS: Final = 512
+"""Nodes compared with all others at once."""
+_RULE: Final = 1e3
+"""A broken rule of structure is worse than any distance [m]."""
+
+
+class NearestPair:
+    """Compares ends and beginnings of a graph's nodes; nothing is compared twice."""
+
+    def __init__(self, graph: MotionGraph) -> None:
+        self._graph = graph
+        library = graph.library
+        clips = [library.clips[clip] for clip in library.node_clip]
+        self._end = np.array([plain_pose(clip.end_pose) for clip in clips])
+        self._begin = np.array([plain_pose(clip.begin_pose) for clip in clips])
+        self._side = np.array([begun_side(clip) for clip in clips])
+        self._transfers = np.array([clip.weight_transfer for clip in clips])
+        self._clouds: tuple[Float64, Float64] | None = None
+        self._known: dict[bytes, tuple[int, int]] = {}
+        self.distance: dict[tuple[int, int], float] = {}
+        """Distances of the pairs that were found [m] (K002)."""
+
+    def find(self, last: Bool, first: Bool) -> tuple[int, int]:
+        """Of nodes (N,) that end and nodes that begin the pair that breaks fewest rules, and of those the nearest."""
+        key = np.packbits([last, first]).tobytes()
+        if key not in self._known:
+            self._known[key] = self._search(np.flatnonzero(last), np.flatnonzero(first))
+        return self._known[key]
+
+    def poses_clash(self, u: int, v: int) -> bool:
+        """Whether u ends in another pose than that in which v begins (T136)."""
+        return bool(self._clashes(np.array([u]), np.array([v]))[0, 0])
+
+    def repeats(self, u: int, v: int) -> bool:
+        """Whether v repeats u on the same side though the weight is on the other foot (T135)."""
+        return bool(self._repeats(np.array([u]), np.array([v]))[0, 0])
+
+    def _search(self, last: Int64, first: Int64) -> tuple[int, int]:
+        if self._clouds is None:
+            self._clouds = transition_windows(self._graph.library, self._graph.window)
+        ends, starts = self._clouds
+        best, pair, nearest = math.inf, (int(last[0]), int(first[0])), math.inf
+        for begin in range(0, len(last), _ROWS):
+            rows = last[begin : begin + _ROWS]
+            distance = all_pairs(ends[rows], starts[first], self._graph.rule.metric).distance
+            worth = distance + _RULE * self._clashes(rows, first) + _RULE * self._repeats(rows, first)
+            u, v = np.unravel_index(np.argmin(worth), worth.shape)
+            if worth[u, v] < best:
+                best, pair, nearest = float(worth[u, v]), (int(rows[u]), int(first[v])), float(distance[u, v])
+        self.distance[pair] = nearest
+        return pair
+
+    def _clashes(self, u: Int64, v: Int64) -> Bool:
+        end, begin = self._end[u][:, None], self._begin[v][None]
+        return np.asarray((end != begin) & (end != "") & (begin != ""))
+
+    def _repeats(self, u: Int64, v: Int64) -> Bool:
+        step = self._graph.library.node_step
+        same = (step[u][:, None] == step[v][None]) & (self._side[u][:, None] == self._side[v][None])
+        return np.asarray(same & self._transfers[u][:, None] & self._transfers[v][None])

@@ -1,0 +1,171 @@
+"""The figures of a dance that was put together, in the form of the contracts, beside those of the raw clips."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.motion_graph import MotionGraph
+from live.graph.render_dance import Assembled
+from live.graph.search.path import Targets
+from live.graph.select.placing import wrapped
+from live.motion import quaternion
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.quality.beats import alignment, mean_speed, motion_beats, offsets
+from live.motion.quality.feet import skates, slides
+from live.motion.quality.smoothness import at_samples, half_width, largest_around, p99_of_raw
+from live.motion.sampling import read_clip
+from live.motion.step_clip import StepClip
+
+Float64 = npt.NDArray[np.float64]
+Bool = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class RawClips:
+    """The clips from which dances are made, played at the dance's tempo and sampled as the dance is."""
+
+    steps: tuple[StepClip, ...]
+    seconds: float
+    """Length of a measure [s]."""
+    rate: float
+
+    @cached_property
+    def played(self) -> list[tuple[Float64, Bool]]:
+        """Joints (T, J, 3) [m] and contacts (T, 2) of each whole clip, lead-in included."""
+        return [self._play(step) for step in self.steps]
+
+    @cached_property
+    def traces(self) -> list[tuple[Float64, Float64]]:
+        """Largest velocity change and acceleration at every sample, (T,) each."""
+        return [at_samples(position, self.rate) for position, _ in self.played]
+
+    @property
+    def slide(self) -> Float64:
+        """Speeds [m/s] of their feet in contact, (n,)."""
+        return np.concatenate([slides(position, contact, self.rate) for position, contact in self.played])
+
+    def p99(self, half: float) -> tuple[float, float]:
+        """p99 of the largest velocity change [m/s] and acceleration [m/s²] within `half` s of random samples."""
+        change, acceleration = zip(*self.traces, strict=True)
+        return p99_of_raw(change, half, self.rate), p99_of_raw(acceleration, half, self.rate)
+
+    def _play(self, step: StepClip) -> tuple[Float64, Bool]:
+        stride = step.samples_per_measure / (self.seconds * self.rate)
+        samples = np.arange(int((step.clip.sample_count - 1) / stride) + 1) * stride
+        root, rotation, contact = read_clip(step.clip, samples)
+        position, _ = forward_kinematics(root.astype(np.float64), quaternion.unit(rotation.astype(np.float64)))
+        return position.astype(np.float64), contact
+
+
+@dataclass(frozen=True)
+class DanceFigures:
+    """One dance, and what it is made of."""
+
+    graph: MotionGraph
+    dance: Assembled
+    targets: Targets | None = None
+
+    @cached_property
+    def position(self) -> Float64:
+        """Joints in the world [m], shape (T, J, 3)."""
+        clip = self.dance.clip
+        position, _ = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
+        return position.astype(np.float64)
+
+    @cached_property
+    def raw(self) -> RawClips:
+        """The clips danced, and the other takes mixed in."""
+        dance = self.dance
+        nodes = np.unique(np.concatenate([dance.node, dance.take[dance.take_share > 0.0]]))
+        clips = np.unique(self.graph.library.node_clip[nodes])
+        steps = tuple(self.graph.library.clips[clip] for clip in clips)
+        return RawClips(steps, float(dance.line_time[1]), dance.clip.sample_rate)
+
+    @property
+    def slide(self) -> Float64:
+        """Speeds [m/s] of feet in contact, (n,)."""
+        return slides(self.position, self.dance.clip.contact, self.dance.clip.sample_rate)
+
+    @cached_property
+    def joins(self) -> tuple[Float64, Float64]:
+        """Largest velocity change [m/s] and acceleration [m/s²] of any joint at each join of two clips, (K,) each."""
+        rate, join = self.dance.clip.sample_rate, self.dance.join
+        change, acceleration = at_samples(self.position, rate)
+        middle = join.mean(axis=1)
+        return largest_around(change, middle, self.half, rate), largest_around(acceleration, middle, self.half, rate)
+
+    @property
+    def half(self) -> float:
+        """Seconds before and after the middle of each join that are looked at."""
+        return half_width(self.graph.window * float(self.dance.line_time[1]))
+
+    @property
+    def annotated_offsets(self) -> Float64:
+        """When each clip's own beat is shown, minus the beat [s], shape (M, beats)."""
+        library, dance = self.graph.library, self.dance
+        first, last = library.node_first[dance.node], library.node_last[dance.node]
+        own = np.array([library.clips[clip].samples_per_measure for clip in library.node_clip[dance.node]])
+        place = np.arange(dance.beats_per_measure) / dance.beats_per_measure  # of each beat, in measures of the clip
+        shown = dance.line_time[:-1, None] + place * (own / (last - first))[:, None] * dance.line_time[1]
+        return np.asarray(shown - dance.beat_time[:-1].reshape(shown.shape), np.float64)
+
+    def result(self) -> dict[str, Any]:
+        """The figures; null where nothing was measured. Without `steps` and `missing`, which the caller knows."""
+        dance, rate = self.dance, self.dance.clip.sample_rate
+        slide, skating = self.slide, skates(self.position, rate)
+        change, acceleration = self.joins
+        raw_change, raw_acceleration = self.raw.p99(self.half) if len(change) else (0.0, 0.0)
+        kinematic = motion_beats(mean_speed(self.position, rate), rate)
+        path, heading = self._errors()
+        return {
+            "foot_slide_mean": float(slide.mean()) if len(slide) else None,
+            "foot_slide_p99": float(np.percentile(slide, 99)) if len(slide) else None,
+            "skating_ratio": float(skating.mean()) if len(skating) else None,
+            "join_velocity_ratio": ratio(change, raw_change),
+            "join_acceleration_ratio": ratio(acceleration, raw_acceleration),
+            "beat_offset_ms": {
+                "annotated": median_and_p95(self.annotated_offsets.reshape(-1)),
+                "kinematic": median_and_p95(offsets(dance.beat_time, kinematic)),
+            },
+            "beat_alignment": {
+                "music": alignment(dance.beat_time, kinematic),
+                "kinematic": alignment(kinematic, dance.beat_time),
+            },
+            "path_error_m": list_and_p95(path),
+            "heading_error_deg": list_and_p95(heading),
+            "overlaps": 0,
+            "min_distance_m": None,
+        }
+
+    def _errors(self) -> tuple[list[float], list[float]]:
+        """At the measure lines, as it is shown: hips to their place [m], the planned heading to the wanted one [°]."""
+        if self.targets is None:
+            return [], []
+        dance = self.dance
+        rows = np.minimum(np.round(dance.line_time[1:] * dance.clip.sample_rate).astype(int), len(self.position) - 1)
+        place = np.hypot(*(self.position[rows, 0][:, (0, 2)] - self.targets.place[1:]).T)
+        heading = np.degrees(np.abs(wrapped(dance.end[:, 2] - self.targets.heading[1:])))
+        return place.tolist(), heading.tolist()
+
+
+def ratio(joins: Float64, raw: float) -> float | None:
+    """p99 over the joins (K,), divided by the raw clips' p99; None without a join, or with nothing to compare to."""
+    return float(np.percentile(joins, 99) / raw) if len(joins) and raw > 0.0 else None
+
+
+def median_and_p95(seconds: Float64) -> dict[str, float | None]:
+    """Of the distances |seconds|, in milliseconds."""
+    size = np.abs(seconds) * 1e3
+    return {
+        "median": float(np.median(size)) if len(size) else None,
+        "p95": float(np.percentile(size, 95)) if len(size) else None,
+    }
+
+
+def list_and_p95(values: Sequence[float]) -> dict[str, Any]:
+    """The values and their p95."""
+    return {"list": list(values), "p95": float(np.percentile(values, 95)) if len(values) else None}

@@ -1,1 +1,0 @@
-"""One layer of a layered search, for all nodes at once."""

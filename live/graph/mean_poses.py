@@ -1,0 +1,25 @@
+"""Mean poses of all nodes at once: as `live.motion.pose.pose_pipeline.mean_pose`, for a whole library (T058)."""
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.storage_kernels import mean_turns, rotation_moments
+from live.motion import quaternion
+
+Float32 = npt.NDArray[np.float32]
+Int64 = npt.NDArray[np.int64]
+
+
+def mean_poses(rotation: Float32, first: Int64, last: Int64) -> Float32:
+    """Mean rotation of each joint over the samples first to last (inclusive, (N,) each) of (S, J, 4), (N, J, 4)."""
+    joints = rotation.shape[1]
+    moments = np.zeros((len(first), joints, 4, 4))
+    rotation_moments(rotation, first, last, moments)
+    centre = np.ascontiguousarray(np.linalg.eigh(moments)[1][..., -1])
+    turn = np.empty((len(first), joints, 3))
+    mean_turns(rotation, first, last, centre, turn)
+    angle = np.linalg.norm(turn, axis=-1)
+    axis = turn / np.maximum(angle, 1e-12)[..., None]
+    centre = quaternion.mul(centre, quaternion.from_axis_angle(axis, angle))
+    away = np.sum(centre * rotation[first], axis=-1, keepdims=True) < 0.0
+    return np.asarray(np.where(away, -centre, centre), np.float32)

@@ -1,0 +1,248 @@
+"""Assembling: a path through the graph becomes one continuous motion, blended, turned and held as in the live show.
+
+All samples of the dance are asked of the pose pipeline at once, as if they were so many dancers. Only the feet are
+followed in time, for where a foot is held depends on where it stood.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.motion_graph import MotionGraph
+from live.graph.select.placing import begun, joined, next_axes, own_end, take_placement, transition_weight, turn_vectors
+from live.graph.takes import NO_TAKE
+from live.motion import quaternion
+from live.motion.clip import Clip
+from live.motion.forward_kinematics import local_rotations
+from live.motion.pose.foot_lock import lock_feet
+from live.motion.pose.pose_pipeline import PosePipeline
+from live.motion.pose.posing_kernels import INTO_NEXT, LOWER, NEXT, NEXT_LOWER, NEXT_TAKE, PRESENT, PRESENT_TAKE, UPPER
+from live.motion.pose.turning_kernels import place_dancers
+
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Bool = npt.NDArray[np.bool_]
+
+SAMPLE_RATE = 60.0
+LONGEST = 400_000
+"""Samples of the longest dance that is put together: nearly two hours at 60 a second, about 1 GB while it is made."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Assembled:
+    """A dance of M measures as one clip, and what is known of it."""
+
+    clip: Clip
+    """From the first to the last measure line; a foot is in contact where the source clips say so, in a blend both."""
+    bpm: float
+    beats_per_measure: int
+    node: Int32
+    """Nodes danced, shape (M,)."""
+    line_time: Float64
+    """Times of the measure lines [s], shape (M + 1,); the last one is the end."""
+    placement: Float64
+    """x, z [m], yaw [rad] of the axes of each measure's clip, shape (M, 3)."""
+    correction: Float64
+    """What was added over each measure: x, z [m], and the turn on the carrying foot [rad], shape (M, 3)."""
+    take: Int32
+    """Node of the other take mixed into each measure, NO_TAKE where there is none, shape (M,)."""
+    take_share: Float64
+    """How much of it, shape (M,)."""
+    end: Float64
+    """Hips x, z [m] and heading [rad] at the end of each measure as planned, shape (M, 3)."""
+    join: Float64
+    """Begin and end [s] of the blend of each join of two clips, shape (K, 2): within a step there is none."""
+
+    @property
+    def beat_time(self) -> Float64:
+        """Times of the beats [s], shape (M · beats + 1,)."""
+        return np.asarray(np.arange(len(self.node) * self.beats_per_measure + 1) * (60.0 / self.bpm), np.float64)
+
+
+def assemble(
+    graph: MotionGraph,
+    nodes: Sequence[int] | Int32,
+    *,
+    bpm: float,
+    turns: npt.ArrayLike | None = None,
+    corrections: npt.ArrayLike | None = None,
+    takes: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+    start: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    hold_feet: bool = True,
+    sample_rate: float = SAMPLE_RATE,
+    name: str = "dance",
+) -> Assembled:
+    """The motion of a dancer who dances the M `nodes` one after another at `bpm`.
+
+    `turns` (M,) [rad] are inserted while one foot carries (T048-T050), `corrections` (M, 2) [m] move the hips in the
+    course of each measure, `takes` are a node (M,) and a share (M,) from 0 to 1: of that other take of the same
+    measure so much is mixed in (T069; NO_TAKE for none). She begins with her hips at `start` x, z [m], facing its
+    third number [rad]. Blends end on the measure lines, weights are C1 (K004), rotations SLERP, the root linear, and
+    each clip lies where the graph's rigid transform puts it (K001). `hold_feet`: feet that carry stay where they are
+    and no sole goes below the floor. Samples between lines are `sample_rate` a second; the last one is at or before
+    the last line. ValueError for a pair of nodes without an edge, arrays of other lengths or a dance too long.
+    """
+    node = np.asarray(nodes, np.int32)
+    count = len(node)
+    seconds = graph.library.beats_per_measure * 60.0 / bpm if np.isfinite(bpm) and bpm > 0.0 else np.nan
+    _check(graph, node, seconds, sample_rate)
+    correction = np.zeros((count, 3))
+    correction[:, :2] = _given(corrections, (count, 2), "corrections")
+    correction[:, 2] = _given(turns, (count,), "turns")
+    take = np.full(count, NO_TAKE, np.int32)
+    share = np.zeros(count)
+    if takes is not None:
+        take[:] = _given(takes[0], (count,), "takes")
+        share[:] = np.where(take != NO_TAKE, _given(takes[1], (count,), "shares of takes"), 0.0)
+    placement, end = _placements(graph, node, correction, take, share, start)
+    dance = _Dance(graph, node, placement, correction, take, share)
+    time = np.arange(int(count * seconds * sample_rate + 1e-6) + 1) / sample_rate
+    clip = dance.clip(time / seconds, sample_rate, name)
+    line_time = np.arange(count + 1, dtype=np.float64) * float(seconds)
+    joins = np.flatnonzero(graph.library.node_measure[node[1:]] == 0)
+    return Assembled(
+        clip=lock_feet(clip) if hold_feet else clip,
+        bpm=bpm,
+        beats_per_measure=graph.library.beats_per_measure,
+        node=node,
+        line_time=line_time,
+        placement=placement,
+        correction=correction,
+        take=take,
+        take_share=share,
+        end=end,
+        join=line_time[joins + 1, None] - np.array([graph.window * seconds, 0.0]),
+    )
+
+
+def _check(graph: MotionGraph, node: Int32, seconds: float, sample_rate: float) -> None:
+    if not np.isfinite(seconds) or not np.isfinite(sample_rate) or sample_rate <= 0.0:
+        raise ValueError(f"{seconds} s a measure, {sample_rate} samples/s: numbers above 0 expected")
+    if len(node) == 0 or node.min() < 0 or node.max() >= graph.library.node_count:
+        raise ValueError(f"a path of nodes 0 to {graph.library.node_count - 1} expected, at least one")
+    if len(node) * seconds * sample_rate > LONGEST:
+        most = LONGEST / sample_rate
+        raise ValueError(
+            f"{len(node)} measures of {seconds:.3g} s are {len(node) * seconds / 60.0:.0f} minutes; "
+            f"at most {most / 60.0:.0f} can be put together at once"
+        )
+
+
+def _given(values: npt.ArrayLike | None, shape: tuple[int, ...], what: str) -> Float64:
+    if values is None:
+        return np.zeros(shape)
+    array = np.asarray(values, np.float64)
+    if array.shape != shape or not np.isfinite(array).all():
+        raise ValueError(f"{what}: numbers of shape {shape} expected, got shape {array.shape}")
+    return array
+
+
+def edge_between(graph: MotionGraph, u: int, v: int) -> int:
+    """Index of the edge from node u to node v; ValueError, naming both, where there is none."""
+    first, last = int(graph.edge_start[u]), int(graph.edge_start[u + 1])
+    found = np.flatnonzero(graph.edge_target[first:last] == v)
+    if not len(found):
+        library = graph.library
+        raise ValueError(f"no edge leads from {library.describe(u)!r} (node {u}) to {library.describe(v)!r} (node {v})")
+    return first + int(found[0])
+
+
+def _placements(
+    graph: MotionGraph,
+    node: Int32,
+    correction: Float64,
+    take: Int32,
+    share: Float64,
+    start: tuple[float, float, float],
+) -> tuple[Float64, Float64]:
+    """Where each measure's clip lies (M, 3), and hips and heading at its end (M, 3): each follows from the last."""
+    placement, end = np.empty((len(node), 3)), np.empty((len(node), 3))
+    ends, facings = own_end(graph, node, take, share)
+    placed, one = np.empty((1, 4)), np.ones(1)
+    for n in range(len(node)):
+        row = slice(n, n + 1)
+        if n == 0:
+            placement[row] = begun(graph, node[row], np.array([start[:2]]), np.array([start[2]]))
+        else:
+            axes = next_axes(graph, node[n - 1 : n], end[n - 1 : n, :2], end[n - 1 : n, 2])
+            edge = edge_between(graph, int(node[n - 1]), int(node[n]))
+            placement[row] = joined(axes, graph.edge_transform[edge : edge + 1])
+        place_dancers(
+            placed, placement[row], correction[row], np.zeros((1, 3)), one, node[row],
+            graph.node_turns, graph.node_rise, one,
+        )  # fmt: skip
+        end[n, :2] = placed[0, :2] + turn_vectors(ends[n], placed[0, 2])
+        end[n, 2] = placed[0, 3] + facings[n]
+    return placement, end
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Dance:
+    """The question asked of the pose pipeline: for any place in the dance, which samples of which clips, and where."""
+
+    graph: MotionGraph
+    node: Int32
+    placement: Float64
+    correction: Float64
+    take: Int32
+    share: Float64
+
+    def clip(self, place: Float64, sample_rate: float, name: str) -> Clip:
+        """The dance at `place` (T,), in measures from its beginning."""
+        measure = np.minimum(place.astype(np.int64), len(self.node) - 1)
+        phase = np.minimum(place - measure, 1.0)
+        following = np.minimum(measure + 1, len(self.node) - 1)
+        pipeline = PosePipeline(len(place))
+        window = self.graph.window
+        into = transition_weight((phase - (1.0 - window)) / window) * (following > measure)
+        self._fill(pipeline, PRESENT, measure, phase, np.ones(len(place)))
+        self._fill(pipeline, NEXT, following, phase - 1.0, np.zeros(len(place)))
+        pipeline.share[INTO_NEXT] = into
+        contact = self._contact(pipeline, into)
+        position, rotation = pipeline.run(self.graph.library.store)
+        return Clip(
+            name,
+            np.ascontiguousarray(position[:, 0]),
+            np.ascontiguousarray(quaternion.continuous(local_rotations(rotation)), np.float32),
+            sample_rate,
+            contact,
+        )
+
+    def _fill(
+        self, pipeline: PosePipeline, which: int, measure: npt.NDArray[np.int64], phase: Float64, corrected: Float64
+    ) -> None:
+        """The rows `which` (the measure's own clip) and `which` + 1 (its other take) at `phase` of the measures.
+
+        `corrected` (T,): 1 where the corrections count, 0 in the lead-in, where they have not begun.
+        """
+        node, take = self.node[measure], self.take[measure]
+        placed = np.empty((len(node), 4))
+        place_dancers(
+            placed, self.placement[measure], self.correction[measure] * corrected[:, None], np.zeros((len(node), 3)),
+            np.maximum(phase, 0.0), node, self.graph.node_turns, self.graph.node_rise, np.ones(len(node)),
+        )  # fmt: skip
+        other = np.where(take == NO_TAKE, node, take).astype(np.int32)
+        for row, of in ((which, node), (which + 1, other)):
+            pipeline.sample[row] = self._sample(of, phase)
+        pipeline.placement[which] = placed
+        pipeline.placement[which + 1] = take_placement(self.graph, node, other, placed)
+        lower = LOWER if which == PRESENT else NEXT_LOWER
+        pipeline.share[lower : lower + UPPER - LOWER + 1] = self.share[measure]
+
+    def _sample(self, node: Int32, phase: Float64) -> Float64:
+        """Samples of the library at `phase` of the nodes' measures; below 0 in their lead-in."""
+        library = self.graph.library
+        first = library.node_first[node]
+        return np.maximum(first + phase * (library.node_last[node] - first), library.node_lead[node])
+
+    def _contact(self, pipeline: PosePipeline, into: Float64) -> Bool:
+        """Feet on the floor, (T, 2): where every clip that is mixed in has them there."""
+        contact = self.graph.library.clip_contact
+        standing = [contact[np.round(sample).astype(np.int64)] for sample in pipeline.sample]
+        for row, share in ((PRESENT, LOWER), (NEXT, NEXT_LOWER)):
+            take = PRESENT_TAKE if row == PRESENT else NEXT_TAKE
+            standing[row] = standing[row] & (standing[take] | (pipeline.share[share] <= 0.0)[:, None])
+        blends, done = (into > 0.0)[:, None], (into >= 1.0)[:, None]
+        return np.asarray((standing[PRESENT] | done) & (standing[NEXT] | ~blends), np.bool_)

@@ -1,0 +1,131 @@
+"""Sequences that are changed while they are danced: the answer is there long before the measure line.
+
+A group keeps one `LiveSequence`. It answers for all nodes at once, so that all dancers of the group share one search
+over a few measures (`HORIZON`), made when the measure line has been crossed, beats before the next measures are chosen.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.motion_graph import MotionGraph
+from live.graph.search.sequence import edges_of, find_sequence
+from live.graph.search.sequence_spec import Specification, Wanted, specify
+from live.graph.search.viterbi import CostToGo, Edges
+
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+HORIZON: Final = 8
+"""Measures that a live search looks ahead."""
+
+
+def plan_from(graph: MotionGraph, node: int, wanted: Sequence[Wanted], *, horizon: int = HORIZON) -> Int32:
+    """The next `horizon` nodes of a dancer who is in `node`: the rest of her step, then what is wanted, then anything.
+
+    O(horizon · E). The last step may go on beyond the horizon. NoPath if nothing can follow.
+    """
+    left = int(graph.library.node_measures[node] - 1 - graph.library.node_measure[node])
+    rest = np.arange(node + 1, node + 1 + min(left, horizon), dtype=np.int32)
+    if len(rest) == horizon:
+        return rest
+    specification = _within(graph, wanted, horizon - left)
+    path = find_sequence(graph, specification, start=node + left)
+    return np.concatenate([rest, path.node])
+
+
+def _within(graph: MotionGraph, wanted: Sequence[Wanted], horizon: int) -> Specification:
+    """The specification of exactly `horizon` measures: longer ones are cut, shorter ones go on with anything."""
+    entries: list[Wanted] = []
+    measures = 0
+    for entry in wanted:
+        if measures >= horizon:
+            break
+        entries.append(entry)
+        measures += entry.measures
+    # cut in the middle of a step the dance need not be at an end
+    full = specify(graph.library, [*entries, *[Wanted(None)] * max(horizon - measures, 1)])
+    return replace(full, kind=full.kind[:horizon], entry=full.entry[:horizon], leaves=np.ones_like(full.leaves))
+
+
+class LiveSequence:
+    """What a group shall dance from now on; it can be changed while it is danced.
+
+    The show calls `ahead` once per measure, after the line, and gives `choose_measures` the result as what each next
+    node costs, so that way and heading decide among the nodes that keep the sequence; it calls `advance` when the
+    measure is chosen. `ask` says whether a change can be danced before it is made: what cannot be danced changes
+    nothing.
+    """
+
+    def __init__(
+        self, graph: MotionGraph, wanted: Sequence[Wanted], *, horizon: int = HORIZON, edges: Edges | None = None
+    ) -> None:
+        """`edges`: those of the graph, if many searches share them."""
+        self._graph = graph
+        self._edges = edges_of(graph) if edges is None else edges
+        self._horizon = horizon
+        self._wanted = list(wanted)
+        self._into = 0
+
+    @property
+    def coming(self) -> tuple[Wanted, ...]:
+        """Entries still to come, the one that is danced included."""
+        return tuple(self._wanted)
+
+    @property
+    def next_step(self) -> int | None:
+        """The step of the next measure; None: any, or nothing is wanted any more."""
+        return self._wanted[0].step if self._wanted else None
+
+    def extend(self, wanted: Sequence[Wanted]) -> None:
+        """Dance these after all that is wanted already."""
+        self._wanted += wanted
+
+    def replace(self, wanted: Sequence[Wanted]) -> None:
+        """Dance these from the next measure on that is not chosen yet; a step that has begun is danced to its end."""
+        kept = self._wanted[:1] if self._into else []
+        self._wanted = [*kept, *wanted]
+
+    def advance(self) -> None:
+        """The next measure is chosen: go on by one."""
+        if not self._wanted:
+            return
+        self._into += 1
+        if self._into >= self._wanted[0].measures:
+            self._wanted.pop(0)
+            self._into = 0
+
+    def ahead(self) -> Float64:
+        """Of every node how many measures will be wrong within the horizon if it is danced next, (N,); inf: none can.
+
+        The fraction is how rough the joins are, below 1 together: nodes are compared by both.
+        """
+        costs = self._costs(self._wanted, self._into)
+        return costs.layer(0) / costs.unit
+
+    def ask(self, wanted: Sequence[Wanted], nodes: Int32, *, patience: int = 2) -> int | None:
+        """After how many measures of anything, at most `patience`, dancers in `nodes` (A,) can dance what is wanted.
+
+        None if that is not possible for all of them: then the dance that is danced had better go on, and
+        `live.graph.search.missing` tells why. Dancers within a step first finish it.
+        """
+        library = self._graph.library
+        at = nodes + library.node_measures[nodes] - 1 - library.node_measure[nodes]
+        for wait in range(patience + 1):
+            costs = self._costs([*[Wanted(None)] * wait, *wanted], 0)
+            value = costs.layer(0)
+            best = [
+                value[self._edges.target[self._edges.start[n] : self._edges.start[n + 1]]].min(initial=np.inf)
+                for n in np.unique(at)
+            ]
+            if all(np.isfinite(v) and costs.wrong_measures(v) == 0 for v in best):
+                return wait
+        return None
+
+    def _costs(self, wanted: Sequence[Wanted], into: int) -> CostToGo:
+        spec = _within(self._graph, wanted, self._horizon + into)
+        spec = replace(spec, kind=spec.kind[into:], entry=spec.entry[into:])
+        return CostToGo(self._edges, spec, wrong=True)

@@ -1,0 +1,150 @@
+"""Layered search: the cheapest way through measures × nodes, backwards from the end of the dance (T063, T065).
+
+The thesis searches depth first (T064), which is exponential where branches die late. The cost of the best end of a
+dance depends on the measure and the node alone, so one pass over the edges per measure finds it for all nodes at once:
+O(M · E) time. What is kept is bounded: of long dances every Bth layer, from which the layers between are made again.
+"""
+
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.layers_kernels import cheapest_on
+from live.graph.search.sequence_spec import Specification
+
+Float64 = npt.NDArray[np.float64]
+Int64 = npt.NDArray[np.int64]
+Int32 = npt.NDArray[np.int32]
+Bool = npt.NDArray[np.bool_]
+
+KEPT_VALUES: Final = 1 << 22
+"""Costs kept in a block of layers: 32 MB."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Edges:
+    """Edges as compressed rows: those of node u are start[u] to start[u + 1]."""
+
+    start: Int32
+    """Shape (N + 1,)."""
+    target: Int32
+    """Shape (E,)."""
+    cost: Float64
+    """What taking it costs, 0 or more, shape (E,)."""
+    _rows: "list[_Rows]" = field(default_factory=list)
+
+    @property
+    def rows(self) -> "_Rows":
+        """All edges row after row; worked out once."""
+        if not self._rows:
+            self._rows.append(_Rows.of(self, np.ones(len(self.start) - 1, np.bool_)))
+        return self._rows[0]
+
+
+class CostToGo:
+    """Of every node in every measure the cost of the best dance from there to the end.
+
+    A cost counts wrong measures first and the sum of edge costs second: `unit` is more than all edges can cost.
+    Without `wrong` only measures that are as specified count, and every other node costs infinitely much.
+    """
+
+    def __init__(self, edges: Edges, specification: Specification, *, wrong: bool, block: int | None = None) -> None:
+        self.edges = edges
+        self.specification = specification
+        self.wrong = wrong
+        measures, nodes = specification.measures, len(edges.start) - 1
+        self.unit = 1.0 + (measures + 1) * float(edges.cost.max(initial=0.0))
+        """What a wrong measure costs."""
+        self._block = max(2, block or KEPT_VALUES // max(nodes, 1))
+        kinds = specification.fits
+        self._rows = [edges.rows] if wrong else [_Rows.of(edges, fit) for fit in kinds]
+        self._own = np.where(kinds, 0.0, self.unit if wrong else np.inf)
+        self._last = np.where(specification.leaves, 0.0, np.inf)
+        self._marks = self._keep_marks()
+        self._first, self._layers = -1, np.empty((0, nodes))
+
+    def layer(self, measure: int) -> Float64:
+        """Costs from a measure on, that measure's included, shape (N,); cheap when asked in the order of the dance."""
+        block = measure - measure % self._block
+        if block != self._first:
+            self._first, self._layers = block, self._make(block)
+        return np.asarray(self._layers[measure - block], np.float64)
+
+    def wrong_measures(self, value: float) -> int:
+        """The wrong measures in a cost."""
+        return int(value // self.unit)
+
+    def _keep_marks(self) -> dict[int, Float64]:
+        """The first layer of every block but the first, from the end to the beginning."""
+        marks: dict[int, Float64] = {}
+        value = self._last
+        for measure in range(self.specification.measures - 1, self._block - 1, -1):
+            value = self._before(measure, value)
+            if measure % self._block == 0:
+                marks[measure] = value
+        return marks
+
+    def _make(self, block: int) -> Float64:
+        last = min(block + self._block, self.specification.measures)
+        layers = np.empty((last - block, len(self._last)))
+        value = self._marks.get(last, self._last)
+        for measure in range(last - 1, block - 1, -1):
+            value = layers[measure - block] = self._before(measure, value)
+        return layers
+
+    def _before(self, measure: int, value: Float64) -> Float64:
+        """The layer of a measure from that of the next one; from `_last` for the last measure, which needs no edge."""
+        kind = self.specification.kind[measure]
+        if measure == self.specification.measures - 1:
+            return np.asarray(value + self._own[kind])
+        rows = self._rows[0 if self.wrong else kind]
+        out = np.empty(len(value))
+        cheapest_on(out, rows.node, rows.first, rows.target, rows.cost, value)
+        return np.asarray(out + self._own[kind])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Rows:
+    """The edges that leave some of the nodes, row after row; nodes without edges are left out."""
+
+    node: Int64
+    first: Int64
+    target: Int32
+    cost: Float64
+
+    @classmethod
+    def of(cls, edges: Edges, chosen: Bool) -> "_Rows":
+        count = np.diff(edges.start)
+        node = np.flatnonzero(chosen & (count > 0))
+        length = count[node]
+        first = np.cumsum(length) - length
+        if chosen.all():  # nothing to pick out
+            return cls(node, first, edges.target, edges.cost)
+        edge = np.arange(int(length.sum())) + np.repeat(edges.start[node] - first, length)
+        return cls(node, first, edges.target[edge], edges.cost[edge])
+
+
+def cheapest(costs: CostToGo, start: int | None) -> Int32 | None:
+    """The cheapest dance as nodes (M,), from the beginning of a step or after the node `start`; None if there is none.
+
+    Of dances that cost the same the one whose nodes come first in the library.
+    """
+    edges, spec = costs.edges, costs.specification
+    nodes = np.empty(spec.measures, np.int32)
+    before = start
+    for measure in range(spec.measures):
+        value, target = costs.layer(measure), None
+        if before is None:
+            value = np.where(spec.enters, value, np.inf)
+        else:
+            row = slice(edges.start[before], edges.start[before + 1])
+            target = edges.target[row]
+            value = edges.cost[row] + value[target]
+        if not len(value) or not np.isfinite(value.min()):
+            return None
+        best = int(np.argmin(value))
+        before = best if target is None else int(target[best])
+        nodes[measure] = before
+    return nodes

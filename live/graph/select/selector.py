@@ -1,0 +1,159 @@
+"""Choosing: what is prepared of a graph so that the next measures of all dancers are chosen in one call (T068-T070)."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.motion_graph import MotionGraph
+from live.graph.select.candidates import QUICKEST_TURN, Candidates, find_candidates, widening
+from live.graph.select.placing import wrapped
+from live.graph.select.selector_kernels import choose_measures
+from live.graph.select.ways import Ways
+
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+ANGLES: Final = 65
+"""Angles of a turn at which the way it adds is tabled, from -π to π; between them it is within 1.5 mm a metre."""
+TERMS: Final = ("place", "heading", "pose", "wrong step", "other")
+"""What the cost of a candidate is made of."""
+PLACE: Final = 3.0
+"""A square metre off the place that no correction reaches costs this ..."""
+CORRECTED: Final = 1.0
+"""... and one that is corrected, since feet and legs have to bear it, this; ..."""
+HEADING: Final = 1.0
+"""... a squared radian that is left of the heading, ..."""
+TURN: Final = 0.005
+"""... a squared radian of turning, ..."""
+POSE: Final = 0.3
+"""... a metre between the poses of a join, ..."""
+WRONG: Final = 40.0
+"""... a measure away from the wanted step: more than any place within a measure's reach, ..."""
+SIDE: Final = 20.0
+"""... a mirror image where the group wants none: dearer than any place, cheaper than another step, ..."""
+MIXED: Final = 0.003
+"""... a mixture: 5 cm of place are not worth blurring a clip, ..."""
+STRAYS: Final = 0.2
+"""... and the square of how far [m] the hips leave the straight way on theirs: nobody wanders without a reason."""
+SWAY_SAMPLES: Final = 17
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Choosing:
+    """Tables over N nodes, E edges and K candidates, and what may change between measures."""
+
+    graph: MotionGraph
+    candidates: Candidates
+    ways: Ways
+    """How far each step goes in each direction."""
+    edge: Float64
+    """x, z, yaw, its cosine and sine, distance of the poses of each edge, shape (E, 6)."""
+    clip: Float64
+    """Hips x, z [m] and heading at each candidate's end, cosine and sine, how far the measure's mean heading is
+    ahead of it, shape (K, 6)."""
+    moved: Float64
+    """What a turn adds to each node's way [m], shape (N, ANGLES, 2)."""
+    most: Float64
+    """Each node's largest turn [rad], cosine and sine, shape (N, 3)."""
+    facts: Float64
+    """How far each node can be corrected [m], how far its mixtures end from it, what it costs itself, shape (N, 3)."""
+    weights: Float64
+    """Shape (8,)."""
+    room: Float64
+    """Scratch of the kernel."""
+
+    @staticmethod
+    def of(graph: MotionGraph) -> "Choosing":
+        """The tables of a graph. Takes a moment: not to be called within a frame."""
+        candidates = widening(graph, find_candidates(graph))
+        node, transform = candidates.node, graph.edge_transform
+        c, s = np.cos(transform[:, 2]), np.sin(transform[:, 2])
+        mean = wrapped(graph.node_facing_mean[node] - candidates.facing)
+        facing = candidates.facing
+        angles = np.linspace(-np.pi, np.pi, ANGLES)
+        moved = np.empty((graph.library.node_count, ANGLES, 2))
+        for n, angle in enumerate(angles):
+            moved[:, n] = candidates.turns.displacement(1.0, np.full(len(moved), angle))
+        facts = np.zeros((len(moved), 3))
+        facts[:, 1] = _apart(candidates, moved, angles)
+        facts[:, 2] = STRAYS * _strays(graph) ** 2
+        return Choosing(
+            graph=graph,
+            candidates=candidates,
+            ways=Ways.of(graph, candidates),
+            edge=np.ascontiguousarray(np.column_stack([transform, c, s, graph.edge_cost])),
+            clip=np.ascontiguousarray(
+                np.column_stack([candidates.end, facing, np.cos(facing), np.sin(facing), mean])
+            ),
+            moved=moved,
+            most=np.zeros((len(moved), 3)),
+            facts=facts,
+            weights=np.array([PLACE, CORRECTED, HEADING, TURN, POSE, WRONG, SIDE, MIXED]),
+            room=np.zeros((int(np.diff(graph.edge_start).max(initial=0)) + 1, 2)),
+        )  # fmt: skip
+
+    def allow(self, *, seconds: float, turn: float, give: npt.ArrayLike) -> None:
+        """A measure takes `seconds`; dancers may be turned by `turn` [rad] and corrected by `give` (N,) or () [m]."""
+        angle = np.minimum(min(turn, np.pi), QUICKEST_TURN * seconds / self.graph.node_quickest)
+        self.most[:, 0] = angle
+        self.most[:, 1], self.most[:, 2] = np.cos(angle), np.sin(angle)
+        self.facts[:, 0] = give
+
+    def choose(
+        self,
+        rows: slice,
+        node: Int32,
+        placement: Float64,
+        wish: Float64,
+        row: Int32,
+        ahead: Float64,
+        side: Int32,
+        manner: Float64,
+        out: tuple[Int32, Int32, Float64, Float64],
+    ) -> None:
+        """Choose for the dancers `rows`: arguments and results `out` (edge, candidate, terms, end) as in the kernel."""
+        graph = self.graph
+        edge, candidate, terms, end = out
+        choose_measures(
+            rows.start, rows.stop, node, placement, wish, row, ahead, side, manner,
+            graph.edge_start, graph.edge_target, self.edge, self.candidates.first, self.clip, self.moved, self.most,
+            self.facts, graph.library.node_side, self.weights, self.room, edge, candidate, terms, end,
+        )  # fmt: skip
+
+
+def with_direction(values: Float64) -> Float64:
+    """Rows (A, 3) of x, z, angle with the cosine and sine of the angle after them, (A, 5)."""
+    return np.ascontiguousarray(np.column_stack([values, np.cos(values[:, 2]), np.sin(values[:, 2])]))
+
+
+def _apart(candidates: Candidates, moved: Float64, angles: Float64) -> Float64:
+    """How far from a node's own clip its mixtures end at most, whatever the heading, (N,) [m].
+
+    A mixture ends where the clip would but for the difference of the two ends, and what a turn differs by because
+    headings do: an end moves by at most so much for each radian.
+    """
+    node, own = candidates.node, candidates.first[:-1]
+    step = angles[1] - angles[0]
+    arm = np.hypot(*candidates.end.T)
+    swing = np.hypot(*np.moveaxis(np.diff(moved, axis=1), -1, 0)).max(axis=1) / step
+    per_radian = 1.05 * (swing[node] + np.maximum(arm, arm[own][node]))
+    off = np.hypot(*(candidates.end - candidates.end[own][node]).T)
+    turned = np.abs(wrapped(candidates.facing - candidates.facing[own][node]))
+    apart = np.zeros(len(moved))
+    np.maximum.at(apart, node, off + per_radian * turned)
+    return apart
+
+
+def _strays(graph: MotionGraph) -> Float64:
+    """How far the hips of each node leave the straight line from its beginning to its end at most, (N,) [m]."""
+    library = graph.library
+    t = np.linspace(0.0, 1.0, SWAY_SAMPLES)
+    sample = library.node_first[:, None] + t * (library.node_last - library.node_first)[:, None]
+    row = np.clip(np.round(sample).astype(np.int64), 0, len(library.clip_root) - 1)
+    hips = library.clip_root[row][:, :, (0, 2)].astype(np.float64)
+    way = hips[:, -1] - hips[:, 0]
+    along = np.einsum("nsk,nk->ns", hips - hips[:, :1], way) / np.maximum((way**2).sum(axis=1), 1e-9)[:, None]
+    straight = hips[:, :1] + np.clip(along, 0.0, 1.0)[..., None] * way[:, None]
+    return np.asarray(np.hypot(*np.moveaxis(hips - straight, -1, 0)).max(axis=1))

@@ -1,0 +1,224 @@
+"""The choice of the next measure (T068-T070): every candidate where it ends, turned and corrected, for many dancers."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel, part
+from live.base.scalar_kernels import angle_wrap
+
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+PLACE = 0
+CORRECTED = 1
+HEADING = 2
+TURN = 3
+POSE = 4
+WRONG = 5
+SIDE = 6
+MIXED = 7
+"""Places in the array of weights."""
+LIKELY = 10.0
+"""Edges that cost this much more than the cheapest, wherever they lead, are looked at last."""
+FAR = 1e9
+"""How far off what was not looked at is taken to be [m]."""
+
+
+@part
+def laid_down(at: Float64, n: int, edge: Float64, e: int) -> tuple[float, float, float, float, float]:
+    """x, z, yaw, its cosine and sine of a clip that joins the axes at[n] (5,) along edge[e] (6,) (K001)."""
+    c, s = at[n, 3], at[n, 4]
+    x, z = at[n, 0] + edge[e, 0] * c + edge[e, 1] * s, at[n, 1] + edge[e, 1] * c - edge[e, 0] * s
+    return x, z, at[n, 2] + edge[e, 2], c * edge[e, 3] - s * edge[e, 4], s * edge[e, 3] + c * edge[e, 4]
+
+
+@part
+def end_of(
+    laid: tuple[float, float, float, float, float],
+    n: int,
+    v: int,
+    k: int,
+    wish: Float64,
+    manner: Float64,
+    clip: Float64,
+    moved: Float64,
+    most: Float64,
+) -> tuple[float, float, float, float]:
+    """Where dancer n ends with candidate k of node v, whose clip is laid down so: hips x, z, turn, heading left.
+
+    Arrays as in `choose_measures`; the turn that is wanted is inserted on the carrying foot as far as it is allowed.
+    """
+    x, z, yaw, c, s = laid
+    want = angle_wrap(wish[n, 2] - yaw - clip[k, 2] - manner[n, 1] * clip[k, 5])
+    turn = min(max(want, -most[v, 0]), most[v, 0])
+    tc, ts = c, s
+    ax, az = 0.0, 0.0
+    if manner[n, 0] != 0.0:
+        if turn != want:
+            side = most[v, 2] if turn > 0.0 else -most[v, 2]
+            tc, ts = c * most[v, 1] - s * side, s * most[v, 1] + c * side
+        elif manner[n, 1] == 0.0:
+            tc = wish[n, 3] * clip[k, 3] + wish[n, 4] * clip[k, 4]
+            ts = wish[n, 4] * clip[k, 3] - wish[n, 3] * clip[k, 4]
+        else:
+            tc, ts = math.cos(yaw + turn), math.sin(yaw + turn)
+        steps = moved.shape[1] - 1
+        at = (turn + math.pi) * (steps / (2.0 * math.pi))
+        row = min(max(int(at), 0), steps - 1)
+        mx = moved[v, row, 0] + (at - row) * (moved[v, row + 1, 0] - moved[v, row, 0])
+        mz = moved[v, row, 1] + (at - row) * (moved[v, row + 1, 1] - moved[v, row, 1])
+        ax, az = mx * c + mz * s, mz * c - mx * s
+    return x + ax + clip[k, 0] * tc + clip[k, 1] * ts, z + az + clip[k, 1] * tc - clip[k, 0] * ts, turn, want - turn
+
+
+@part
+def place_cost(distance: float, give: float, weights: Float64) -> float:
+    """What it costs to end `distance` [m] off, `give` [m] of which can be corrected: little within it, more beyond."""
+    within = min(distance, give)
+    cost: float = weights[CORRECTED] * within * within + weights[PLACE] * (distance * distance - within * within)
+    return cost
+
+
+@part
+def off_place(end: tuple[float, float, float, float], wish: Float64, n: int) -> float:
+    """How far that end is from where dancer n should be [m]."""
+    x, z = end[0] - wish[n, 0], end[1] - wish[n, 1]
+    return math.sqrt(x * x + z * z)
+
+
+@part
+def turn_cost(end: tuple[float, float, float, float], weights: Float64) -> float:
+    """What is left of the heading, and what is turned, as a cost."""
+    cost: float = weights[HEADING] * end[3] * end[3] + weights[TURN] * end[2] * end[2]
+    return cost
+
+
+@part
+def hold_best(cost: float, e: int, k: int, n: int, edge: Int32, candidate: Int32, held: Float64) -> None:
+    """Keep candidate k of edge e among dancer n's first two if it belongs there; the last row of `held`: their costs.
+
+    The runner-up is another measure than the best, not another mixture of it.
+    """
+    last = held.shape[0] - 1
+    if cost < held[last, 0]:
+        if edge[n, 0] != e:
+            held[last, 1] = held[last, 0]
+            edge[n, 1], candidate[n, 1] = edge[n, 0], candidate[n, 0]
+        held[last, 0] = cost
+        edge[n, 0], candidate[n, 0] = e, k
+    elif cost < held[last, 1] and edge[n, 0] != e:
+        held[last, 1] = cost
+        edge[n, 1], candidate[n, 1] = e, k
+
+
+@part
+def weigh_edges(
+    n: int, low: int, high: int, row: int, side: int, edge_target: Int32, edge: Float64, ahead: Float64,
+    node_side: Int32, facts: Float64, weights: Float64, room: Float64,
+) -> float:  # fmt: skip
+    """What the edges from `low` to `high` cost wherever they lead, into `room`; the least of it."""
+    lowest = 1e300
+    for e in range(low, high):
+        v = edge_target[e]
+        base = weights[POSE] * edge[e, 5] + weights[WRONG] * ahead[row, v] + facts[v, 2]
+        if side * node_side[v] < 0:
+            base += weights[SIDE]
+        room[e - low, 0] = base
+        room[e - low, 1] = FAR
+        lowest = min(lowest, base)
+    return lowest
+
+
+@kernel(
+    "void(i8,i8,i4[::1],f8[:,::1],f8[:,::1],i4[::1],f8[:,::1],i4[::1],f8[:,::1],"
+    "i4[::1],i4[::1],f8[:,::1],i4[::1],f8[:,::1],f8[:,:,::1],f8[:,::1],f8[:,::1],i4[::1],"
+    "f8[::1],f8[:,::1],i4[:,::1],i4[:,::1],f8[:,:,::1],f8[:,::1])"
+)
+def choose_measures(
+    begin: int,
+    stop: int,
+    node: Int32,
+    placement: Float64,
+    wish: Float64,
+    row: Int32,
+    ahead: Float64,
+    side: Int32,
+    manner: Float64,
+    edge_start: Int32,
+    edge_target: Int32,
+    edge: Float64,
+    first: Int32,
+    clip: Float64,
+    moved: Float64,
+    most: Float64,
+    facts: Float64,
+    node_side: Int32,
+    weights: Float64,
+    room: Float64,
+    out_edge: Int32,
+    out_candidate: Int32,
+    out_terms: Float64,
+    out_end: Float64,
+) -> None:
+    """For dancers `begin` to `stop` of A the edge and candidate that end best, and the best of another measure.
+
+    node (A,) where each dancer is; placement (A, 5) x, z, yaw, its cosine and sine: the axes in which the next clip
+    joins; wish (A, 5) x, z [m] and heading [rad] at its end, cosine and sine; ahead (R, N) wrong measures if a node is
+    danced next, row (A,) which of its rows counts; side (A,) and node_side (N,) -1 as made, 1 mirrored, 0 no matter;
+    manner (A, 3): 0 where the body is turned alone, which share of the mean heading counts (T122), how much is used of
+    what a measure can be corrected by. Edges as CSR with edge (E, 6): x, z, yaw, cosine, sine, distance of the poses;
+    candidates of node v from first[v] to first[v + 1], its own clip first, with clip (K, 6): hips at its end in its own
+    axes x, z, heading there, its cosine and sine, how far the mean heading is ahead of that; moved (N, T, 2): what a
+    turn on the carrying foot adds to the way [m], at T angles from -π to π; most (N, 3): the largest turn, its cosine
+    and sine; facts (N, 3): how far a measure can be corrected [m], how far its mixtures end from it at most [m], what
+    it costs by itself. room (R', 2) is scratch for the edges of one node, its last row for two costs.
+
+    Results: out_edge and out_candidate (A, 2), best and runner-up, -1 for none; out_terms (A, 2, 5), what place,
+    heading, pose, wrong step and all else cost; out_end (A, 4): hips x, z, turn, and what is left of the heading.
+    """
+    last = room.shape[0] - 1
+    for n in range(begin, stop):
+        low, high = edge_start[node[n]], edge_start[node[n] + 1]
+        for rank in range(2):
+            out_edge[n, rank], out_candidate[n, rank] = -1, -1
+            room[last, rank] = 1e300
+        lowest = weigh_edges(
+            n, low, high, row[n], side[n], edge_target, edge, ahead, node_side, facts, weights, room
+        )  # fmt: skip
+        # the clips alone, the likely ones first: what they cost bounds which others are worth a look
+        for sweep in range(2):
+            for e in range(low, high):
+                base = room[e - low, 0]
+                if (base < lowest + LIKELY) != (sweep == 0) or base >= room[last, 1]:
+                    continue
+                v = edge_target[e]
+                k = first[v]
+                end = end_of(laid_down(placement, n, edge, e), n, v, k, wish, manner, clip, moved, most)
+                off = off_place(end, wish, n)
+                room[e - low, 1] = off
+                cost = base + place_cost(off, manner[n, 2] * facts[v, 0], weights) + turn_cost(end, weights)
+                hold_best(cost, e, k, n, out_edge, out_candidate, room)
+        for e in range(low, high):
+            v = edge_target[e]
+            base, give = room[e - low, 0] + weights[MIXED], manner[n, 2] * facts[v, 0]
+            if base + place_cost(max(room[e - low, 1] - facts[v, 1], 0.0), give, weights) >= room[last, 1]:
+                continue
+            laid = laid_down(placement, n, edge, e)
+            for k in range(first[v] + 1, first[v + 1]):
+                end = end_of(laid, n, v, k, wish, manner, clip, moved, most)
+                cost = base + place_cost(off_place(end, wish, n), give, weights) + turn_cost(end, weights)
+                hold_best(cost, e, k, n, out_edge, out_candidate, room)
+        for rank in range(1, -1, -1):  # of the best, which comes last, the end is kept
+            e, k = out_edge[n, rank], out_candidate[n, rank]
+            out_terms[n, rank] = 0.0
+            if e >= 0:
+                v = edge_target[e]
+                end = end_of(laid_down(placement, n, edge, e), n, v, k, wish, manner, clip, moved, most)
+                pose, wrong = weights[POSE] * edge[e, 5], weights[WRONG] * ahead[row[n], v]
+                out_terms[n, rank, 0] = place_cost(off_place(end, wish, n), manner[n, 2] * facts[v, 0], weights)
+                out_terms[n, rank, 1] = turn_cost(end, weights)
+                out_terms[n, rank, 2], out_terms[n, rank, 3] = pose, wrong
+                out_terms[n, rank, 4] = room[e - low, 0] - pose - wrong + weights[MIXED] * (k > first[v])
+                out_end[n, 0], out_end[n, 1], out_end[n, 2], out_end[n, 3] = end

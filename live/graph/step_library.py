@@ -1,0 +1,206 @@
+"""StepLibrary: all step clips as flat arrays, one node per measure (T038-T042)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.mean_poses import mean_poses
+from live.graph.storage_kernels import one_sign
+from live.motion.pose.foot_lock import LEG_JOINTS, foot_heights
+from live.motion.pose.pose_pipeline import ClipStore
+from live.motion.step_clip import StepClip
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Bool = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StepLibrary:
+    """Clips one after another (S samples in all) and the measures in them (N nodes, C steps)."""
+
+    steps: tuple[str, ...]
+    """Names of the steps, the clusters of T041, in the order in which they first came."""
+    clips: tuple[StepClip, ...]
+    clip_root: Float32
+    """Hips of all clips [m], shape (S, 3)."""
+    clip_rotation: Float32
+    """Local rotations of all clips, shape (S, J, 4)."""
+    clip_contact: Bool
+    """Left and right foot on the floor, shape (S, 2)."""
+    clip_height: Float32
+    """Soles of the left and right foot over the floor [m], shape (S, 2)."""
+    store: ClipStore
+    """The same clips, and the mean pose of each node, as the pose pipeline reads them."""
+    leg_store: ClipStore
+    """Of them the joints that the foot lock watches."""
+    node_clip: Int32
+    """Which of `clips` each node belongs to, shape (N,)."""
+    node_step: Int32
+    """Which of `steps` each node belongs to, shape (N,)."""
+    node_measure: Int32
+    """Measure of its step that the node holds, from 0, shape (N,)."""
+    node_measures: Int32
+    """Length of the node's step in measures, shape (N,)."""
+    node_side: Int32
+    """-1 for measures as they were made, 1 for their mirror images (T042), shape (N,)."""
+    node_first: Float64
+    """Sample (into S) at which the measure begins, shape (N,)."""
+    node_last: Float64
+    """Sample at which the measure ends, shape (N,)."""
+    node_lead: Float64
+    """Earliest sample of the node's clip: its lead-in reaches back to here, shape (N,)."""
+    node_travel: Float64
+    """Way of the hips over the measure in the clip's own axes (x, z) [m], shape (N, 2)."""
+    beats_per_measure: int
+
+    @property
+    def node_count(self) -> int:
+        """Number of nodes N."""
+        return len(self.node_clip)
+
+    def step_index(self, name: str) -> int | None:
+        """Index of the step called `name` (case and underscores do not matter), None if there is none."""
+        wanted = _plain(name)
+        for index, step in enumerate(self.steps):
+            if _plain(step) == wanted:
+                return index
+        return None
+
+    def reach(self, step: int) -> float:
+        """The longest way [m] that one measure of the step travels."""
+        ways = np.hypot(*self.node_travel[self.node_step == step].T)
+        return float(ways.max()) if len(ways) else 0.0
+
+    def describe(self, node: int) -> str:
+        """A node in words: step, measure of the step, direction, side."""
+        clip = self.clips[self.node_clip[node]]
+        parts = [clip.step]
+        if clip.measures > 1:
+            parts.append(f"{self.node_measure[node] + 1}/{clip.measures}")
+        if clip.direction and clip.direction != "in place":
+            parts.append(clip.direction)
+        if clip.mirrored:
+            parts.append("mirrored")
+        return " ".join(parts)
+
+
+def _plain(name: str) -> str:
+    return " ".join(name.replace("_", " ").replace("-", " ").casefold().split())
+
+
+def build_library(clips: Sequence[StepClip]) -> StepLibrary:
+    """Join step clips into a library; ValueError if there is none or their metres differ."""
+    if not clips:
+        raise ValueError("no steps: a library needs at least one step")
+    metres = sorted({clip.beats_per_measure for clip in clips})
+    if len(metres) > 1:
+        names = {beats: next(c.step for c in clips if c.beats_per_measure == beats) for beats in metres}
+        raise ValueError(
+            "steps of different metres cannot be danced together: "
+            + ", ".join(f"{name!r} has {beats} beats a measure" for beats, name in names.items())
+        )
+    steps: dict[str, int] = {}
+    rows: list[tuple[int, int, int, int, float, float, float]] = []
+    starts = np.cumsum([0, *(clip.clip.sample_count for clip in clips)])
+    for index, clip in enumerate(clips):
+        step, begin = steps.setdefault(clip.step, len(steps)), float(starts[index])
+        for measure in range(clip.measures):
+            first = begin + clip.first + measure * clip.samples_per_measure
+            last = min(first + clip.samples_per_measure, begin + clip.clip.sample_count - 1.0)
+            rows.append((index, step, measure, clip.measures, first, last, begin))
+    root = np.concatenate([clip.clip.root_position for clip in clips], dtype=np.float32)
+    rotation = np.concatenate([clip.clip.rotation for clip in clips], dtype=np.float32)
+    # signs between which bodies bend: the pose pipeline goes straight from one sample, and one clip, to the next
+    one_sign(rotation, starts)
+    node = np.array(rows, np.float64).T
+    begins, ends = np.ascontiguousarray(node[4]), np.ascontiguousarray(node[5])
+    legs = ClipStore.of(root, rotation[:, LEG_JOINTS])
+    mean = mean_poses(rotation, begins.astype(np.int64), ends.astype(np.int64))
+    return StepLibrary(
+        steps=tuple(steps),
+        clips=tuple(clips),
+        clip_root=root,
+        clip_rotation=rotation,
+        clip_contact=np.concatenate([clip.clip.contact for clip in clips]),
+        clip_height=foot_heights(legs),
+        store=ClipStore.of(root, rotation, mean),
+        leg_store=legs,
+        node_clip=node[0].astype(np.int32),
+        node_step=node[1].astype(np.int32),
+        node_measure=node[2].astype(np.int32),
+        node_measures=node[3].astype(np.int32),
+        node_side=np.array([1 if clips[int(n)].mirrored else -1 for n in node[0]], np.int32),
+        node_first=begins,
+        node_last=ends,
+        node_lead=np.ascontiguousarray(node[6]),
+        node_travel=travel_of(root, begins, ends),
+        beats_per_measure=metres[0],
+    )
+
+
+def joined_library(first: StepLibrary, second: StepLibrary) -> StepLibrary:
+    """The clips of `first`, then those of `second`: as `build_library` makes it of all of them.
+
+    Nodes, clips and steps of `first` keep their indices; nothing is shared that could be changed. ValueError if the
+    metres differ.
+    """
+    if first.beats_per_measure != second.beats_per_measure:
+        raise ValueError(
+            f"{second.steps[0]!r} has {second.beats_per_measure} beats a measure, "
+            f"the library it should join has {first.beats_per_measure}"
+        )
+    steps = {name: index for index, name in enumerate(first.steps)}
+    number = np.array([steps.setdefault(name, len(steps)) for name in second.steps], np.int32)
+    samples = float(len(first.clip_root))
+
+    def both(name: str, more: float = 0) -> Any:
+        one, other = getattr(first, name), getattr(second, name)
+        return np.concatenate([one, other + one.dtype.type(more) if more else other])
+
+    root, rotation = both("clip_root"), both("clip_rotation")
+    legs = np.concatenate([first.leg_store.rotation, second.leg_store.rotation])
+    return StepLibrary(
+        steps=tuple(steps),
+        clips=first.clips + second.clips,
+        clip_root=root,
+        clip_rotation=rotation,
+        clip_contact=both("clip_contact"),
+        clip_height=both("clip_height"),
+        store=ClipStore(root, rotation, np.concatenate([first.store.mean, second.store.mean])),
+        leg_store=ClipStore(root, legs, first.leg_store.mean),
+        node_clip=both("node_clip", len(first.clips)),
+        node_step=np.concatenate([first.node_step, number[second.node_step]]),
+        node_measure=both("node_measure"),
+        node_measures=both("node_measures"),
+        node_side=both("node_side"),
+        node_first=both("node_first", samples),
+        node_last=both("node_last", samples),
+        node_lead=both("node_lead", samples),
+        node_travel=both("node_travel"),
+        beats_per_measure=first.beats_per_measure,
+    )
+
+
+def travel_of(root: Float32, first: Float64, last: Float64) -> Float64:
+    """Way of the hips (x, z) [m] between the samples `first` and `last` (N,) of all clips' hips, shape (N, 2)."""
+    return np.asarray(_at(root, last) - _at(root, first), np.float64)[:, (0, 2)]
+
+
+def _at(root: Float32, sample: Float64) -> Float32:
+    """Root positions at fractional samples, shape (N, 3)."""
+    low = np.clip(np.floor(sample).astype(np.int64), 0, len(root) - 1)
+    high = np.minimum(low + 1, len(root) - 1)
+    t = (sample - low)[:, None]
+    result: Float32 = ((1.0 - t) * root[low] + t * root[high]).astype(np.float32)
+    return result
+
+
+def window_samples(start: Float64, stop: Float64, count: int) -> Float64:
+    """`count` evenly spaced samples from start to stop of each node, shape (N, count)."""
+    t = np.linspace(0.0, 1.0, count)
+    return np.asarray(start[:, None] * (1.0 - t) + stop[:, None] * t, np.float64)

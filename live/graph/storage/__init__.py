@@ -1,1 +1,0 @@
-"""How a library keeps its clips: rotations of one sign, mean poses."""

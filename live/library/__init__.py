@@ -1,0 +1,1 @@
+"""Step library on disk (was steps)."""

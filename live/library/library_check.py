@@ -1,0 +1,177 @@
+"""Everything that is wrong or doubtful in a folder of steps, with file, line and field (T003, T043, T161)."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, Literal
+
+from live.base.errors import PersonError
+from live.graph.motion_graph import build_graph
+from live.graph.step_library import build_library
+from live.graph.transition_rules import plain_pose
+from live.library.doubts import doubts_about
+from live.library.guesses import guess_doubts
+from live.library.recording import Problem, RecordingEntry, RecordingError
+from live.library.recording_file import read_step_files
+from live.library.recording_reader import RecordingReader
+from live.library.sketch_folder import StepsError, sketched_steps
+from live.library.step_folder import named_alike
+from live.library.stream import cut_recording
+from live.library.textured import read_textured, stale_textures
+from live.motion.beats.tempo_guess import guess_tempo
+from live.motion.cleanup.glitches import Glitch
+from live.motion.step_clip import StepClip
+
+BELIEVED: Final = 0.35
+"""A tempo guessed from the feet with less confidence says nothing against the tempo that is written."""
+TEMPO_OFF: Final = 0.04
+"""Tempi that differ by less than this share are the same."""
+_RATIOS: Final = (0.25, 1 / 3, 0.5, 2 / 3, 0.75, 1.0, 4 / 3, 1.5, 2.0, 3.0, 4.0)
+"""Feet that step on every second beat, or three times in two beats, agree with the beat."""
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """Something wrong (it cannot be danced) or doubtful (it can, but look at it)."""
+
+    kind: Literal["wrong", "doubtful"]
+    problem: Problem
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Checked:
+    """A folder's usable steps, and what was found."""
+
+    steps: list[StepClip]
+    entries: list[RecordingEntry]
+    findings: list[Finding]
+
+
+def check_folder(directory: Path) -> Checked:
+    """Read and cut every step of a folder; RecordingError only if the folder cannot be read."""
+    files = read_step_files(directory)
+    findings = [Finding("wrong", problem) for problem in files.problems]
+    steps: list[StepClip] = []
+    for file, text in files.sketches.items():
+        try:
+            steps += sketched_steps({file: text})
+        except StepsError as error:
+            findings.append(Finding("wrong", _sketch_problem(Path(file), str(error))))
+    textured, found = _textured(files.sketches)
+    steps += textured
+    findings += found
+    entries: list[RecordingEntry] = []
+    for toml, group in files.recordings.items():
+        reader, guessed = RecordingReader(), set[Path]()
+        for entry in group:
+            try:
+                own = cut_recording(entry, reader.clip(entry))
+            except RecordingError as error:
+                findings += [Finding("wrong", problem) for problem in error.problems]
+                continue
+            steps += own
+            entries.append(entry)
+            doubts = doubts_about(entry, own[0]) + guess_doubts(entry, files.texts[toml])
+            doubts += _glitches_inside(entry, reader, _measures(own))
+            if entry.path not in guessed:
+                guessed.add(entry.path)
+                doubts += _tempo(entry, reader)
+            findings += [Finding("doubtful", entry.problem(field, words)) for field, words in doubts]
+    return Checked(named_alike(steps), entries, findings)
+
+
+def _textured(sketches: Mapping[str, str]) -> tuple[list[StepClip], list[Finding]]:
+    """The textured versions of sketches, and what is wrong or old about them."""
+    words = "the sketch was changed since: make it again with live steps enrich, or remove it"
+    try:
+        old = [Finding("doubtful", Problem(path, None, "", words)) for path in stale_textures(sketches)]
+        return read_textured(sketches), old
+    except PersonError as error:
+        path, _, rest = str(error).partition(": ")
+        return [], [Finding("wrong", Problem(Path(path), None, "", rest))]
+
+
+def _sketch_problem(file: Path, words: str) -> Problem:
+    line, _, rest = words.removeprefix(f"{file}:").partition(": ")
+    return Problem(file, int(line), "", rest) if line.isdigit() else Problem(file, None, "", words)
+
+
+def _measures(own: list[StepClip]) -> int:
+    """Measures of a step or of a stream, mirror images left aside."""
+    return sum(clip.measures for clip in own if not clip.mirrored)
+
+
+def _glitches_inside(entry: RecordingEntry, reader: RecordingReader, measures: int) -> list[tuple[str, str]]:
+    """Tracking faults in the step or its lead-in (T161)."""
+    recording = entry.recording
+    motion = reader.motion(entry)
+    rate = recording.fps or motion.header_fps
+    measure = recording.beats_per_measure * 60.0 / recording.bpm
+    begin = recording.first_beat_s + (recording.start_measure - 2) * measure
+    end = begin + (measures + 1) * measure
+    found = []
+    for glitch in reader.glitches(entry):
+        first, last = ((frame - recording.drop_frames) / rate for frame in (glitch.first_frame, glitch.last_frame))
+        if last >= begin and first <= end:
+            found.append(("file", _glitch_words(glitch, first, recording.repair)))
+    return found
+
+
+def _glitch_words(glitch: Glitch, seconds: float, repaired: bool) -> str:
+    frames = f"frame {glitch.first_frame}"
+    if glitch.last_frame > glitch.first_frame:
+        frames = f"frames {glitch.first_frame} to {glitch.last_frame}"
+    remedy = "it could not be mended" if repaired else "write repair = true"
+    return (
+        f"{frames} ({max(seconds, 0.0):.2f} s), inside the step or its lead-in: {glitch.kind} "
+        f"({', '.join(glitch.joints[:3])}, off by {100 * glitch.size_m:.0f} cm); {remedy}, or choose other measures"
+    )
+
+
+def _tempo(entry: RecordingEntry, reader: RecordingReader) -> list[tuple[str, str]]:
+    guess = guess_tempo(reader.clip(entry), entry.recording.beats_per_measure)
+    if guess is None or guess.reference.confidence < BELIEVED:
+        return []
+    bpm, written = guess.reference.bpm, entry.recording.bpm
+    heard = [bpm * ratio for ratio in _RATIOS] + list(guess.other_bpm)
+    if min(abs(math.log(written / one)) for one in heard) <= math.log(1 + TEMPO_OFF):
+        return []
+    return [("bpm", f"{written:g}, but the feet say {bpm:.1f} (confidence {guess.reference.confidence:.2f})")]
+
+
+def check_connections(checked: Sequence[Checked], folder: Path, threshold: float) -> list[Finding]:
+    """Steps that nothing leads to or away from within `threshold` [m], and poses whose names nothing matches."""
+    clips = [clip for one in checked for clip in one.steps]
+    entries = [entry for one in checked for entry in one.entries]
+    findings = _lonely_poses(clips, entries)
+    for beats in sorted({clip.beats_per_measure for clip in clips}):
+        fitting = [clip for clip in clips if clip.beats_per_measure == beats]
+        try:
+            missing: tuple[str, ...] = build_graph(build_library(fitting), threshold=threshold).missing
+        except ValueError as error:
+            missing = (str(error),)
+        for words in missing:
+            name, _, why = words.partition(": ")
+            entry = next((entry for entry in entries if entry.recording.name == name), None)
+            problem = Problem(folder, None, "", words) if entry is None else entry.problem("name", f"{name}: {why}")
+            findings.append(Finding("doubtful", problem))
+    return findings
+
+
+def _lonely_poses(clips: list[StepClip], entries: list[RecordingEntry]) -> list[Finding]:
+    """Names of poses that stand at the one end of steps and never at the other: as a rule slips of the pen."""
+    begins = {plain_pose(clip.begin_pose): clip.begin_pose for clip in clips if clip.begin_pose}
+    ends = {plain_pose(clip.end_pose): clip.end_pose for clip in clips if clip.end_pose}
+    findings = []
+    for entry in entries:
+        for field, others, words in (
+            ("end_pose", begins, "no step begins in"),
+            ("begin_pose", ends, "no step ends in"),
+        ):
+            pose = getattr(entry.recording, field)
+            if pose is not None and plain_pose(pose) not in others:
+                there = ", ".join(map(repr, sorted(others.values()))) or "none is named"
+                problem = entry.problem(field, f"{words} {pose!r}; those there are: {there}")
+                findings.append(Finding("doubtful", problem))
+    return findings

@@ -1,0 +1,86 @@
+"""Writing one more step into a TOML text, so that everything a person wrote in it stays as it is."""
+
+import tomllib
+from collections.abc import Mapping
+from typing import Any
+
+import tomlkit
+from tomlkit.exceptions import TOMLKitError
+
+from live.base.toml_lines import toml_lines
+from live.library.recording import Recording
+
+
+def with_step(text: str, table: Mapping[str, Any], comments: Mapping[str, str] | None = None) -> str | None:
+    """The TOML `text` (empty for a new file) with one more `[[step]]` at its end; comments and blanks are kept.
+
+    `table` is what is to be said of the step, by the fields of Recording; what the file's defaults say already is not
+    said again. `comments` stand behind the lines of their fields. A file with one recording at its top level becomes
+    one with two `[[step]]`. None if the text cannot take the step: because it is something else, or because its
+    defaults say what is not true of the step and cannot be taken back.
+    """
+    try:
+        before = tomllib.loads(text)
+        if before and "step" not in before:
+            text = _as_first_step(text)
+        document = tomlkit.parse(text)
+    except (tomllib.TOMLDecodeError, TOMLKitError, RecursionError):
+        return None
+    old = document.unwrap()
+    steps = old.get("step", [])
+    if "pair" in old or not isinstance(steps, list) or (not steps and old) or not all(map(_is_table, steps)):
+        return None
+    written = _beside_defaults({key: value for key, value in old.items() if key != "step"}, table)
+    if written is None:
+        return None
+    step = tomlkit.table()
+    for key in Recording.model_fields:
+        if key in written:
+            step.add(key, _plain(written[key]))
+            if comments and key in comments:
+                step[key].comment(comments[key])
+    if steps:
+        document["step"].append(step)
+        result = tomlkit.dumps(document)
+        at = result.rfind("[[step]]")
+        result = result[:at].rstrip("\n") + "\n\n" + result[at:] if at > 0 else result
+    else:
+        array = tomlkit.aot()
+        array.append(step)
+        document["step"] = array
+        result = tomlkit.dumps(document)
+    expected = old | {"step": [*steps, {key: _plain(value) for key, value in written.items()}]}
+    return result if tomllib.loads(result) == expected else None
+
+
+def _as_first_step(text: str) -> str:
+    """A recording at the top level as the first of a list: its first key gets a header, comments stay in place."""
+    lines = text.splitlines(keepends=True)
+    first = min(toml_lines(text).values()) - 1
+    return "".join([*lines[:first], "[[step]]\n", *lines[first:]])
+
+
+def _beside_defaults(defaults: Mapping[str, Any], table: Mapping[str, Any]) -> dict[str, Any] | None:
+    """What must be written of `table` where `defaults` hold; None if a default says too much."""
+    written = {key: value for key, value in table.items() if key not in defaults or defaults[key] != value}
+    for key in defaults.keys() - table.keys():
+        if key not in Recording.model_fields:
+            return None
+        default = Recording.model_fields[key].get_default()
+        if defaults[key] == default:
+            continue
+        if default is None or Recording.model_fields[key].is_required():
+            return None
+        written[key] = default
+    return written
+
+
+def _is_table(value: object) -> bool:
+    return isinstance(value, dict)
+
+
+def _plain(value: Any) -> Any:
+    """Whole numbers without a point, as a person writes them."""
+    if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
+        return int(value)
+    return list(value) if isinstance(value, tuple) else value

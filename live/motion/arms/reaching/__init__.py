@@ -1,1 +1,0 @@
-"""Reaching: an arm brought to a palm that is where it is."""

@@ -1,0 +1,122 @@
+"""Fitting an even beat to events some of which are missing and some of which are none of it."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion.formats.source_motion import Float64
+
+Int = npt.NDArray[np.int64]
+Bool = npt.NDArray[np.bool_]
+
+SHARP: Final = 0.03
+"""Events this far [s] from a beat still count for 60 % of one."""
+NEAR: Final = 0.07
+"""Events farther than this [s] from every beat are none of it; people clap within 30 ms."""
+NEAR_BEATS: Final = 0.2
+"""And farther than this in beats."""
+PERIODS: Final = (0.24, 1.5)
+"""Seconds per beat that are looked for: 250 to 40 bpm."""
+GRAIN: Final = 0.002
+"""Steps in which offsets are tried [s]."""
+LONGER: Final = 0.02
+"""Of two periods that explain the events equally well the longer one is meant: this share of a point per octave."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BeatFit:
+    """Beats at offset_s + k · period_s, and how N events lie on them."""
+
+    times: Float64
+    """The events [s], shape (N,)."""
+    offset_s: float
+    period_s: float
+    numbers: Int
+    """Beat k nearest to each event, shape (N,)."""
+    residuals: Float64
+    """How late each event is [s], shape (N,)."""
+    belongs: Bool
+    """Whether the event is one of the beats, shape (N,)."""
+
+    @property
+    def rms_s(self) -> float:
+        """Root mean square of the residuals of those that belong [s]."""
+        own = self.residuals[self.belongs]
+        return float(np.sqrt(np.mean(own**2))) if own.size else float("inf")
+
+    @property
+    def covered(self) -> float:
+        """Share of the beats from the first to the last that belong which have an event."""
+        own = np.unique(self.numbers[self.belongs])
+        return own.size / (int(own[-1]) - int(own[0]) + 1) if own.size else 0.0
+
+
+def fit_known_period(times: Float64, period_s: float) -> BeatFit:
+    """The offset in [0, period) at which most events lie on beats (kernel density), refined over those that belong."""
+    offsets = np.arange(0.0, period_s, GRAIN)
+    off = times[:, None] - offsets
+    late = off - period_s * np.round(off / period_s)
+    score = np.exp(-0.5 * (late / SHARP) ** 2).sum(axis=0)
+    offset = float(offsets[int(np.argmax(score))])
+    for _ in range(3):
+        fit = _laid(times, offset, period_s)
+        if fit.belongs.any():
+            offset += float(np.mean(fit.residuals[fit.belongs]))
+    return _laid(times, offset, period_s)
+
+
+def fit_free_period(times: Float64, periods: tuple[float, float] = PERIODS) -> BeatFit | None:
+    """Offset and period that explain the events best; None for fewer than three events that agree.
+
+    Candidates are the intervals between any two of four neighbouring events, and their halves and thirds (for missed
+    ones). The period is refined by least squares over the events that belong. Beats without events cost as much as
+    events without beats, so that the beat is not taken for twice as fast.
+    """
+    if times.size < 3:
+        return None
+    gaps = np.concatenate([times[k:] - times[:-k] for k in range(1, min(4, times.size))])
+    candidates = np.concatenate([gaps / k for k in (1, 2, 3)])
+    candidates = np.unique(np.round(candidates[(candidates >= periods[0]) & (candidates <= periods[1])], 3))
+    best: BeatFit | None = None
+    best_worth = -np.inf
+    for period in candidates:
+        fit = refined(fit_known_period(times, float(period)))
+        if not periods[0] <= fit.period_s <= periods[1]:
+            continue
+        worth = _worth(fit, times.size)
+        if worth > best_worth:
+            best, best_worth = fit, worth
+    return best if best is not None and int(best.belongs.sum()) >= 3 else None
+
+
+def _worth(fit: BeatFit, events: int) -> float:
+    own = int(np.unique(fit.numbers[fit.belongs]).size)
+    tight = float(np.exp(-0.5 * (fit.residuals[fit.belongs] / SHARP) ** 2).sum())
+    span = own / max(fit.covered, 1e-9)
+    return (tight - 0.5 * (span - own) - 0.5 * (events - own)) / events + LONGER * float(np.log2(fit.period_s))
+
+
+def refined(fit: BeatFit) -> BeatFit:
+    """Offset and period by least squares over the events that belong, three times over."""
+    for _ in range(3):
+        numbers, own = fit.numbers[fit.belongs], fit.times[fit.belongs]
+        if np.unique(numbers).size < 2:
+            return fit
+        slope, offset = np.polyfit(numbers, own, 1)
+        if slope <= 0.0:
+            return fit
+        fit = _laid(fit.times, float(offset), float(slope))
+    return fit
+
+
+def _laid(times: Float64, offset: float, period_s: float) -> BeatFit:
+    numbers = np.round((times - offset) / period_s).astype(np.int64)
+    late = times - offset - numbers * period_s
+    belongs = np.abs(late) <= min(NEAR, NEAR_BEATS * period_s)
+    for number in np.unique(numbers[belongs]):  # of two events on one beat the nearer one is it
+        rivals = np.flatnonzero(belongs & (numbers == number))
+        belongs[rivals] = False
+        belongs[rivals[np.argmin(np.abs(late[rivals]))]] = True
+    return BeatFit(times, offset, period_s, numbers, np.asarray(late), np.asarray(belongs))

@@ -1,0 +1,227 @@
+"""Clap sync: which claps are the count, and where the music begins in the recording (T018)."""
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion.beats.beat_grid_fit import NEAR, BeatFit, fit_free_period, fit_known_period
+from live.motion.beats.claps import Clap
+from live.motion.beats.music_reference import BPM_RANGE, MusicReference
+from live.motion.formats.source_motion import Float64
+
+Int = npt.NDArray[np.int64]
+
+TIGHT: Final = 0.03
+"""Claps that scatter by this [s] about the beat cost a third of the confidence."""
+BREAK: Final = 4.5
+"""A count has no gap of more beats than this."""
+FEWEST: Final = 4
+"""Fewer claps are no count without a click."""
+FAR: Final = 5.0
+"""Claps that follow such a pause [s] are another count, or part of the dance."""
+MOST: Final = 64
+"""Claps of a group, and groups, that are looked at: hands that flutter for an hour must not take an hour."""
+MOST_TO_SONG: Final = 24
+"""Claps that are matched to a song's first beats."""
+FIRST_WINS: Final = 0.75
+"""The first count is meant, if it is this good against the best one: people clap before they dance."""
+ODD_TEMPO: Final = 0.03
+"""Where the claps' own tempo differs by more than this from the click's, the frame rate is in doubt."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedClap:
+    """A clap and what became of it."""
+
+    clap: Clap
+    beat: int | None
+    """Number of its beat, from 1 for the first beat of the count (or of the song); None if it is none of them."""
+    residual_ms: float | None
+    """How late it is against the nearest beat [ms]; None without beats."""
+
+
+@dataclass(frozen=True, slots=True)
+class ClapSync:
+    """A music reference with the claps it rests on."""
+
+    reference: MusicReference
+    claps: tuple[PlacedClap, ...]
+
+
+def sync_to_click(claps: list[Clap], bpm: float, count: int | None = None) -> ClapSync | None:
+    """The claps as a count of `count` beats to a click of `bpm`; None if no clap fits.
+
+    The tempo is the click's; the offset is the one on which most claps agree. The first beat is the first beat of the
+    count, whether it was clapped or not: with `count`, the stretch of so many beats that holds most claps (the first
+    of several); without, the first clap.
+    """
+    if not claps:
+        return None
+    period = 60.0 / bpm
+    fits = [fit_known_period(times, period) for times in _groups(_times(claps), max(FAR, BREAK * period))]
+    fit = _over(_chosen(fits), _times(claps))
+    first, own = _count(fit, count)
+    confidence = _confidence(fit, own, count or _span(own))
+    notes = [_clapped(own, count, fit)]
+    free = sync_to_claps(claps)
+    if free is not None and abs(free.reference.bpm / bpm - 1.0) > ODD_TEMPO and free.reference.confidence > confidence:
+        confidence *= 0.2
+        notes.append(f"the claps themselves are at {free.reference.bpm:.1f} bpm: is the frame rate right?")
+    return _synced(claps, fit, first, own, MusicReference(0.0, bpm, confidence, "click", "; ".join(notes)))
+
+
+def sync_to_claps(claps: list[Clap]) -> ClapSync | None:
+    """Claps alone: their own tempo, the first clap of the count is the first beat; None if fewer than four agree."""
+    fits = [fit_free_period(times) for times in _groups(_times(claps), FAR)]
+    agreeing = [fit for fit in fits if fit is not None and _count(fit, None)[1].size >= FEWEST]
+    if not agreeing:
+        return None
+    fit = _over(_chosen(agreeing), _times(claps))
+    first, own = _count(fit, None)
+    bpm = min(max(60.0 / fit.period_s, BPM_RANGE[0]), BPM_RANGE[1])
+    confidence = _confidence(fit, own, _span(own))
+    return _synced(claps, fit, first, own, MusicReference(0.0, bpm, confidence, "claps", _clapped(own, None, fit)))
+
+
+def _groups(times: Float64, pause: float) -> list[Float64]:
+    """Claps between pauses; of each group the first ones, for nobody counts longer than that."""
+    groups = np.split(times, np.flatnonzero(np.diff(times) > pause) + 1) if times.size else []
+    return [group[:MOST] for group in groups[:MOST]]
+
+
+def _chosen(fits: list[BeatFit]) -> BeatFit:
+    """The first that is nearly as good as the best."""
+    worth = [
+        float(np.exp(-0.5 * (fit.residuals[fit.belongs] / TIGHT) ** 2).sum()) - 0.5 * int((~fit.belongs).sum())
+        for fit in fits
+    ]
+    return next(
+        fit for fit, one in zip(fits, worth, strict=True) if one >= FIRST_WINS * max(worth) or one == max(worth)
+    )
+
+
+def _over(fit: BeatFit, times: Float64) -> BeatFit:
+    """The fit of one group laid over all claps: those of other groups do not belong."""
+    numbers = np.round((times - fit.offset_s) / fit.period_s).astype(np.int64)
+    late = times - fit.offset_s - numbers * fit.period_s
+    own = np.isin(times, fit.times[fit.belongs])
+    return BeatFit(times, fit.offset_s, fit.period_s, numbers, late, own)
+
+
+def sync_to_song(claps: list[Clap], beats: Float64, beats_per_measure: int = 4) -> ClapSync | None:
+    """The claps as the first beats of a song whose beats fall at `beats` [s of the song]; None if no clap fits.
+
+    The recording and the song run at one speed; sought is the offset between them at which most claps lie on beats
+    and fewest beats between claps are without. Where the song's tempo is so even that several offsets fit, the first
+    clap is taken for the song's first beat. The reference's tempo is the song's over the beats that were clapped; its
+    first beat is the song's first that falls into the recording, whole measures after the song's first.
+    """
+    if not claps or beats.size < 2:
+        return None
+    times = _times(claps)
+    offset = _song_offset(times[:MOST_TO_SONG], beats[: 8 * MOST_TO_SONG + MOST])
+    places = beats + offset
+    after = np.clip(np.searchsorted(places, times), 1, places.size - 1)
+    nearest = np.where(times - places[after - 1] < places[after] - times, after - 1, after)
+    late = times - places[nearest]
+    period = float(np.median(np.diff(beats)))
+    belongs = np.abs(late) <= min(NEAR, 0.2 * period)
+    if not belongs.any():
+        return None
+    shift = float(np.mean(late[belongs]))
+    places, late = places + shift, late - shift
+    fit = BeatFit(times, float(places[0]), period, nearest.astype(np.int64), late, belongs)
+    own = np.unique(fit.numbers[belongs])
+    slope, start = np.polyfit(np.arange(beats.size), places, 1)
+    first = 0
+    while start + first * slope < -0.5 * slope:
+        first += beats_per_measure
+    notes = [_clapped(own, None, fit), f"the song begins at {offset + shift:+.3f} s of the recording"]
+    if _is_even(beats, times.size):
+        notes.append(f"its tempo is even: the first clap is taken for its beat {int(own[0]) + 1}")
+    confidence = _confidence(fit, own, _span(own))
+    reference = MusicReference(
+        max(0.0, float(start + first * slope)), 60.0 / float(slope), confidence, "song", "; ".join(notes)
+    )
+    return ClapSync(reference, _placed(claps, fit, 0, own))
+
+
+def _song_offset(times: Float64, beats: Float64) -> float:
+    """Offset [s] that brings most claps onto beats; of equally good ones the one that begins earliest in the song."""
+    best, best_worth = 0.0, -np.inf
+    for number, beat in enumerate(beats[: 4 * times.size + 64]):
+        for time in times:
+            places = beats + (time - beat)
+            late = np.abs(times[:, None] - places).min(axis=1)
+            hits = np.exp(-0.5 * (late / TIGHT) ** 2).sum()
+            inside = int(((places > times[0] - NEAR) & (places < times[-1] + NEAR)).sum())
+            skipped = int((places < times[0] - NEAR).sum())
+            worth = hits - 0.3 * max(inside - times.size, 0) - 0.02 * skipped - 1e-6 * number
+            if worth > best_worth:
+                best, best_worth = float(time - beat), worth
+    return best
+
+
+def _is_even(beats: Float64, count: int) -> bool:
+    """Whether the song's beats, moved by one, still lie on beats over as many as were clapped."""
+    some = np.diff(beats[: count + 2])
+    return bool(some.size < 2 or np.abs(some - some.mean()).sum() < NEAR)
+
+
+def _count(fit: BeatFit, count: int | None) -> tuple[int, Int]:
+    """Number of the first beat of the count, and the beats of it that were clapped."""
+    beats = np.unique(fit.numbers[fit.belongs])
+    if count is not None:
+        held = [int(((beats >= first) & (beats < first + count)).sum()) for first in beats]
+        first = int(beats[int(np.argmax(held))])
+        return first, np.asarray(beats[(beats >= first) & (beats < first + count)])
+    runs = np.split(beats, np.flatnonzero(np.diff(beats) > BREAK) + 1)
+    run = max(runs, key=len)
+    return int(run[0]), np.asarray(run)
+
+
+def _span(own: Int) -> int:
+    return int(own[-1] - own[0]) + 1 if own.size else 0
+
+
+def _confidence(fit: BeatFit, own: Int, count: int) -> float:
+    """Clapped share of the count, less for scatter, for few claps, and for touches between them that are none."""
+    inside = (fit.numbers >= own[0]) & (fit.numbers <= own[-1])
+    strays = int((inside & ~fit.belongs).sum())
+    late = fit.residuals[fit.belongs & np.isin(fit.numbers, own)]
+    scatter = float(np.sqrt(np.mean(late**2))) if late.size > 1 else TIGHT
+    few = own.size / (own.size + 1.0)
+    return float(
+        own.size
+        / max(count, own.size)
+        * few
+        * own.size
+        / (own.size + 0.5 * strays)
+        / (1 + 0.5 * (scatter / TIGHT) ** 2)
+    )
+
+
+def _clapped(own: Int, count: int | None, fit: BeatFit) -> str:
+    of = f" of {count}" if count is not None else ""
+    strays = int((~fit.belongs).sum())
+    words = f"{own.size}{of} beats clapped, {1e3 * fit.rms_s:.0f} ms about the beat"
+    return words + (f", {strays} other touches left out" if strays else "")
+
+
+def _synced(claps: list[Clap], fit: BeatFit, first: int, own: Int, reference: MusicReference) -> ClapSync:
+    start = max(0.0, fit.offset_s + first * fit.period_s)
+    return ClapSync(replace(reference, first_beat_s=float(start)), _placed(claps, fit, first, own))
+
+
+def _placed(claps: list[Clap], fit: BeatFit, first: int, own: Int) -> tuple[PlacedClap, ...]:
+    beats = set(own.tolist())
+    return tuple(
+        PlacedClap(clap, int(number) - first + 1 if belongs and int(number) in beats else None, 1e3 * float(late))
+        for clap, number, belongs, late in zip(claps, fit.numbers, fit.belongs, fit.residuals, strict=True)
+    )
+
+
+def _times(claps: list[Clap]) -> Float64:
+    return np.array([clap.time_s for clap in claps], np.float64)

@@ -1,0 +1,74 @@
+"""What in a dance keeps time: steps, foot falls, the bounce of the hips, and motion beats."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion.clip import Clip
+from live.motion.formats.source_motion import Float64
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.skeleton import SKELETON
+
+Float = npt.NDArray[np.floating]
+Int = npt.NDArray[np.int64]
+
+BLUR: Final = 0.033
+"""Standard deviation of the smoothing of speeds [s]."""
+BEAT_BLUR: Final = 5.0 / 60.0
+"""That of the mean joint speed whose minima are motion beats [s]: 5 frames at 60 Hz, as Bailando has it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rhythm:
+    """Signals of one clip, one value per sample."""
+
+    rate: float
+    """Samples per second."""
+    feet: Float64
+    """Speed of both feet together, of each foot's slower end [m/s], shape (T,)."""
+    falls: Float64
+    """How hard the feet are braked [m/s²], shape (T,): high where a step lands."""
+    bounce: Float64
+    """Vertical speed of the hips [m/s], shape (T,)."""
+    plants: Float64
+    """When a foot comes to stand [s], both feet, ascending."""
+    motion_beats: Float64
+    """Minima of the smoothed mean joint speed [s] (Bailando's kinematic beats)."""
+
+    @property
+    def seconds(self) -> float:
+        """Length of the clip [s]."""
+        return self.feet.size / self.rate
+
+
+def rhythm_of(clip: Clip) -> Rhythm:
+    """The signals of a clip of at least five samples."""
+    rate = clip.sample_rate
+    positions, _ = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
+    speeds = np.linalg.norm(np.gradient(positions, axis=0), axis=-1) * rate
+    ends = [[SKELETON.index(side + joint) for joint in ("Foot", "Toes")] for side in ("left", "right")]
+    feet = [blurred(speeds[:, pair].min(axis=1), BLUR * rate) for pair in ends]
+    falls = np.sum([np.maximum(0.0, -np.gradient(foot) * rate) for foot in feet], axis=0)
+    landed = np.flatnonzero((np.diff(clip.contact.astype(np.int8), axis=0) > 0).any(axis=1)) + 1
+    mean = blurred(speeds.mean(axis=1), BEAT_BLUR * rate)
+    return Rhythm(
+        rate=rate,
+        feet=np.asarray(feet[0] + feet[1]),
+        falls=np.asarray(falls),
+        bounce=blurred(np.gradient(positions[:, 0, 1]) * rate, BLUR * rate),
+        plants=landed / rate,
+        motion_beats=_minima(mean) / rate,
+    )
+
+
+def blurred(values: Float, deviation: float) -> Float64:
+    """A signal (T,) smoothed by a Gaussian of `deviation` samples; its ends are held."""
+    half = max(1, round(4.0 * deviation))
+    kernel = np.exp(-0.5 * (np.arange(-half, half + 1) / max(deviation, 1e-6)) ** 2)
+    return np.convolve(np.pad(np.asarray(values, np.float64), half, mode="edge"), kernel / kernel.sum(), mode="valid")
+
+
+def _minima(values: Float) -> Int:
+    return np.flatnonzero((values[1:-1] < values[:-2]) & (values[1:-1] <= values[2:])) + 1

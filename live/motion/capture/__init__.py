@@ -1,0 +1,1 @@
+"""Poses of live-captured people."""

@@ -1,0 +1,77 @@
+"""CapturedBody: the skeleton of a real dancer as it comes in, brought onto the engine's."""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion.capture.bringing_kernels import bring_over
+from live.motion.foot_contact import TOES_OVER_SOLE
+from live.motion.packed_pose import pack_pose
+from live.motion.skeleton import JOINT_COUNT, SKELETON, SOLE_BELOW_ANKLE
+
+Float64 = npt.NDArray[np.float64]
+Bool = npt.NDArray[np.bool_]
+
+FLOOR_WINDOW: Final = 2.0
+"""Seconds within which a foot is sure to come down (a jump lasts less than one): that is where the floor is."""
+FLOOR_HALFLIFE: Final = 0.3
+"""The floor that is believed goes to the one found by half in this time [s]."""
+_PARTS: Final = 8
+_LIMBS: Final = np.array([name.endswith(("UpperArm", "LowerArm", "UpperLeg", "LowerLeg")) for name in SKELETON.names])
+_LEGS: Final = np.array(
+    [SKELETON.index(side + bone) for side in ("left", "right") for bone in ("UpperLeg", "LowerLeg", "Foot", "Toes")],
+    np.int32,
+)
+_OFFSETS: Final = np.array(SKELETON.offsets, np.float32)
+_PARENTS: Final = np.array(SKELETON.parents, np.int32)
+_SOLES: Final = np.array([SOLE_BELOW_ANKLE, TOES_OVER_SOLE])
+
+
+class Floor:
+    """Where the floor is under somebody who mostly stands on it: the lowest sole of the last seconds."""
+
+    def __init__(self) -> None:
+        self._lows = [np.inf] * _PARTS
+        self._part = -1
+        self._time = 0.0
+        self.height = 0.0
+        """What is believed [m]."""
+
+    def follow(self, lowest: float, time: float) -> float:
+        """The lowest sole is at `lowest` [m] at `time` [s]; returns the floor that is believed then."""
+        part = int(time / FLOOR_WINDOW * _PARTS)
+        first = self._part < 0 or part - self._part >= _PARTS
+        for each in range(max(self._part + 1, part - _PARTS + 1), part + 1):
+            self._lows[each % _PARTS] = np.inf
+        self._part = max(part, self._part)
+        self._lows[part % _PARTS] = min(self._lows[part % _PARTS], lowest)
+        found = min(self._lows)
+        gone = min(max(time - self._time, 0.0), 1.0)
+        self.height = found if first else found + (self.height - found) * 0.5 ** (gone / FLOOR_HALFLIFE)
+        self._time = time
+        return self.height
+
+
+class CapturedBody:
+    """One real dancer. Thread: one.
+
+    The captured skeleton has the joints of ours, or some of them, with our rest pose (a T-pose facing +z, all
+    rotations the identity) and lengths of its own.
+    """
+
+    def __init__(self) -> None:
+        self._floor = Floor()
+        self._hips, self._rotation = np.zeros(3), np.zeros((JOINT_COUNT, 4))
+
+    def packed(self, bones: Float64, known: Bool, root: Float64, time: float, *, find_floor: bool = True) -> str:
+        """Her pose at `time` [s], packed; ValueError for one that cannot be.
+
+        `bones` (J, 7): place from the parent [m] and local rotation (w, x, y, z) of the joints that are `known` (J,);
+        `root` (7,): where all that stands; in the engine's axes. `find_floor`: whether her feet are brought down to the
+        floor, wherever the capture has its own.
+        """
+        lowest = bring_over(self._hips, self._rotation, bones, known, root, _OFFSETS, _PARENTS, _LIMBS, _LEGS, _SOLES)
+        if find_floor and np.isfinite(lowest):
+            self._hips[1] -= self._floor.follow(lowest, time)
+        return pack_pose(self._hips, self._rotation)

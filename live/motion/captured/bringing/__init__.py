@@ -1,1 +1,0 @@
-"""Bringing over: a strange skeleton's pose onto ours."""

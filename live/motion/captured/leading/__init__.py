@@ -1,1 +1,0 @@
-"""Leading: who wears a captured pose stands where it stands, and her plans with her."""

@@ -1,1 +1,0 @@
-"""Packed poses as their bytes say them."""

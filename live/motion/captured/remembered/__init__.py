@@ -1,1 +1,0 @@
-"""Remembered poses, found by when they came."""

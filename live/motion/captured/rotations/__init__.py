@@ -1,1 +1,0 @@
-"""Quaternions one by one, for captured bodies."""

@@ -1,1 +1,0 @@
-"""Wearing: captured poses on dancers."""

@@ -1,0 +1,135 @@
+"""Repair of tracking faults (T161): the frames at fault are replaced by a smooth way from the good ones around them."""
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.cleanup.glitches import Glitch
+from live.motion.cleanup.shocks import find_shocks
+from live.motion.formats.source_motion import Float64, SourceMotion
+from live.motion.retarget.body_tracks import body_tracks
+
+Float = npt.NDArray[np.floating]
+
+LONGEST_GAP: Final = 0.35
+"""Longer gaps [s] are not invented: the recording has to be cut there or solved again."""
+SMOOTH: Final = 0.7
+"""A repair is good when nothing in it is above this share of what counts as a shock."""
+WIDEST_MARGIN: Final = 0.12
+"""Good frames given up on either side of a fault to get there, at most [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Repair:
+    """What was done about one fault."""
+
+    glitch: Glitch
+    done: bool
+    """False where the recording was left as it is."""
+    first_frame: int
+    last_frame: int
+    """Frames that were replaced (if `done`)."""
+    joints: tuple[str, ...]
+    """Joints that were replaced."""
+    note: str
+    """The same in one line for people."""
+
+
+def repair(
+    motion: SourceMotion, glitches: list[Glitch], *, fps: float | None = None
+) -> tuple[SourceMotion, list[Repair]]:
+    """The motion with its faults bridged, and what was changed; all other frames and joints stay bit for bit.
+
+    Rotations and places go from the last good frame to the first good one on cubics that keep the speeds at both ends
+    (Hermite; rotations in the tangent space, so that they pass through SLERP's great circle where speeds allow). If
+    the root is at fault the whole body is bridged, else the joints at fault and all below them. Gaps of more than
+    `LONGEST_GAP` and faults that cannot be bridged smoothly stay as they are, with a note that says so.
+    """
+    rate = fps or motion.header_fps
+    tracks = body_tracks(motion, fps=rate)
+    limit = SMOOTH * find_shocks(tracks).kick_limit
+    done: list[Repair] = []
+    for glitch in glitches:
+        whole = tracks.names[0] in glitch.at_fault  # what carries the hips in some files lies above them
+        joints = list(range(motion.joint_count)) if whole else _below(motion, glitch)
+        motion, report = _bridged(motion, glitch, joints, rate, limit)
+        done.append(report)
+    return motion, done
+
+
+def _bridged(
+    motion: SourceMotion, glitch: Glitch, joints: list[int], rate: float, limit: float
+) -> tuple[SourceMotion, Repair]:
+    names = tuple(motion.names[j] for j in joints)
+    first, last = glitch.first_frame, glitch.last_frame
+    inner = (first + 1, last - 1) if glitch.kind == "jump" else (first, last)
+    if (inner[1] - inner[0] + 1) / rate > LONGEST_GAP:
+        return motion, _left(glitch, names, f"{(last - first + 1) / rate:.2f} s are too long to invent")
+    for margin in range(1, 2 + round(WIDEST_MARGIN * rate)):
+        a, b = inner[0] - 1 - margin, inner[1] + 1 + margin
+        if a < 1 or b > motion.frame_count - 2:
+            return motion, _left(glitch, names, "too near to an end of the recording: leave those frames out")
+        bridged = _bridge(motion, joints, a, b)
+        seen = body_tracks(_cut(bridged, a - 1, b + 2), fps=rate)
+        kick = np.linalg.norm(np.diff(seen.positions, 2, axis=0), axis=-1)
+        if kick.max() <= limit:
+            note = f"{glitch.kind}: frames {a + 1} to {b - 1} of {_said(names, motion)} bridged"
+            return bridged, Repair(glitch, True, a + 1, b - 1, names, note)
+    return motion, _left(glitch, names, "no smooth way across")
+
+
+def _left(glitch: Glitch, joints: tuple[str, ...], why: str) -> Repair:
+    note = f"{glitch.kind}: frames {glitch.first_frame} to {glitch.last_frame} left as they are: {why}"
+    return Repair(glitch, False, glitch.first_frame, glitch.last_frame, joints, note)
+
+
+def _said(names: tuple[str, ...], motion: SourceMotion) -> str:
+    if len(names) == motion.joint_count:
+        return "the whole body"
+    return ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
+
+
+def _below(motion: SourceMotion, glitch: Glitch) -> list[int]:
+    """The joints at fault and all that hang on them, ascending."""
+    taken = np.zeros(motion.joint_count, np.bool_)
+    for joint, parent in enumerate(motion.parents):
+        taken[joint] = motion.names[joint] in glitch.at_fault or (parent >= 0 and taken[parent])
+    return [int(joint) for joint in np.flatnonzero(taken)]
+
+
+def _cut(motion: SourceMotion, start: int, stop: int) -> SourceMotion:
+    return replace(motion, translation=motion.translation[start:stop], rotation=motion.rotation[start:stop])
+
+
+def _bridge(motion: SourceMotion, joints: list[int], a: int, b: int) -> SourceMotion:
+    """Frames a + 1 to b - 1 replaced by a way from frame a to frame b that keeps the speeds there."""
+    steps = b - a
+    s = (np.arange(1, steps) / steps)[:, None, None]
+    translation, rotation = motion.translation.copy(), motion.rotation.copy()
+    place, turn = motion.translation[:, joints], motion.rotation[:, joints]
+    translation[a + 1 : b, joints] = place[a] + _hermite(
+        s, place[b] - place[a], steps * (place[a] - place[a - 1]), steps * (place[b + 1] - place[b])
+    )
+    whole = quaternion.to_rotation_vector(quaternion.mul(quaternion.inverse(turn[a]), turn[b]))
+    start = quaternion.to_rotation_vector(quaternion.mul(quaternion.inverse(turn[a - 1]), turn[a]))
+    end = quaternion.to_rotation_vector(quaternion.mul(quaternion.inverse(turn[b]), turn[b + 1]))
+    vector = _hermite(s, whole, steps * start, steps * _tangent(whole, end))
+    rotation[a + 1 : b, joints] = quaternion.mul(turn[a], quaternion.from_rotation_vector(vector))
+    return replace(motion, translation=translation, rotation=rotation)
+
+
+def _hermite(s: Float, way: Float, start: Float, end: Float) -> Float64:
+    """Cubic from 0 at s = 0 to `way` at s = 1 with the given velocities at both ends."""
+    return np.asarray((s**3 - 2 * s**2 + s) * start + (3 * s**2 - 2 * s**3) * way + (s**3 - s**2) * end)
+
+
+def _tangent(vector: Float, spin: Float) -> Float:
+    """Speed of the rotation vector at which exp(vector) turns with `spin` in its own axes (inverse right Jacobian)."""
+    angle = np.linalg.norm(vector, axis=-1, keepdims=True)
+    safe = np.maximum(angle, 1e-4)
+    factor = 1.0 / safe**2 - (1.0 + np.cos(safe)) / (2.0 * safe * np.maximum(np.sin(safe), 1e-4))
+    cross = np.cross(vector, spin)
+    return np.asarray(spin + 0.5 * cross + factor * np.cross(vector, cross))

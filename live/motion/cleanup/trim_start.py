@@ -1,0 +1,65 @@
+"""How a recording begins: some converters put a T-pose before the first frame, and some smooth the way out of it."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from live.motion.formats.source_motion import Float64
+from live.motion.retarget.body_tracks import SIDES, BodyTracks
+
+LEVEL: Final = 0.35
+"""Sine of the largest angle between a T-pose's arm and the horizontal."""
+OPPOSITE: Final = -0.85
+"""Cosine of the smallest angle between its arms."""
+LEAP: Final = 0.2
+"""An added T-pose is at least this far [m] from the first recorded pose."""
+USUAL: Final = 2.0
+"""A run-in is faster than the fastest percent of the dance by this factor ..."""
+FAST: Final = 8.0
+"""... and than this [m/s]."""
+FEWEST: Final = 8
+"""Frames below which nothing is told: two or three poses are no recording."""
+LONGEST: Final = 0.5
+"""Run-ins longer than this [s] are dancing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Beginning:
+    """What stands before the recorded motion."""
+
+    t_pose_first: bool
+    """The first frame is a T-pose that was added."""
+    drop_frames: int
+    """Frames to leave out so that the motion begins with what was recorded (0 if nothing was added)."""
+
+
+def find_beginning(tracks: BodyTracks) -> Beginning:
+    """Whether the first frame is an added T-pose, and where the run-in from it ends.
+
+    A run-in slows down from frame to frame until the recorded pose is reached: it ends where the body is slowest.
+    """
+    if tracks.frame_count < FEWEST or not _is_t_pose(tracks):
+        return Beginning(False, 0)
+    longest = max(2, round(LONGEST * tracks.rate))
+    way = np.linalg.norm(np.diff(tracks.positions, axis=0), axis=-1).max(axis=1)
+    if way[0] < LEAP:
+        return Beginning(False, 0)
+    usual = float(np.percentile(way[min(longest, way.size // 2) :], 99.0))
+    fastest = 1 + int(np.argmax(way[1:4]))
+    if way[fastest] < max(USUAL * usual, FAST / tracks.rate):
+        return Beginning(True, 1)
+    end = fastest
+    while end + 1 < min(way.size, longest) and way[end + 1] < way[end]:
+        end += 1
+    return Beginning(True, end + 1)
+
+
+def _is_t_pose(tracks: BodyTracks) -> bool:
+    arms: list[Float64] = []
+    for side, palm in zip(SIDES, tracks.palms[0].copy(), strict=True):
+        shoulder = tracks.column(side + "UpperArm")
+        arm = palm - tracks.positions[0, 0 if shoulder is None else shoulder]
+        arms.append(arm / max(float(np.linalg.norm(arm)), 1e-9))
+    level = max(abs(float(arm[1])) for arm in arms)
+    return level <= LEVEL and float(arms[0] @ arms[1]) <= OPPOSITE

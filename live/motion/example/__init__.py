@@ -1,1 +1,0 @@
-"""Motion by example: a leader's motion is read as a row of recorded units, and their followers answer (H001-H027)."""

@@ -1,1 +1,0 @@
-"""Lanes: cells that are worked on side by side."""

@@ -1,1 +1,0 @@
-"""Expecting: where the follower will be."""

@@ -1,1 +1,0 @@
-"""Finishing: units that end now."""

@@ -1,1 +1,0 @@
-"""Running: units of which the beginning is seen."""

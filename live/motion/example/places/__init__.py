@@ -1,1 +1,0 @@
-"""Places of single units on an input, for up-sampling (H012)."""

@@ -1,1 +1,0 @@
-"""Products of an input with what is recorded (K003)."""

@@ -1,1 +1,0 @@
-"""The recurrence (6)-(8)."""

@@ -1,0 +1,1 @@
+"""Bvh, asf/amc, gltf, amass readers and writers."""

@@ -1,0 +1,116 @@
+"""The numbers in the motion part of a BVH file: one pass over the bytes, and messages that name the line."""
+
+import re
+from itertools import islice
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion.formats.bvh_kernels import (
+    BAD,
+    COUNT,
+    HARD,
+    STRANGE,
+    WRAPPED,
+    WRONG_COUNT,
+    WRONG_LAST,
+    WRONG_PLACE,
+    scan_numbers,
+)
+from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, shown
+from live.motion.formats.motion_size import VALUE_LIMIT
+from live.motion.formats.text_lines import line_ends
+
+Float64 = npt.NDArray[np.float64]
+Int64 = npt.NDArray[np.int64]
+
+HARD_LIMIT: Final = 1 << 14
+"""So many numbers are read one by one where the kernel cannot tell the nearest double; more: all of them by numpy."""
+
+_WORD: Final = re.compile(rb"[^ \t\n\r\f\v]+")
+
+
+def read_numbers(data: bytes, start: int, columns: int, frames: int, file: str) -> Float64:
+    """All frames from the byte `start` on, shape (T, columns); `frames` is only what the file claims.
+
+    Every number is the double nearest to what is written, as Python's `float` reads it. Every frame must end where
+    a line ends, so that a lost number cannot shift all that follow. Raises MotionFileError.
+    """
+    return _NumberBlock(data, start, file).read(columns, frames)
+
+
+class _NumberBlock:
+    def __init__(self, data: bytes, start: int, file: str) -> None:
+        self._data, self._start, self._file = data, start, file
+        self._text = np.frombuffer(bytearray(memoryview(data)[start:]) + b"\n", np.uint8)
+        self._hard: Int64 = np.empty((HARD_LIMIT, 2), np.int64)
+        self._found: Int64 = np.zeros(8, np.int64)
+
+    def read(self, columns: int, frames: int) -> Float64:
+        values = np.empty(min(frames * columns, self._text.size // 2 + 1, VALUE_LIMIT))
+        scan_numbers(self._text, columns, values, self._hard, self._found)
+        found = self._found
+        if found[BAD] >= 0:
+            raise self._no_number(int(found[BAD]))
+        count = int(found[COUNT])
+        if count > VALUE_LIMIT:
+            raise self._error(0, f"more than {VALUE_LIMIT} numbers", "a shorter recording expected")
+        if count == 0:
+            raise self._error(0, "no frames", f"{frames} lines of {columns} numbers expected")
+        if count > values.size:  # more frames than the file says
+            values = np.empty(count)
+            scan_numbers(self._text, columns, values, self._hard, self._found)
+        values = values[:count] if count == values.size else values[:count].copy()
+        values = self._read_hard(values)
+        if found[STRANGE] >= 0:
+            place = int(found[STRANGE])
+            problem = f"the number {shown(self._word(place))} is not usable"
+            raise self._error(place, problem, "finite, at most 1e7 expected")
+        self._check_lines(columns, count)
+        return values.reshape(-1, columns)
+
+    def _read_hard(self, values: Float64) -> Float64:
+        """The values with the numbers that are beyond the kernel's exact arithmetic."""
+        count, found = int(self._found[HARD]), self._found
+        if count > HARD_LIMIT:
+            values = np.fromstring(self._data[self._start :].decode("ascii"), np.float64, sep=" ")
+            strange = np.flatnonzero(~(np.abs(values) <= MAGNITUDE_LIMIT))
+            if strange.size:
+                words = _WORD.finditer(self._data, self._start)
+                found[STRANGE] = next(islice(words, int(strange[0]), None)).start() - self._start
+            return values
+        for index, place in self._hard[:count].tolist():
+            word = _WORD.match(self._data, self._start + place)
+            values[index] = float(word.group()) if word else np.nan
+            if not abs(values[index]) <= MAGNITUDE_LIMIT and (found[STRANGE] < 0 or place < found[STRANGE]):
+                found[STRANGE] = place
+        return values
+
+    def _check_lines(self, columns: int, count: int) -> None:
+        found = self._found
+        if found[WRONG_COUNT] == 0 or (found[WRAPPED] and count % columns == 0):
+            return
+        problem = f"{found[WRONG_COUNT]} numbers in this line"
+        if found[WRONG_LAST]:
+            problem += ", the last one: the file is cut off"
+        raise self._error(int(found[WRONG_PLACE]), problem, f"{columns} numbers (one per channel) expected")
+
+    def _no_number(self, place: int) -> MotionFileError:
+        word = self._word(place)
+        strange = next((letter for letter in word if not letter.isascii()), None)
+        if strange is not None:
+            return self._error(place, f"{shown(strange)} among the numbers", "decimal numbers expected")
+        return self._error(place, f"{shown(word)} is not a number", "decimal numbers expected")
+
+    def _word(self, place: int) -> str:
+        at = self._start + place
+        return self._data[at : at + 60].decode("utf-8", errors="replace").split(maxsplit=1)[0]
+
+    def _error(self, place: int, problem: str, expected: str) -> MotionFileError:
+        return MotionFileError(self._file, line_at(self._data, self._start + place), problem, expected)
+
+
+def line_at(data: bytes, place: int) -> int:
+    """The line, from 1, in which a byte stands; lines end with LF, CR or both."""
+    return line_ends(data, 0, place) + 1

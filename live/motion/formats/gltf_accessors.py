@@ -1,0 +1,186 @@
+"""What glTF accessors hold, as arrays: buffers, strides, normalized integers, sparse values (specification, 3.6)."""
+
+import base64
+import binascii
+import re
+from collections.abc import Callable
+from typing import Final
+from urllib.parse import unquote
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion.formats.container import GltfFile
+from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, shown
+from live.motion.formats.json_place import JsonPlace
+
+Float64 = npt.NDArray[np.float64]
+Resolve = Callable[[str], bytes]
+"""Gives the content of a file that lies beside the glTF file, by its bare name; may raise OSError."""
+
+FILE_LIMIT: Final = 4
+"""Other files that one may name."""
+_COMPONENTS: Final = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+_WIDTHS: Final = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
+_FAR: Final = 1 << 40
+_DATA_URI: Final = re.compile(r"data:[^,]{0,200};base64,")
+_BARE_NAME: Final = re.compile(r"(?!\.)[^/\\:\0]{1,255}")
+_NAME_BELOW: Final = re.compile(r"(?:(?!\.)[^/\\:\0]{1,255}/){0,4}(?!\.)[^/\\:\0]{1,255}")
+_COMPRESSION: Final = ("EXT_meshopt_compression", "KHR_meshopt_compression")
+
+
+class Accessors:
+    """Reads accessors of one file by their number.
+
+    All reading together is bounded, because a hostile file may name the same bytes a thousand times: one accessor has
+    at most as many numbers as a file of that size can hold, and all together take a time linear in the file's size.
+    """
+
+    def __init__(
+        self, gltf: GltfFile, resolve: Resolve | None = None, *, files: int = FILE_LIMIT, folders: bool = False
+    ) -> None:
+        """`files` is how many others the file may name, `folders` whether they may lie in folders beside it."""
+        self._file_limit, self._name = files, _NAME_BELOW if folders else _BARE_NAME
+        self._root = JsonPlace(gltf.json, "", gltf.file)
+        self._chunk, self._resolve = gltf.chunk, resolve
+        self._buffers: dict[int, memoryview] = {}
+        self._files: dict[str, bytes] = {}
+        self._left = 16_000_000 + 16 * gltf.size
+        self._largest = 1_000_000 + gltf.size // 2
+
+    def read(self, index: int, kind: str) -> Float64:
+        """All elements of an accessor of the given type ("SCALAR", "VEC3", "VEC4", "MAT4"), float64 (count, width).
+
+        Normalized integers become -1..1 or 0..1. Raises MotionFileError for NaN and for whatever lies outside.
+        """
+        accessor = self._root.element("accessors", index)
+        if accessor.text("type") != kind:
+            raise accessor.error("type", f"is {shown(accessor.text('type'))}", f"{kind} expected")
+        count, width = accessor.whole("count", below=_FAR), _WIDTHS[kind]
+        component = accessor.whole("componentType", below=_FAR)
+        if component not in _COMPONENTS:
+            raise accessor.error("componentType", f"is {component}", "5120 to 5126 expected")
+        stored = np.dtype(_COMPONENTS[component])
+        if accessor.has("bufferView"):
+            values = self._view(accessor, stored, count, width)
+            self._spend(accessor, count * width)
+        else:
+            self._spend(accessor, count * width)
+            values = np.zeros((count, width), stored)
+        if accessor.has("sparse"):
+            values = self._replaced(accessor.object("sparse"), values, stored)
+        with np.errstate(invalid="ignore"):  # some NaNs complain when they are cast; they are refused below
+            result = values.astype(np.float64)
+        if accessor.flag("normalized") and stored.kind in "iu":
+            result = np.maximum(result / float(np.iinfo(stored).max), -1.0)
+        strange = np.flatnonzero(~(np.abs(result) <= MAGNITUDE_LIMIT).all(axis=1))
+        if strange.size:
+            raise accessor.error("", f"element {strange[0]} is not usable", "finite numbers, at most 1e7, expected")
+        return result
+
+    def content(self, place: JsonPlace) -> memoryview:
+        """The bytes of an image: out of a buffer view, a data URI, or a file beside this one; MotionFileError."""
+        if not place.has("bufferView"):
+            return memoryview(self._content(place, -1))
+        view = self._root.element("bufferViews", place.whole("bufferView", below=self._root.length("bufferViews")))
+        buffer = self._buffer(view.whole("buffer", below=self._root.length("buffers")))
+        start, length = view.whole("byteOffset", 0, below=_FAR), view.whole("byteLength", below=_FAR)
+        if start + length > len(buffer):
+            raise view.error("", f"ends at byte {start + length} of {len(buffer)}", "the whole file expected")
+        return buffer[start : start + length]
+
+    def _spend(self, accessor: JsonPlace, numbers: int) -> None:
+        self._left -= numbers
+        if numbers > self._largest or self._left < 0:
+            raise accessor.error("count", f"asks for {numbers} numbers", "as many as the file can hold expected")
+
+    def _view(
+        self, accessor: JsonPlace, stored: "np.dtype[np.generic]", count: int, width: int
+    ) -> npt.NDArray[np.generic]:
+        """(count, width) elements where the accessor says they are; nothing is copied."""
+        index = accessor.whole("bufferView", below=self._root.length("bufferViews"))
+        view = self._root.element("bufferViews", index)
+        if view.has("extensions") and any(view.object("extensions").has(name) for name in _COMPRESSION):
+            raise view.error("", "is compressed (meshopt)", "export without compression, or convert it in Blender")
+        buffer = self._buffer(view.whole("buffer", below=self._root.length("buffers")))
+        start, length = view.whole("byteOffset", 0, below=_FAR), view.whole("byteLength", below=_FAR)
+        if start + length > len(buffer):
+            raise view.error("", f"ends at byte {start + length} of {len(buffer)}", "the whole file expected")
+        size = stored.itemsize * width
+        stride = view.whole("byteStride", size, below=_FAR)
+        if stride < size:
+            raise view.error("byteStride", f"is {stride}", f"at least {size} expected")
+        offset = accessor.whole("byteOffset", 0, below=_FAR)
+        if count and offset + stride * (count - 1) + size > length:
+            raise accessor.error(
+                "", f"has {count} elements that go beyond its bufferView of {length} bytes", "the whole file expected"
+            )
+        if count == 0:
+            return np.zeros((0, width), stored)
+        return np.ndarray((count, width), stored, buffer, start + offset, (stride, stored.itemsize))
+
+    def _replaced(
+        self, sparse: JsonPlace, values: npt.NDArray[np.generic], stored: "np.dtype[np.generic]"
+    ) -> npt.NDArray[np.generic]:
+        count = sparse.whole("count", below=len(values) + 1)
+        self._spend(sparse, count * (1 + values.shape[1]))
+        places, news = sparse.object("indices"), sparse.object("values")
+        component = places.whole("componentType", below=_FAR)
+        if component not in (5121, 5123, 5125):
+            raise places.error("componentType", f"is {component}", "5121, 5123 or 5125 expected")
+        indices = self._view(places, np.dtype(_COMPONENTS[component]), count, 1)[:, 0].astype(np.int64)
+        if count and not int(indices.max()) < len(values):
+            raise places.error("", f"names the element {indices.max()}", f"0 to {len(values) - 1} expected")
+        result = values.copy()
+        result[indices] = self._view(news, stored, count, values.shape[1])
+        return result
+
+    def _buffer(self, index: int) -> memoryview:
+        if index not in self._buffers:
+            place = self._root.element("buffers", index)
+            content = self._content(place, index)
+            length = place.whole("byteLength", below=_FAR)
+            if length > len(content):
+                raise place.error("", f"has {len(content)} bytes of {length}: it is cut off", "the whole file expected")
+            self._buffers[index] = memoryview(content)[:length]
+        return self._buffers[index]
+
+    def _content(self, place: JsonPlace, index: int) -> bytes | memoryview:
+        uri = place.text("uri")
+        if not uri:
+            if index != 0 or self._chunk is None:
+                raise place.error("", "has no content", "a uri or a GLB's binary chunk expected")
+            return self._chunk
+        if uri.startswith("data:"):
+            head = _DATA_URI.match(uri)
+            try:
+                if head is None:
+                    raise ValueError
+                return base64.b64decode(uri[head.end() :], validate=True)
+            except (ValueError, binascii.Error):
+                raise place.error("uri", "holds no base64 data", "data:application/octet-stream;base64,...") from None
+        return self._beside(place, unquote(uri))
+
+    def _beside(self, place: JsonPlace, name: str) -> bytes:
+        """A file in the same folder and nowhere else."""
+        if not self._name.fullmatch(name):
+            raise place.error("uri", f"is {shown(name)}", "a file in the same folder expected; or export as .glb")
+        if self._resolve is None:
+            raise place.error("uri", f"names another file, {shown(name)}", "one file expected: export as .glb")
+        if name in self._files:
+            return self._files[name]
+        if len(self._files) >= self._file_limit:
+            raise place.error("uri", f"is the file number {self._file_limit + 1}", "one file expected: export as .glb")
+        try:
+            content = self._resolve(name)
+        except MotionFileError:
+            raise
+        except (OSError, ValueError) as error:
+            words = getattr(error, "strerror", None) or str(error)
+            raise place.error(
+                "uri", f"{shown(name)} cannot be read: {' '.join(words.split())}", "put it beside the file"
+            ) from None
+        self._files[name] = content
+        self._left += 16 * len(content)
+        self._largest += len(content) // 2
+        return content

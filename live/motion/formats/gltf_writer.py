@@ -1,0 +1,143 @@
+"""Clips as GLB files: joints under their VRM names, a skin with a figure of bones, one animation (glTF 2.0)."""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+import pygltflib as gltf
+
+from live.motion import quaternion
+from live.motion.clip import Clip
+from live.motion.formats.bone_figure import bone_figure
+from live.motion.resample import resample
+from live.motion.skeleton import JOINT_COUNT, SKELETON
+
+FRAME_RATE: Final = 60.0
+"""Keys per second of the files that the engine writes."""
+GENERATOR: Final = "ChoreoGraphics Live"
+_KINDS: Final = {1: gltf.SCALAR, 3: gltf.VEC3, 4: gltf.VEC4, 16: gltf.MAT4}
+_COMPONENTS: Final = {"f4": gltf.FLOAT, "u1": gltf.UNSIGNED_BYTE, "u2": gltf.UNSIGNED_SHORT}
+
+
+def write_glb(clip: Clip, *, rate: float | None = FRAME_RATE) -> bytes:
+    """A GLB file of the clip, `rate` keys per second (None: one key per sample of the clip).
+
+    Metres, Y up, +z ahead, as glTF and the engine have it. What programs rely on: nodes rest in the T-pose without
+    rotations, and the inverse bind matrices say the same; the skin lists every joint, all below one root; the skinned
+    mesh is no child of a joint; times ascend from 0 and say their least and largest value; all data lie on multiples
+    of four bytes. Blender makes an armature of the skin, keeps the names, and turns Y up to its Z up; its keys lie at
+    the right seconds, whatever the scene's frame rate. VRMC_vrm_animation says which joint is which humanoid bone, so
+    that the file under the name .vrma moves any VRM avatar.
+    """
+    if rate is not None:
+        clip = resample(clip, rate)
+    buffer = _Buffer()
+    document = gltf.GLTF2(asset=gltf.Asset(version="2.0", generator=GENERATOR))
+    figure_node = JOINT_COUNT + 1
+    document.scene = 0
+    document.scenes = [gltf.Scene(name=clip.name, nodes=[JOINT_COUNT, figure_node])]
+    document.nodes = [
+        *_joints(),
+        gltf.Node(name="dancer", children=[0]),
+        gltf.Node(name="figure", mesh=0, skin=0),
+    ]
+    document.meshes = [_mesh(buffer)]
+    document.materials = [
+        gltf.Material(
+            name="figure",
+            pbrMetallicRoughness=gltf.PbrMetallicRoughness(
+                baseColorFactor=[0.8, 0.6, 0.4, 1.0], metallicFactor=0.0, roughnessFactor=0.8
+            ),
+        )
+    ]
+    document.skins = [
+        gltf.Skin(
+            name="dancer",
+            joints=list(range(JOINT_COUNT)),
+            skeleton=JOINT_COUNT,
+            inverseBindMatrices=buffer.add(_inverse_bind_matrices()),
+        )
+    ]
+    document.animations = [_animation(clip, buffer)]
+    bones = {name: {"node": joint} for joint, name in enumerate(SKELETON.names)}
+    document.extensionsUsed = ["VRMC_vrm_animation"]
+    document.extensions = {"VRMC_vrm_animation": {"specVersion": "1.0", "humanoid": {"humanBones": bones}}}
+    document.accessors, document.bufferViews = buffer.accessors, buffer.views
+    document.buffers = [gltf.Buffer(byteLength=len(buffer.data))]
+    document.set_binary_blob(bytes(buffer.data))
+    return b"".join(document.save_to_bytes())
+
+
+class _Buffer:
+    """The binary chunk as it grows: each array gets a view and an accessor of its own."""
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+        self.views: list[gltf.BufferView] = []
+        self.accessors: list[gltf.Accessor] = []
+
+    def add(self, array: npt.NDArray[np.generic], *, target: int | None = None, bounds: bool = False) -> int:
+        """Append an array (n,) or (n, width); the number of its accessor. `bounds` writes least and largest."""
+        table = np.ascontiguousarray(array.reshape(len(array), -1))
+        self.views.append(gltf.BufferView(buffer=0, byteOffset=len(self.data), byteLength=table.nbytes, target=target))
+        self.data += table.tobytes()
+        self.data += bytes(-len(self.data) % 4)
+        self.accessors.append(
+            gltf.Accessor(
+                bufferView=len(self.views) - 1,
+                componentType=_COMPONENTS[table.dtype.str[1:]],
+                count=len(table),
+                type=_KINDS[table.shape[1]],
+                min=table.min(axis=0).tolist() if bounds else None,
+                max=table.max(axis=0).tolist() if bounds else None,
+            )
+        )
+        return len(self.accessors) - 1
+
+
+def _joints() -> list[gltf.Node]:
+    """The engine's skeleton in its rest pose; no rotation is the T-pose."""
+    return [
+        gltf.Node(
+            name=name,
+            translation=[round(float(metres), 6) for metres in SKELETON.offsets[joint]],
+            children=[int(child) for child in np.flatnonzero(SKELETON.parents == joint)],
+        )
+        for joint, name in enumerate(SKELETON.names)
+    ]
+
+
+def _inverse_bind_matrices() -> npt.NDArray[np.float32]:
+    """From the mesh's space to the joints' in the rest pose, (J, 16) column by column."""
+    matrices = np.tile(np.eye(4, dtype=np.float32), (JOINT_COUNT, 1, 1))
+    matrices[:, 3, :3] = -SKELETON.rest_positions()
+    return matrices.reshape(JOINT_COUNT, 16)
+
+
+def _mesh(buffer: _Buffer) -> gltf.Mesh:
+    figure = bone_figure()
+    attributes = gltf.Attributes(
+        POSITION=buffer.add(figure.positions, target=gltf.ARRAY_BUFFER, bounds=True),
+        NORMAL=buffer.add(figure.normals, target=gltf.ARRAY_BUFFER),
+        JOINTS_0=buffer.add(figure.joints, target=gltf.ARRAY_BUFFER),
+        WEIGHTS_0=buffer.add(figure.weights, target=gltf.ARRAY_BUFFER),
+    )
+    indices = buffer.add(figure.indices, target=gltf.ELEMENT_ARRAY_BUFFER)
+    return gltf.Mesh(name="figure", primitives=[gltf.Primitive(attributes=attributes, indices=indices, material=0)])
+
+
+def _animation(clip: Clip, buffer: _Buffer) -> gltf.Animation:
+    """The hips' place and all rotations; one time array for all channels."""
+    times = buffer.add((np.arange(clip.sample_count) / clip.sample_rate).astype(np.float32), bounds=True)
+    turns = quaternion.unit(quaternion.continuous(clip.rotation.astype(np.float64)))[..., [1, 2, 3, 0]]
+    outputs = [(0, gltf.TRANSLATION, clip.root_position)]
+    outputs += [(joint, gltf.ROTATION, turns[:, joint].astype(np.float32)) for joint in range(JOINT_COUNT)]
+    samplers = [
+        gltf.AnimationSampler(input=times, output=buffer.add(values), interpolation=gltf.ANIM_LINEAR)
+        for _, _, values in outputs
+    ]
+    channels = [
+        gltf.AnimationChannel(sampler=place, target=gltf.AnimationChannelTarget(node=joint, path=path))
+        for place, (joint, path, _) in enumerate(outputs)
+    ]
+    return gltf.Animation(name=clip.name, samplers=samplers, channels=channels)

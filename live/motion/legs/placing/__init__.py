@@ -1,1 +1,0 @@
-"""Where held and free feet are between two ticks."""

@@ -1,0 +1,1 @@
+"""Example-based partner, offline."""

@@ -1,0 +1,163 @@
+"""The answer: what a reading copies of the followers' own motion, joined, with what is known of feet and hands.
+
+Units are read off the source clips, stretched, turned and moved as their clouds were (H013); contacts and holds come
+along (H014). Where two units meet, each is bent half of the way to the other (H015): linearly over the whole unit as
+published, or eased, so that velocities meet as well.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.clip import Clip
+from live.motion.partner.decoder import Reading
+from live.motion.partner.units import Hold, Units
+from live.motion.sampling import read_clip
+
+Float64 = npt.NDArray[np.float64]
+Bool = npt.NDArray[np.bool_]
+Smoothing = Literal["none", "linear", "eased"]
+
+SETTLES: Final = 0.2
+"""Within so many seconds of a boundary the velocities' difference is gone (eased)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Answer:
+    """A follower's motion for an input."""
+
+    clip: Clip
+    source: Float64
+    """For each sample the sample of its unit's recording that it is of, (T,)."""
+    unit: npt.NDArray[np.int64]
+    """Which entry of the reading each sample is of, (T,)."""
+    holds: tuple[Hold, ...]
+    """Hands held, in samples of the clip."""
+    boundaries: npt.NDArray[np.int64]
+    """Samples at which units meet, (L - 1,)."""
+
+
+def answer(reading: Reading, units: Units, count: int, smoothing: Smoothing = "eased", name: str = "answer") -> Answer:
+    """The follower's `count` samples at the rate of the reading, which is that of the clips.
+
+    Before the first unit and after the last one their recordings go on.
+    """
+    parts = [_unit_motion(reading, units, n, count) for n in range(reading.count)]
+    if smoothing != "none":
+        _join(parts, reading.rate, smoothing)
+    root = np.concatenate([part.root[: part.kept] for part in parts])
+    rotation = np.concatenate([part.rotation[: part.kept] for part in parts])
+    clip = Clip(
+        name,
+        np.ascontiguousarray(root, np.float32),
+        np.ascontiguousarray(quaternion.continuous(quaternion.unit(rotation)), np.float32),
+        reading.rate,
+        np.concatenate([part.contact[: part.kept] for part in parts]),
+    )
+    which = np.concatenate([np.full(part.kept, n) for n, part in enumerate(parts)])
+    source = np.concatenate([part.source[: part.kept] for part in parts])
+    return Answer(clip, source, which, _holds(reading, units, count), reading.start[1:])
+
+
+@dataclass(slots=True, eq=False)
+class _Part:
+    """The samples of one unit, the first of the next one among them, which both have."""
+
+    root: Float64
+    rotation: Float64
+    contact: Bool
+    source: Float64
+    kept: int
+    begin: int
+    """Samples of it before its unit begins (only of the first)."""
+    stop: int
+    """Place in it at which its unit ends."""
+
+
+def _unit_motion(reading: Reading, units: Units, n: int, count: int) -> _Part:
+    unit, start, frames = int(reading.unit[n]), int(reading.start[n]), int(reading.duration[n])
+    first = 0 if n == 0 else start
+    last = count - 1 if n == reading.count - 1 else start + frames
+    step = float(units.length[unit]) / frames
+    source = np.asarray(float(units.start[unit]) + (np.arange(first, last + 1) - start) * step, np.float64)
+    clip = units.examples[int(units.example[unit])].follower
+    raw_root, raw_rotation, contact = read_clip(clip, source)
+    root, rotation = np.asarray(raw_root, np.float64), np.asarray(raw_rotation, np.float64)
+    turn, shift = reading.turn[n], reading.shift[n]
+    place = turn * (root[:, 2] + 1j * root[:, 0]) + shift
+    root = np.stack((place.imag, root[:, 1], place.real), axis=1)
+    half = 0.5 * np.angle(turn)
+    yaw = np.array((np.cos(half), 0.0, np.sin(half), 0.0))
+    rotation[:, 0] = quaternion.mul(yaw, rotation[:, 0])
+    kept = len(source) - (n < reading.count - 1)
+    return _Part(root, rotation, contact, source, kept, start - first, start + frames - first)
+
+
+def _join(parts: list[_Part], rate: float, smoothing: Smoothing) -> None:
+    """Bend neighbours half of the way to each other, in place."""
+    joints = parts[0].rotation.shape[1]
+    bend = [np.zeros((2, 2, 1 + joints, 3)) for _ in parts]  # begin/end, place/velocity, root and joints
+    for n, (one, other) in enumerate(pairwise(parts)):
+        gap = _difference(one, one.stop, other, other.begin)
+        bend[n][1, 0], bend[n + 1][0, 0] = 0.5 * gap, -0.5 * gap
+        speed = rate * (_step(other, other.begin) - _step(one, one.stop - 1))
+        bend[n][1, 1], bend[n + 1][0, 1] = 0.5 * speed, -0.5 * speed
+    for part, ends in zip(parts, bend, strict=True):
+        frames = max(part.stop - part.begin, 1)
+        at = np.arange(len(part.source)) - part.begin
+        w = np.clip(at / frames, 0.0, 1.0)[:, None, None]
+        if smoothing == "linear":
+            offset = (1.0 - w) * ends[0, 0] + w * ends[1, 0]
+        else:
+            w = w * w * (3.0 - 2.0 * w)
+            seconds = at / rate
+            offset = (1.0 - w) * ends[0, 0] + w * ends[1, 0]
+            offset += _settling(seconds) * ends[0, 1] - _settling((frames - at) / rate) * ends[1, 1]
+        part.root += offset[:, 0]
+        turned = quaternion.mul(part.rotation, quaternion.from_rotation_vector(offset[:, 1:]))
+        part.rotation = np.asarray(turned, np.float64)
+
+
+def _settling(seconds: Float64) -> Float64:
+    """A curve from 0 with slope 1 that is back at 0, without slope, after SETTLES; [s], (T, 1, 1)."""
+    t = np.clip(seconds / SETTLES, 0.0, 1.0)
+    return np.asarray(SETTLES * t * (1.0 - t) ** 2)[:, None, None]
+
+
+def _difference(one: _Part, i: int, other: _Part, j: int) -> Float64:
+    """From sample i of one to sample j of the other: root and rotation vectors, (1 + J, 3)."""
+    turn = quaternion.to_rotation_vector(quaternion.mul(quaternion.inverse(one.rotation[i]), other.rotation[j]))
+    return np.concatenate((other.root[j : j + 1] - one.root[i : i + 1], turn))
+
+
+def _step(part: _Part, at: int) -> Float64:
+    """From sample `at` to the next one."""
+    at = min(max(at, 0), len(part.root) - 2)
+    return _difference(part, at, part, at + 1) if len(part.root) > 1 else np.zeros((1 + part.rotation.shape[1], 3))
+
+
+def _holds(reading: Reading, units: Units, count: int) -> tuple[Hold, ...]:
+    """The holds of the units in samples of the answer; what goes on over a boundary is one."""
+    found: list[Hold] = []
+    for n, unit in enumerate(reading.unit.tolist()):
+        start, length = float(units.start[unit]), float(units.length[unit])
+        scale, at = float(reading.duration[n]) / length, float(reading.start[n])
+        for hold in units.examples[int(units.example[unit])].holds:
+            begin, end = max(hold.begin, start), min(hold.end, start + length)
+            if begin >= end:
+                continue
+            begin, end = at + (begin - start) * scale, min(at + (end - start) * scale, count - 1.0)
+            same = [
+                m for m, one in enumerate(found)
+                if (one.leader_hand, one.follower_hand) == (hold.leader_hand, hold.follower_hand)
+                and one.end >= begin - 1.5
+            ]  # fmt: skip
+            if same:
+                begin = found[same[-1]].begin
+                del found[same[-1]]
+            found.append(Hold(hold.leader_hand, hold.follower_hand, begin, end))
+    return tuple(found)

@@ -1,0 +1,176 @@
+"""The offline search: the row of units that reads the input best and lets its targets meet (H006-H010).
+
+All D and M of a block of boundaries come of products as of matrices (K003), in a kernel of our own: they are small, and
+the threads of a library for large ones would wait for each other. The recurrence runs in another.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.errors import PersonError
+from live.motion.partner.cloud import Cloud
+from live.motion.partner.lanes_kernels import SIZE
+from live.motion.partner.products_kernels import multiply
+from live.motion.partner.recurrence_kernels import propagate
+from live.motion.partner.time_scaled_units import Stretches
+
+Float64 = npt.NDArray[np.float64]
+Complex128 = npt.NDArray[np.complex128]
+Int64 = npt.NDArray[np.int64]
+
+BLOCK: Final = 128
+"""Boundaries whose products are made at once."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reading:
+    """An input read as L units, one after another."""
+
+    unit: Int64
+    """(L,)"""
+    start: Int64
+    """Frame at which each begins, (L,)."""
+    duration: Int64
+    """Frames, (L,): the next one begins where it ends."""
+    turn: Complex128
+    """M of each: rotation about the vertical as a unit number, (L,)."""
+    shift: Complex128
+    """M of each: what is added after it [m], (L,)."""
+    distance: Float64
+    """D of each [m²], (L,)."""
+    gap: Float64
+    """C between each and the next [m²], (L - 1,)."""
+    score: float
+    """Sum of D and k C (5)."""
+    rate: float
+    """Frames per second [Hz]."""
+
+    @property
+    def count(self) -> int:
+        """Number of units L."""
+        return len(self.unit)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Products:
+    """What boundaries `begin` … know of all cells that begin there (U boundaries, P cells, G durations)."""
+
+    product: Complex128
+    """conj(a) · x of the centred clouds, (U, P)."""
+    height_product: Float64
+    """(U, P)."""
+    input_size: Float64
+    """Squares of the input's centred windows and of their heights, (U, G)."""
+    input_middle: Complex128
+    """Middles of the windows, (U, G)."""
+
+
+def make_products(x: Cloud, stretches: Stretches, begin: int, stop: int) -> Products:
+    """Of the boundaries `begin` to `stop` - 1; windows beyond the input's end hold its last frame."""
+    points, cells, groups = x.floor.shape[1], stretches.count, len(stretches.groups)
+    count, longest = stop - begin, int(stretches.duration[-1])
+    rows = np.minimum(np.arange(begin, stop + longest), x.count - 1)
+    floor, height = x.floor[rows], x.height[rows]
+    origin = floor.mean()
+    floor = floor - origin
+    product, heights = np.empty((count, cells), np.complex128), np.empty((count, cells))
+    size, middle = np.empty((count, groups)), np.empty((count, groups), np.complex128)
+    sums = np.concatenate(([0.0], np.cumsum(floor.sum(axis=1))))
+    squares = np.concatenate(([0.0], np.cumsum((np.abs(floor) ** 2 + height**2).sum(axis=1))))
+    for n, (duration, first, _) in enumerate(stretches.groups):
+        frames = duration + 1
+        multiply(
+            floor, height, frames, stretches.real[n], stretches.imaginary[n], stretches.control_height[n], first,
+            product, heights,
+        )  # fmt: skip
+        at = np.arange(count)
+        middle[:, n] = (sums[at + frames] - sums[at]) / (frames * points)
+        size[:, n] = squares[at + frames] - squares[at] - frames * points * np.abs(middle[:, n]) ** 2
+    return Products(product, heights, size, middle + origin)
+
+
+def decode(
+    x: Cloud,
+    stretches: Stretches,
+    *,
+    k: float,
+    beam: float = np.inf,
+    free_start: int = 0,
+    free_end: int = 0,
+    toll: Float64 | None = None,
+) -> Reading:
+    """The reading of `x` (T frames at the rate of `stretches`) with the least score (5).
+
+    `beam` [m²] keeps only cells that are worse than the best at their boundary by less (H010). The first unit may
+    begin up to `free_start` frames after the input, the last end as many as `free_end` before it; what is left out
+    costs nothing. `toll` (T,): what a boundary at each frame costs besides [m²], infinite where there may be none (the
+    beat, where it is known). Raises PersonError where no row of units is as long as the input.
+    """
+    last, cells = x.count - 1, stretches.count
+    ring = int(stretches.duration[-1]) + 1
+    ring_score = np.full((ring, cells), np.inf)
+    ring_tail = np.zeros((ring, cells, SIZE))
+    back = np.full((last + 1, cells), -1, np.int32)
+    tolls = np.zeros(x.count) if toll is None else np.ascontiguousarray(toll, np.float64)
+    best, where = np.full(1, np.inf), np.full(2, -1, np.int64)
+    group = np.repeat(np.arange(len(stretches.groups)), [stop - first for _, first, stop in stretches.groups])
+    for begin in range(0, last + 1, BLOCK):
+        made = make_products(x, stretches, begin, min(begin + BLOCK, last + 1))
+        propagate(
+            begin, last, free_start, free_end, k, beam, tolls, made.product, made.height_product, made.input_size,
+            made.input_middle, group.astype(np.int64), stretches.duration, stretches.size, stretches.head,
+            stretches.head_height, stretches.tail, stretches.tail_height, ring_score, ring_tail, back, best, where,
+        )  # fmt: skip
+    if where[1] < 0:
+        shortest = float(stretches.duration[0]) / stretches.rate
+        raise PersonError(
+            f"no row of units is as long as the leader's {last / x.rate:.2f} s",
+            f"the shortest unit is {shortest:.2f} s: a longer motion, more units, or a larger --stretch",
+        )
+    cell, end = [], int(where[0])
+    at, p = end, int(where[1])
+    while p >= 0:
+        cell.append(p)
+        before = int(back[at, p])
+        at -= int(stretches.duration[p])
+        p = before
+    return read_cells(x, stretches, np.array(cell[::-1], np.int64), at, k)
+
+
+def read_cells(x: Cloud, stretches: Stretches, cell: Int64, start: int, k: float) -> Reading:
+    """The reading that lays the cells (L,) one after another from frame `start` on, with its fits and costs."""
+    duration = stretches.duration[cell]
+    starts = start + np.concatenate(([0], np.cumsum(duration)[:-1]))
+    turn, shift, distance = np.empty(len(cell), np.complex128), np.empty(len(cell), np.complex128), np.empty(len(cell))
+    for n, p in enumerate(cell.tolist()):
+        made = make_products(x, _one(stretches, p), int(starts[n]), int(starts[n]) + 1)
+        product, middle = complex(made.product[0, 0]), complex(made.input_middle[0, 0])
+        turn[n] = product / abs(product) if abs(product) > 1e-12 else 1.0
+        shift[n] = middle - turn[n] * stretches.middle[p]
+        size = float(made.input_size[0, 0] + stretches.size[p])
+        distance[n] = size - 2.0 * abs(product) - 2.0 * float(made.height_product[0, 0])
+    place = turn[:, None], (shift + turn * stretches.middle[cell])[:, None]
+    head, tail = place[0] * stretches.head[cell] + place[1], place[0] * stretches.tail[cell] + place[1]
+    rise = stretches.tail_height[cell[:-1]] - stretches.head_height[cell[1:]]
+    gap = (np.abs(tail[:-1] - head[1:]) ** 2).sum(axis=1) + (rise**2).sum(axis=1)
+    score = float(distance.sum() + k * gap.sum())
+    return Reading(stretches.unit[cell], starts, duration, turn, shift, distance, gap, score, stretches.rate)
+
+
+def _one(stretches: Stretches, cell: int) -> Stretches:
+    """The stretches with one cell only."""
+    index = int(np.searchsorted([stop for _, _, stop in stretches.groups], cell, side="right"))
+    frames, first, _ = stretches.groups[index]
+    one = slice(cell, cell + 1)
+    column = slice(cell - first, cell - first + 1)
+    return Stretches(
+        stretches.units, stretches.rate, stretches.unit[one], stretches.duration[one], ((frames, 0, 1),),
+        (np.ascontiguousarray(stretches.real[index][:, column]),),
+        (np.ascontiguousarray(stretches.imaginary[index][:, column]),),
+        (np.ascontiguousarray(stretches.control_height[index][:, column]),),
+        stretches.size[one], stretches.head[one], stretches.head_height[one], stretches.tail[one],
+        stretches.tail_height[one], stretches.middle[one],
+    )  # fmt: skip

@@ -1,0 +1,164 @@
+"""The whole way from a leader's motion to a follower's: search, up-sampling, answer, annotations."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.errors import PersonError
+from live.motion.clip import Clip
+from live.motion.partner.answer import Answer, Smoothing, answer
+from live.motion.partner.cloud import Cloud
+from live.motion.partner.decoder import Reading, decode
+from live.motion.partner.enforce import enforce_feet, enforce_holds
+from live.motion.partner.leash import leashed
+from live.motion.partner.refinement import refine
+from live.motion.partner.time_scaled_units import make_stretches
+from live.motion.partner.units import Units
+
+Float64 = npt.NDArray[np.float64]
+
+RATE: Final = 7.5
+"""Frames per second of the search (H012)."""
+STRETCH: Final = 0.15
+"""Seconds by which a unit may be shorter or longer (H005)."""
+CONTINUITY: Final = 1.0
+"""k, for a search at RATE (H007)."""
+ON_BEAT: Final = 0.04
+"""Where beats are known, units begin and end this near to them [s]."""
+WALK_RATE: Final = 10.0
+WALK_STRETCH: Final = 0.2
+WALK_CONTINUITY: Final = 4.0
+"""The same for walks, for which a larger k is better (H007)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Search:
+    """How units are looked for."""
+
+    rate: float = RATE
+    stretch: float = STRETCH
+    k: float = CONTINUITY
+    beam: float = np.inf
+    """Cells worse than the best by this [m²] are given up (H010)."""
+    free_ends: bool = True
+    """Whether the input may begin and end within a unit: nothing says that it begins on a beat."""
+    beats: Float64 | None = None
+    """When the leader's beats are [s], if they are known, (n,): units begin and end on them."""
+    on_beat: float = ON_BEAT
+    """How far beside a beat a boundary may lie [s]."""
+    smoothing: Smoothing = "eased"
+    hold_feet: bool = True
+    near: float = np.inf
+    """How far who walks may be from where her path is [m]."""
+    hold_hands: bool = True
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Partnered:
+    """A follower with how she was found."""
+
+    clip: Clip
+    answer: Answer
+    """Before feet and hands were held."""
+    coarse: Reading
+    reading: Reading
+    """At the clips' rate."""
+    seconds: dict[str, float]
+    """What each stage took [s]."""
+
+
+def no_clock() -> float:
+    """A clock that stands."""
+    return 0.0
+
+
+class Stages:
+    """Seconds of stages by name, as the `clock` of whoever asks has them."""
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self.clock = clock
+        self.seconds: dict[str, float] = {}
+
+    @contextmanager
+    def __call__(self, name: str) -> Iterator[None]:
+        """Count what is done within to the stage `name`."""
+        began = self.clock()
+        yield
+        self.seconds[name] = self.seconds.get(name, 0.0) + self.clock() - began
+
+
+def read_input(x: Cloud, units: Units, search: Search, stages: Stages) -> tuple[Reading, Reading]:
+    """The coarse reading of an input and the one at its own rate."""
+    longest = float(units.seconds.max() + search.stretch)
+    if (x.count - 1) / x.rate < float(units.seconds.min()) - search.stretch:
+        raise PersonError(
+            f"the leader moves for {(x.count - 1) / x.rate:.2f} s, which is shorter than any unit "
+            f"({units.seconds.min():.2f} s)",
+            "a longer motion",
+        )
+    with stages("stretches"):
+        stretches = make_stretches(units, search.rate, search.stretch)
+    free = int(longest * search.rate) if search.free_ends else 0
+    free = max(min(free, (x.count - 1) // 4), 0) if search.free_ends else 0
+    with stages("search"):
+        thin = x.resampled(search.rate)
+        free = min(free, max((thin.count - 1 - int(stretches.duration[-1])) // 2, 0))
+        toll = tolls(search, thin)
+        coarse = decode(thin, stretches, k=search.k, beam=search.beam, free_start=free, free_end=free, toll=toll)
+    with stages("up-sampling"):
+        fine = refine(x, units, coarse, k=search.k, stretch=search.stretch, toll=tolls(search, x))
+    return coarse, fine
+
+
+def tolls(search: Search, x: Cloud) -> Float64 | None:
+    """What a boundary costs at each frame of `x`: nothing near a beat, where beats are known; else there is none."""
+    if search.beats is None or not len(search.beats):
+        return None
+    time = np.arange(x.count) / x.rate
+    after = np.clip(np.searchsorted(search.beats, time), 1, max(len(search.beats) - 1, 1))
+    away = np.abs(time - search.beats[np.minimum(after, len(search.beats) - 1)])
+    away = np.minimum(away, np.abs(time - search.beats[after - 1]))
+    toll = np.where(away <= max(search.on_beat, 0.5 / x.rate + 1e-9), 0.0, np.inf)
+    toll[0] = toll[-1] = 0.0
+    return np.asarray(toll)
+
+
+def find_partner(
+    leader: Clip, x: Cloud, units: Units, search: Search, clock: Callable[[], float] = no_clock
+) -> Partnered:
+    """The follower for a leader whose control cloud is `x`, at the rate of the leader's clip.
+
+    `clock` [s] is asked how long the stages take; the core has none.
+    """
+    stages = Stages(clock)
+    coarse, fine = read_input(x, units, search, stages)
+    with stages("answer"):
+        made = answer(fine, units, x.count, search.smoothing)
+    clip = made.clip if np.isinf(search.near) else leashed(made.clip, x, search.near)
+    with stages("feet and hands"):
+        if search.hold_feet:
+            clip = enforce_feet(clip)
+        if search.hold_hands and leader.sample_count == clip.sample_count:
+            clip = enforce_holds(clip, leader, made.holds)
+    return Partnered(clip, made, coarse, fine, stages.seconds)
+
+
+def shown_beats(made: Answer, reading: Reading, units: Units) -> Float64:
+    """When the answer shows the beats that its units' recordings have [s], ascending."""
+    times = []
+    for n, unit in enumerate(reading.unit.tolist()):
+        of = units.examples[int(units.example[unit])]
+        start, length = float(units.start[unit]), float(units.length[unit])
+        inside = of.beats[(of.beats >= start - 1e-6) & (of.beats < start + length - 1e-6)]
+        times.append((reading.start[n] + (inside - start) * reading.duration[n] / length) / reading.rate)
+    return np.sort(np.concatenate(times)) if times else np.zeros(0)
+
+
+def beat_offsets(shown: Float64, period: float, first: float) -> Float64:
+    """From the nearest beat (`period` [s] apart, one at `first`) to each shown one [s], signed."""
+    phase = (shown - first) / period
+    return np.asarray((phase - np.round(phase)) * period)

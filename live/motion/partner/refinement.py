@@ -1,0 +1,134 @@
+"""Up-sampling: the units stay, their boundaries are found anew at the input's own rate (H012).
+
+A search over the same score (5) in which all is forbidden but this row of units: unit i must be danced at the middle
+of where it was found, so its boundaries lie between those middles. What is left is a search over boundaries alone.
+"""
+
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion.partner.cloud import Cloud
+from live.motion.partner.decoder import Reading
+from live.motion.partner.fit import fit, gap, stretched
+from live.motion.partner.initial_search_kernels import fit_places, join_places
+from live.motion.partner.time_scaled_units import legal_durations
+from live.motion.partner.units import Units
+
+Float64 = npt.NDArray[np.float64]
+Complex128 = npt.NDArray[np.complex128]
+Int64 = npt.NDArray[np.int64]
+
+AROUND: Final = 1.0
+"""A boundary is looked for so many frames of the coarse reading to both sides of where it was."""
+
+
+def refine(
+    x: Cloud, units: Units, coarse: Reading, *, k: float, stretch: float, toll: Float64 | None = None
+) -> Reading:
+    """The row of units of `coarse` with the boundaries that are best for `x`, the same input at a higher rate.
+
+    `k` is that of the coarse search: D sums over frames and C does not, so here k grows as the rate does. The first
+    boundary and the last stay where they are (or as near as the rates allow). `toll` (T,): what
+    a boundary at each frame of `x` costs besides.
+    """
+    ratio = x.rate / coarse.rate
+    edges = np.concatenate((coarse.start, coarse.start[-1:] + coarse.duration[-1:]))
+    centre = np.minimum(np.round(edges * ratio).astype(np.int64), x.count - 1)
+    if edges[-1] * ratio > x.count - 1 - ratio:
+        centre[-1] = x.count - 1  # the coarse frames ended a little before the input did
+    reach = np.full(len(centre), int(np.ceil(AROUND * ratio)))
+    reach[0] = reach[-1] = 0
+    low = np.maximum(centre - reach, 0)
+    high = np.minimum(centre + reach, x.count - 1)
+    legal = [legal_durations(float(units.seconds[unit]), x.rate, stretch) for unit in coarse.unit]
+    for n in (0, -1):  # the ends lie where the input does, whatever the coarse frames made of that
+        legal[n] = range(max(legal[n].start - round(ratio), 1), legal[n].stop + round(ratio))
+    tolls = np.zeros(x.count) if toll is None else toll
+    return _search(x, units, coarse, k * ratio, low, high, legal, tolls)
+
+
+def _search(
+    x: Cloud, units: Units, coarse: Reading, k: float, low: Int64, high: Int64, legal: list[range], tolls: Float64
+) -> Reading:
+    """Layer by layer: cells (begin, end) of each unit, scored with the best cell of the unit before."""
+    layers: list[tuple[Float64, Float64, Float64]] = []
+    backs: list[Int64] = []
+    before = np.zeros((0, 0))
+    for n in range(coarse.count):
+        of = units.examples[int(units.example[coarse.unit[n]])]
+        shape = (int(high[n] - low[n]) + 1, int(high[n + 1] - low[n + 1]) + 1)
+        found = np.full((*shape, 5), np.nan)  # D, turn, shift
+        ends = np.zeros((2, *shape, 12))
+        fit_places(
+            x.floor, x.height, of.control.floor, of.control.height, of.target.floor, of.target.height,
+            float(units.start[coarse.unit[n]]), float(units.length[coarse.unit[n]]), int(low[n]), int(low[n + 1]),
+            legal[n].start, legal[n].stop - 1, found, ends[0], ends[1],
+        )  # fmt: skip
+        if not np.isfinite(found[..., 0]).any():
+            return _as_it_was(x, units, coarse, k)
+        score, back = np.full(shape, np.inf), np.full(shape, -1, np.int64)
+        if n == 0:
+            score = np.where(np.isfinite(found[..., 0]), found[..., 0], np.inf)
+        else:
+            join_places(before, layers[-1][1], found, ends[0], k, score, back)
+        if n < coarse.count - 1:
+            score += tolls[int(low[n + 1]) : int(high[n + 1]) + 1]
+        if not np.isfinite(score).any():
+            return _as_it_was(x, units, coarse, k)
+        layers.append((found, ends[1], ends[0]))
+        backs.append(back)
+        before = score
+    return _traced(coarse, k, x.rate, low, before, layers, backs)
+
+
+def _traced(
+    coarse: Reading, k: float, rate: float, low: Int64, score: Float64,
+    layers: list[tuple[Float64, Float64, Float64]], backs: list[Int64],
+) -> Reading:  # fmt: skip
+    begin, end = np.unravel_index(int(np.argmin(score)), score.shape)
+    row: list[tuple[int, int]] = []
+    for n in range(len(layers) - 1, -1, -1):
+        row.append((int(begin), int(end)))
+        end, begin = begin, backs[n][begin, end]
+    row.reverse()
+    place = [np.array([layer[at][one] for layer, one in zip(layers, row, strict=True)]) for at in range(3)]
+    found, tail, head = place
+    start = low[:-1] + np.array([one for one, _ in row])
+    stop = low[1:] + np.array([other for _, other in row])
+    gap = ((tail[:-1] - head[1:]) ** 2).sum(axis=1)
+    total = float(found[:, 0].sum() + k * gap.sum())
+    turn, shift = found[:, 1] + 1j * found[:, 2], found[:, 3] + 1j * found[:, 4]
+    return Reading(coarse.unit, start, stop - start, turn, shift, found[:, 0], gap, total, rate)
+
+
+def _as_it_was(x: Cloud, units: Units, coarse: Reading, k: float) -> Reading:
+    """The coarse boundaries at the higher rate: where no boundaries are legal that lie near them."""
+    ratio = x.rate / coarse.rate
+    edges = np.concatenate((coarse.start, coarse.start[-1:] + coarse.duration[-1:]))
+    edges = np.minimum(np.round(edges * ratio).astype(np.int64), x.count - 1)
+    turn, shift, distance, targets = [], [], [], []
+    for n, unit in enumerate(coarse.unit.tolist()):
+        of = units.examples[int(units.example[unit])]
+        begin, length, frames = float(units.start[unit]), float(units.length[unit]), int(edges[n + 1] - edges[n])
+        window = Cloud(x.floor[edges[n] : edges[n + 1] + 1], x.height[edges[n] : edges[n + 1] + 1], x.rate)
+        one = fit(window, stretched(of.control, begin, length, frames))
+        turn.append(one.turn)
+        shift.append(one.shift)
+        distance.append(one.distance)
+        targets.append(stretched(of.target, begin, length, frames).moved(one.turn, one.shift))
+    gaps = np.array([gap(one, other) for one, other in pairwise(targets)])
+    score = float(np.sum(distance) + k * gaps.sum())
+    return Reading(
+        coarse.unit,
+        edges[:-1],
+        np.diff(edges),
+        np.array(turn),
+        np.array(shift),
+        np.array(distance),
+        gaps,
+        score,
+        x.rate,
+    )

@@ -1,0 +1,47 @@
+"""Transcription: the labels of the units that a motion was read as, as a score (H026)."""
+
+from dataclasses import dataclass
+
+from live.motion.partner.decoder import Reading
+from live.motion.partner.units import Units
+
+
+@dataclass(frozen=True, slots=True)
+class Danced:
+    """One unit that was danced, or the same one several times."""
+
+    begin: float
+    """When it began [s]."""
+    seconds: float
+    label: str
+    """Recording and number of the unit there, from 1."""
+    times: int
+    """How many units of that recording in a row, each going on where the one before ended."""
+
+
+def transcribed(reading: Reading, units: Units) -> list[Danced]:
+    """What was danced, in order; units that went on in one recording are one entry."""
+    found: list[Danced] = []
+    before: int | None = None
+    for n, unit in enumerate(reading.unit.tolist()):
+        begin, seconds = float(reading.start[n]) / reading.rate, float(reading.duration[n]) / reading.rate
+        if before is not None and goes_on(units, before, unit):
+            last = found[-1]
+            found[-1] = Danced(last.begin, begin + seconds - last.begin, last.label, last.times + 1)
+        else:
+            found.append(Danced(begin, seconds, units.label(unit), 1))
+        before = unit
+    return found
+
+
+def goes_on(units: Units, unit: int, other: int) -> bool:
+    """Whether `other` begins in its recording where `unit` ends."""
+    same = int(units.example[unit]) == int(units.example[other])
+    return same and abs(float(units.start[unit] + units.length[unit] - units.start[other])) < 0.5
+
+
+def transcript_text(danced: list[Danced]) -> str:
+    """The score: a line each, time [s], label, units in a row."""
+    lines = ["# seconds  length  units  recording/unit"]
+    lines += [f"{one.begin:9.3f} {one.seconds:7.3f} {one.times:6d}  {one.label}" for one in danced]
+    return "\n".join(lines) + "\n"

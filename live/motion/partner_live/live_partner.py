@@ -1,0 +1,153 @@
+"""A recorded leader answered as if she were live: frame by frame, nothing known of what comes (H024)."""
+
+from collections.abc import Callable
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.errors import PersonError
+from live.motion import quaternion
+from live.motion.clip import Clip
+from live.motion.partner.answer import Answer
+from live.motion.partner.cloud import Cloud
+from live.motion.partner.cluster import unit_distances
+from live.motion.partner.decoder import Reading
+from live.motion.partner.enforce import enforce_feet
+from live.motion.partner.partner_synthesis import Partnered, Search, Stages, no_clock, read_input, tolls
+from live.motion.partner.units import Units
+from live.motion.partner_live.online_decoder import LiveReader
+from live.motion.partner_live.player import LivePartner
+
+Float64 = npt.NDArray[np.float64]
+
+Bool = npt.NDArray[np.bool_]
+
+LIVE_RATE: Final = 30.0
+"""Frames per second of the causal reading."""
+ALIKE: Final = 0.2
+"""Units no farther from each other than this [m] (rms, `unit_distances`) are alike: those that `--cluster 0.2` may take
+for one."""
+
+
+def find_live(
+    leader: Clip, x: Cloud, units: Units, search: Search, clock: Callable[[], float] = no_clock
+) -> tuple[Partnered, dict[str, Any]]:
+    """The follower as she would have danced live, and what is to be said of it beside the offline search.
+
+    `x` (T, P) is the leader's cloud at the rate of her clip. `clock` [s] is asked how long frames take.
+    """
+    stages = Stages(clock)
+    with stages("offline search, to compare"):
+        coarse, fine = read_input(x, units, search, stages)
+    thin = x.resampled(LIVE_RATE)
+    toll = tolls(search, thin)
+    allowed = np.ones(thin.count, np.bool_) if toll is None else toll == 0.0
+    beat = None if search.beats is None or len(search.beats) < 2 else float(np.diff(search.beats).mean())
+    unit_beats = None if beat is None else max(1, round(float(np.median(units.seconds)) / beat))
+    length = None if beat is None or unit_beats is None else unit_beats * beat * LIVE_RATE
+    reader = LiveReader(units, rate=LIVE_RATE, stretch=search.stretch, k=search.k * LIVE_RATE / search.rate)
+    partner = LivePartner(reader)
+    poses, danced, spent = [], [], []
+    decided: list[tuple[int, int, float]] = []
+    with stages("live"):
+        for n in range(thin.count):
+            began = clock()
+            partner.frame(thin.floor[n], thin.height[n], boundary=bool(allowed[n]), unit_frames=length)
+            pose = partner.pose() if partner.known else None
+            spent.append(clock() - began)
+            poses += [pose, partner.pose(0.5 / LIVE_RATE) if partner.known else None]
+            danced.append((partner.unit, partner.begin))
+            decided = _settled(decided, partner.seen, reader)
+    if partner.unit < 0:
+        raise PersonError("the leader is too short for a single guess", "a longer motion")
+    first = next(pose for pose in poses if pose is not None)
+    whole = [pose or first for pose in poses]
+    root = np.array([pose.root for pose in whole])
+    rotation = np.asarray(
+        quaternion.continuous(quaternion.unit(np.array([pose.rotation for pose in whole]))), np.float64
+    )
+    contact = np.array([pose.contact for pose in whole])
+    clip = _at_rate(root, rotation, contact, leader.sample_count, leader.sample_rate)
+    made = Answer(clip, np.zeros(leader.sample_count), np.zeros(leader.sample_count, np.int64), (), fine.start[1:])
+    with stages("feet and hands"):
+        held = enforce_feet(clip) if search.hold_feet else clip
+    reading = _reading(danced, fine)
+    figures = {
+        "live": {
+            "frame_ms": {
+                "p50": float(np.percentile(spent, 50) * 1000.0), "p99": float(np.percentile(spent, 99) * 1000.0),
+            },
+            "committed_at": {
+                "median": float(np.median([seen for _, _, seen in decided])),
+                "latest": float(np.max([seen for _, _, seen in decided])),
+            },
+            "agreement": agreement(danced, fine),
+            "agreement_alike": agreement(danced, fine, alike=alike(units)),
+        }
+    }  # fmt: skip
+    return Partnered(held, made, coarse, reading, stages.seconds), figures
+
+
+def _at_rate(root: Float64, rotation: Float64, contact: Bool, count: int, rate: float) -> Clip:
+    place = np.clip(np.arange(count) * 2.0 * LIVE_RATE / rate, 0.0, len(root) - 1.0)
+    low = np.minimum(place.astype(np.int64), max(len(root) - 2, 0))
+    high = np.minimum(low + 1, len(root) - 1)
+    w = place - low
+    return Clip(
+        "answer",
+        np.ascontiguousarray((1.0 - w[:, None]) * root[low] + w[:, None] * root[high], np.float32),
+        np.ascontiguousarray(quaternion.slerp(rotation[low], rotation[high], w[:, None]), np.float32),
+        rate,
+        np.ascontiguousarray(contact[np.round(place).astype(np.int64)]),
+    )
+
+
+def _settled(
+    decided: list[tuple[int, int, float]], changes: list[tuple[int, int, float]], reader: LiveReader
+) -> list[tuple[int, int, float]]:
+    """The last decision for each unit that was danced: what was mended meanwhile is not one."""
+    for unit, begin, seen in changes:
+        if decided and begin < decided[-1][1] + 0.5 * float(reader.units.seconds[decided[-1][0]]) * reader.rate:
+            decided = decided[:-1]
+        decided = [*decided, (unit, begin, seen)]
+    return decided
+
+
+def alike(units: Units, within: float = ALIKE) -> Bool:
+    """Which units are no farther than `within` [m] from each other, in what both dancers do (N, N): what clustering
+    may take for one."""
+    return np.asarray(unit_distances(units) <= within)
+
+
+def agreement(danced: list[tuple[int, int]], offline: Reading, part: float = 0.5, alike: Bool | None = None) -> float:
+    """Share of the offline search's units that are danced live when `part` of them is over: the very same recording of
+    the very same moment or, with `alike` (N, N), one that is like it."""
+    same = 0
+    for unit, start, frames in zip(offline.unit, offline.start, offline.duration, strict=True):
+        at = int((start + part * frames) / offline.rate * LIVE_RATE)
+        own = danced[min(at, len(danced) - 1)][0]
+        same += bool(own == unit if alike is None or own < 0 else alike[own, unit])
+    return same / max(offline.count, 1)
+
+
+def agreement_of(reading: Reading, offline: Reading) -> float:
+    """The same of another reading of the same input, in the place of what was danced."""
+    times = np.arange(int((reading.start[-1] + reading.duration[-1]) / reading.rate * LIVE_RATE) + 1) / LIVE_RATE
+    which = np.maximum(np.searchsorted(reading.start, times * reading.rate + 1e-9, side="right") - 1, 0)
+    return agreement([(int(reading.unit[n]), int(reading.start[n])) for n in which], offline)
+
+
+def _reading(danced: list[tuple[int, int]], offline: Reading) -> Reading:
+    """What was danced live as a reading at the rate of the offline one."""
+    rows = [danced[n] for n in range(len(danced)) if danced[n][0] >= 0 and (n == 0 or danced[n] != danced[n - 1])]
+    ratio = offline.rate / LIVE_RATE
+    start = np.array([round(begin * ratio) for _, begin in rows], np.int64)
+    stop = np.concatenate((start[1:], [round(len(danced) * ratio)]))
+    unit = np.array([one for one, _ in rows], np.int64)
+    count, zeros = len(rows), np.zeros(len(rows))
+    turn = np.ones(count, np.complex128)
+    return Reading(
+        unit, start, np.maximum(stop - start, 1), turn, np.zeros(count, np.complex128), zeros, zeros[1:],
+        offline.score, offline.rate,
+    )  # fmt: skip

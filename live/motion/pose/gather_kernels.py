@@ -1,0 +1,261 @@
+"""What is asked of the pose pipeline: samples, places and shares of all dancers' clips, in one pass."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel
+from live.base.scalar_kernels import ease
+from live.motion.pose.legs_kernels import CLEAR, ROUND
+from live.motion.pose.turning_kernels import placed
+from live.motion.yaw_kernels import yaw_rotate
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Int64 = npt.NDArray[np.int64]
+Bool = npt.NDArray[np.bool_]
+
+PRESENT, PRESENT_TAKE, NEXT, NEXT_TAKE = range(4)
+LOWER, UPPER, INTO_NEXT, NEXT_LOWER, NEXT_UPPER = range(5)
+"""Rows of `sample`, `placement` and `share` as in posing/kernels.py."""
+CLEARED = 0.08
+"""A foot is never asked to be clear of the floor by more than this [m], gently less from half of it on."""
+MINOR = 0.25
+"""A clip with a smaller share than this in a pose counts less for where its feet should be clear of the floor."""
+SOFT = 0.3
+"""That begins over this part of the height."""
+
+
+@kernel("b1(i4[::1], i4[::1], i4[::1], i4[::1], f4[::1], f4[::1])")
+def same_measures(
+    node: Int32, other_node: Int32, take: Int32, other_take: Int32, share: Float32, other_share: Float32
+) -> bool:
+    """Whether A dancers dance the same nodes with the same takes mixed in, all (A,)."""
+    different = False
+    for n in range(node.shape[0]):
+        different |= node[n] != other_node[n] or take[n] != other_take[n] or share[n] != other_share[n]
+    return not different
+
+
+@kernel("void(f8[::1], f8, f8[:,::1], f8)")
+def warp_phases(out: Float64, fraction: float, warp: Float64, window: float) -> None:
+    """Phases (A,) of clips whose measures are warped by `warp` (4, A) at `fraction`: `measure_warp` (T055)."""
+    room = 1.0 - window
+    for n in range(out.shape[0]):
+        out[n] = fraction
+        if warp[0, n] == 0.0:
+            continue
+        f = max(warp[1, n], 0.5 / room)
+        begin = min(max(warp[2, n], 0.0), max(room - 0.5 / f, 0.0))
+        if begin < fraction < begin + 0.5 / f:
+            out[n] += warp[3, n] * warp[0, n] * math.sin(2.0 * math.pi * f * (fraction - begin))
+
+
+@kernel("UniTuple(f8,2)(f8[::1], f8, f8[:,::1], f8, f8[::1], f8[::1], f8[::1])")
+def delay_phases(
+    out: Float64, fraction: float, warp: Float64, window: float, ahead: Float64, late_before: Float64, late: Float64
+) -> tuple[float, float]:
+    """Phases (A,) as `warp_phases` has them, `ahead` (A,) by another warp and late on purpose; the lowest and highest.
+
+    Lateness goes from `late_before` (A,) to `late` (A,) through the measure; nobody is more than a measure behind.
+    """
+    warp_phases(out, fraction, warp, window)
+    share, lowest, highest = ease(fraction), np.inf, -np.inf
+    for n in range(out.shape[0]):
+        phase = max(out[n] + ahead[n] - (late_before[n] + share * (late[n] - late_before[n])), -1.0)
+        lowest, highest = min(lowest, phase), max(highest, phase)
+        out[n] = phase
+    return lowest, highest
+
+
+@kernel(
+    "void(i8, i8, i4, i4, f8, f4, f4, f8[::1], f8[::1], f8[::1], f8[:,::1], f8[::1], f8[:,::1], f8[:,:,::1],"
+    " f4[:,::1], i8, f8, f8, f8, f8)"
+)
+def mix_take(
+    n: int,
+    row: int,
+    node: int,
+    take: int,
+    phase: float,
+    lower: float,
+    upper: float,
+    first: Float64,
+    last: Float64,
+    lead: Float64,
+    start: Float64,
+    facing: Float64,
+    sample: Float64,
+    placement: Float64,
+    share: Float32,
+    share_row: int,
+    x: float,
+    z: float,
+    path: float,
+    body: float,
+) -> None:
+    """The other take of dancer `n`, whose own clip lies at x, z, path, body: rows `row` and `share_row` of the answers.
+
+    Both clips have their hips at one place and face the same way when the measure begins (T045).
+    """
+    share[share_row, n], share[share_row + 1, n] = lower, upper
+    if lower == 0.0 and upper == 0.0:
+        sample[row, n] = sample[row - 1, n]
+        placement[row, n, 0], placement[row, n, 1], placement[row, n, 2], placement[row, n, 3] = x, z, path, body
+        return
+    other = max(take, 0)
+    turn = facing[node] - facing[other]
+    ox, oz = yaw_rotate(start[other, 0], start[other, 1], turn)
+    dx, dz = yaw_rotate(start[node, 0] - ox, start[node, 1] - oz, path)
+    sample[row, n] = max(first[other] + phase * (last[other] - first[other]), lead[other])
+    placement[row, n, 0], placement[row, n, 1] = x + dx, z + dz
+    placement[row, n, 2], placement[row, n, 3] = path + turn, body + turn
+
+
+@kernel(
+    "void(i8[::1], f8[::1], f8, f8, b1,"
+    " i4[::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f4[:,::1], f8[:,::1],"
+    " i4[::1], f8[:,::1], i4[::1], f4[:,::1], f8[:,::1],"
+    " f8[::1], f8[::1], f8[::1], f8[:,::1], f8[::1], f8[:,:,::1], f8[:,:,::1],"
+    " f8[:,::1], f8[:,:,::1], f4[:,::1], i4[:,::1], f4[::1])"
+)
+def ask_dancers(
+    rows: Int64,
+    phase: Float64,
+    fraction: float,
+    window: float,
+    goes_on: bool,
+    node: Int32,
+    where: Float64,
+    correction: Float64,
+    aimed: Float64,
+    on_support: Float64,
+    take: Int32,
+    take_share: Float32,
+    amplitude: Float64,
+    next_node: Int32,
+    next_where: Float64,
+    next_take: Int32,
+    next_take_share: Float32,
+    next_amplitude: Float64,
+    first: Float64,
+    last: Float64,
+    lead: Float64,
+    start: Float64,
+    facing: Float64,
+    turns: Float64,
+    rise: Float64,
+    sample: Float64,
+    placement: Float64,
+    share: Float32,
+    mean: Int32,
+    loudness: Float32,
+) -> None:
+    """Fill the pipeline's arrays for the dancers `rows` (n,) who are at `phase` (n,) of their measures, 0 to 1: what
+    lies beyond stands at the line.
+
+    Their measures: `node`, `where` (A, 3) their clips lie, `correction` and `aimed` (A, 3), `on_support`, `take`,
+    `take_share` (2, A) and `amplitude` (2, A), which is eased by `fraction`; of the measures after them, if the dance
+    `goes_on`, the same with `next_`, blended in over the last `window` of the measure (K004). Of N nodes: `first`,
+    `last`, `lead` samples, `start` (N, 2) and `facing` (N,) of the hips at their beginning, `turns` and `rise`.
+    Answers as `PosePipeline` has them: `sample` (4, A), `placement` (4, A, 4), `share` (5, A), `mean` (2, A),
+    amplitude `loudness` (A,).
+    """
+    for i in range(rows.shape[0]):
+        n, at = rows[i], min(max(phase[i], 0.0), 1.0)  # whatever is asked for, no clip is read beyond its measure
+        own = max(node[n], 0)
+        x, z, path, body = placed(where[n], correction[n], aimed[n], at, turns[own], rise[own], on_support[n])
+        sample[PRESENT, n] = first[own] + at * (last[own] - first[own])
+        placement[PRESENT, n, 0], placement[PRESENT, n, 1] = x, z
+        placement[PRESENT, n, 2], placement[PRESENT, n, 3] = path, body
+        mix_take(
+            n, PRESENT_TAKE, own, take[n], at, take_share[0, n], take_share[1, n], first, last, lead, start, facing,
+            sample, placement, share, LOWER, x, z, path, body,
+        )  # fmt: skip
+        mean[0, n] = max(take[n], 0) if take_share[1, n] > 0.5 else own
+        loud = amplitude[0, n] + ease(fraction) * (amplitude[1, n] - amplitude[0, n])
+        into = ease((at - (1.0 - window)) / window) if goes_on and next_node[n] >= 0 else 0.0
+        share[INTO_NEXT, n] = into
+        if into == 0.0:
+            sample[NEXT, n], loudness[n] = sample[PRESENT, n], loud
+            share[NEXT_LOWER, n] = share[NEXT_UPPER, n] = 0.0  # nothing is left of what was asked for before
+            continue
+        coming = max(next_node[n], 0)
+        back = (at - 1.0) * (last[coming] - first[coming])
+        x, z, path = next_where[n, 0], next_where[n, 1], next_where[n, 2]
+        sample[NEXT, n] = max(first[coming] + back, lead[coming])
+        placement[NEXT, n, 0], placement[NEXT, n, 1] = x, z
+        placement[NEXT, n, 2], placement[NEXT, n, 3] = path, path
+        mix_take(
+            n, NEXT_TAKE, coming, next_take[n], at - 1.0, next_take_share[0, n], next_take_share[1, n], first, last,
+            lead, start, facing, sample, placement, share, NEXT_LOWER, x, z, path, path,
+        )  # fmt: skip
+        mean[1, n] = max(next_take[n], 0) if next_take_share[1, n] > 0.5 else coming
+        loudness[n] = loud + into * (next_amplitude[0, n] - loud)
+
+
+@kernel("void(f8[:,::1], i8[::1], f8[:,::1], f8[:,:,::1], f4[:,::1], f4[:,::1])")
+def clip_hips(out: Float64, rows: Int64, sample: Float64, placement: Float64, share: Float32, root: Float32) -> None:
+    """Where the clips asked for of the dancers `rows` (n,) have the hips [m], `out` (n, 2): transitions are in, other
+    takes not; `root` (S, 3)."""
+    for i in range(rows.shape[0]):
+        n = rows[i]
+        k, into = int(sample[PRESENT, n]), share[INTO_NEXT, n]
+        dx, dz = yaw_rotate(root[k, 0], root[k, 2], placement[PRESENT, n, 2])
+        x, z = placement[PRESENT, n, 0] + dx, placement[PRESENT, n, 1] + dz
+        if into > 0.0:
+            k = int(sample[NEXT, n])
+            dx, dz = yaw_rotate(root[k, 0], root[k, 2], placement[NEXT, n, 2])
+            x += into * (placement[NEXT, n, 0] + dx - x)
+            z += into * (placement[NEXT, n, 1] + dz - z)
+        out[i, 0], out[i, 1] = x, z
+
+
+@kernel("void(b1[:,::1], f8[:,::1], f4[:,::1], b1[:,::1])")
+def standing_feet(out: Bool, sample: Float64, share: Float32, contact: Bool) -> None:
+    """Which feet (A, 2) the clips asked for have on the floor, by the annotation `contact` (S, 2) of all samples.
+
+    While clips are mixed or blended a foot counts only if all of them have it there.
+    """
+    for n in range(out.shape[0]):
+        into = share[INTO_NEXT, n]
+        own, coming = round(sample[PRESENT, n]), round(sample[NEXT, n])
+        other = round(sample[PRESENT_TAKE, n])
+        for foot in range(2):
+            stands = contact[own, foot]
+            if share[LOWER, n] > 0.0:
+                stands = stands and contact[other, foot]
+            out[n, foot] = (stands or into >= 1.0) and (contact[coming, foot] or into <= 0.0)
+
+
+@kernel("void(f4[:,:,::1], f8[:,::1], f4[:,::1], f4[:,::1])")
+def clear_feet(feet: Float32, sample: Float64, share: Float32, height: Float32) -> None:
+    """How high feet must be where clips are mixed or blended: columns CLEAR and ROUND of `feet` (A, 2, 9).
+
+    The mean of a foot that stands and one that swings is dragged over the floor at a part of the swing's height. So a
+    foot is as high as the clip that has it highest, up to CLEARED, by the `height` (S, 2) [m] of all samples' soles;
+    clips alone are left as they are, and where all have it on the floor it stands.
+    """
+    weight = np.empty(4)
+    for n in range(feet.shape[0]):
+        into, lower, coming = share[INTO_NEXT, n], share[LOWER, n], share[NEXT_LOWER, n] * (share[INTO_NEXT, n] > 0.0)
+        weight[PRESENT], weight[PRESENT_TAKE] = (1.0 - into) * (1.0 - lower), (1.0 - into) * lower
+        weight[NEXT], weight[NEXT_TAKE] = into * (1.0 - coming), into * coming
+        mixed = ease((1.0 - weight.max()) / MINOR)
+        for foot in range(2):
+            feet[n, foot, CLEAR] = feet[n, foot, ROUND] = 0.0
+            if mixed == 0.0:
+                continue
+            total = 0.0
+            for k in range(4):
+                if weight[k] <= 0.0:
+                    continue
+                low = math.floor(sample[k, n])
+                part, high = sample[k, n] - low, min(low + 1, height.shape[0] - 1)
+                up = height[low, foot] + part * (height[high, foot] - height[low, foot])
+                up *= ease(weight[k] / MINOR) / math.sqrt(1.0 + (up / CLEARED) ** 2)
+                total += up * up * up * up
+            feet[n, foot, CLEAR] = math.sqrt(math.sqrt(total))
+            feet[n, foot, ROUND] = SOFT * mixed * feet[n, foot, CLEAR]

@@ -1,0 +1,181 @@
+"""Inertialization: what a jump from one clip to another takes away is given back, and fades within 0.4 s.
+
+Bollo, "Inertialization: High-Performance Animation Transitions in Gears of War" (GDC 2018): only the difference
+between the two clips at the cut is kept, a value and a speed for each joint, and a quintic takes it to nothing.
+Here a difference is a rotation vector [rad] in the axes of the joint's parent (of the hips also a way [m]), and the
+quintic begins without acceleration of its own:
+
+    x(t) = x0 P(s) + v0 T Q(s),  P = (1 - s)^3 (1 + 3 s + 6 s^2),  Q = s (1 - s)^3 (1 + 3 s),  s = t / T
+
+so that value and speed are those of before the cut, and value, speed and acceleration are 0 at T. Bollo shortens T
+where the speed would carry the difference beyond 0: P / Q is nowhere below 2.5, so it does not for
+|v0| T <= 2.5 |x0|. But T is never below SHORTEST, for a short T is a hard jerk; then the difference passes 0 by no
+more than 0.2 T |v0|, the largest Q. Speeds away from 0 are kept too, which Bollo drops: the cut is C1 in any case.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel, part
+from live.motion.pose.sample_kernels import BLOCK
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+LONGEST = 0.4
+"""Seconds after which nothing is left of a cut."""
+SHORTEST = 0.2
+"""Seconds over which a difference fades at least."""
+OFFSET_X, OFFSET_Y, OFFSET_Z, SPEED_X, SPEED_Y, SPEED_Z, DURATION = range(7)
+"""Columns of a joint: the difference at the cut, its speed [1/s], and how long it fades [s]."""
+COLUMNS = 7
+_PI = math.pi
+_ZERO: Any = np.float32(0.0)
+_QUARTER: Any = np.float32(0.25)
+_HALF: Any = np.float32(0.5)
+_ONE: Any = np.float32(1.0)
+_THREE: Any = np.float32(3.0)
+_SIX: Any = np.float32(6.0)
+_C2, _C4, _C6, _C8, _C10, _C12 = (np.float32((-1) ** (n // 2) / math.factorial(n)) for n in range(2, 14, 2))
+_S3, _S5, _S7, _S9, _S11 = (np.float32((-1) ** (n // 2) / math.factorial(n)) for n in range(3, 13, 2))
+
+
+@part
+def _left(settling: Float32, age: Float32, joint: int, left: Float32, start: int, stop: int) -> None:
+    """What is left of the difference of one joint, rows 0 to 2 of `left`."""
+    for i in range(BLOCK):
+        n = min(start + i, stop - 1)
+        row = settling[n, joint]
+        s = min(max(age[n] / row[DURATION], _ZERO), _ONE)
+        fall = (_ONE - s) * (_ONE - s) * (_ONE - s)
+        value = fall * (_ONE + s * (_THREE + _SIX * s))
+        speed = fall * s * (_ONE + _THREE * s) * row[DURATION]
+        for c in range(3):
+            left[c, i] = value * row[c] + speed * row[3 + c]
+
+
+@part
+def settle_rows(
+    local: Float32, root: Float32, settling: Float32, age: Float32, watched: Int32, start: int, stop: int
+) -> None:
+    """Give a block of dancers what is left of their differences: rotations `local` and hips `root`.
+
+    `settling` (A, J + 1, 7) as the columns say, the last row the way of the hips; `age` (A,) [s] since each dancer's
+    cut; `watched` (joints,) which row belongs to each joint of `local`. With an age of LONGEST nothing is changed.
+    """
+    left = np.empty((3, BLOCK), np.float32)
+    for j in range(local.shape[0]):
+        _left(settling, age, watched[j], left, start, stop)
+        for i in range(BLOCK):
+            rx, ry, rz = left[0, i], left[1, i], left[2, i]
+            s = _QUARTER * (rx * rx + ry * ry + rz * rz)  # half the angle, squared
+            aw = _ONE + s * (_C2 + s * (_C4 + s * (_C6 + s * (_C8 + s * (_C10 + s * _C12)))))
+            part = _HALF * (_ONE + s * (_S3 + s * (_S5 + s * (_S7 + s * (_S9 + s * _S11)))))
+            ax, ay, az = part * rx, part * ry, part * rz
+            w, x, y, z = local[j, 0, i], local[j, 1, i], local[j, 2, i], local[j, 3, i]
+            local[j, 0, i] = aw * w - ax * x - ay * y - az * z
+            local[j, 1, i] = aw * x + ax * w + ay * z - az * y
+            local[j, 2, i] = aw * y - ax * z + ay * w + az * x
+            local[j, 3, i] = aw * z + ax * y - ay * x + az * w
+    _left(settling, age, settling.shape[1] - 1, left, start, stop)
+    for c in range(3):
+        for i in range(BLOCK):
+            root[c, i] += left[c, i]
+
+
+@kernel("void(f8[::1], f4[:,::1], i8, i8)")
+def _parent_seen(out: Float64, world: Float32, joint: int, parent: int) -> None:
+    """Rotation of `joint` in the axes of its parent, or of the stage if there is none (parent -1), into out (4,)."""
+    bw, bx, by, bz = world[joint, 0], world[joint, 1], world[joint, 2], world[joint, 3]
+    aw, ax, ay, az = 1.0, 0.0, 0.0, 0.0
+    if parent >= 0:
+        aw, ax, ay, az = world[parent, 0], -world[parent, 1], -world[parent, 2], -world[parent, 3]
+    out[0] = aw * bw - ax * bx - ay * by - az * bz
+    out[1] = aw * bx + ax * bw + ay * bz - az * by
+    out[2] = aw * by - ax * bz + ay * bw + az * bx
+    out[3] = aw * bz + ax * by - ay * bx + az * bw
+
+
+@kernel("void(f8[::1], f8[::1], f8[::1])")
+def _away(out: Float64, one: Float64, other: Float64) -> None:
+    """The rotation that leads from `other` to `one`, both seen by their parent: one times other's inverse."""
+    aw, ax, ay, az = one[0], one[1], one[2], one[3]
+    bw, bx, by, bz = other[0], -other[1], -other[2], -other[3]
+    out[0] = aw * bw - ax * bx - ay * by - az * bz
+    out[1] = aw * bx + ax * bw + ay * bz - az * by
+    out[2] = aw * by - ax * bz + ay * bw + az * bx
+    out[3] = aw * bz + ax * by - ay * bx + az * bw
+
+
+@kernel("f8(f8[::1])")
+def _vector_scale(q: Float64) -> float:
+    """What makes the rotation vector [rad] of q's last three numbers; up to a whole turn, by q's sign."""
+    size = math.sqrt(q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    if size < 1e-9:
+        return 2.0 if q[0] >= 0.0 else -2.0
+    return 2.0 * math.atan2(size, q[0]) / size
+
+
+@kernel("f8(f4[::1])")
+def fading_time(row: Float32) -> float:
+    """How long a difference fades [s] that begins with the offset and speed in `row` (7,)."""
+    size, towards = 0.0, 0.0
+    for c in range(3):
+        size += row[c] * row[c]
+        towards -= row[c] * row[3 + c]
+    if towards <= 0.0:
+        return LONGEST
+    return min(max(2.5 * size / towards, SHORTEST), LONGEST)  # 2.5 |x0| / (speed towards 0)
+
+
+@kernel("void(f4[:,:,::1], i4[::1], f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,:,::1], i4[::1], f8)")
+def keep_difference(
+    settling: Float32, rows: Int32,
+    before: Float32, before_position: Float32, after: Float32, after_position: Float32,
+    parents: Int32, dt: float,
+) -> None:  # fmt: skip
+    """Note what a cut takes away from the dancers `rows` (n,): the difference of their poses and its speed.
+
+    `before` and `after` (2, n, J, 4): world rotations of the old and the new motion, [0] at the cut and [1] `dt` [s]
+    from it (before it where dt is above 0, after it where it is below); with `_position` (2, n, J, 3) [m].
+    """
+    old, new = np.empty(4), np.empty(4)
+    now, then = np.empty(4), np.empty(4)
+    joints = parents.shape[0]
+    for k in range(rows.shape[0]):
+        n = rows[k]
+        for j in range(joints):
+            _parent_seen(old, before[0, k], j, parents[j])
+            _parent_seen(new, after[0, k], j, parents[j])
+            _away(now, old, new)
+            _parent_seen(old, before[1, k], j, parents[j])
+            _parent_seen(new, after[1, k], j, parents[j])
+            _away(then, old, new)
+            if now[0] < 0.0:
+                now[:] = -now
+            if now[0] * then[0] + now[1] * then[1] + now[2] * then[2] + now[3] * then[3] < 0.0:
+                then[:] = -then
+            scale, scale_then = _vector_scale(now), _vector_scale(then)
+            for c in range(3):
+                settling[n, j, c] = scale * now[1 + c]
+                settling[n, j, 3 + c] = (scale * now[1 + c] - scale_then * then[1 + c]) / dt
+            settling[n, j, DURATION] = fading_time(settling[n, j])
+        for c in range(3):
+            away = before_position[0, k, 0, c] - after_position[0, k, 0, c]
+            settling[n, joints, c] = away
+            settling[n, joints, 3 + c] = (away - (before_position[1, k, 0, c] - after_position[1, k, 0, c])) / dt
+        settling[n, joints, DURATION] = fading_time(settling[n, joints])
+
+
+@kernel("b1(f4[::1], f8[::1], f8)")
+def age_cuts(age: Float32, began: Float64, time: float) -> bool:
+    """Let `age` (A,) [s] be the time since cuts that `began` (A,) [s], LONGEST at most; whether any is younger."""
+    young = False
+    for n in range(age.shape[0]):
+        age[n] = min(max(time - began[n], 0.0), LONGEST)
+        young |= age[n] < np.float32(LONGEST)
+    return young

@@ -1,0 +1,214 @@
+"""PosePipeline: preallocated questions and answers of the pose kernels for A dancers."""
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.foot_contact import TOES_OVER_SOLE
+from live.motion.pose.inertialization import at_rest
+from live.motion.pose.inertialization_kernels import LONGEST
+from live.motion.pose.legs_kernels import FEET_COLUMNS, TOES
+from live.motion.pose.posing_kernels import pose_dancers
+from live.motion.pose.sample_kernels import BLOCK
+from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+LEG_NAMES: Final = tuple(
+    side + joint for side in ("left", "right") for joint in ("UpperLeg", "LowerLeg", "Foot", "Toes")
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseSkeleton:
+    """What the kernels must know of a skeleton of J joints."""
+
+    offsets: Float32
+    """Shape (J, 3) [m]."""
+    parents: Int32
+    """Shape (J,); a parent comes before its children."""
+    body: Int32
+    """UPPER_FIRST, UPPER_LAST, CHEST, HEAD as in the kernels, shape (4,)."""
+    legs: Int32
+    """Hip, knee, ankle and toes of the left and the right leg, shape (8,); empty if feet are never locked."""
+
+    @classmethod
+    @cache
+    def whole(cls) -> "PoseSkeleton":
+        """The engine's skeleton."""
+        upper = [SKELETON.index(name) for name in SKELETON.names if name != "hips" and name not in LEG_NAMES]
+        if upper != list(range(upper[0], upper[-1] + 1)):
+            raise AssertionError("the joints of the upper body must follow each other")
+        return cls(
+            offsets=np.array(SKELETON.offsets),
+            parents=np.array(SKELETON.parents),
+            body=np.array([upper[0], upper[-1] + 1, SKELETON.index("upperChest"), SKELETON.index("head")], np.int32),
+            legs=np.array([SKELETON.index(name) for name in LEG_NAMES], np.int32),
+        )
+
+    @classmethod
+    @cache
+    def legs_only(cls) -> tuple["PoseSkeleton", Int32]:
+        """Hips and legs alone, 9 joints, and which of the engine's joints they are, (9,)."""
+        joints = np.array([0, *(SKELETON.index(name) for name in LEG_NAMES)], np.int32)
+        place = {int(joint): row for row, joint in enumerate(joints)}
+        parents = [-1 if joint == 0 else place[int(SKELETON.parents[joint])] for joint in joints]
+        legs = cls(
+            offsets=np.ascontiguousarray(SKELETON.offsets[joints]),
+            parents=np.array(parents, np.int32),
+            body=np.array([len(joints), len(joints), -1, -1], np.int32),
+            legs=np.zeros(0, np.int32),
+        )
+        return legs, joints
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ClipStore:
+    """All clips one after another, as the kernels read them: S samples, N nodes."""
+
+    root: Float32
+    """Hips [m], shape (S, 3)."""
+    rotation: Float32
+    """Local rotations, shape (S, J, 4); within a clip neighbours have one sign, and clips that are blended the signs
+    between which a body bends (see `slerp_rows`)."""
+    mean: Float32
+    """Mean pose of each node, shape (N, J, 4), with its clip's signs; what amplitude is measured from (T058)."""
+
+    @classmethod
+    def of(cls, root: Float32, rotation: Float32, mean: Float32 | None = None) -> "ClipStore":
+        """Arrays of any layout; without mean poses amplitude means nothing."""
+        if mean is None:
+            mean = np.zeros((1, *rotation.shape[1:]), np.float32)
+            mean[..., 0] = 1.0
+        arrays = (np.require(array, np.float32, ["C", "W"]) for array in (root, rotation, mean))
+        return cls(*arrays)
+
+
+def mean_pose(rotation: Float32) -> Float32:
+    """Mean rotation of each joint over the samples, (J, 4) from (T, J, 4): the mean in log space about its own centre.
+
+    The rotation that maximises the summed squared cosine (an eigenvector) starts it; one step in log space makes it
+    the mean of q_mean^-1 q that T058 asks for. Its sign is that of the first sample.
+    """
+    q = rotation.astype(np.float64)
+    moments = np.einsum("tja,tjb->jab", q, q)
+    centre = np.linalg.eigh(moments)[1][..., -1]
+    away = quaternion.mul(quaternion.inverse(centre), q)
+    away = np.where(away[..., :1] < 0.0, -away, away)
+    size = np.linalg.norm(away[..., 1:], axis=-1, keepdims=True)
+    turns = away[..., 1:] * np.where(size > 1e-9, 2.0 * np.arctan2(size, away[..., :1]) / np.maximum(size, 1e-9), 2.0)
+    turn = turns.mean(axis=0)
+    angle = np.linalg.norm(turn, axis=-1)
+    axis = turn / np.maximum(angle, 1e-12)[..., None]
+    centre = quaternion.mul(centre, quaternion.from_axis_angle(axis, angle))
+    sign = np.where(np.sum(centre * q[0], axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
+    return np.asarray(sign * centre, np.float32)
+
+
+class PosePipeline:
+    """Fill the public arrays, then call `run`. Nothing is allocated per frame but the blocks' few kilobytes."""
+
+    def __init__(self, dancer_count: int, skeleton: PoseSkeleton | None = None, *, threads: int = 1) -> None:
+        self.skeleton = skeleton if skeleton is not None else PoseSkeleton.whole()
+        joints, count = len(self.skeleton.parents), dancer_count
+        self.sample: Float64 = np.zeros((4, count))
+        """Fractional samples of the clips PRESENT, PRESENT_TAKE, NEXT and NEXT_TAKE, shape (4, A)."""
+        self.placement: Float64 = np.zeros((4, count, 4))
+        """Where these clips lie: x, z [m], yaw of the path, yaw of the body [rad], shape (4, A, 4)."""
+        self.share: Float32 = np.zeros((5, count), np.float32)
+        """Shares LOWER, UPPER, INTO_NEXT, NEXT_LOWER and NEXT_UPPER, 0 to 1, shape (5, A)."""
+        self.mean: Int32 = np.zeros((2, count), np.int32)
+        """Nodes whose mean poses the amplitude is about: of the present and of the next clip, shape (2, A)."""
+        self.amplitude: Float32 = np.ones(count, np.float32)
+        """Amplitude of the upper body, 1 as recorded, shape (A,) (T058)."""
+        self.head: Float32 = np.zeros(count, np.float32)
+        """How far the head turns to the public, 0 to 1, shape (A,) (T123-T125)."""
+        self.feet: Float32 = np.zeros((count, 2, FEET_COLUMNS), np.float32)
+        """Foot lock, columns as in legs/kernels.py; the legs are left as they are unless `lock` is set."""
+        self.lock = False
+        self.settling: Float32 = at_rest(1, joints)
+        """What dancers keep of motions they were cut out of, (A, rows, 7) as in inertia/kernels.py; read where `age` is
+        below LONGEST only."""
+        self.age: Float32 = np.full(count, LONGEST, np.float32)
+        """How long ago they were cut out of them [s], shape (A,)."""
+        self.watched: Int32 = np.arange(joints, dtype=np.int32)
+        """Which row of `settling` belongs to each joint, shape (J,)."""
+        self.position: Float32 = np.zeros((count, joints, 3), np.float32)
+        """World positions of the joints [m], shape (A, J, 3)."""
+        self.rotation: Float32 = np.zeros((count, joints, 4), np.float32)
+        """World rotations of the joints, shape (A, J, 4)."""
+        self._soles = np.array([SOLE_BELOW_ANKLE, TOES_OVER_SOLE], np.float32)
+        self._count = count
+        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
+        self._parts = _parts(count, threads)
+
+    def is_whole(self) -> bool:
+        """Whether all arrays are of as many dancers as it is for, so that the kernels can be run on them."""
+        count, joints = self._count, len(self.skeleton.parents)
+        shapes = (
+            (self.sample, (4, count)), (self.placement, (4, count, 4)), (self.share, (5, count)),
+            (self.mean, (2, count)), (self.amplitude, (count,)), (self.head, (count,)),
+            (self.feet, (count, 2, FEET_COLUMNS)), (self.age, (count,)), (self.watched, (joints,)),
+            (self.position, (count, joints, 3)), (self.rotation, (count, joints, 4)),
+        )  # fmt: skip
+        parts = all(0 <= begin <= end <= count for begin, end in self._parts)
+        return parts and all(array.shape == shape for array, shape in shapes)
+
+    def run(
+        self,
+        clips: ClipStore,
+        out: tuple[npt.NDArray[Any], npt.NDArray[Any]] | None = None,
+        *,
+        alone: Sequence[int] | None = None,
+    ) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
+        """World positions (A, J, 3) [m] and rotations (A, J, 4); into `out` if given, else into the pipeline's own.
+
+        Of the blocks that hold the dancers in `alone`, if it is given, and of no others.
+        """
+        position, rotation = out if out is not None else (self.position, self.rotation)
+        if not self.lock:
+            self.feet[:, :, TOES] = -1.0
+        skeleton = self.skeleton
+
+        def part(begin: int, end: int) -> None:
+            pose_dancers(
+                position, rotation, clips.root, clips.rotation, clips.mean,
+                self.sample, self.placement, self.share, self.mean, self.amplitude, self.head, self.feet,
+                self.settling, self.age, self.watched,
+                skeleton.offsets, skeleton.parents, skeleton.body, skeleton.legs, self._soles, begin, end,
+            )  # fmt: skip
+
+        if alone is None:
+            self._share_out(part)
+        else:
+            for begin in sorted({row - row % BLOCK for row in alone}):
+                part(begin, min(begin + BLOCK, self._count))
+        return position, rotation
+
+    def close(self) -> None:
+        """End the threads, if there are any."""
+        if self._pool is not None:
+            self._pool.shutdown()
+
+    def _share_out(self, part: Callable[[int, int], None]) -> None:
+        if self._pool is None:
+            part(0, self._count)
+            return
+        for done in [self._pool.submit(part, begin, end) for begin, end in self._parts]:
+            done.result()
+
+
+def _parts(count: int, threads: int) -> list[tuple[int, int]]:
+    """Whole blocks shared out evenly."""
+    blocks = -(-count // BLOCK)
+    edges = [min(count, BLOCK * (blocks * part // threads)) for part in range(threads + 1)]
+    return [(begin, end) for begin, end in pairwise(edges) if end > begin]

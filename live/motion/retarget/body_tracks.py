@@ -1,0 +1,137 @@
+"""BodyTracks: where the body of a recording is at each frame, in metres, Y up, whatever the file's units and axes."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.formats.file_error import MotionFileError
+from live.motion.formats.source_axes import (
+    BODY_HEIGHT_RANGE,
+    ENGINE_LEG,
+    body_height,
+    find_unit,
+    leg_length,
+    standing_pose,
+)
+from live.motion.formats.source_motion import Float64, SourceMotion, UpAxis
+from live.motion.formats.source_pose import end_positions
+from live.motion.retarget.joint_mapping import SourceBody, find_body
+
+Float = npt.NDArray[np.floating]
+Int = npt.NDArray[np.int64]
+
+SIDES: Final = ("left", "right")
+PALM: Final = 0.5
+"""Part of the way from the wrist to the hand's tip where palms meet."""
+_Z_UP_TO_Y_UP: Final = np.array((np.sqrt(0.5), -np.sqrt(0.5), 0.0, 0.0))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BodyTracks:
+    """B joints of the body (fingers, eyes and helpers are left out) and the ends of its limbs over T frames."""
+
+    body: SourceBody
+    names: tuple[str, ...]
+    """Names of the B joints in the file."""
+    joints: Int
+    """Which joints of the file they are, ascending, shape (B,)."""
+    positions: Float64
+    """In the world [m], Y up, shape (T, B, 3)."""
+    rotation: Float64
+    """Relative to the parent, as in the file, shape (T, B, 4)."""
+    palms: Float64
+    """Middle of the left and the right hand [m], shape (T, 2, 3)."""
+    ankles: Float64
+    """Left and right [m], shape (T, 2, 3)."""
+    toes: Float64
+    """Left and right, the ankle where the file has none [m], shape (T, 2, 3)."""
+    rate: float
+    """Frames per second, as used."""
+    unit_m: float
+    """Metres per file unit, as used."""
+
+    @property
+    def frame_count(self) -> int:
+        """Number of frames T."""
+        return int(self.positions.shape[0])
+
+    def column(self, name: str) -> int | None:
+        """Place of one of the engine's joints among the B, or None."""
+        joint = self.body.joints[name]
+        return None if joint is None else int(np.searchsorted(self.joints, joint))
+
+
+def body_tracks(
+    motion: SourceMotion, *, fps: float | None = None, up: UpAxis | None = None, unit_m: float | None = None
+) -> BodyTracks:
+    """The body's tracks; what is not given (true rate, axis, unit) is as the file says it, or found.
+
+    Where no unit makes a believable person, the body is taken for one with the engine's legs. Raises MotionFileError
+    if the skeleton is no body.
+    """
+    body = find_body(motion)
+    if body.missing:
+        raise MotionFileError(motion.file, None, f"no joints found for {', '.join(body.missing)}", "a body expected")
+    world, axis = standing_pose(motion, body, up)
+    leg = leg_length(body, world.positions)
+    if not leg > 1e-6 or not np.isfinite(leg):
+        raise MotionFileError(motion.file, None, "the legs have no length", "a body expected")
+    unit = unit_m or _believable(motion.unit_m, leg) or find_unit(leg) or ENGINE_LEG / leg
+    ends = end_positions(motion, world)
+
+    def metres(points: Float) -> Float64:
+        turned = quaternion.rotate(_Z_UP_TO_Y_UP, points) if axis == "Z" else points
+        return np.asarray(turned * unit, np.float64)
+
+    parts = {j for j in body.joints.values() if j is not None} | set(body.spine) | set(body.neck)
+    joints = np.array(sorted(parts), np.int64)
+    tips = [_tip(motion, body, side, world.positions, ends) for side in SIDES]
+    wrists = [
+        tips[n] if (j := body.joints[side + "Hand"]) is None else world.positions[:, j] for n, side in enumerate(SIDES)
+    ]
+    ankles = np.stack([world.positions[:, body.joint(side + "Foot")] for side in SIDES], axis=1)
+    toes = np.stack([_toes(motion, body, side, world.positions, ends) for side in SIDES], axis=1)
+    hands = np.stack([(1.0 - PALM) * wrist + PALM * tip for wrist, tip in zip(wrists, tips, strict=True)], axis=1)
+    return BodyTracks(
+        body=body,
+        names=tuple(motion.names[j] for j in joints),
+        joints=joints,
+        positions=metres(world.positions[:, joints]),
+        rotation=np.ascontiguousarray(motion.rotation[:, joints], np.float64),
+        palms=metres(hands),
+        ankles=metres(ankles),
+        toes=metres(toes),
+        rate=fps or motion.header_fps,
+        unit_m=float(unit),
+    )
+
+
+def _believable(unit: float | None, leg: float) -> float | None:
+    """The unit that the format fixes, unless it makes a giant or a dwarf: files in centimetres say metres, too."""
+    low, high = BODY_HEIGHT_RANGE
+    return unit if unit is not None and low <= body_height(leg) * unit <= high else None
+
+
+def _tip(motion: SourceMotion, body: SourceBody, side: str, positions: Float, ends: Float) -> Float64:
+    """Mean of what hangs on the hand without the thumb, (T, 3); the hand (or lower arm) itself if nothing does."""
+    hand = body.joints[side + "Hand"]
+    return _hanging(motion, body.joint(side + "LowerArm") if hand is None else hand, positions, ends)
+
+
+def _toes(motion: SourceMotion, body: SourceBody, side: str, positions: Float, ends: Float) -> Float64:
+    toes = body.joints[side + "Toes"]
+    return (
+        np.asarray(positions[:, toes], np.float64)
+        if toes is not None
+        else _hanging(motion, body.joint(side + "Foot"), positions, ends)
+    )
+
+
+def _hanging(motion: SourceMotion, joint: int, positions: Float, ends: Float) -> Float64:
+    children = [c for c in np.flatnonzero(motion.parents == joint) if "thumb" not in motion.names[c].lower()]
+    places = [positions[:, c] for c in children] + [ends[:, e] for e in np.flatnonzero(motion.end_parents == joint)]
+    distant = [place for place in places if np.median(np.linalg.norm(place - positions[:, joint], axis=-1)) > 1e-9]
+    return np.asarray(np.mean(distant, axis=0), np.float64) if distant else np.asarray(positions[:, joint], np.float64)

@@ -1,0 +1,51 @@
+"""Where a recording's floor is, and where the hips go so that the feet that carry stay put on it."""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.retarget.rest_pose_alignment import SIDES, SourcePoints
+from live.motion.skeleton import SKELETON
+
+Float = npt.NDArray[np.floating]
+
+SUPPORT_HEIGHT: Final = 0.05
+"""A foot this high [m] over its floor counts e times less than one on it when the hips are placed."""
+FLOOR_PERCENTILE: Final = 5.0
+FLOATING: Final = 0.08
+"""Where the lowest sole is this high [m] over the floor for half of the time, the recording drifts."""
+DRIFT_WINDOW: Final = 2.0
+"""Seconds within which a foot is sure to come down (a jump lasts less than one)."""
+_HIP_MIDDLE: Final = SKELETON.offsets[SKELETON.index("leftUpperLeg")].astype(np.float64) * (0.0, 1.0, 1.0)
+
+
+def find_floor(lowest: Float, sample_rate: float) -> Float:
+    """Height of the floor [m] at each sample, (T,), from the height `lowest` (T,) of the lowest sole."""
+    floor = np.full(lowest.shape, np.percentile(lowest, FLOOR_PERCENTILE))
+    if np.median(lowest - floor) < FLOATING:
+        return floor
+    half = max(1, round(0.5 * DRIFT_WINDOW * sample_rate))
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(lowest, half, mode="edge"), 2 * half + 1)
+    least = np.pad(windows.min(axis=-1), half, mode="edge")
+    return np.asarray(np.convolve(least, np.full(2 * half + 1, 1.0 / (2 * half + 1)), mode="valid"))
+
+
+def place_hips(points: SourcePoints, world: Float, rotation: Float, scale: float) -> Float:
+    """Where the hips go [m], (T, 3): between the source's hip joints, then moved so that carrying feet stay put.
+
+    Legs of other proportions put the feet a few centimetres beside the source's; the hips take up that difference,
+    weighted by how near each foot is to the floor, and the directions of the bones remain as they are.
+    """
+    root = scale * points.middle("UpperLeg") - quaternion.rotate(world[:, 0], _HIP_MIDDLE)
+    positions, _ = forward_kinematics(root, rotation)
+    total, weights = np.zeros_like(root), np.full((len(root), 1), 1e-9)
+    for side, _ in SIDES:
+        target = scale * points.at(side + "Foot")
+        height = target[:, 1] - np.percentile(target[:, 1], FLOOR_PERCENTILE)
+        weight = np.exp(-np.clip(height / SUPPORT_HEIGHT, 0.0, 15.0))[:, None]
+        total += weight * (target - positions[:, SKELETON.index(side + "Foot")])
+        weights += weight
+    return np.asarray(root + total / weights)

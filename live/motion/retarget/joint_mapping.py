@@ -1,0 +1,200 @@
+"""Which joint of a recording is which joint of the engine: by the words in the names and by the hierarchy.
+
+Names alone do not decide: `LeftShoulder` is the clavicle in one family of files and the upper arm in the next,
+`LeftLeg` the shin beside `LeftUpLeg`, `LeftFoot` the toes beside `LeftAnkle`. So limbs are sought as whole chains, each
+joint below the one before, and the trunk is what lies between the legs' and the arms' common ancestors.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from live.motion.formats.source_motion import SourceMotion
+from live.motion.skeleton import SKELETON
+
+_TOKEN: Final = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", re.ASCII)
+_SIDES: Final = {"left": "left", "l": "left", "right": "right", "r": "right"}
+_HELPERS: Final = ("end", "nub", "tip", "site", "twist", "roll", "effector", "ik", "pole")
+
+# per engine joint the words that may mean it, the surest first
+_LEG: Final[dict[str, tuple[str, ...]]] = {
+    "UpperLeg": ("thigh", "upleg", "upperleg", "femur", "hip"),
+    "LowerLeg": ("shin", "calf", "lowerleg", "lowleg", "loleg", "knee", "tibia", "leg"),
+    "Foot": ("ankle", "foot"),
+}
+_ARM: Final[dict[str, tuple[str, ...]]] = {
+    "UpperArm": ("upperarm", "uparm", "shldr", "humerus", "arm", "shoulder"),
+    "LowerArm": ("forearm", "lowerarm", "lowarm", "loarm", "elbow", "radius"),
+}
+_HAND: Final = ("wrist", "hand")
+_HAND_OF_RADIUS: Final = ("hand", "wrist")
+"""Acclaim skeletons split the forearm: the bone `lwrist` is its last third, and `lhand` begins at the wrist."""
+_TOES: Final = ("toebase", "toes", "toe", "ball", "foot")
+_CLAVICLE: Final = ("clavicle", "collar", "scapula", "shoulder")
+_HEAD: Final = ("head", "face", "skull")
+_ACCLAIM: Final = (
+    "hipjoint", "femur", "tibia", "foot", "toes", "clavicle", "humerus", "radius", "wrist", "hand", "fingers", "thumb",
+)  # fmt: skip
+"""Bones that the Acclaim format names in small letters after an l or r: lfemur."""
+_TRIES: Final = 4
+"""Joints of one name that are tried: a file may hold hundreds, and chains of them would take forever."""
+_REQUIRED: Final = (
+    *(side + joint for side in ("left", "right") for joint in ("UpperLeg", "LowerLeg", "Foot", "UpperArm", "LowerArm")),
+    "hips",  # there are none where a leg is the root
+)
+
+
+@dataclass(frozen=True, slots=True)
+class SourceBody:
+    """The joints of a recording that make up its body, as indices into `SourceMotion.names`."""
+
+    joints: dict[str, int | None]
+    """For each of the engine's 22 joints the source's, or None."""
+    spine: tuple[int, ...]
+    """All joints of the trunk above the hips, bottom up, the last one carries the arms; may be empty."""
+    neck: tuple[int, ...]
+    """All joints between the trunk and the head, bottom up; may be empty."""
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Engine joints without which no motion can be taken over."""
+        return tuple(name for name in _REQUIRED if self.joints[name] is None)
+
+    def joint(self, name: str) -> int:
+        """Source joint of a required engine joint; KeyError if there is none."""
+        index = self.joints[name]
+        if index is None:
+            raise KeyError(name)
+        return index
+
+
+def map_joints(motion: SourceMotion) -> dict[str, str | None]:
+    """For each of the engine's joints the name of the source's joint, or None."""
+    return {name: None if j is None else motion.names[j] for name, j in find_body(motion).joints.items()}
+
+
+def find_body(motion: SourceMotion) -> SourceBody:
+    """Find the body in a recording's skeleton; what is not there is None (see `SourceBody.missing`)."""
+    return find_body_among(motion.names, motion.parents.tolist())
+
+
+def find_body_among(names: Sequence[str], parents: Sequence[int]) -> SourceBody:
+    """The same for joints by their names and parents (-1: none), parents first."""
+    return _BodyFinder(names, parents).find()
+
+
+def split_name(name: str) -> tuple[str, str]:
+    """Side ("left", "right" or "") and stem of a joint's name: "mixamorig:LeftUpLeg" → ("left", "upleg")."""
+    name = name.rsplit(":", 1)[-1]
+    tokens = [token.lower() for token in _TOKEN.findall(name)]
+    side, stem = "", []
+    for place, token in enumerate(tokens):
+        glued = next((word for word in ("left", "right") if token.startswith(word)), "")
+        if not side and token in _SIDES:
+            side = _SIDES[token]
+        elif not side and place == 0 and token[:1] in _SIDES and token[1:] in _ACCLAIM:
+            side = _SIDES[token[:1]]
+            stem.append(token[1:])
+        elif not side and place == 0 and glued:
+            side = glued
+            stem.append(token.removeprefix(glued))
+        else:
+            stem.append(token)
+    if name.startswith("__") or (stem and stem[-1] in _HELPERS) or any(word in ("twist", "roll") for word in stem):
+        return "", ""
+    while len(stem) > 1 and stem[0] in ("bip", "character", "bone", "def", "org", "m", "j", "b"):
+        stem = stem[1:]
+    return side, "".join(stem)
+
+
+class _BodyFinder:
+    def __init__(self, names: Sequence[str], parents: Sequence[int]) -> None:
+        self._parents = list(parents)
+        self._by_name: dict[tuple[str, str], list[int]] = {}
+        for joint, name in enumerate(names):
+            self._by_name.setdefault(split_name(name), []).append(joint)
+
+    def find(self) -> SourceBody:
+        joints: dict[str, int | None] = dict.fromkeys(SKELETON.names)
+        for side in ("left", "right"):
+            self._find_limb(joints, side, _LEG)
+            self._find_limb(joints, side, _ARM)
+            joints[side + "Toes"] = self._below(joints[side + "Foot"], side, _TOES)
+            radius = joints[side + "LowerArm"] in self._by_name.get((side, "radius"), [])
+            joints[side + "Hand"] = self._below(joints[side + "LowerArm"], side, _HAND_OF_RADIUS if radius else _HAND)
+            joints[side + "Shoulder"] = self._clavicle(joints[side + "UpperArm"], side)
+        hips = self._common(joints["leftUpperLeg"], joints["rightUpperLeg"])
+        joints["hips"] = hips
+        chest = self._common(
+            joints["leftShoulder"] if joints["leftShoulder"] is not None else joints["leftUpperArm"],
+            joints["rightShoulder"] if joints["rightShoulder"] is not None else joints["rightUpperArm"],
+        )
+        below = [] if hips is None else self._path(hips)
+        spine = self._until(chest, below)
+        head = self._below(hips if chest is None else self._path(chest)[-1], "", _HEAD)
+        neck = self._until(self._parent(head), [*below, *spine])
+        self._name_trunk(joints, spine, neck, head)
+        return SourceBody(joints, tuple(spine), tuple(neck))
+
+    @staticmethod
+    def _name_trunk(joints: dict[str, int | None], spine: list[int], neck: list[int], head: int | None) -> None:
+        if spine:
+            joints["spine"] = spine[0]
+        if len(spine) == 2:
+            joints["chest"] = spine[1]
+        elif len(spine) > 2:
+            joints["chest"], joints["upperChest"] = spine[len(spine) // 2], spine[-1]
+        joints["neck"], joints["head"] = (neck[0] if neck else None), head
+
+    def _find_limb(self, joints: dict[str, int | None], side: str, words: dict[str, tuple[str, ...]]) -> None:
+        chain = self._chain(None, side, list(words.values()))
+        for name, joint in zip(words, chain or [], strict=False):
+            joints[side + name] = joint
+
+    def _chain(self, above: int | None, side: str, words: list[tuple[str, ...]]) -> list[int] | None:
+        """The first joints that bear one word of each kind and hang below each other."""
+        if not words:
+            return []
+        for word in words[0]:
+            for joint in self._by_name.get((side, word), [])[:_TRIES]:
+                if above is None or above in self._path(joint)[1:]:
+                    rest = self._chain(joint, side, words[1:])
+                    if rest is not None:
+                        return [joint, *rest]
+        return None
+
+    def _below(self, above: int | None, side: str, words: tuple[str, ...]) -> int | None:
+        found = None if above is None else self._chain(above, side, [words])
+        return found[0] if found else None
+
+    def _clavicle(self, arm: int | None, side: str) -> int | None:
+        if arm is None:
+            return None
+        above = self._path(arm)[1:]
+        return next((j for word in _CLAVICLE for j in self._by_name.get((side, word), []) if j in above), None)
+
+    def _parent(self, joint: int | None) -> int | None:
+        return None if joint is None or self._parents[joint] < 0 else self._parents[joint]
+
+    def _path(self, joint: int) -> list[int]:
+        """The joint and all above it, up to the root."""
+        path = [joint]
+        while self._parents[path[-1]] >= 0:
+            path.append(self._parents[path[-1]])
+        return path
+
+    def _common(self, a: int | None, b: int | None) -> int | None:
+        """The lowest joint above both."""
+        if a is None or b is None:
+            return None
+        above = set(self._path(b)[1:])
+        return next((joint for joint in self._path(a)[1:] if joint in above), None)
+
+    def _until(self, joint: int | None, stop: list[int]) -> list[int]:
+        """From below `stop` (not with it) to `joint`, bottom up; empty without a joint."""
+        chain: list[int] = []
+        while joint is not None and joint not in stop:
+            chain.insert(0, joint)
+            joint = self._parent(joint)
+        return chain

@@ -1,1 +1,0 @@
-"""Corrections aimed anew within the measure: by what agents strayed, and smoothly from tick to tick."""

@@ -1,0 +1,211 @@
+"""From the channels and foot tracks of a sketch to a pose for every sample: pelvis, spine, head, arms, legs."""
+
+import math
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.curve import followed, hermite, monotone_slopes, smoothed, soft_min
+from live.motion.skeleton import JOINT_COUNT, SKELETON
+from live.motion.sketch.foot_trajectories import HOME_FORWARD, FootTrack
+from live.motion.sketch.motion_sketch_pose import (
+    X_AXIS,
+    Y_AXIS,
+    Z_AXIS,
+    Ground,
+    Pose,
+    about,
+    joint_index,
+    offset_of,
+    share_of,
+    stride_of,
+    turned,
+)
+from live.motion.sketch.sketch_arms import pose_arm
+from live.motion.sketch.sketch_channels import SAMPLES_PER_BEAT, Channels, closed
+from live.motion.sketch.sketch_file import Sketch
+from live.motion.two_bone_ik import SOFTNESS, bone_rotation, hinge_axis, two_bone
+
+Float = npt.NDArray[np.floating]
+
+STANDING: Final = float(SKELETON.offsets[0, 1]) - 0.03
+"""Height of the hips in the neutral stance, knees soft [m]."""
+GRAVITY: Final = 9.81
+_SHIFT: Final = 0.55
+"""Share of the way from the middle to the standing foot that the pelvis takes."""
+_WIDEST: Final = 0.62
+"""How far a foot may stand to the side of the pelvis [m]."""
+_LEFT_RIGHT: Final = ((1.0, "left"), (-1.0, "right"))
+
+
+def pose_body(sketch: Sketch, ground: Ground) -> tuple[Float, Float, Float]:
+    """Root positions (T, 3) and local rotations (T, J, 4) of the whole dancer, at all samples of `ground`.
+
+    The third is how far each ankle stays short of its place [m], (T, 2), left and right.
+    """
+    count = len(ground.beats)
+    pose = Pose(np.zeros((count, JOINT_COUNT, 3)), np.zeros((count, JOINT_COUNT, 4)))
+    pelvis = Channels(sketch, "pelvis", ground.beats)
+    _pose_pelvis(sketch, ground, pelvis, pose)
+    _pose_trunk(sketch, ground, pelvis, pose)
+    for side, name in _LEFT_RIGHT:
+        pose_arm(sketch, ground, pose, side, name)
+    short = [_pose_leg(track, pose, name) for track, name in ((ground.left, "left"), (ground.right, "right"))]
+    parents = SKELETON.parents[1:]
+    local = pose.rotation.copy()
+    local[:, 1:] = quaternion.mul(quaternion.inverse(pose.rotation[:, parents]), pose.rotation[:, 1:])
+    return pose.position[:, 0].copy(), quaternion.continuous(quaternion.unit(local)), np.stack(short, axis=1)
+
+
+# --- pelvis ------------------------------------------------------------------------------------------------------
+
+
+def _pose_pelvis(sketch: Sketch, ground: Ground, pelvis: Channels, pose: Pose) -> None:
+    stride = smoothed(stride_of(ground), 0.1 * SAMPLES_PER_BEAT)
+    weight = smoothed(ground.balance, 0.12 * SAMPLES_PER_BEAT)
+    turn = pelvis["turn"] - 0.16 * np.tanh(stride / 0.45)
+    tilt = pelvis["tilt"] - (0.0 if "tilt" in pelvis.named else math.radians(3.5) * weight)
+    rotation = turned(ground.facing + turn, pelvis["lean"], tilt)
+    position = np.empty((len(ground.beats), 3))
+    middle = 0.5 * (ground.left.ground + ground.right.ground)
+    apart = 0.5 * (ground.left.ground - ground.right.ground)
+    sideways = np.zeros(1) if "left" in pelvis.named else weight
+    if np.ptp(ground.facing) < 1.0:
+        # the weight goes over the standing foot sideways; forwards only the middle of both feet is followed
+        side = np.stack((np.cos(ground.facing), -np.sin(ground.facing)), axis=1)
+        apart = side * np.sum(apart * side, axis=1, keepdims=True)
+    over = smoothed(_SHIFT * apart * np.reshape(sideways, (-1, 1)), 0.05 * SAMPLES_PER_BEAT)
+    # in a wide stance it stays near enough to the middle for both legs to reach the floor
+    room = np.maximum(_WIDEST - np.linalg.norm(apart, axis=1, keepdims=True), 0.02)
+    over = over * room / (room**4 + np.sum(over * over, axis=1, keepdims=True) ** 2) ** 0.25
+    middle = smoothed(middle, 0.22 * SAMPLES_PER_BEAT) + over
+    shift = np.stack((pelvis["left"], np.zeros(len(ground.beats)), pelvis["forward"] - HOME_FORWARD), axis=1)
+    shift = quaternion.rotate(about(Y_AXIS, ground.facing), shift)
+    position[:, 0] = middle[:, 0] + shift[:, 0]
+    position[:, 2] = middle[:, 1] + shift[:, 2]
+    height = STANDING + _rise(sketch, ground, pelvis)
+    ahead = -0.25 * np.clip(STANDING - height, 0.0, 0.25)  # who bends her knees takes the seat back
+    position[:, 0] += ahead * np.sin(ground.facing)
+    position[:, 2] += ahead * np.cos(ground.facing)
+    for track, name in ((ground.left, "left"), (ground.right, "right")):
+        height = soft_min(height, _reach(track, name, position, rotation), 0.008)
+    position[:, 1] = height
+    pose.position[:, 0] = position
+    pose.rotation[:, 0] = rotation
+
+
+def _rise(sketch: Sketch, ground: Ground, pelvis: Channels) -> Float:
+    """Height of the pelvis over the neutral stance [m], with free flight where both feet are in the air."""
+    beats = ground.beats
+    keys = [(key.beat, key.amounts.get("up", 0.0)) for key in pelvis.keys if {"up", "neutral"} & set(key.amounts)]
+    if not ground.flights:
+        if "up" in pelvis.named:
+            return pelvis["up"]
+        if not sketch.cyclic:
+            return np.zeros(len(beats))
+        return np.asarray(-sketch.bounce * (0.5 + 0.5 * np.cos(2.0 * np.pi * beats)))
+    if keys:
+        times, values = closed(sketch, keys, beats)
+        knots = list(zip(times, values, strict=True))
+    else:
+        knots = [
+            (at, v)
+            for a, b in ground.flights
+            for at, v in ((a - 1.1, 0.0), (a - 0.4, -0.1), (b + 0.4, -0.1), (b + 1.1, 0.0))
+        ]
+    knots = [(at, v) for at, v in knots if not any(a - 0.12 < at < b + 0.12 for a, b in ground.flights)]
+    per_beat = 60.0 / sketch.bpm
+    ends = {
+        at: sign * 0.5 * GRAVITY * (b - a) * per_beat * per_beat
+        for a, b in ground.flights
+        for at, sign in ((a, 1.0), (b, -1.0))
+    }
+    knots = sorted(knots + [(at, 0.02) for at in ends])
+    table = np.array(knots)
+    slopes = monotone_slopes(table[:, 0], table[:, 1])
+    for index, (at, _) in enumerate(knots):
+        slopes[index] = ends.get(at, slopes[index])
+    return smoothed(hermite(table[:, 0], table[:, 1], slopes, beats), 0.02 * SAMPLES_PER_BEAT)
+
+
+def _ankle(track: FootTrack) -> tuple[Float, Float]:
+    """World position of the ankle (T, 3) and rotation of the foot (T, 4), rolled over ball and heel."""
+    yaw = about(Y_AXIS, track.yaw)
+    heel_to_ball, ball_to_ankle = np.array((0.0, 0.02, 0.18)), -offset_of("leftToes")
+    toe = about(X_AXIS, -track.toe)
+    rotation = quaternion.mul(yaw, quaternion.mul(about(X_AXIS, track.heel), toe))
+    ball = np.stack((track.ball[:, 0], track.height + 0.02, track.ball[:, 1]), axis=1)
+    ball = ball + quaternion.rotate(yaw, quaternion.rotate(toe, heel_to_ball) - heel_to_ball)
+    ball[:, 1] += 0.06 * np.sin(track.heel) * (1.0 - track.firm)
+    return ball + quaternion.rotate(rotation, ball_to_ankle), rotation
+
+
+def _leg_length() -> tuple[float, float]:
+    return float(-offset_of("leftLowerLeg")[1]), float(-offset_of("leftFoot")[1])
+
+
+def _reach(track: FootTrack, name: str, pelvis: Float, rotation: Float) -> Float:
+    """The greatest height of the pelvis at which this leg still reaches its place [m], (T,)."""
+    hip = quaternion.rotate(rotation, offset_of(f"{name}UpperLeg"))
+    ankle, _ = _ankle(track)
+    away = ankle - pelvis - hip
+    reach = (1.0 - 1.05 * SOFTNESS) * sum(_leg_length())
+    room = np.maximum(reach**2 - away[:, 0] ** 2 - away[:, 2] ** 2, 0.09)
+    return np.asarray(ankle[:, 1] + np.sqrt(room) - hip[:, 1] + 0.4 * track.free)
+
+
+def _pose_leg(track: FootTrack, pose: Pose, name: str) -> Float:
+    ankle, foot = _ankle(track)
+    _, pelvis = pose.of("hips")
+    ahead = quaternion.unit(quaternion.rotate(foot, Z_AXIS) * (1.0, 0.0, 1.0))
+    front = quaternion.unit(quaternion.rotate(pelvis, Z_AXIS) * (1.0, 0.0, 1.0))
+    pole = quaternion.unit(0.65 * ahead + 0.35 * front) + 0.5 * Y_AXIS
+    upper, lower = _leg_length()
+    hip = pose.attach(f"{name}UpperLeg", foot)
+    knee, end = two_bone(hip, ankle, pole, upper=upper, lower=lower)
+    hinge = hinge_axis(hip, ankle, pole)
+    pose.rotation[:, joint_index(f"{name}UpperLeg")] = bone_rotation(knee - hip, hinge, -Y_AXIS, -X_AXIS)
+    pose.attach(f"{name}LowerLeg", bone_rotation(end - knee, hinge, -Y_AXIS, -X_AXIS))
+    pose.attach(f"{name}Foot", foot)
+    bend = track.heel * (0.3 + 0.7 * track.firm)
+    pose.attach(f"{name}Toes", quaternion.mul(foot, about(X_AXIS, -bend)))
+    return np.asarray(np.linalg.norm(end - ankle, axis=1))
+
+
+# --- spine and head ----------------------------------------------------------------------------------------------
+
+
+def _pose_trunk(sketch: Sketch, ground: Ground, pelvis: Channels, pose: Pose) -> None:
+    beats = ground.beats
+    chest, head = Channels(sketch, "chest", beats), Channels(sketch, "head", beats)
+    stride = smoothed(stride_of(ground), 0.1 * SAMPLES_PER_BEAT)
+    weight = followed(ground.balance, 0.5 * SAMPLES_PER_BEAT, 0.7)
+    height = pose.position[:, 0, 1]
+    drop = followed(STANDING - np.clip(height, STANDING - 0.15, STANDING + 0.05), 0.45 * SAMPLES_PER_BEAT, 0.55)
+    turn = chest["turn"] + 0.20 * np.tanh(stride / 0.45) + 0.15 * pelvis["turn"]
+    lean = chest["lean"] + math.radians(1.0) + 0.6 * drop + 0.3 * pelvis["lean"]
+    tilt = chest["tilt"] + math.radians(2.0) * weight + 0.2 * pelvis["tilt"]
+    upright = turned(ground.facing + turn, lean, tilt)
+    _, hips = pose.of("hips")
+    bend = quaternion.mul(quaternion.inverse(hips), upright)
+    # a shift of the rib cage is an S of the spine: bent at its foot, bent back at its top
+    side, front = (
+        np.arcsin(np.clip(chest["left"] / 0.245, -0.8, 0.8)),
+        np.arcsin(np.clip(chest["forward"] / 0.25, -0.8, 0.8)),
+    )
+    shift = quaternion.mul(about(X_AXIS, front), about(Z_AXIS, -side))
+    low = quaternion.mul(quaternion.mul(hips, share_of(bend, 0.3)), shift)
+    pose.attach("spine", low)
+    pose.attach("chest", quaternion.mul(low, share_of(bend, 0.35)))
+    pose.attach("upperChest", upright)
+    nod = 0.9 * followed(drop, 0.3 * SAMPLES_PER_BEAT, 0.5) - 0.5 * drop
+    gaze = turned(
+        ground.facing + head["turn"] + 0.2 * chest["turn"],
+        head["lean"] + 0.45 * chest["lean"] + nod,
+        head["tilt"] + 0.35 * chest["tilt"],
+    )
+    look = quaternion.mul(quaternion.inverse(upright), gaze)
+    pose.attach("neck", quaternion.mul(upright, share_of(look, 0.45)))
+    pose.attach("head", gaze)

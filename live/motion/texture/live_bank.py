@@ -1,0 +1,127 @@
+"""Bank: motion capture cut at its beats, ready to be danced by upper bodies on stage (P024).
+
+The printed method needs the future: a low band and a fragment's end lie ahead. On stage fragments are beats; the legs'
+last half beat and the first quarter of the present one (a prefix) choose whose upper body goes on; see `kernels.py`.
+"""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.rotation_mean import mean_rotation
+from live.motion.sampling import read_clip
+from live.motion.skeleton import JOINT_COUNT, SKELETON
+from live.motion.step_clip import StepClip
+from live.motion.texture.live_texture_kernels import DERIVATIVE, DIMENSIONS, PER_BEAT, SLOTS, UPPER_COUNT
+from live.motion.texture.texture_settings import UPPER
+
+Float = npt.NDArray[np.floating]
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+BEATS_AFTER: Final = 3
+"""A fragment is chosen within its first beat and left within three: so much of its clip must follow."""
+_LEGS: Final = tuple(
+    tuple(SKELETON.index(side + joint) for joint in ("UpperLeg", "LowerLeg", "Foot")) for side in ("left", "right")
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TextureBank:
+    """All recordings, 16 samples a beat, one after the other: S samples, F fragments of a beat."""
+
+    upper: Float32
+    """Local rotations of the upper joints, (S, 13, 4), in each clip of signs that go on."""
+    middle: Float32
+    """Mean rotation of each upper joint, (13, 4): which of two signs a quaternion has."""
+    begin: Int32
+    """Sample at which each fragment begins, (F,)."""
+    first: Int32
+    """First and ..."""
+    last: Int32
+    """... last sample of its clip, (F,)."""
+    legs: Float32
+    """What legs do about the beginning of each, (DIMENSIONS, F)."""
+    spread: float
+    """Mean square distance of two fragments: the unit of distances."""
+
+    @property
+    def count(self) -> int:
+        """Number of fragments F."""
+        return len(self.begin)
+
+    def digest(self) -> str:
+        """A short name for all that is in it."""
+        parts = (self.upper, self.begin, self.legs)
+        return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()[:16]
+
+    @classmethod
+    def empty(cls) -> "TextureBank":
+        """One with nothing in it: nobody is textured."""
+        none, numbers = np.zeros(0, np.int32), np.zeros((DIMENSIONS, 0), np.float32)
+        middle = np.tile(np.array((1.0, 0.0, 0.0, 0.0), np.float32), (UPPER_COUNT, 1))
+        return cls(np.zeros((0, UPPER_COUNT, 4), np.float32), middle, none, none, none, numbers, 1.0)
+
+    @classmethod
+    def of(cls, clips: Sequence[StepClip]) -> "TextureBank":
+        """The beats of these recordings; those with fewer than four hold none. ValueError if none is left."""
+        upper, tracks, begin, first, last = [], [], [], [], []
+        start = 0
+        for clip in clips:
+            beat = clip.samples_per_measure / clip.beats_per_measure
+            beats = int((clip.clip.sample_count - 1 - clip.first) / beat + 1e-9)
+            if beats <= BEATS_AFTER:
+                continue
+            at = clip.first + np.arange(beats * PER_BEAT + 1) * (beat / PER_BEAT)
+            _, rotation, _ = read_clip(clip.clip, at)
+            upper.append(quaternion.continuous(rotation[:, list(UPPER)]))
+            tracks.append(legs_of(rotation))
+            count = beats - BEATS_AFTER + 1
+            begin.append(start + PER_BEAT * np.arange(count))
+            first.append(np.full(count, start))
+            last.append(np.full(count, start + len(at) - 1))
+            start += len(at)
+        if not upper:
+            raise ValueError("no recording holds four beats")
+        begins, firsts, lasts = (np.concatenate(part).astype(np.int32) for part in (begin, first, last))
+        rotations = np.concatenate(upper)
+        middle = mean_rotation(rotations)
+        legs = prefixes(np.concatenate(tracks), begins, firsts)
+        spread = 2.0 * float(legs.var(axis=1).sum())
+        return cls(
+            np.ascontiguousarray(rotations, np.float32), np.ascontiguousarray(middle, np.float32),
+            begins, firsts, lasts, np.ascontiguousarray(legs, np.float32), max(spread, 1e-9),
+        )  # fmt: skip
+
+
+def legs_of(rotation: Float) -> Float64:
+    """Knees and ankles in the axes of the hips [m], (T, FEATURES), of local rotations (T, J, 4)."""
+    if rotation.shape[1] != JOINT_COUNT:
+        raise ValueError(f"{rotation.shape[1]} joints: {JOINT_COUNT} expected")
+    offsets = SKELETON.offsets.astype(np.float64)
+    places = []
+    for thigh, shin, foot in _LEGS:
+        knee = offsets[thigh] + quaternion.rotate(rotation[:, thigh], offsets[shin])
+        bent = quaternion.mul(rotation[:, thigh], rotation[:, shin])
+        places += [knee, knee + quaternion.rotate(bent, offsets[foot])]
+    return np.concatenate(places, axis=-1)
+
+
+def prefixes(tracks: Float64, begin: Int32, first: Int32) -> Float64:
+    """What legs do about the samples `begin` (F,), (DIMENSIONS, F): half a beat before to a quarter after."""
+    moments = (np.arange(SLOTS) - SLOTS // 2 - 1) * (PER_BEAT // 8)
+    at = np.maximum(begin[None] + moments[:, None], first[None])
+    return compared(tracks[at])
+
+
+def compared(moments: Float) -> Float64:
+    """Numbers to compare, (DIMENSIONS, F), of legs at SLOTS moments, (SLOTS, F, FEATURES)."""
+    change = DERIVATIVE * np.diff(moments, axis=0)
+    both = np.concatenate((moments, change)).astype(np.float64)
+    return np.asarray(both.transpose(0, 2, 1).reshape(DIMENSIONS, -1))

@@ -1,0 +1,89 @@
+"""Material: motion capture cut up so that sketches can be textured with it, one or many."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.errors import PersonError
+from live.motion.clip import Clip
+from live.motion.texture.bands import split_bands
+from live.motion.texture.charts import Chart
+from live.motion.texture.fragments import Fragments, find_cuts, fragments_of
+from live.motion.texture.texture_settings import Wish
+from live.motion.texture.tracks import Sampled, charts_for, columns_of, sample_clip, tracks_of
+
+Float64 = npt.NDArray[np.float64]
+Int64 = npt.NDArray[np.int64]
+
+SHORTEST_S: Final = 1.0
+"""Clips shorter than this [s] hold no movement that could be found again."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Driving:
+    """What is matched: the features of all data, and its fragments."""
+
+    features: Float64
+    """The driving angles' band, and their derivatives, weighted, (S, 2 D)."""
+    parts: Fragments
+    weight: float
+    """What derivatives were multiplied with [samples]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Material:
+    """Clips of motion capture as tracks in common charts, one after the other."""
+
+    clips: tuple[Clip, ...]
+    charts: tuple[Chart, ...]
+    tracks: Float64
+    """All degrees of freedom of all clips, (S, COLUMNS)."""
+    starts: Int64
+    """First sample of each clip and the end of the last, (n + 1,)."""
+    _driving: dict[tuple[object, ...], Driving] = field(default_factory=dict)
+
+    def driving(self, drive: tuple[int, ...], band: int, cut: int, derivative: float) -> Driving:
+        """The data's driving angles in one band, cut where the column `cut` turns; kept for the next sketch."""
+        key = (drive, band, cut, derivative)
+        if key not in self._driving:
+            columns = columns_of(drive)
+            pieces = [self.tracks[a:b] for a, b in zip(self.starts[:-1], self.starts[1:], strict=True)]
+            values = [split_bands(piece[:, columns], band)[band - 1] for piece in pieces]
+            slopes = [np.gradient(value, axis=0) for value in values]
+            value, slope = np.concatenate(values), np.concatenate(slopes)
+            weight = derivative * float(value.std()) / max(float(slope.std()), 1e-12)
+            at = int(np.flatnonzero(columns == cut)[0])
+            parts = fragments_of([find_cuts(one[:, at]) for one in values], self.starts[:-1].tolist())
+            self._driving[key] = Driving(np.concatenate((value, weight * slope), axis=1), parts, weight)
+        return self._driving[key]
+
+
+def material_of(clips: Sequence[Clip], also: Sequence[Sampled] = ()) -> Material:
+    """What `clips` hold, in charts that hold the sketches `also` as well.
+
+    Raises PersonError that names a clip that is too short, or if there is none.
+    """
+    if not clips:
+        raise PersonError("there is no motion capture to take texture from", "give recordings: --with DIR_OR_FILES")
+    for clip in clips:
+        if clip.seconds < SHORTEST_S:
+            raise PersonError(
+                f"{clip.name}: {clip.seconds:.2f} s are too short to find movements in",
+                f"leave it out, or give recordings of {SHORTEST_S:g} s and more (10 s and more are useful)",
+            )
+    samples = [sample_clip(clip) for clip in clips]
+    charts = charts_for([*samples, *also])
+    starts = np.cumsum([0, *(len(one.root) for one in samples)])
+    return Material(tuple(clips), charts, np.concatenate([tracks_of(one, charts) for one in samples]), starts)
+
+
+def cutting_column(sketch: Float64, wish: Wish) -> int:
+    """The column whose turning points cut: as wished, else the driving one that moves most in its band."""
+    columns = columns_of(wish.drive)
+    if wish.cut is not None:
+        return wish.cut
+    band = split_bands(sketch[:, columns], wish.match_band)[wish.match_band - 1]
+    return int(columns[int(np.argmax(band.var(axis=0)))])

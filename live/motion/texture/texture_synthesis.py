@@ -1,0 +1,226 @@
+"""The whole method: a sketch, textured and completed from motion capture (P001-P004, P018-P022)."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+from scipy.interpolate import CubicSpline
+
+from live.base.errors import PersonError
+from live.motion.clip import Clip
+from live.motion.texture.bands import RATE, split_bands
+from live.motion.texture.charts import VECTOR
+from live.motion.texture.footing import stand
+from live.motion.texture.fragments import Fragments, find_cuts, fragments_of
+from live.motion.texture.joining import laid, skewed, smoothed
+from live.motion.texture.matching import Matches, match
+from live.motion.texture.paths import Path, best_paths, weighed_paths
+from live.motion.texture.texture_corpus import Driving, Material, cutting_column
+from live.motion.texture.texture_settings import LEGS, Wish
+from live.motion.texture.tracks import SWAY, Sampled, columns_of, headings, sample_clip, tracks_of, turned
+
+Float64 = npt.NDArray[np.float64]
+Int64 = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Textured:
+    """A sketch with what one path through the data gave it."""
+
+    clip: Clip
+    parts: Fragments
+    """The sketch's fragments, in samples at 24 Hz."""
+    data: Fragments
+    """The data's, in samples of all of it."""
+    cut: int
+    """The column that cut both."""
+    sources: Int64
+    """The fragment of the data each was made of, (n,)."""
+    free: int
+    """Joins that were none in the data either."""
+    distance: float
+    """Root mean square of what differed in the matching [rad]."""
+    scales: Float64
+    """Scale of each fragment (P010), (n,)."""
+    jump: float
+    """Largest jump at a join before joining, of any angle made [rad]."""
+    kinks: tuple[float, float]
+    """Largest change of velocity from a sample to the next at a join, before and after smoothing [rad/s]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sketched:
+    """A sketch ready to be matched."""
+
+    sampled: Sampled
+    tracks: Float64
+    cut: int
+    parts: Fragments
+    driving: Driving
+    matches: Matches
+
+
+def prepare(sketch: Clip, material: Material, wish: Wish) -> Sketched:
+    """The sketch's fragments and their candidates in the data; PersonError where nothing can be matched."""
+    sampled = sample_clip(sketch)
+    tracks = tracks_of(sampled, material.charts)
+    cut = cutting_column(tracks, wish)
+    driving = material.driving(wish.drive, wish.match_band, cut, wish.derivative)
+    columns = columns_of(wish.drive)
+    band = split_bands(tracks[:, columns], wish.match_band)[wish.match_band - 1]
+    features = np.concatenate((band, driving.weight * np.gradient(band, axis=0)), axis=1)
+    parts = fragments_of([find_cuts(band[:, int(np.flatnonzero(columns == cut)[0])])], [0])
+    keep = wish.candidates(driving.parts.count)
+    try:
+        matches = _matched(features, parts, driving, columns, keep, wish)
+    except ValueError as error:
+        raise PersonError(
+            str(error), f"a lower band is cut in longer fragments: --match {wish.match_band + 1}"
+        ) from None
+    return Sketched(sampled, tracks, cut, parts, driving, matches)
+
+
+def _matched(features: Float64, parts: Fragments, driving: Driving, columns: Int64, keep: int, wish: Wish) -> Matches:
+    """The candidates of each fragment, by what drives at its middle (P019)."""
+    if not wish.changes:
+        return match(features, parts, driving.features, driving.parts, keep, scale=wish.scale)
+    middle = 0.5 * (parts.begin + parts.end) / RATE
+    drives = [wish.drives_at(float(time)) for time in middle]
+    found: list[tuple[Int64, Float64, Float64]] = [(np.zeros(0, np.int64), np.zeros(0), np.zeros(0))] * parts.count
+    for joints in sorted(set(drives)):
+        rows = np.flatnonzero([one == joints for one in drives])
+        which = np.flatnonzero(np.isin(columns, columns_of(joints)))
+        both = np.concatenate((which, which + len(columns)))
+        some = Fragments(parts.begin[rows], parts.end[rows], parts.clip[rows])
+        one = match(features[:, both], some, driving.features[:, both], driving.parts, keep, scale=wish.scale)
+        for n, row in enumerate(rows.tolist()):
+            found[row] = one.candidates[n], one.distances[n], one.scales[n]
+    candidates, distances, scales = zip(*found, strict=True)
+    return Matches(candidates, distances, scales)
+
+
+def textured(sketch: Clip, material: Material, wish: Wish) -> list[Textured]:
+    """The sketch with texture and the joints it lacked, once for each path, the best first.
+
+    There may be fewer than asked for. The clips have the sketch's own rate, length and contacts. Raises PersonError
+    for a sketch of less than half a second and where nothing of the data can be matched.
+    """
+    if sketch.seconds < 0.5:
+        raise PersonError(
+            f"{sketch.name}: {sketch.seconds:.2f} s are too short to be matched", "half a second at least"
+        )
+    sketched = prepare(sketch, material, wish)
+    return [_made(sketched, material, wish, *one) for one in paths_of(sketched, wish)]
+
+
+def paths_of(sketched: Sketched, wish: Wish) -> list[tuple[Path, Int64, Float64]]:
+    """For each path the path, its fragments of the data and their scales."""
+    parts, matches = sketched.driving.parts, sketched.matches
+    choices = [one.tolist() for one in matches.candidates]
+    far = [one.tolist() for one in matches.distances]
+    scales = [one.tolist() for one in matches.scales]
+    found: list[tuple[Path, Int64, Float64]] = []
+    most = 1 if wish.apart else wish.paths
+    join = wish.weigh * float(np.median([row[0] for row in far]))
+    for _ in range(wish.paths if wish.apart else 1):
+        if wish.weigh:
+            best = weighed_paths(choices, far, parts.follows, most, join)
+        else:
+            best = best_paths(choices, far, parts.follows, most)
+        for path in best:
+            taken = [row[place] for row, place in zip(choices, path.places, strict=True)]
+            scale = [row[place] for row, place in zip(scales, path.places, strict=True)]
+            found.append((path, np.array(taken, np.int64), np.array(scale)))
+        if wish.apart:
+            for rows, place in zip(zip(choices, far, scales, strict=True), found[-1][0].places, strict=True):
+                if len(rows[0]) > 1:
+                    for row in rows:
+                        del row[place]
+    return found
+
+
+def _made(sketched: Sketched, material: Material, wish: Wish, path: Path, taken: Int64, scales: Float64) -> Textured:
+    data, parts = sketched.driving.parts, sketched.parts
+    joints = [*wish.synthesize, *wish.texture, *([SWAY] if 0 in wish.texture else [])]
+    columns = columns_of(joints)
+    pieces = _pieces(material.tracks[:, columns], data, taken, parts, scales)
+    _same_turn(
+        pieces,
+        np.array(
+            [
+                3 * n + axis
+                for n, joint in enumerate(joints)
+                if joint < len(material.charts) and material.charts[joint].kind != VECTOR
+                for axis in (0, 2)
+            ],
+            np.int64,
+        ),
+    )
+    consecutive = np.array([data.follows(a, b) for a, b in pairwise(taken)], np.bool_)
+    before = max((float(np.abs(b[0] - a[-1]).max()) for a, b in pairwise(pieces)), default=0.0)
+    met = laid(skewed(pieces))
+    joined = smoothed(met, parts.begin[1:], wish.reach, consecutive)
+    clip = _applied(sketched, material, wish, joined)
+    joins = parts.begin[1:][~consecutive]
+    return Textured(
+        clip, parts, data, sketched.cut, taken, path.free, float(np.sqrt(path.distance / parts.count)), scales,
+        before, (_kink(met, joins), _kink(joined, joins)),
+    )  # fmt: skip
+
+
+def _pieces(tracks: Float64, data: Fragments, taken: Int64, parts: Fragments, scales: Float64) -> list[Float64]:
+    """The fragments of the data, resampled to the lengths of the sketch's, scaled."""
+    pieces = []
+    for begin, end, length, scale in zip(
+        data.begin[taken], data.end[taken], parts.length.tolist(), scales.tolist(), strict=True
+    ):
+        at = np.linspace(begin, end, length + 1)
+        low = np.minimum(at.astype(np.int64), len(tracks) - 2)
+        weight = (at - low)[:, None]
+        pieces.append(scale * (tracks[low] * (1.0 - weight) + tracks[low + 1] * weight))
+    return pieces
+
+
+def _same_turn(pieces: list[Float64], columns: Int64) -> None:
+    """Move angles in `columns` by full turns, so that each piece begins as near as may be to the end of the last."""
+    for before, piece in pairwise(pieces):
+        piece[:, columns] += 2.0 * np.pi * np.round((before[-1, columns] - piece[0, columns]) / (2.0 * np.pi))
+
+
+def _kink(curve: Float64, joins: Int64) -> float:
+    """Largest change of velocity at `joins` [rad/s]."""
+    return float(np.abs(curve[joins + 1] - 2.0 * curve[joins] + curve[joins - 1]).max(initial=0.0) * RATE)
+
+
+def _applied(sketched: Sketched, material: Material, wish: Wish, joined: Float64) -> Clip:
+    """The sketch with the bands of `joined` (T, C) that it shall have."""
+    sketch, (low, high) = sketched.sampled.clip, wish.bands
+    made = 3 * len(wish.synthesize)
+    bands = split_bands(joined, high)
+    whole = _at_rate(joined[:, :made] - bands[: low - 1, :, :made].sum(axis=0), sketch)
+    columns = columns_of([*wish.texture, *([SWAY] if 0 in wish.texture else [])])
+    own = split_bands(sketched.tracks[:, columns], high)[low - 1 : high].sum(axis=0)
+    detail = _at_rate(bands[low - 1 : high, :, made:].sum(axis=0) - own, sketch)
+    rotation, root = sketch.rotation.astype(np.float64), sketch.root_position.astype(np.float64)
+    for index, joint in enumerate(wish.synthesize):
+        rotation[:, joint] = material.charts[joint].rotations(whole[:, 3 * index : 3 * index + 3])
+    legs: dict[int, Float64] = {}
+    for index, joint in enumerate(wish.texture):
+        change = detail[:, 3 * index : 3 * index + 3]
+        if joint in LEGS:
+            legs[joint] = change
+        else:
+            chart = material.charts[joint]
+            rotation[:, joint] = chart.rotations(chart.angles(sketch.rotation[:, joint]) + change)
+    if 0 in wish.texture:
+        root = root + turned(detail[:, -3:], headings(sketch.rotation[:, 0]))
+    return stand(sketch, root, rotation, legs, material.charts)
+
+
+def _at_rate(tracks: Float64, sketch: Clip) -> Float64:
+    """Tracks (T, C) at 24 Hz at the samples of the sketch: a cubic spline, for band 1 is not in them."""
+    if not tracks.shape[1]:
+        return np.zeros((sketch.sample_count, 0))
+    at = np.arange(sketch.sample_count) / sketch.sample_rate
+    return np.asarray(CubicSpline(np.arange(len(tracks)) / RATE, tracks)(at))

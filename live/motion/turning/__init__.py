@@ -1,1 +1,0 @@
-"""Turning on the supporting foot, for all dancers at any moment."""

@@ -1,1 +1,0 @@
-"""Where measures end on the stage, and in which axes the next ones join, for all dancers in one pass."""

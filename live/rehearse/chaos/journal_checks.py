@@ -1,0 +1,84 @@
+"""What a chaos run must find in the journal of a show whose processes failed."""
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from live.show.journal.journal_file import GAP
+from live.show.journal.skipped_events import LEFT_OUT
+
+
+@dataclass(slots=True)
+class Measures:
+    """The measures of a journal."""
+
+    begun: int = 0
+    twice: list[int] = field(default_factory=list)
+    """Measures that began once more, though nothing was left out."""
+    missed: list[int] = field(default_factory=list)
+    """Measures that never began, where no tick was left out and no line is missing."""
+    leapt: list[int] = field(default_factory=list)
+    """Measures that fell into ticks that were left out, and are counted there."""
+    lacking: list[int] = field(default_factory=list)
+    """Measures whose lines could not be written."""
+    skipped: int = 0
+    """Ticks left out."""
+    lost: int = 0
+    """Lines that could not be written, as the journal says itself."""
+    left_out: int = 0
+    tripped: list[str] = field(default_factory=list)
+    """Stages put out of service."""
+    ended: bool = False
+
+    def facts(self) -> dict[str, Any]:
+        """For a report."""
+        return {name: getattr(self, name) for name in self.__dataclass_fields__}
+
+
+def measures_of(path: Path) -> Measures:
+    """Read a journal's measure lines; OSError if there is none."""
+    found = Measures()
+    last: int | None = None
+    skipped = gap = 0
+    with path.open(encoding="utf-8", errors="replace") as file:
+        next(file, "")
+        for row in file:
+            try:
+                line = json.loads(row)
+            except ValueError:
+                continue
+            if not isinstance(line, dict):
+                continue
+            missing = line.get(GAP, 0)
+            found.lost += missing
+            gap += missing
+            found.left_out += line.get(LEFT_OUT, 0)
+            found.ended = found.ended or bool(line.get("end"))
+            event = line.get("event")
+            if isinstance(event, dict):
+                if event.get("type") == "TicksSkipped":
+                    skipped += event.get("count", 0)
+                    found.skipped += event.get("count", 0)
+                elif event.get("type") == "BreakerTripped":
+                    found.tripped.append(str(event.get("name")))
+            if "measure" in line and "event" not in line:
+                number = int(line["measure"])
+                if last is not None:
+                    _place(found, last, number, skipped, gap)
+                found.begun += 1
+                last, skipped, gap = number, 0, 0
+    return found
+
+
+def _place(found: Measures, last: int, number: int, skipped: int, gap: int) -> None:
+    if number <= last:
+        found.twice.append(number)
+        return
+    between = list(range(last + 1, number))
+    if gap:
+        found.lacking += between
+    elif skipped:
+        found.leapt += between
+    else:
+        found.missed += between

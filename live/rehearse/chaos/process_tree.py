@@ -1,0 +1,118 @@
+"""The processes of a show as /proc shows them: who they are, how they fare, which are dead and not cleared away."""
+
+import contextlib
+import os
+import resource
+import signal
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from live.rehearse.chaos.injection import ROLES
+
+PROC = Path("/proc")
+
+
+@dataclass(frozen=True, slots=True)
+class Process:
+    """One process."""
+
+    pid: int
+    parent: int
+    state: str
+    """As in proc(5): R, S, T (stopped), Z (a zombie) ..."""
+    command: str
+
+
+def process(pid: int) -> Process | None:
+    """What there is to say of it; None if it is gone."""
+    with contextlib.suppress(OSError, ValueError, IndexError):
+        words = (PROC / str(pid) / "stat").read_text(errors="replace").rpartition(")")[2].split()
+        command = (PROC / str(pid) / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
+        return Process(pid, int(words[1]), words[0], command)
+    return None
+
+
+class Tree:
+    """A supervisor and all below it. Thread: one."""
+
+    def __init__(self, supervisor: int, folder: Path) -> None:
+        """`folder`: of the run, where engines say what they are."""
+        self.supervisor, self._folder = supervisor, folder
+        self._left: set[int] = set()
+
+    def lose(self) -> None:
+        """Kill the supervisor: what it leaves is the next one's."""
+        self._left |= {one.pid for one in self.below()}
+        os.kill(self.supervisor, signal.SIGKILL)
+
+    def below(self) -> list[Process]:
+        """All processes below the supervisor, and what one before it left."""
+        all_of = [found for name in os.listdir(PROC) if name.isdecimal() and (found := process(int(name))) is not None]
+        below = [one for one in all_of if one.pid in self._left]
+        parents = {self.supervisor, *self._left}
+        while more := [one for one in all_of if one.parent in parents and one not in below]:
+            below += more
+            parents = {one.pid for one in more}
+        return below
+
+    def roles(self) -> dict[int, str]:
+        """What each engine that lives was started as, by its process."""
+        roles = {}
+        for one in self.below():
+            with contextlib.suppress(OSError):
+                if one.state != "Z":
+                    roles[one.pid] = (self._folder / ROLES / str(one.pid)).read_text(encoding="utf-8")
+        return roles
+
+    def sound(self) -> list[int]:
+        """The processes that listen or play."""
+        return [one.pid for one in self.below() if "live.app.processes.audio_main" in one.command and one.state != "Z"]
+
+    def zombies(self) -> set[int]:
+        """Those that are dead, and that nobody has cleared away; what a supervisor left is the system's to clear."""
+        return {one.pid for one in self.below() if one.state == "Z" and one.pid not in self._left}
+
+    def signal(self, pid: int, number: int) -> bool:
+        """Send a signal; whether there was somebody."""
+        with contextlib.suppress(OSError):
+            os.kill(pid, number)
+            return True
+        return False
+
+    def go_on(self) -> None:
+        """Let all that were stopped go on."""
+        for one in [*self.below(), process(self.supervisor)]:
+            if one is not None and one.state in "Tt":
+                self.signal(one.pid, signal.SIGCONT)
+
+
+def descriptors(pid: int) -> int:
+    """How many descriptors a process has open; 0 if that is not to be known."""
+    with contextlib.suppress(OSError):
+        return len(os.listdir(PROC / str(pid) / "fd"))
+    return 0
+
+
+@contextlib.contextmanager
+def few_descriptors(pid: int) -> Iterator[None]:
+    """Meanwhile a process can open nothing more."""
+    was = None
+    with contextlib.suppress(OSError, ValueError):
+        was = resource.prlimit(pid, resource.RLIMIT_NOFILE)
+        resource.prlimit(pid, resource.RLIMIT_NOFILE, (min(descriptors(pid), was[1]), was[1]))
+    try:
+        yield
+    finally:
+        if was is not None:
+            with contextlib.suppress(OSError, ValueError):
+                resource.prlimit(pid, resource.RLIMIT_NOFILE, was)
+
+
+def pressure() -> float:
+    """Share of the last ten seconds in which somebody waited for a processor, 0 to 1; by the load where the kernel has
+    no pressure-stall information."""
+    with contextlib.suppress(OSError, ValueError, IndexError):
+        some = (PROC / "pressure" / "cpu").read_text().split("\n")[0]
+        return float(some.split("avg10=")[1].split()[0]) / 100.0
+    return min(max(os.getloadavg()[0] / (os.cpu_count() or 1) - 1.0, 0.0), 1.0)

@@ -1,0 +1,260 @@
+"""Minimise: a journal that fails is made as short as it can be while it fails in the same way (delta debugging, ddmin
+of Zeller and Hildebrandt 2002), so that what hours of a soak found becomes a test of a second.
+
+A journal fails if a tick or an event ends in an exception, or if the show that goes on from a snapshot comes to another
+state than the show that was run through. What is kept has no hashes of states: they are those of a show that failed.
+"""
+
+import json
+import time as _time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
+from typing import Any, Final
+
+from live.clock.ticks import TICK
+from live.control.events.event import ControlEvent
+from live.control.events.events import PatchChanged, StepsAdded, StepsChanged, TicksSkipped
+from live.rehearse.failure import DIFFERENT, Failure
+from live.show.core import Show
+from live.show.journal.journal import line_of
+from live.show.journal.journal_reading import Journal, read_journal
+from live.show.journal.replay_start import ReplayError, loaded_by
+from live.show.load import LoadedShow, show_of
+from live.show.patch.patch import Patch
+from live.show.patch.patch_search_path import MAIN_FILE, PATCHES
+from live.show.selection.library_hash import library_hash
+from live.show.state.snapshot import Snapshots, restore
+
+Entry = tuple[int, ControlEvent]
+"""An event, and the tick after which it was told."""
+
+CHANGES: Final = (PatchChanged, StepsAdded, StepsChanged)
+TIMES: Final = ("time", "beat_time")
+"""Fields of events that hold a time of the show [s]: they move with the event."""
+BREAKER: Final = "Breaker"
+"""Events whose names begin so tell what was put out of service for the failure: without them it comes again."""
+TAILS: Final = (1, 2, 4, 8, 16, 32)
+"""So many measures before the failure are tried to be all that there is."""
+
+
+@dataclass(slots=True)
+class Minimised:
+    """What was left of a journal."""
+
+    header: dict[str, Any]
+    entries: list[Entry]
+    end: int
+    """The tick after which it ends."""
+    failure: Failure
+    tried: int = 0
+    before: tuple[int, int] = (0, 0)
+    """Events and ticks that there were at first."""
+
+    def write(self, path: Path) -> None:
+        """As a journal; OSError if that cannot be."""
+        kept = {key: value for key, value in self.header.items() if key not in ("origin", "begun")}
+        kept["patch_path"] = _portable(Path(str(self.header["patch_path"])), str(self.header["patch"].get("name")))
+        kept["fails"] = {"kind": self.failure.kind, "place": self.failure.place, "words": self.failure.words}
+        lines = [json.dumps(kept, separators=(",", ":"))]
+        lines += [line_of(tick, event) for tick, event in self.entries]
+        lines.append(json.dumps({"tick": self.end, "end": True}, separators=(",", ":")))
+        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+class Trial:
+    """Runs entries from a show's beginning, and says how that fails."""
+
+    def __init__(self, loaded: LoadedShow, header: dict[str, Any], *, snapshots: bool = False) -> None:
+        """`snapshots`: whether to go on from a snapshot as well, in the middle, and compare."""
+        self._loaded, self._header, self._snapshots = loaded, header, snapshots
+        self.count = 0
+        """Runs so far."""
+        self.lines: list[int] = []
+        """The ticks of the last run at which a measure began."""
+
+    def run(self, entries: Sequence[Entry], end: int) -> Failure | None:
+        """Run up to the tick `end`; None if all goes well."""
+        self.count += 1
+        self.lines = []
+        tick = 0
+        try:
+            show = self._loaded.start(seed=self._header["seed"], tempo=self._header["tempo"])
+            snapshot: tuple[int, bytes] | None = None
+            for tick, begins in running(show, entries, end):
+                if begins:
+                    self.lines.append(tick)
+                if self._snapshots and snapshot is None and tick >= end // 2:
+                    taken = Snapshots(show).take(tick)
+                    snapshot = None if taken is None else (tick, taken.seal())
+            if snapshot is None:
+                return None
+            return self._again(*snapshot, entries, end, show.state_hash())
+        except Exception as error:
+            return Failure.of(error, tick)
+
+    def _again(self, tick: int, data: bytes, entries: Sequence[Entry], end: int, wanted: str) -> Failure | None:
+        """The same from a snapshot on."""
+        changes = [event for at, event in entries if at < tick and isinstance(event, CHANGES)]
+        if changes:  # a snapshot of a patch that was edited is not read by whoever has the first one
+            return None
+        show = restore(self._loaded, data)
+        left = [(at, event) for at, event in entries if at >= tick]
+        for _ in running(show, left, end, begin=tick):
+            pass
+        found = show.state_hash()
+        return None if found == wanted else Failure(DIFFERENT, f"{wanted} run through, {found} from a snapshot")
+
+
+def running(show: Show, entries: Sequence[Entry], end: int, *, begin: int = 0) -> Iterator[tuple[int, bool]]:
+    """Run a show that stands after the tick `begin`; each tick, and whether a measure began with it. Raises whatever
+    the show does."""
+    tick, coming = begin, iter(entries)
+    following = next(coming, None)
+    while tick < end:
+        while following is not None and following[0] <= tick:
+            show.apply(following[1])
+            if isinstance(following[1], TicksSkipped):
+                tick += following[1].count
+            following = next(coming, None)
+        tick += 1
+        yield tick, show.tick(tick * TICK)
+
+
+def entries_of(journal: Journal) -> tuple[list[Entry], int]:
+    """All events of a journal that can be read, those that were left out for a failure too, and its last tick."""
+    found: list[Entry] = []
+    last = 0
+    for line in journal.usable():
+        last = max(last, line.tick)
+        if line.event is not None and not type(line.event).__name__.startswith(BREAKER):
+            found.append((line.tick, line.event))
+    return found, last
+
+
+def loaded_for(journal: Journal) -> LoadedShow:
+    """What a journal's show is made of. Where steps have changed since, with those of today: a failure that is kept is
+    one of the program, not of a step. ReplayError if there is no such show any more."""
+    path = PATCHES / str(journal.header.get("patch_path"))  # one that was kept names a patch of the project
+    journal = replace(journal, header={**journal.header, "patch_path": str(path)})
+    try:
+        return loaded_by(journal)
+    except ReplayError as error:
+        if "steps have changed" not in str(error):
+            raise
+    recordings = journal.header.get("recordings")
+    return show_of(
+        Patch.model_validate(journal.header["patch"]), path, recordings=None if recordings is None else Path(recordings)
+    )
+
+
+def _portable(path: Path, name: str) -> str:
+    """Where the patch of a kept journal lies: within the project's patches, if it (or a copy of it) is one of those."""
+    if path.is_relative_to(PATCHES):
+        return str(path.relative_to(PATCHES))
+    for own in (*PATCHES.glob(f"*/{MAIN_FILE}"), *PATCHES.glob("*.toml")):
+        if f'name = "{name}"' in own.read_text(encoding="utf-8"):
+            return str(own.relative_to(PATCHES))
+    return str(path)
+
+
+@dataclass(slots=True)
+class Minimiser:
+    """Makes a journal shorter as long as there is time."""
+
+    trial: Trial
+    header: dict[str, Any]
+    seconds: float = 600.0
+    """Of the machine; what is shortest by then is what comes out."""
+    tell: Callable[[str], None] = lambda words: None
+    beats: int = 4
+    _until: float = 0.0
+    _failure: Failure = field(default_factory=lambda: Failure("", ""))
+
+    def run(self, entries: list[Entry], end: int) -> Minimised | None:
+        """The shortest journal that was found; None if these entries do not fail."""
+        self._until = _time.monotonic() + self.seconds
+        failure = self.trial.run(entries, end)
+        if failure is None:
+            return None
+        self._failure = failure
+        before = len(entries), end
+        lines = self.trial.lines
+        if failure.tick > 0:
+            end = failure.tick
+        entries = [entry for entry in entries if entry[0] < end]
+        self.tell(f"{failure}; {len(entries)} events in {end} ticks")
+        entries, end = self._tail(entries, end, lines)
+        entries = self._fewer(entries, end)
+        entries, end = self._tail(entries, end, self._lines_of(entries, end))
+        entries = self._fewer(entries, end)
+        return Minimised(self.header, entries, end, self._failure, self.trial.count, before)
+
+    def _fails(self, entries: list[Entry], end: int) -> bool:
+        if _time.monotonic() > self._until:
+            return False
+        found = self.trial.run(entries, end)
+        if found is None or found.key != self._failure.key:
+            return False
+        self._failure = found
+        return True
+
+    def _lines_of(self, entries: list[Entry], end: int) -> list[int]:
+        self.trial.run(entries, end)
+        return self.trial.lines
+
+    def _tail(self, entries: list[Entry], end: int, lines: list[int]) -> tuple[list[Entry], int]:
+        """Only the last measures, as if they were the first ones: moved forward by whole measures."""
+        for keep in TAILS:
+            if keep + 2 >= len(lines):
+                break
+            moved = lines[-1 - keep] - lines[0]
+            shorter = [_moved(entry, moved) for entry in entries if entry[0] > moved]
+            # where the line falls between two ticks, another one may be the right one; and a measure more to end in
+            for add in (0, 1, 2, lines[-1] - lines[-2]):
+                if self._fails(shorter, end - moved + add):
+                    end = self._failure.tick if self._failure.tick > 0 else end - moved + add
+                    self.tell(f"the last {keep} measures will do: {len(shorter)} events in {end} ticks")
+                    return shorter, end
+        return entries, end
+
+    def _fewer(self, entries: list[Entry], end: int) -> list[Entry]:
+        """As few events as will do (ddmin)."""
+        end = end + 4  # an event less may move a line by a tick
+        parts = 2
+        while len(entries) >= 1 and _time.monotonic() <= self._until:
+            size = max(len(entries) // parts, 1)
+            for begin in range(0, len(entries), size):
+                left = entries[:begin] + entries[begin + size :]
+                if self._fails(left, end):
+                    entries, parts = left, max(parts - 1, 2)
+                    self.tell(f"{len(entries)} events")
+                    break
+            else:
+                if size == 1:
+                    break
+                parts = min(parts * 2, len(entries))
+        return entries
+
+
+def _moved(entry: Entry, ticks: int) -> Entry:
+    tick, event = entry
+    names = {each.name for each in fields(event)}
+    times = {name: getattr(event, name) - ticks * TICK for name in TIMES if name in names}
+    return tick - ticks, replace(event, **times)
+
+
+def minimise(
+    path: Path, *, seconds: float = 600.0, tell: Callable[[str], None] = lambda words: None
+) -> Minimised | None:
+    """The shortest journal that fails as that at `path` does; None if it does not fail. JournalError and ReplayError
+    for one that cannot be run."""
+    journal = read_journal(path)
+    loaded = loaded_for(journal)
+    entries, end = entries_of(journal)
+    header = {**journal.header, "steps_hash": library_hash(loaded.graph.library)}
+    trial = Trial(loaded, header)
+    found = Minimiser(trial, header, seconds, tell).run(entries, end)
+    if found is not None:
+        return found
+    return Minimiser(Trial(loaded, header, snapshots=True), header, seconds, tell).run(entries, end)

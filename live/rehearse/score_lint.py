@@ -1,0 +1,185 @@
+"""Doubts about a score before doors open: sections that never come, cues that collide, formations that are tight.
+
+None of them is an error: a show starts with all of them.
+"""
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from live.base.errors import PersonError
+from live.graph.search.wanted import parse_sequence
+from live.show.core import Show
+from live.show.group.group_motion import AGENT_RADIUS
+from live.show.patch.cue import CueSection
+from live.show.patch.cue_cycle_check import cue_loops
+from live.show.patch.patch import Patch
+from live.show.score.places import END
+from live.show.score.score import stretches_of
+
+TO_SECTION: Final = "/dance/section"
+TO_SCENE: Final = "/dance/scene"
+
+
+def section_doubts(patch: Patch) -> list[str]:
+    """Sections that are not come to, neither one after the other nor by a cue or a call of the patch."""
+    if not patch.section:
+        return []
+    stretches = stretches_of(patch)
+    names = {section.name.casefold().strip(): index for index, section in enumerate(patch.section)}
+    reached, coming = set(), [0, *_jumps(patch, names)]
+    while coming:
+        index = coming.pop()
+        if index in reached:
+            continue
+        reached.add(index)
+        if stretches[index].then != END:
+            coming.append(stretches[index].then)
+    return [
+        f"section {section.name!r} never comes: nothing leads there but {TO_SECTION} by hand"
+        for index, section in enumerate(patch.section)
+        if index not in reached
+    ]
+
+
+def sequence_doubts(show: Show) -> list[str]:
+    """Sequences that end before all of their steps have been danced."""
+    library, notes = show.graph.library, []
+    for section in show.patch.sequence:
+        if section.measures is None or section.choose == "random":
+            continue
+        last = 0
+        for wanted in parse_sequence(", ".join(section.steps), library):
+            last += wanted.measures
+            if last > section.measures:
+                step = "*" if wanted.step is None else library.steps[wanted.step]
+                notes.append(
+                    f"sequence of {section.group!r} in measure {section.measure}: its {section.measures} measures are "
+                    f"over before {step!r} is danced"
+                )
+                break
+    return notes
+
+
+def _jumps(patch: Patch, names: dict[str, int]) -> list[int]:
+    """Sections that cues and calls of the patch go to."""
+    told = [cue.section for cue in patch.cue if cue.section is not None]
+    calls = [call for cue in patch.cue for call in cue.calls]
+    calls += [(at.call, *at.values) for at in patch.at if at.call is not None]
+    calls += [(react.call, *react.values) for react in patch.react if react.call is not None]
+    told += [str(call[1]) for call in calls if call[0] == TO_SECTION and len(call) > 1]
+    return [names[name] for word in told if (name := word.casefold().strip()) in names]
+
+
+def cue_doubts(patch: Patch) -> list[str]:
+    """Cues that collide: the next one comes by itself while it is still counted in, or both fade the same thing."""
+    notes = list(_repeating(patch))
+    beats = patch.clock.beats_per_measure
+    if patch.cue and patch.cue[-1].then == "auto":
+        name = patch.cue[-1].name
+        notes.append(
+            f'cue {name!r} is the last one, and then = "auto" leads to nothing: leave then out, or write a cue'
+        )
+    for cue, following in zip(patch.cue, patch.cue[1:], strict=False):
+        if cue.then != "auto":
+            continue
+        after = cue.after or 1
+        if following.count_in > after * beats:
+            notes.append(
+                f"cue {following.name!r} comes {after} measures after {cue.name!r} by itself, and counts in for "
+                f"{following.count_in:g} beats: it comes later than that"
+            )
+        shared = _faded(patch, cue) & _faded(patch, following)
+        fade = _fade(patch, cue)
+        if shared and fade > after:
+            notes.append(
+                f"cue {cue.name!r} fades for {fade:g} measures, and {following.name!r} comes after {after} with "
+                f"{', '.join(sorted(shared))}: the first fade never ends"
+            )
+    return notes + _scenes_at(patch)
+
+
+def _repeating(patch: Patch) -> Iterator[str]:
+    """Cues that come back to themselves: until somebody ends it."""
+    for loop in cue_loops(patch):
+        measures = loop.beats / patch.clock.beats_per_measure
+        yield (
+            f"cue {patch.cue[loop.cue].name!r} calls its way back to itself: it comes again every {measures:g} "
+            "measures or so, and sets what stands by, until /dance/back or /dance/panic"
+        )
+
+
+def _fade(patch: Patch, cue: CueSection) -> float:
+    """How long the cross-fade of a cue takes [measures]."""
+    if cue.measures is not None:
+        return float(cue.measures)
+    return _scene_fade(patch, cue.scene)
+
+
+def _scene_fade(patch: Patch, name: str | None) -> float:
+    scene = next((s for s in patch.scene if name is not None and _same(s.name, name)), None)
+    return 0.0 if scene is None else float(scene.measures)
+
+
+def _faded(patch: Patch, cue: CueSection) -> set[str]:
+    return _set_by(patch, cue.scene)
+
+
+def _set_by(patch: Patch, name: str | None) -> set[str]:
+    scene = next((s for s in patch.scene if name is not None and _same(s.name, name)), None)
+    return set() if scene is None else set(scene.set)
+
+
+def _same(a: str, b: str) -> bool:
+    return a.casefold().strip() == b.casefold().strip()
+
+
+def _scenes_at(patch: Patch) -> list[str]:
+    """Scenes of the score that are recalled while another one still fades the same."""
+    beats = patch.clock.beats_per_measure
+    rows = sorted(
+        ((at.section or "", float(at.measure - 1) + (at.beat - 1.0) / beats, at.scene) for at in patch.at if at.scene),
+        key=lambda row: (row[0], row[1]),
+    )
+    notes = []
+    for number, (section, begin, scene) in enumerate(rows):
+        end = begin + _scene_fade(patch, scene)
+        for other_section, other_begin, other in rows[number + 1 :]:
+            if other_section != section or other_begin > end or (other_begin == end and end > begin):
+                break
+            shared = _set_by(patch, scene) & _set_by(patch, other)
+            if shared and not _same(scene, other):
+                where = f" of {section!r}" if section else ""
+                notes.append(
+                    f"measure {int(other_begin) + 1}{where}: scene {other!r} comes while {scene!r} still fades "
+                    f"{', '.join(sorted(shared))}"
+                )
+    return notes
+
+
+def formation_doubts(show: Show) -> list[str]:
+    """Formations of segments in which dancers stand closer together than their bodies are wide."""
+    notes = []
+    for section in show.patch.segment:
+        if section.formation is None:
+            continue
+        who = show.casting.select(section.group, show.state.position) & show.motion.present
+        count = int(who.sum())
+        if count < 2:
+            continue
+        try:
+            slots = show.motion.evolutions.formation(section.formation, count).slots
+        except PersonError as error:
+            notes.append(f"{section.formation}: {error}")
+            continue
+        if len(slots) < 2:
+            continue
+        near = float(cKDTree(np.asarray(slots)).query(slots, k=2)[0][:, 1].min())
+        if near < 2.0 * AGENT_RADIUS - 1e-6:
+            notes.append(
+                f"{section.formation} for {count} dancers: the nearest two stand {near:.2f} m apart, bodies need "
+                f"{2.0 * AGENT_RADIUS:.2f} m: make it larger, or for fewer"
+            )
+    return list(dict.fromkeys(notes))

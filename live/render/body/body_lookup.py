@@ -1,0 +1,25 @@
+"""The bodies of a scene by name: generated ones, and characters out of files."""
+
+from live.base.bodies import BODIES, USUAL
+from live.base.stage_snapshot import Scene
+from live.render.body.body_mesh import BodyMesh, build_body
+from live.render.characters.character import Character, load_character
+
+
+def bodies_of(scene: Scene) -> tuple[str, ...]:
+    """The bodies that dancers of a scene have, by name: generated ones, then characters."""
+    bodies = tuple(name for name in BODIES if name == USUAL or name in scene.bodies)
+    return bodies + tuple(said.name for said in scene.characters)
+
+
+def characters_of(scene: Scene) -> dict[str, Character]:
+    """The characters of a scene by name; PersonError for one that cannot be drawn."""
+    return {said.name: load_character(said) for said in scene.characters}
+
+
+def mesh_of(scene: Scene, name: str, level: int) -> BodyMesh:
+    """The surface of a body of a scene at a level of detail."""
+    for said in scene.characters:
+        if said.name == name:
+            return load_character(said).levels[level].body
+    return build_body(level, name)

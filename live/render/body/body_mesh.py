@@ -1,0 +1,143 @@
+"""The dancer's body as triangles with soft bonds to the skeleton, in several levels of detail.
+
+A coarse cage is subdivided and drawn onto the implicit surface of the body; the bonds (skin weights) are subdivided
+with it, so they are as smooth as the skin and never leak from one limb to another.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.bodies import USUAL
+from live.render.body.body_variants import bun_of, parts_of
+from live.render.body.cage import Cage, build_bun_cage, build_cage
+from live.render.body.implicit_surface import Shape
+from live.render.body.simplify import simplify
+from live.render.body.subdivide import subdivide
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Int64 = npt.NDArray[np.int64]
+
+COARSE: Final = 0
+"""Level for shadows and reflections."""
+LIGHT: Final = 1
+"""Level for software rendering and large crowds."""
+FINE: Final = 2
+"""Level for a graphics card and few dancers."""
+DISTANT: Final = 3
+"""Level for dancers far from the camera: at 12 m it cannot be told from `LIGHT`."""
+LEVELS: Final = (COARSE, LIGHT, FINE, DISTANT)
+
+_SUBDIVISIONS: Final = (0, 1, 2, 1)
+_TRIANGLES: Final = {LIGHT: 1220, DISTANT: 640}
+"""What levels are simplified to."""
+_INFLUENCES: Final = 4
+_PROJECTIONS: Final = 4
+_OCCLUSION_REACH: Final = (0.06, 0.10, 0.16)
+_SWELLING: Final = 0.006
+"""By how much the coarse body is swollen [m], so that its square limbs cast shadows as wide as the round ones."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BodyMesh:
+    """A closed triangle mesh in the rest pose (V vertices, T triangles), counter-clockwise seen from outside."""
+
+    position: Float32
+    """[m], shape (V, 3)."""
+    normal: Float32
+    """Unit, shape (V, 3)."""
+    joint: Int32
+    """The joints that move each vertex, shape (V, 4)."""
+    weight: Float32
+    """How much each of them does, not negative, rows sum to 1, shape (V, 4)."""
+    openness: Float32
+    """How much of the light around reaches the vertex, 0 to 1, shape (V,)."""
+    triangle: Int32
+    """Vertex indices, shape (T, 3)."""
+
+
+def _project(shape: Shape, points: Float64) -> Float64:
+    for _ in range(_PROJECTIONS):
+        step = np.clip(shape.distance(points), -0.03, 0.03)
+        points = points - shape.normal(points) * step[:, None]
+    return points
+
+
+def _refine(cage: Cage, shape: Shape, level: int) -> Cage:
+    points, weights, faces = _project(shape, cage.points), cage.weights, cage.faces
+    for _ in range(level):
+        values, faces = subdivide(np.concatenate([points, weights], axis=1), faces)
+        points, weights = _project(shape, values[:, :3]), values[:, 3:]
+    return Cage(points, weights, faces)
+
+
+def strongest(weights: Float64) -> tuple[Int32, Float32]:
+    """The four strongest joints of each vertex and their weights, which sum to 1.
+
+    The fifth weight is taken off all: it fades out evenly, and of two equal ones neither is preferred.
+    """
+    order = np.argsort(-weights, axis=1, kind="stable")
+    joint = order[:, :_INFLUENCES]
+    fifth = np.take_along_axis(weights, order[:, _INFLUENCES : _INFLUENCES + 1], axis=1)
+    weight = np.take_along_axis(weights, joint, axis=1) - fifth
+    weight[weight < 0.01] = 0.0
+    weight /= weight.sum(axis=1, keepdims=True)
+    joint[weight == 0.0] = 0
+    return np.ascontiguousarray(joint, np.int32), np.ascontiguousarray(weight, np.float32)
+
+
+def _triangles(points: Float64, faces: Int64) -> Int64:
+    """Two triangles for each quadrilateral, across its shorter diagonal."""
+    across = np.linalg.norm(points[faces[:, 0]] - points[faces[:, 2]], axis=1)
+    other = np.linalg.norm(points[faces[:, 1]] - points[faces[:, 3]], axis=1)
+    turned = np.where((other < across - 1e-6)[:, None], np.roll(faces, -1, axis=1), faces)
+    return np.concatenate([turned[:, [0, 1, 2]], turned[:, [0, 2, 3]]])
+
+
+def _openness(shape: Shape, points: Float64, normals: Float64) -> Float64:
+    total = np.zeros(len(points))
+    for reach in _OCCLUSION_REACH:
+        total += np.clip(shape.distance(points + normals * reach) / reach, 0.0, 1.0)
+    return total / len(_OCCLUSION_REACH)
+
+
+@cache
+def build_body(level: int, name: str = USUAL) -> BodyMesh:
+    """The body of a name (`live.base.bodies`) at one of `LEVELS` of detail; built once a process, a fraction of a
+    second. ValueError for what there is not."""
+    if level not in LEVELS:
+        raise ValueError(
+            f"level of detail {level}: {COARSE} (coarse), {LIGHT} (light), {FINE} (fine) or {DISTANT} (far)"
+        )
+    body, bun = Shape(parts_of(name)), Shape(bun_of(name))
+    parts = [
+        (body, _refine(build_cage(), body, _SUBDIVISIONS[level])),
+        (bun, _refine(build_bun_cage(), bun, _SUBDIVISIONS[level])),
+    ]
+    points = np.concatenate([cage.points for _, cage in parts])
+    weights = np.concatenate([cage.weights for _, cage in parts])
+    normals = np.concatenate([shape.normal(cage.points) for shape, cage in parts])
+    first = len(parts[0][1].points)
+    triangles = np.concatenate(
+        [_triangles(cage.points, cage.faces) + start for (_, cage), start in zip(parts, (0, first), strict=True)]
+    )
+    if level in _TRIANGLES:
+        used, triangles = simplify(points, triangles, weights, _TRIANGLES[level])
+        points, weights, normals = points[used], weights[used], normals[used]
+    openness = _openness(body, points, normals)
+    if level == COARSE:
+        points = points + normals * _SWELLING
+    joint, weight = strongest(weights)
+    return BodyMesh(
+        np.ascontiguousarray(points, np.float32),
+        np.ascontiguousarray(normals, np.float32),
+        joint,
+        weight,
+        np.ascontiguousarray(openness, np.float32),
+        np.ascontiguousarray(triangles, np.int32),
+    )

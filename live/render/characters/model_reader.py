@@ -1,0 +1,247 @@
+"""Characters out of glTF, GLB and VRM files, read within bounds; whatever is wrong is a MotionFileError."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.formats.container import GltfFile, open_gltf
+from live.motion.formats.file_error import MotionFileError, shown
+from live.motion.formats.gltf_accessors import Accessors, Resolve
+from live.motion.formats.json_place import JsonPlace
+from live.motion.formats.nodes import Nodes
+from live.render.characters.materials import PLAIN, read_materials, texture_place
+from live.render.characters.model import TRIANGLE_LIMIT, Model, Part
+from live.render.characters.vrm_licence import bones_of, first_person, kind_of, licence_of
+
+Float64 = npt.NDArray[np.float64]
+Int64 = npt.NDArray[np.int64]
+
+BYTE_LIMIT: Final = 100_000_000
+"""Bytes that a character's file, or one beside it, may have."""
+IMAGE_LIMIT: Final = 64
+_FAR: Final = 1 << 40
+_TRIANGLES: Final = 4
+_SMALLER: Final = "export it with fewer triangles and images of 1024 pixels (Blender: Decimate)"
+
+
+def read_bytes(path: Path) -> bytes:
+    """All bytes of a character's file; MotionFileError if it is not there, no file, or too large."""
+    try:
+        if not path.is_file():
+            raise MotionFileError(str(path), None, "there is no such file", "a .glb, .gltf or .vrm file expected")
+        size = path.stat().st_size
+        if size > BYTE_LIMIT:
+            words = f"{size / 1e6:.0f} MB; a character has {BYTE_LIMIT / 1e6:.0f} MB at most"
+            raise MotionFileError(str(path), None, words, _SMALLER)
+        return path.read_bytes()
+    except OSError as error:
+        words = f"cannot be read: {error.strerror}"
+        raise MotionFileError(str(path), None, words, "a readable file expected") from None
+
+
+def read_model(path: Path) -> Model:
+    """The character in a .glb, .gltf or .vrm file; other files only from below its folder."""
+
+    def beside(name: str) -> bytes:
+        found, folder = (path.parent / name).resolve(), path.parent.resolve()
+        if not found.is_relative_to(folder):
+            raise MotionFileError(str(path), None, f"{shown(name)} leads out of its folder", "export it as .glb")
+        if not found.is_file():
+            raise MotionFileError(str(path), None, f"{shown(name)} is missing", f"put it into {folder}")
+        return read_bytes(found)
+
+    return parse_model(read_bytes(path), str(path), beside)
+
+
+def parse_model(data: bytes, file: str, resolve: Resolve | None = None) -> Model:
+    """The character that a file's bytes hold; `resolve` gives the files beside it."""
+    try:
+        return _Reader(open_gltf(data, file), resolve).read()
+    except MemoryError:
+        raise MotionFileError(file, None, "not enough memory", _SMALLER) from None
+
+
+class _Reader:
+    def __init__(self, gltf: GltfFile, resolve: Resolve | None) -> None:
+        self._gltf = gltf
+        self._root = JsonPlace(gltf.json, "", gltf.file)
+        for each in self._root.texts("extensionsRequired"):
+            if each in ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_texture_basisu"):
+                raise self._root.error("", f"needs {each}", "export it without compression")
+        self._nodes = Nodes(self._root)
+        self._accessors = Accessors(gltf, resolve, files=IMAGE_LIMIT + 4, folders=True)
+        self._matrix = self._matrices()
+        self._materials = read_materials(self._root)
+        self._joints: set[int] = set()
+        self._notes: list[str] = []
+        self._triangles = 0
+
+    def read(self) -> Model:
+        if not self._root.length("skins"):
+            raise self._root.error("", "has no skin: nothing says how it moves", "export it with its armature")
+        parts = list(self._parts())
+        if not parts:
+            raise self._root.error("meshes", "hold no triangles that move with a skin", "export mesh and armature")
+        used = set().union(*(self._materials[part.material].images for part in parts))
+        images = self._root.length("images")
+        if images > IMAGE_LIMIT:
+            raise self._root.error("images", f"are {images}", f"at most {IMAGE_LIMIT} expected")
+        return Model(
+            file=self._gltf.file,
+            size=self._gltf.size,
+            kind=kind_of(self._root),
+            names=tuple(self._nodes.name(node) for node in range(self._nodes.count)),
+            parents=tuple(self._nodes.parents),
+            order=tuple(self._nodes.order),
+            place=self._matrix[:, :3, 3].copy(),
+            joints=frozenset(self._joints),
+            bones=bones_of(self._root, self._nodes),
+            parts=tuple(parts),
+            materials=tuple(self._materials),
+            images=tuple(self._image(number) if number in used else None for number in range(images)),
+            licence=licence_of(self._root),
+            notes=tuple(dict.fromkeys(self._notes)),
+        )
+
+    def _image(self, number: int) -> bytes:
+        return bytes(self._accessors.content(self._root.element("images", number)))
+
+    def _matrices(self) -> Float64:
+        """From each node's space to the world in the rest pose, (N, 4, 4)."""
+        matrix = np.tile(np.eye(4), (self._nodes.count, 1, 1))
+        for node in self._nodes.order:
+            rest = self._nodes.rest(node)
+            axes = np.stack([quaternion.rotate(rest.rotation, axis) for axis in np.eye(3)], axis=1)
+            matrix[node, :3, :3], matrix[node, :3, 3] = axes * rest.scale, rest.translation
+            parent = self._nodes.parents[node]
+            if parent >= 0:
+                matrix[node] = matrix[parent] @ matrix[node]
+        return matrix
+
+    def _parts(self) -> Iterator[Part]:
+        own_meshes, own_nodes = first_person(self._root, self._nodes)
+        skins = list(self._root.elements("skins"))
+        for skin in skins:
+            self._joints.update(skin.wholes("joints", below=self._nodes.count))
+        for node in self._nodes.order:
+            place = self._nodes.place(node)
+            if not place.has("mesh"):
+                continue
+            mesh = place.whole("mesh", below=self._root.length("meshes"))
+            if mesh in own_meshes or node in own_nodes:
+                self._notes.append("meshes for the wearer's own eyes are left out")
+                continue
+            own = skins[place.whole("skin", below=len(skins))] if place.has("skin") else None
+            if own is None and not self._carried(node):
+                self._notes.append(f"{self._nodes.name(node)!r} hangs on no bone and is left out")
+                continue
+            for primitive in self._root.element("meshes", mesh).elements("primitives"):
+                part = self._part(primitive, node, own)
+                if part is not None:
+                    yield part
+
+    def _carried(self, node: int) -> bool:
+        while node >= 0 and node not in self._joints:
+            node = self._nodes.parents[node]
+        return node >= 0
+
+    def _part(self, primitive: JsonPlace, node: int, skin: JsonPlace | None) -> Part | None:
+        if primitive.whole("mode", _TRIANGLES, below=7) != _TRIANGLES:
+            self._notes.append("points, lines, strips and fans are left out")
+            return None
+        if primitive.has("extensions") and primitive.object("extensions").has("KHR_draco_mesh_compression"):
+            raise primitive.error("", "is compressed (Draco)", "export without compression")
+        attributes = primitive.object("attributes")
+        position = self._accessors.read(attributes.whole("POSITION", below=_FAR), "VEC3")
+        triangle = self._triangles_of(primitive, len(position))
+        if not len(triangle):
+            return None
+        number, uv = self._material_of(primitive, attributes, len(position))
+        normal = self._normals(attributes, position, triangle)
+        if skin is None:
+            nodes, weight = np.full((len(position), 1), node, np.int64), np.ones((len(position), 1))
+            moved = np.broadcast_to(self._matrix[node], (len(position), 4, 4))
+        else:
+            nodes, weight, moved = self._bound(attributes, skin, len(position))
+        place = np.einsum("vij,vj->vi", moved[:, :3, :3], position) + moved[:, :3, 3]
+        turned = np.einsum("vij,vj->vi", moved[:, :3, :3], normal)
+        return Part(place, np.asarray(quaternion.unit(turned)), uv, nodes, weight, triangle, number)
+
+    def _material_of(self, primitive: JsonPlace, attributes: JsonPlace, count: int) -> tuple[int, Float64]:
+        """Number of the material, and the places on its image (V, 2)."""
+        if not primitive.has("material"):
+            if PLAIN not in self._materials:
+                self._materials.append(PLAIN)
+            return self._materials.index(PLAIN), np.zeros((count, 2))
+        number = primitive.whole("material", below=self._root.length("materials"))
+        which, offset, scale = texture_place(self._root.element("materials", number))
+        key = f"TEXCOORD_{which}"
+        if not attributes.has(key):
+            return number, np.zeros((count, 2))
+        uv = self._accessors.read(attributes.whole(key, below=_FAR), "VEC2")
+        if len(uv) != count:
+            raise attributes.error(key, f"has {len(uv)} elements for {count} vertices", "one for each expected")
+        return number, uv * scale + offset
+
+    def _triangles_of(self, primitive: JsonPlace, count: int) -> Int64:
+        if primitive.has("indices"):
+            numbers = self._accessors.read(primitive.whole("indices", below=_FAR), "SCALAR")[:, 0].astype(np.int64)
+        else:
+            numbers = np.arange(count, dtype=np.int64)
+        if len(numbers) and not 0 <= int(numbers.min()) <= int(numbers.max()) < count:
+            raise primitive.error("indices", f"name the vertex {numbers.max()} of {count}", "a whole file expected")
+        triangle = numbers[: len(numbers) // 3 * 3].reshape(-1, 3)
+        self._triangles += len(triangle)
+        if self._triangles > TRIANGLE_LIMIT:
+            raise self._root.error("meshes", f"have more than {TRIANGLE_LIMIT} triangles", _SMALLER)
+        return triangle
+
+    def _normals(self, attributes: JsonPlace, position: Float64, triangle: Int64) -> Float64:
+        if attributes.has("NORMAL"):
+            normal = self._accessors.read(attributes.whole("NORMAL", below=_FAR), "VEC3")
+            if len(normal) == len(position):
+                return np.asarray(quaternion.unit(normal))
+        a, b, c = (position[triangle[:, corner]] for corner in range(3))
+        facing = np.cross(b - a, c - a)
+        total = np.zeros_like(position)
+        for corner in range(3):
+            np.add.at(total, triangle[:, corner], facing)
+        return np.asarray(quaternion.unit(total))
+
+    def _bound(self, attributes: JsonPlace, skin: JsonPlace, count: int) -> tuple[Int64, Float64, Float64]:
+        """Nodes (V, K) and weights (V, K) of each vertex, and what brings it to the rest pose, (V, 4, 4)."""
+        joints = np.array(skin.wholes("joints", below=self._nodes.count), np.int64)
+        numbers, weights = [], []
+        for which in range(2):
+            if not attributes.has(f"JOINTS_{which}"):
+                continue
+            number = self._accessors.read(attributes.whole(f"JOINTS_{which}", below=_FAR), "VEC4").astype(np.int64)
+            weight = self._accessors.read(attributes.whole(f"WEIGHTS_{which}", below=_FAR), "VEC4")
+            if len(number) != count or len(weight) != count:
+                raise attributes.error(f"JOINTS_{which}", f"has {len(number)} elements for {count}", "one for each")
+            if number.size and not 0 <= int(number.min()) <= int(number.max()) < len(joints):
+                words = f"names the joint {number.max()} of {len(joints)}"
+                raise attributes.error(f"JOINTS_{which}", words, "a file whose references fit expected")
+            numbers.append(number)
+            weights.append(np.maximum(weight, 0.0))
+        if not numbers:
+            raise attributes.error("JOINTS_0", "is missing: nothing moves this mesh", "export it with its armature")
+        number, weight = np.concatenate(numbers, axis=1), np.concatenate(weights, axis=1)
+        weight[weight.sum(axis=1) <= 0.0, 0] = 1.0
+        weight /= weight.sum(axis=1, keepdims=True)
+        each = self._matrix[joints] @ self._inverse_binds(skin, len(joints))
+        moved = np.einsum("vk,vkij->vij", weight, each[number])
+        return joints[number], weight, moved
+
+    def _inverse_binds(self, skin: JsonPlace, count: int) -> Float64:
+        if not skin.has("inverseBindMatrices"):
+            return np.tile(np.eye(4), (count, 1, 1))
+        numbers = self._accessors.read(skin.whole("inverseBindMatrices", below=_FAR), "MAT4")
+        if len(numbers) < count:
+            words = f"has {len(numbers)} matrices for {count} joints"
+            raise skin.error("inverseBindMatrices", words, "one for each joint expected")
+        return numbers[:count].reshape(-1, 4, 4).transpose(0, 2, 1)

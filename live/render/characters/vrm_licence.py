@@ -1,0 +1,82 @@
+"""What a VRM says of itself: whose it is and who may use it, first-person meshes, humanoid bones."""
+
+from typing import Final
+
+from live.motion.formats.json_place import JsonPlace
+from live.motion.formats.nodes import Nodes
+
+_META_0: Final = {
+    "title": "title", "version": "version", "author": "author", "contact": "contactInformation",
+    "who may perform": "allowedUserName", "commercial use": "commercialUssageName",
+    "violent performances": "violentUssageName", "sexual performances": "sexualUssageName",
+    "licence": "licenseName", "licence text": "otherLicenseUrl", "other conditions": "otherPermissionUrl",
+}  # fmt: skip
+_META_1: Final = {
+    "title": "name", "version": "version", "copyright": "copyrightInformation", "contact": "contactInformation",
+    "who may perform": "avatarPermission", "commercial use": "commercialUsage", "credit": "creditNotation",
+    "redistribution": "allowRedistribution", "changes": "modification", "licence": "licenseUrl",
+    "other conditions": "otherLicenseUrl",
+}  # fmt: skip
+
+
+def kind_of(root: JsonPlace) -> str:
+    """`VRM 1.0`, `VRM 0.x` or `glTF`."""
+    extensions = root.object("extensions") if root.has("extensions") else None
+    if extensions is not None and extensions.has("VRMC_vrm"):
+        return "VRM 1.0"
+    return "VRM 0.x" if extensions is not None and extensions.has("VRM") else "glTF"
+
+
+def _vrm(root: JsonPlace) -> JsonPlace | None:
+    kind = kind_of(root)
+    return None if kind == "glTF" else root.object("extensions").object("VRMC_vrm" if kind == "VRM 1.0" else "VRM")
+
+
+def bones_of(root: JsonPlace, nodes: Nodes) -> dict[str, int]:
+    """Humanoid bones by name, and their nodes; empty for a file that is no VRM."""
+    vrm = _vrm(root)
+    if vrm is None or not vrm.has("humanoid"):
+        return {}
+    humanoid = vrm.object("humanoid")
+    if kind_of(root) == "VRM 1.0":
+        bones = humanoid.object("humanBones")
+        return {bone: bones.object(bone).whole("node", below=nodes.count) for bone in bones.names()}
+    rows = [row for row in humanoid.elements("humanBones") if row.text("bone")]
+    return {row.text("bone"): row.whole("node", below=nodes.count) for row in rows}
+
+
+def first_person(root: JsonPlace, nodes: Nodes) -> tuple[frozenset[int], frozenset[int]]:
+    """Meshes, and nodes, that only the wearer's own eyes are meant to see."""
+    vrm = _vrm(root)
+    if vrm is None or not vrm.has("firstPerson"):
+        return frozenset(), frozenset()
+    rows = list(vrm.object("firstPerson").elements("meshAnnotations"))
+    count = root.length("meshes")
+    meshes = {
+        row.whole("mesh", below=count)
+        for row in rows
+        if row.text("firstPersonFlag") == "FirstPersonOnly" and row.has("mesh")
+    }
+    own = {row.whole("node", below=nodes.count) for row in rows if row.text("type") == "firstPersonOnly"}
+    return frozenset(meshes), frozenset(own)
+
+
+def licence_of(root: JsonPlace) -> dict[str, str]:
+    """What the file says of who made it and who may use it, in its own words."""
+    found: dict[str, str] = {}
+    vrm = _vrm(root)
+    if vrm is not None and vrm.has("meta"):
+        meta = vrm.object("meta")
+        rows = _META_1 if kind_of(root) == "VRM 1.0" else _META_0
+        for words, key in rows.items():
+            said = meta.text(key) or ("yes" if meta.flag(key) else "")
+            if said:
+                found[words] = said
+        authors = meta.texts("authors")
+        if authors:
+            found["author"] = ", ".join(authors)
+    asset = root.object("asset")
+    for words, key in (("copyright", "copyright"), ("made with", "generator")):
+        if asset.text(key) and words not in found:
+            found[words] = asset.text(key)
+    return {words: " ".join(said.split())[:300] for words, said in found.items()}

@@ -1,0 +1,1 @@
+"""Instancing, styles, trails."""

@@ -1,0 +1,276 @@
+"""The dancers on the graphics side: their poses in a texture, their bodies, their colours, and who is drawn how."""
+
+from typing import Any, Final, Protocol
+
+import moderngl
+import numpy as np
+import numpy.typing as npt
+
+from live.base.stage_snapshot import Camera, Scene, StageView
+from live.motion.skeleton import JOINT_COUNT, SKELETON
+from live.render.body.body_lookup import bodies_of, characters_of, mesh_of
+from live.render.body.body_mesh import BodyMesh
+from live.render.characters.character_buffers import CharacterBuffers
+from live.render.dancers.group_styles import GroupStyles
+from live.render.dancers.instance_lists import Instances, Sight
+from live.render.dancers.wardrobe import TEXELS, dress
+from live.render.gl_release import release_all
+from live.render.quality import Quality
+from live.render.render_kernels import pose_texels
+from live.render.shader import set_uniform
+
+Float32 = npt.NDArray[np.float32]
+
+POSE_UNIT: Final = 0
+"""Texture unit of the pose texture."""
+WARDROBE_UNIT: Final = 7
+"""Texture unit of the dancers' colours."""
+_ATTRIBUTES: Final = (
+    ("in_position", "3f", 12),
+    ("in_normal", "3f", 12),
+    ("in_openness", "1f", 4),
+    ("in_joint", "4u1", 4),
+    ("in_weight", "4f1", 4),
+)
+
+
+def vertex_bytes(mesh: BodyMesh) -> bytes:
+    layout = np.dtype([(name, *_NUMPY[form]) for name, form, _ in _ATTRIBUTES])
+    data = np.zeros(len(mesh.position), layout)
+    data["in_position"], data["in_normal"], data["in_openness"] = mesh.position, mesh.normal, mesh.openness
+    data["in_joint"], data["in_weight"] = mesh.joint, np.rint(mesh.weight * 255.0)
+    return data.tobytes()
+
+
+_NUMPY: Final = {"3f": ("f4", 3), "1f": ("f4",), "4u1": ("u1", 4), "4f1": ("u1", 4)}
+
+
+VERTEX_BYTES: Final = 36
+SHORT: Final = 65_535
+"""Vertices that two bytes can number."""
+
+
+def index_bytes(mesh: BodyMesh) -> bytes:
+    """The corners of all triangles, in two bytes each where they suffice, else in four."""
+    return mesh.triangle.astype(np.uint32 if len(mesh.position) > SHORT else np.uint16).tobytes()
+
+
+def layout(program: moderngl.Program) -> tuple[str, list[str]]:
+    """Buffer format and attribute names: what the program does not use becomes padding."""
+    form, names = [], []
+    for name, kind, size in _ATTRIBUTES:
+        if name in program:
+            form.append(kind)
+            names.append(name)
+        else:
+            form.append(f"{size}x")
+    return " ".join(form), names
+
+
+def pose_texture(ctx: moderngl.Context, capacity: int) -> moderngl.Texture:
+    """Room for the poses of so many dancers (see `pose_texels`); ValueError if the driver has none."""
+    limit = int(ctx.info["GL_MAX_TEXTURE_SIZE"])
+    rows = min(capacity, limit)
+    width = -(-capacity // rows) * 2 * JOINT_COUNT
+    if width > limit:
+        raise ValueError(f"{capacity} dancers: this graphics driver holds {limit // (2 * JOINT_COUNT) * limit}")
+    texture = ctx.texture((width, rows), 4, dtype="f4")
+    texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+    return texture
+
+
+class Crowd:
+    """Owns pose texture, instance lists, bodies and the groups' styles; `update` once a frame."""
+
+    def __init__(self, ctx: moderngl.Context, scene: Scene, quality: Quality, size: tuple[int, int]) -> None:
+        if scene.joint_count != JOINT_COUNT:
+            raise ValueError(f"scene: joint_count {scene.joint_count}: the body has {JOINT_COUNT} joints")
+        self._ctx, self.quality = ctx, quality
+        self.rest = np.ascontiguousarray(SKELETON.rest_positions(), np.float32)
+        """The joints in the rest pose [m], shape (J, 3)."""
+        self.styles = GroupStyles(ctx)
+        self.body_names = bodies_of(scene)
+        """The bodies that dancers of this scene have."""
+        self._scene = scene
+        self._worn = {name: CharacterBuffers(ctx, one) for name, one in characters_of(scene).items()}
+        self.reach = max((one.reach for one in self._worn.values()), default=0.0)
+        """How far characters reach beyond their joints at most [m]."""
+        self._meshes: dict[tuple[Any, ...], tuple[moderngl.Buffer, moderngl.Buffer]] = {}
+        self._vertex_arrays: dict[tuple[Any, ...], moderngl.VertexArray] = {}
+        self._dressed: set[int] = set()
+        self._capacity = 0
+        self._bodies = scene.bodies
+        self.fit(scene)
+        self.look_from(scene.camera, size)
+
+    def fit(self, scene: Scene) -> None:
+        """Take the colours of a scene, and room for its dancers."""
+        self._colours = np.array(scene.look.group_colours or ((0.8, 0.8, 0.8),), np.float32)
+        if scene.dancer_count > self._capacity or self._capacity == 0:
+            self._allocate(max(scene.dancer_count, 1))
+
+    def look_from(self, camera: Camera, size: tuple[int, int]) -> None:
+        """Take a camera and the picture's size: only who may be seen is drawn, the nearest ones more finely."""
+        self._sight = Sight.of(camera, size)
+
+    def recolour(self, colours: npt.NDArray[np.floating]) -> None:
+        """Take the groups' colours (G, 3), from the next frame on."""
+        self._colours = colours.astype(np.float32)
+        self._group[:] = -1
+
+    def restyle(self, row: npt.NDArray[np.float64]) -> None:
+        """Take the groups' styles of a picture's row, from the next frame on."""
+        variety, sheen = self.styles.variety, self.styles.sheen
+        self.styles.take(row)
+        if not (np.array_equal(variety, self.styles.variety) and np.array_equal(sheen, self.styles.sheen)):
+            self._group[:] = -1
+
+    def _allocate(self, capacity: int) -> None:
+        self._release_data()
+        self._dressed.clear()
+        self._capacity = capacity
+        self.poses = pose_texture(self._ctx, capacity)
+        width, self.rows = self.poses.size
+        blocks = width // (2 * JOINT_COUNT)
+        self.texels = np.zeros((self.rows, width, 4), np.float32)
+        self._wardrobe = self._ctx.texture((TEXELS * blocks, self.rows), 4)
+        self._wardrobe.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        self._group = np.full(capacity, -1, np.int32)
+        body = np.zeros(capacity, np.int32)
+        known = self._bodies[:capacity]
+        body[: len(known)] = [self.body_names.index(name) for name in known]
+        self._instances = Instances(self._ctx, capacity, body, len(self.body_names))
+
+    @property
+    def box(self) -> Float32:
+        """Around the joints of all dancers who are seen, shape (2, 3): lowest and highest x, y, z [m], the lowest above
+        the highest where nobody is."""
+        return self._instances.box
+
+    @property
+    def capacity(self) -> int:
+        """How many dancers there is room for; it grows when more of them come."""
+        return self._capacity
+
+    def update(self, view: StageView, light: Float32) -> None:
+        """Upload poses, colours and the lists of instances; `light` (3,): the way towards the key light."""
+        if self.styles.any:
+            self.styles.bind()
+        count = len(view.joint_position)
+        if count > self._capacity:
+            self._allocate(count)
+        if not self._instances.fill(view, self._sight, light, self.quality, self.styles, self.reach):
+            return
+        pose_texels(view.joint_position, view.joint_rotation, self.rest, self._instances.drawn, self.texels)
+        self.poses.write(self.texels)
+        if not np.array_equal(view.group, self._group[:count]):
+            self._dress(view, count)
+
+    def _dress(self, view: StageView, count: int) -> None:
+        """New clothes, only when somebody changes group, or a group its colours."""
+        self._group[:count] = view.group
+        blocks, rows = self._wardrobe.width // TEXELS, self.rows
+        padded = np.zeros((blocks * rows, TEXELS, 4), np.uint8)
+        padded[:count] = dress(view.group, self._colours, self.styles.variety, self.styles.sheen)
+        columns = padded.reshape(blocks, rows, TEXELS, 4).transpose(1, 0, 2, 3)
+        self._wardrobe.write(np.ascontiguousarray(columns))
+
+    def count(self, which: str) -> int:
+        """How many dancers are on a list."""
+        return sum(self._instances.count(which, body) for body in range(len(self.body_names)))
+
+    def _mesh(self, key: tuple[Any, ...]) -> tuple[moderngl.Buffer, moderngl.Buffer]:
+        level, name = key
+        if key not in self._meshes:
+            mesh = mesh_of(self._scene, name, level)
+            self._meshes[key] = (
+                self._ctx.buffer(vertex_bytes(mesh)),
+                self._ctx.buffer(index_bytes(mesh)),
+            )
+        return self._meshes[key]
+
+    def draw(
+        self,
+        program: moderngl.Program,
+        level: int,
+        which: str = "all",
+        poses: moderngl.Texture | None = None,
+        worn: moderngl.Program | None = None,
+    ) -> None:
+        """Draw the bodies of the dancers of a list (`live.render.dancers.group_styles.LISTS`) with a program that
+        includes `skin.glsl`, in the poses of now or in those of a texture like `poses`; characters with `worn`, which
+        shows their own images, if there is one."""
+        for body, name in enumerate(self.body_names):
+            count = self._instances.count(which, body)
+            if count == 0:
+                continue
+            character = self._worn.get(name) if worn is not None else None
+            linked = program if character is None or worn is None else worn
+            key = (linked.glo, level, which, body)
+            if key not in self._vertex_arrays:
+                vertices, indices = self._mesh((level, name))
+                form, names = layout(linked)
+                content = [(vertices, form, *names), (self._instances.buffer(which, body), "1f/i", "in_dancer")]
+                content += [] if character is None else [character.content(linked, level)]
+                size = 4 if vertices.size // VERTEX_BYTES > SHORT else 2
+                self._vertex_arrays[key] = self._ctx.vertex_array(linked, content, indices, index_element_size=size)
+            self.dress_program(linked)
+            if poses is not None:
+                poses.use(POSE_UNIT)
+            if character is None:
+                self._vertex_arrays[key].render(moderngl.TRIANGLES, instances=count)
+            else:
+                character.render(linked, self._vertex_arrays[key], count)
+
+    def draw_other(
+        self, program: moderngl.Program, which: str, make: "VertexMaker", mode: int, vertices: int = -1
+    ) -> None:
+        """Draw something else for each dancer of a list: `make(body)` gives its buffer, format and attribute names once
+        for each body; `vertices` of it are drawn, all if -1."""
+        for body, name in enumerate(self.body_names):
+            count = self._instances.count(which, body)
+            if count == 0:
+                continue
+            key = (program.glo, which, body)
+            if key not in self._vertex_arrays:
+                self._vertex_arrays[key] = self._ctx.vertex_array(
+                    program, [make(name), (self._instances.buffer(which, body), "1f/i", "in_dancer")]
+                )
+            self.dress_program(program)
+            self._vertex_arrays[key].render(mode, vertices=vertices, instances=count)
+
+    def dress_program(self, program: moderngl.Program) -> None:
+        """Give a program poses, wardrobe and styles."""
+        if program.glo not in self._dressed:
+            self._dressed.add(program.glo)
+            set_uniform(program, "poses", POSE_UNIT)
+            set_uniform(program, "pose_layout", (self.rows, 2 * JOINT_COUNT))
+            set_uniform(program, "wardrobe", WARDROBE_UNIT)
+            set_uniform(program, "wardrobe_rows", self.rows)
+        self.poses.use(POSE_UNIT)
+        self._wardrobe.use(WARDROBE_UNIT)
+
+    def _release_data(self) -> None:
+        for array in self._vertex_arrays.values():
+            array.release()
+        self._vertex_arrays.clear()
+        if self._capacity:
+            release_all(self.poses, self._wardrobe, self._instances)
+            self._capacity = 0
+
+    def release(self) -> None:
+        """Free all buffers and the texture."""
+        self._release_data()
+        for vertices, indices in self._meshes.values():
+            vertices.release()
+            indices.release()
+        self._meshes.clear()
+        release_all(*self._worn.values())
+        self.styles.release()
+
+
+class VertexMaker(Protocol):
+    """Gives the vertices of what is drawn for a dancer with a body of that name."""
+
+    def __call__(self, body: str) -> tuple[Any, ...]:
+        """Buffer, format, attribute names."""

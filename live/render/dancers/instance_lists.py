@@ -1,0 +1,114 @@
+"""Who is drawn how: lists of dancers for each way of drawing and each body, filled anew for every picture.
+
+Who cannot be in the picture is on none of them: a body beyond its edge costs as many vertices as one in its middle.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import moderngl
+import numpy as np
+import numpy.typing as npt
+
+from live.base.stage_snapshot import Camera, StageView
+from live.render.camera import view_matrix, world_to_clip
+from live.render.dancers.group_styles import LISTS, GroupStyles
+from live.render.quality import Quality
+from live.render.render_kernels import FAR, MIRRORED, NEAR, PRESENT, SEEN, SHADOWING, bounds, listed, sights, split
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+AROUND_JOINTS: Final = 0.35
+"""The generated body, in any style, reaches at most this far beyond its joints [m]."""
+FROM_HIPS: Final = 1.35
+"""No joint is farther from the hips than this [m], however she stretches."""
+_NEEDS: Final = {
+    "all": SHADOWING, "mirrored": MIRRORED, "particles": PRESENT, "ribbons": PRESENT, "trails": PRESENT, "xray": SEEN,
+}  # fmt: skip
+"""Who is on a list; of the others, who is seen and near, or far. What leaves its dancer is drawn wherever she is."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sight:
+    """A camera as far as the lists need it."""
+
+    forward: Float32
+    """The way it looks, a unit vector, shape (3,)."""
+    start: float
+    """Where along that way it stands [m]."""
+    planes: Float32
+    """The sides of what it sees, inwards: n . p + d >= 0 with unit vectors n, shape (5, 4)."""
+
+    @staticmethod
+    def of(camera: Camera, size: tuple[int, int]) -> "Sight":
+        """What a camera sees in a picture of `size` pixels."""
+        forward = np.ascontiguousarray(-view_matrix(camera)[2, :3], np.float32)
+        rows = world_to_clip(camera, size)
+        # Gribb and Hartmann 2001: -w <= x, x <= w, -w <= y, y <= w, -w <= z
+        planes = rows[3] + np.array([rows[0], -rows[0], rows[1], -rows[1], rows[2]])
+        planes /= np.linalg.norm(planes[:, :3], axis=1, keepdims=True)
+        start = float(forward @ np.array(camera.eye, np.float32))
+        return Sight(forward, start, np.ascontiguousarray(planes, np.float32))
+
+
+class Instances:
+    """The lists of one crowd of at most `capacity` dancers, whose bodies are `body` (A,), 0 to `bodies` - 1."""
+
+    def __init__(self, ctx: moderngl.Context, capacity: int, body: Int32, bodies: int) -> None:
+        self._body = body
+        self._sight = np.zeros(capacity, np.uint8)
+        self.drawn = np.zeros(capacity, np.bool_)
+        """Who is on any list, shape (capacity,)."""
+        self.box = np.zeros((2, 3), np.float32)
+        """Around the joints of all who are seen: lowest and highest x, y, z [m]; lowest above highest: nobody is."""
+        self._scratch = np.zeros(capacity, np.float32)
+        self._numbers = np.zeros((len(LISTS), bodies, capacity), np.float32)
+        self._count = np.zeros((len(LISTS), bodies), np.int32)
+        self._needs = np.array(
+            [_NEEDS.get(name, SEEN | (NEAR if name.endswith("near") else FAR)) for name in LISTS], np.uint8
+        )
+        self._buffers = {
+            (name, kind): ctx.buffer(reserve=capacity * 4, dynamic=True) for name in LISTS for kind in range(bodies)
+        }
+        self._rows = [
+            (at, kind, self._numbers[at, kind], self._buffers[name, kind])
+            for at, name in enumerate(LISTS)
+            for kind in range(bodies)
+        ]
+        self._at = {name: at for at, name in enumerate(LISTS)}
+        self._counts: list[list[int]] = self._count.tolist()
+
+    def count(self, name: str, body: int) -> int:
+        """How many dancers of a body are on a list."""
+        return self._counts[self._at[name]][body]
+
+    def buffer(self, name: str, body: int) -> moderngl.Buffer:
+        """Their numbers, float32 each."""
+        return self._buffers[name, body]
+
+    def fill(
+        self, view: StageView, sight: Sight, light: Float32, quality: Quality, styles: GroupStyles, reach: float
+    ) -> bool:
+        """Fill all lists for a moment seen so; returns whether anybody is on any.
+
+        `light` (3,): towards the key light; `reach`: of bodies beyond their joints [m], where that is more than usual.
+        """
+        here = self._sight[: len(view.present)]
+        sights(view.joint_position, view.present, sight.planes, light, FROM_HIPS + max(reach, AROUND_JOINTS), here)
+        bounds(view.joint_position, here, self.box)
+        near_to = sight.start + quality.far_from
+        split(view.joint_position, sight.forward, near_to, quality.near_count, here, self._scratch)
+        listed(here, view.group, self._body, styles.ways, self._needs, self._numbers, self._count, self.drawn)
+        self._counts = counts = self._count.tolist()
+        for at, kind, numbers, buffer in self._rows:
+            count = counts[at][kind]
+            if count:
+                buffer.write(numbers[:count])
+        return bool(self._count.any())
+
+    def release(self) -> None:
+        """Free the buffers."""
+        for buffer in self._buffers.values():
+            buffer.release()

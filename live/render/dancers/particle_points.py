@@ -1,0 +1,77 @@
+"""Points spread evenly over a body's skin, each with chances of its own: what a dancer of particles is made of."""
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.bodies import USUAL
+from live.motion.skeleton import JOINT_COUNT
+from live.render.body.body_mesh import LIGHT, BodyMesh, build_body, strongest
+
+Float32 = npt.NDArray[np.float32]
+Int32 = npt.NDArray[np.int32]
+
+_SEED: Final = 11
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BodyPoints:
+    """P points in the order in which they appear: the first ones alone are spread as evenly as all of them."""
+
+    position: Float32
+    """In the rest pose [m], shape (P, 3)."""
+    normal: Float32
+    """Unit, shape (P, 3)."""
+    joint: Int32
+    """The joints that move each point, shape (P, 4)."""
+    weight: Float32
+    """How much each of them does, rows sum to 1, shape (P, 4)."""
+    chance: Float32
+    """Place in the order from 0 to 1, and three numbers by chance, shape (P, 4)."""
+
+
+@cache
+def build_points(count: int, name: str = USUAL) -> BodyPoints:
+    """So many points on the body of that name; the same ones each time."""
+    return points_on(build_body(LIGHT, name), count)
+
+
+def points_on(mesh: BodyMesh, count: int) -> BodyPoints:
+    """So many points on a surface; the same ones each time."""
+    draw = np.random.default_rng(_SEED)
+    corners = mesh.triangle[_chosen(mesh, count)]
+    share = _within(draw.random((count, 2)))
+    dense = np.zeros((len(mesh.position), JOINT_COUNT))
+    for column in range(mesh.joint.shape[1]):
+        dense[np.arange(len(dense)), mesh.joint[:, column]] += mesh.weight[:, column]
+    mixed = {
+        "position": (mesh.position[corners] * share[:, :, None]).sum(axis=1),
+        "normal": (mesh.normal[corners] * share[:, :, None]).sum(axis=1),
+    }
+    joint, weight = strongest((dense[corners] * share[:, :, None]).sum(axis=1))
+    chance = np.column_stack([(np.arange(count) + 0.5) / count, draw.random((count, 3))])
+    normal = mixed["normal"] / np.maximum(np.linalg.norm(mixed["normal"], axis=1, keepdims=True), 1e-9)
+    return BodyPoints(
+        mixed["position"].astype(np.float32), normal.astype(np.float32), joint, weight, chance.astype(np.float32)
+    )
+
+
+def _chosen(mesh: BodyMesh, count: int) -> npt.NDArray[np.int64]:
+    """A triangle for each point, by area; van der Corput's sequence, so that any first ones lie evenly."""
+    a, b, c = (mesh.position[mesh.triangle[:, corner]].astype(np.float64) for corner in range(3))
+    area = np.cumsum(np.linalg.norm(np.cross(b - a, c - a), axis=1))
+    place = np.zeros(count)
+    number, part = np.arange(count), 0.5
+    while number.any():
+        place += part * (number & 1)
+        number, part = number >> 1, 0.5 * part
+    return np.asarray(np.searchsorted(area, place * area[-1]))
+
+
+def _within(draw: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Even places within triangles, as shares of their corners, shape (N, 3)."""
+    root = np.sqrt(draw[:, 0])
+    return np.column_stack([1.0 - root, root * (1.0 - draw[:, 1]), root * draw[:, 1]])

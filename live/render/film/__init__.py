@@ -1,0 +1,1 @@
+"""Video, streams, shared memory."""

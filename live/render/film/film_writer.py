@@ -1,0 +1,216 @@
+"""Films: pictures and sound into a file without holding up the frame loop."""
+
+import contextlib
+import os
+import sys
+import threading
+from fractions import Fraction
+from pathlib import Path
+from queue import SimpleQueue
+from types import TracebackType
+from typing import Any, NamedTuple, Protocol, Self
+
+import av
+import numpy as np
+import numpy.typing as npt
+
+from live.render.film.container_formats import kind_of
+from live.render.film.film_encoder import FilmEncoder
+from live.render.film.film_sound import FilmSound
+
+Picture = npt.NDArray[np.uint8]
+
+_FAILED = -1
+"""Handed out in place of a free slot when the encoder has ended, so that nobody waits for one."""
+
+
+class FilmError(RuntimeError):
+    """The film cannot be written; the text names the file and the reason."""
+
+
+class _Job(NamedTuple):
+    slot: int | None
+    """The picture to encode; None at the end of the film."""
+    repeats: int
+    """How often the picture before it stands in for pictures that were left out."""
+
+
+class PictureWriter(Protocol):
+    """What takes the pictures of a film, one after the other."""
+
+    def write(self, picture: Picture, count: int = 1) -> None:
+        """Add one picture for so many frames."""
+
+    def close(self) -> None:
+        """Complete the film."""
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
+        """Close it."""
+
+
+class FilmWriter:
+    """Writes one film of a constant frame rate, of the kind that its name ends in (`film_kinds.py`); encodes in a
+    thread of its own behind a few preallocated pictures.
+
+    `size`: width and height of the pictures that come in [pixels]; an odd one loses its last column or row, which
+    `notes` tells. `sound`: see `FilmSound`; it becomes exactly as long as the picture.
+    `alpha`: pictures are RGBA, straight, as `MattePass` draws them.
+    `live`: when the encoder is behind, a picture is left out, counted in `dropped`, and the one before it stands
+    longer, so that the film keeps time and the show is never held up; otherwise `write` waits. A live film is
+    written in fragments (mp4): even when the machine loses its power, what was written until then can be played.
+
+    Raises ValueError for a name, size or rate that no film has, and for alpha where its kind has none; `FilmError` at
+    once when the file cannot be begun (missing folder, no right to write, no codec); later failures (a full disk)
+    surface once, at the next `write` or at `close`, after which further pictures are ignored.
+    Thread: `write` and `close` from one thread.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        *,
+        size: tuple[int, int],
+        fps: float | Fraction,
+        sound: FilmSound | None = None,
+        live: bool = False,
+        preset: str | None = None,
+        crf: int = 20,
+        depth: int = 8,
+        alpha: bool = False,
+    ) -> None:
+        width, height = size
+        if width < 2 or height < 2:
+            raise ValueError(f"a film of {width}x{height} pixels: at least 2 each way are needed")
+        self.path = Path(path)
+        self._kind, self._alpha = kind_of(self.path), alpha
+        if alpha and self._kind.alpha_pixels is None:
+            raise ValueError(f"{path}: a film of this kind has no alpha")
+        self.size = (width - width % 2, height - height % 2)
+        self.fps = Fraction(fps).limit_denominator(1001)
+        if not 1 <= self.fps <= 1000:
+            raise ValueError(f"a film of {float(fps):g} frames/s: 1 to 1000 are possible")
+        self.notes: tuple[str, ...] = ()
+        if self.size != size:
+            self.notes = (f"{self.path}: {width}x{height} is odd; the film is {self.size[0]}x{self.size[1]}",)
+        self.frames = 0
+        self.dropped = 0
+        self._input_shape = (height, width, 4 if alpha else 3)
+        self._live = live
+        self._sound = sound
+        chosen = {"preset": preset or ("ultrafast" if live else "veryfast"), "crf": str(crf)}
+        self._options = chosen if self._kind.video == "libx264" else {}
+        self._sources = [av.VideoFrame(*self.size, "rgba" if alpha else "rgb24") for _ in range(depth)]
+        self._pixels = [pixels_of(source, 4 if alpha else 3) for source in self._sources]
+        self._free: SimpleQueue[int] = SimpleQueue()
+        self._jobs: SimpleQueue[_Job] = SimpleQueue()
+        self._repeats = 0
+        self._failure: BaseException | None = None
+        self._reported = False
+        self._closed = False
+        for slot in range(depth):
+            self._free.put(slot)
+        ready = threading.Event()
+        self._thread = threading.Thread(target=self._run, args=(ready,), name="film", daemon=True)
+        self._thread.start()
+        ready.wait()
+        self._check()
+
+    def write(self, picture: Picture, count: int = 1) -> None:
+        """Add one picture, uint8 RGB (RGBA) of shape (height, width, 3 or 4), top row first; it is copied.
+
+        It stands for `count` frames: what is shown longer costs hardly more.
+        """
+        if picture.shape != self._input_shape or picture.dtype != np.uint8:
+            raise ValueError(
+                f"a picture of shape {picture.shape}, {picture.dtype}: {self._input_shape}, uint8 is needed"
+            )
+        self._check()
+        if self._closed or self._failure is not None:
+            return
+        self.frames += count
+        if self._live and self._free.empty():
+            self.dropped += 1
+            self._repeats += count
+            return
+        slot = self._free.get()
+        if slot == _FAILED:
+            self._check()
+            return
+        width, height = self.size
+        np.copyto(self._pixels[slot], picture[:height, :width])
+        self._jobs.put(_Job(slot, self._repeats))
+        self._repeats = count - 1
+
+    def close(self) -> None:
+        """Finish the film: wait for the encoder and complete the file; a second call does nothing."""
+        if not self._closed:
+            self._closed = True
+            self._jobs.put(_Job(None, self._repeats))
+            self._thread.join()
+            self._check()
+
+    def __enter__(self) -> "FilmWriter":
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
+        try:
+            self.close()
+        except FilmError:
+            if error is None:  # the first error is the one to tell
+                raise
+
+    def _check(self) -> None:
+        if self._failure is not None and not self._reported:
+            self._reported = True
+            error = self._failure
+            reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
+            raise FilmError(f"{self.path}: the film cannot be written: {reason}") from error
+
+    def _run(self, ready: threading.Event) -> None:
+        """The encoder's thread, from the first byte of the file to the last."""
+        try:
+            if self._live:
+                give_way()
+            flags = "hybrid_fragmented+delay_moov" if self._live else "faststart"
+            options = {"movflags": flags, "movie_timescale": "90000"}  # lengths in ms would cut the last picture short
+            options = options if self._kind.container in ("mp4", "mov") else {}
+            with av.open(str(self.path), "w", format=self._kind.container, options=options) as container:
+                encoder = FilmEncoder(
+                    container, self.size, self.fps, self._kind, self._options, self._sound, alpha=self._alpha
+                )
+                container.start_encoding()
+                ready.set()
+                self._encode_all(encoder)
+        except BaseException as error:  # whatever it was, it surfaces in the thread that writes
+            self._failure = error
+        finally:
+            self._free.put(_FAILED)
+            ready.set()
+
+    def _encode_all(self, encoder: FilmEncoder) -> None:
+        while True:
+            job = self._jobs.get()
+            for _ in range(job.repeats):
+                encoder.repeat()
+            if job.slot is None:
+                encoder.finish()
+                return
+            encoder.picture(self._sources[job.slot])
+            self._free.put(job.slot)
+
+
+def give_way() -> None:
+    """Let the show go first: lower the priority of this thread, and of those of the encoder that it will start."""
+    if sys.platform == "linux":
+        thread = threading.get_native_id()
+        with contextlib.suppress(OSError):
+            os.setpriority(os.PRIO_PROCESS, thread, os.getpriority(os.PRIO_PROCESS, thread) + 5)
+
+
+def pixels_of(source: Any, channels: int) -> Picture:
+    """The pixels of an RGB or RGBA frame as an array (height, width, channels) on its own memory."""
+    plane = source.planes[0]
+    rows = np.frombuffer(plane, np.uint8)[: source.height * plane.line_size].reshape(source.height, plane.line_size)
+    return rows[:, : source.width * channels].reshape(source.height, source.width, channels)

@@ -1,0 +1,143 @@
+"""A film as a folder of PNG pictures, one for each frame, with the sound beside them as a WAV file."""
+
+import wave
+from collections import deque
+from concurrent.futures import Future, ThreadPoolExecutor
+from fractions import Fraction
+from pathlib import Path
+from shutil import copyfile
+from types import TracebackType
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
+
+from live.render.film.film_sound import FilmSound
+from live.render.film.film_writer import FilmError
+
+Picture = npt.NDArray[np.uint8]
+
+SOUND: Final = "sound.wav"
+_AT_ONCE: Final = 2
+"""Pictures that are compressed at the same time."""
+_WAITING: Final = 4
+"""Pictures that may wait for it; after that the writer waits."""
+_COMPRESSION: Final = 3
+"""Of zlib: twice as fast as usual, a tenth larger."""
+
+
+class PictureFolder:
+    """Writes pictures like `FilmWriter`, as PNG in sRGB, numbered from 1.
+
+    `path`: the name of a picture with a printf number in it, `frames/%05d.png`; the folder is made if its parent is
+    there. `size`: width and height [pixels]. `alpha`: pictures are RGBA, straight. Pictures that are there are written
+    over. Raises `FilmError`: at once for a folder that cannot be made, later, once, for a disk that is full.
+    Thread: one; two others compress.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        *,
+        size: tuple[int, int],
+        fps: float | Fraction,
+        sound: FilmSound | None = None,
+        alpha: bool = False,
+    ) -> None:
+        self.path, self.size = path, size
+        self.fps = Fraction(fps).limit_denominator(1001)
+        self.notes: tuple[str, ...] = ()
+        self.frames = self.dropped = 0
+        self._shape = (size[1], size[0], 4 if alpha else 3)
+        self._sound, self._heard = sound, 0
+        self._closed = False
+        self._info = PngInfo()
+        self._info.add(b"sRGB", b"\x00")
+        try:
+            path.parent.mkdir(exist_ok=True)
+            self._wave = None if sound is None else _wave_file(path.parent / SOUND, sound)
+        except OSError as error:
+            raise self._error(error) from error
+        self._pool = ThreadPoolExecutor(_AT_ONCE, "pictures")
+        self._jobs: deque[Future[None]] = deque()
+
+    def write(self, picture: Picture, count: int = 1) -> None:
+        """Add one picture, uint8 of shape (height, width, 3 or 4), top row first, for `count` frames; it is copied."""
+        if picture.shape != self._shape or picture.dtype != np.uint8:
+            raise ValueError(f"a picture of shape {picture.shape}, {picture.dtype}: {self._shape}, uint8 is needed")
+        if self._closed:
+            return
+        first = self.frames + 1
+        self.frames += count
+        self._jobs.append(self._pool.submit(self._save, np.ascontiguousarray(picture).copy(), first, count))
+        self._settle(_WAITING)
+        self._hear()
+
+    def _save(self, picture: Picture, first: int, count: int) -> None:
+        names = [Path(str(self.path) % number) for number in range(first, first + count)]
+        Image.fromarray(picture).save(names[0], format="png", compress_level=_COMPRESSION, pnginfo=self._info)
+        for name in names[1:]:
+            copyfile(names[0], name)
+
+    def _settle(self, left: int) -> None:
+        """Wait until at most so many pictures are not written."""
+        while len(self._jobs) > left:
+            try:
+                self._jobs.popleft().result()
+            except OSError as error:
+                self._closed = True
+                self._pool.shutdown(cancel_futures=True)
+                raise self._error(error) from error
+
+    def _hear(self) -> None:
+        """Write the sound up to the pictures' length; what is missing is silence."""
+        if self._wave is None or self._sound is None:
+            return
+        due = round(self.frames / self.fps * self._sound.rate)
+        piece = np.zeros((due - self._heard, self._sound.channels), np.float32)
+        read = self._sound.read(self._heard, due - self._heard)[: len(piece)]
+        piece[: len(read)] = read
+        self._heard = due
+        whole = np.round(np.clip(np.nan_to_num(piece), -1.0, 1.0) * 32767.0).astype("<i2")
+        try:
+            self._wave.writeframesraw(whole.tobytes())
+        except OSError as error:
+            self._closed = True
+            raise self._error(error) from error
+
+    def _error(self, error: OSError) -> FilmError:
+        return FilmError(f"{self.path}: the pictures cannot be written: {error.strerror or error}")
+
+    def close(self) -> None:
+        """Wait for the last picture and complete the sound; a second call does nothing."""
+        if self._closed:
+            return
+        try:
+            self._settle(0)
+            if self._wave is not None:
+                self._wave.close()
+        except OSError as error:
+            raise self._error(error) from error
+        finally:
+            self._closed = True
+            self._pool.shutdown()
+
+    def __enter__(self) -> "PictureFolder":
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
+        try:
+            self.close()
+        except FilmError:
+            if error is None:  # the first error is the one to tell
+                raise
+
+
+def _wave_file(path: Path, sound: FilmSound) -> wave.Wave_write:
+    written = wave.open(str(path), "wb")  # noqa: SIM115 (it is closed with the last picture)
+    written.setnchannels(sound.channels)
+    written.setsampwidth(2)
+    written.setframerate(sound.rate)
+    return written

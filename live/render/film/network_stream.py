@@ -1,0 +1,131 @@
+"""The picture for other programs and machines: an MPEG transport stream over the network, H.264 of low delay."""
+
+import threading
+from fractions import Fraction
+from queue import Empty, SimpleQueue
+from typing import Any, Final
+
+import av
+import numpy as np
+import numpy.typing as npt
+
+from live.render.film.container_formats import FilmKind
+from live.render.film.film_encoder import FilmEncoder
+from live.render.film.film_sound import FilmSound
+from live.render.film.film_writer import give_way, pixels_of
+
+Picture = npt.NDArray[np.uint8]
+
+SCHEMES: Final = ("udp", "rtp", "tcp", "srt")
+"""Protocols that are known; SRT only where PyAV was built with it."""
+STREAM: Final = FilmKind(
+    "mpegts", "libx264", "yuv420p", None, "aac", "MPEG-TS",
+    (("preset", "ultrafast"), ("tune", "zerolatency"), ("crf", "23")), seconds_whole=0.5,
+)  # fmt: skip
+SLOTS: Final = 3
+"""Pictures that wait for the encoder at most."""
+PACKETS: Final = "?pkt_size=1316"
+"""Seven packets of a transport stream in each datagram: more would be cut on the way."""
+AGAIN: Final = 1.0
+"""After a failure the stream is opened again after so many seconds."""
+
+
+def has_srt() -> bool:
+    """Whether this PyAV can speak SRT."""
+    try:
+        with av.open("srt://127.0.0.1:1?connect_timeout=1&timeout=1", "r", timeout=0.2):
+            return True
+    except av.error.ProtocolNotFoundError:
+        return False
+    except (av.error.FFmpegError, OSError):
+        return True
+
+
+class SharedStream:
+    """Sends pictures of one size to `url` (`udp://HOST:PORT`, `rtp://`, `tcp://`, `srt://`).
+
+    A thread encodes and sends; a picture that comes while `SLOTS` others wait is left out and counted in `dropped`,
+    and so is what comes while nobody listens (TCP, SRT): the stream is opened again every second. `sound`: sent
+    beside the picture. Raises ValueError for a url that is none of these. Thread: `write` and `close` from one.
+    """
+
+    def __init__(
+        self, url: str, *, size: tuple[int, int], fps: float | Fraction, sound: FilmSound | None = None
+    ) -> None:
+        if url.partition("://")[0] not in SCHEMES:
+            raise ValueError(f"{url}: {', '.join(f'{scheme}://' for scheme in SCHEMES)} expected")
+        self.url, self.fps = url, Fraction(fps).limit_denominator(1001)
+        self.size = (size[0] - size[0] % 2, size[1] - size[1] % 2)
+        self.sent = self.dropped = self.opened = 0
+        """Frames that were sent, pictures left out, times that the stream was opened."""
+        self.trouble = ""
+        """Why nothing is sent now; empty while all is well."""
+        self._sound = sound
+        self._sources = [av.VideoFrame(*self.size, "rgb24") for _ in range(SLOTS)]
+        self._pixels = [pixels_of(source, 3) for source in self._sources]
+        self._free: SimpleQueue[int] = SimpleQueue()
+        self._jobs: SimpleQueue[tuple[int, int] | None] = SimpleQueue()
+        for slot in range(SLOTS):
+            self._free.put(slot)
+        self._leaving = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="share", daemon=True)
+        self._thread.start()
+
+    def write(self, picture: Picture, frame: int) -> None:
+        """Send one picture, uint8 RGB (height, width, 3), as number `frame` of the show's frames at this rate."""
+        try:
+            slot = self._free.get_nowait()
+        except Empty:
+            self.dropped += 1
+            return
+        width, height = self.size
+        np.copyto(self._pixels[slot], picture[:height, :width])
+        self._jobs.put((slot, frame))
+
+    def close(self) -> None:
+        """End the stream; a connection that hangs is left to itself."""
+        self._leaving.set()
+        self._jobs.put(None)
+        self._thread.join(timeout=2.0)
+
+    def _run(self) -> None:
+        give_way()
+        while not self._leaving.is_set():
+            try:
+                self._send_all()
+            except Exception as error:  # whatever it was, the show goes on, and it is tried again
+                self.trouble = getattr(error, "strerror", None) or str(error) or type(error).__name__
+            if self._leaving.wait(AGAIN):
+                return
+
+    def _send_all(self) -> None:
+        whole = "" if not self.url.startswith("udp") or "pkt_size" in self.url else PACKETS
+        url = self.url + (whole if not whole or "?" not in self.url else whole.replace("?", "&"))
+        form = "rtp_mpegts" if self.url.startswith("rtp") else STREAM.container
+        with av.open(url, "w", format=form, timeout=5.0) as container:
+            encoder: FilmEncoder | None = None
+            first = 0
+            while (job := self._jobs.get()) is not None:
+                slot, frame = job
+                try:
+                    if encoder is None:
+                        first = frame
+                        encoder = _encoder(container, self, frame)
+                        self.opened, self.trouble = self.opened + 1, ""
+                    encoder.skip(max(frame - first - encoder.count, 0))
+                    encoder.picture(self._sources[slot])
+                    self.sent += 1
+                finally:
+                    self._free.put(slot)
+            if encoder is not None:
+                encoder.finish()
+
+
+def _encoder(container: Any, stream: SharedStream, frame: int) -> FilmEncoder:
+    sound = stream._sound
+    if sound is not None:
+        begin, whole = round(frame / stream.fps * sound.rate), sound
+        sound = FilmSound(whole.rate, whole.channels, lambda first, count: whole.read(begin + first, count))
+    encoder = FilmEncoder(container, stream.size, stream.fps, STREAM, {}, sound)
+    container.start_encoding()
+    return encoder

@@ -1,0 +1,69 @@
+"""Smooth edges without multisampling, only where dancers are; then the picture goes to its target."""
+
+import moderngl
+
+from live.render.gl_release import release_all
+from live.render.pass_context import HDR
+from live.render.shader import program, set_uniform
+
+
+class SmoothPass:
+    """Owns the target that the scene is drawn into (8 bits, sharing the dancers' depth)."""
+
+    def __init__(
+        self, ctx: moderngl.Context, depth: moderngl.Texture, size: tuple[int, int], *, hdr: bool = False
+    ) -> None:
+        """`hdr`: what is drawn is compressed light in half floats; otherwise it is as it will be shown."""
+        self._ctx, self._kind = ctx, HDR if hdr else "f1"
+        self._program = program(ctx, "full_vertex.glsl", "smooth_fragment.glsl", (("HDR", int(hdr)),))
+        self._triangle = ctx.vertex_array(self._program, [])
+        self.crisp = 0.0
+        """How much finer detail is lifted, for a picture that will be stretched."""
+        self._make(depth, size)
+
+    def _make(self, depth: moderngl.Texture, size: tuple[int, int]) -> None:
+        self._drawn, self._softened = (self._ctx.texture(size, 4, dtype=self._kind) for _ in range(2))
+        for texture in (self._drawn, self._softened):
+            texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+            texture.repeat_x = texture.repeat_y = False
+        self.target = self._ctx.framebuffer([self._drawn], depth)
+        self._result = self._ctx.framebuffer([self._softened], depth)
+        self.target.depth_mask = self._result.depth_mask = False
+        self._from, self._to = self._ctx.framebuffer([self._drawn]), self._ctx.framebuffer([self._softened])
+
+    def draw(self, target: moderngl.Framebuffer, where: tuple[int, int, int, int]) -> None:
+        """Copy what was drawn into `self.target` onto `target`, the dancers' edges softened."""
+        self.soften(where)
+        self._ctx.copy_framebuffer(target, self._to)
+
+    def soften(self, where: tuple[int, int, int, int]) -> moderngl.Texture:
+        """What was drawn into `self.target` with the dancers' edges softened.
+
+        `where` (x, y, width, height) holds all dancers.
+        """
+        self._ctx.copy_framebuffer(self._to, self._from)  # without the depth that both share
+        self._result.use()
+        self._result.scissor = where
+        self._ctx.enable(moderngl.DEPTH_TEST)
+        self._ctx.depth_func = ">"
+        self._drawn.use(1)
+        set_uniform(self._program, "drawn", 1)
+        set_uniform(self._program, "crisp", self.crisp)
+        self._triangle.render(moderngl.TRIANGLES, vertices=3)
+        self._ctx.depth_func = "<"
+        self._result.scissor = (0, 0, *self._softened.size)  # copies obey it too
+        return self._softened
+
+    def resize(self, depth: moderngl.Texture, size: tuple[int, int]) -> None:
+        """New size of the picture [pixels] and the depth that goes with it."""
+        self._release_targets()
+        self._make(depth, size)
+
+    def _release_targets(self) -> None:
+        release_all(self.target, self._result, self._from, self._to, self._drawn, self._softened)
+
+    def release(self) -> None:
+        """Free everything."""
+        self._release_targets()
+        self._triangle.release()
+        self._program.release()

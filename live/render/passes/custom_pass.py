@@ -1,0 +1,89 @@
+"""A pass of somebody's own: `passes/NAME.glsl` in the patch's folder."""
+
+import re
+from typing import Final
+
+import moderngl
+
+from live.base.custom_pass import NUMBERS, OwnPass
+from live.base.picture import OWN
+from live.render.gl_release import release_all
+from live.render.own_program import compiled
+from live.render.pass_context import HDR, Making, Moment, Surfaces
+from live.render.shader import set_uniform
+
+_READS_SURFACES: Final = re.compile(r"\b(depth|normal|dancer)\s*\(")
+_READS_LAST: Final = re.compile(r"\blast\s*\(")
+_RETURN_BEATS: Final = 4096.0
+
+
+class OwnPicturePass:
+    """Draws with the last text that compiled; `take` brings another one."""
+
+    def __init__(self, making: Making, own: OwnPass, slot: int) -> None:
+        """PersonError if it does not compile. `slot`: where its numbers lie in the picture's row."""
+        self._ctx, self._first = making.ctx, OWN.start + slot * NUMBERS
+        self._size = making.size
+        self._program = compiled(making.ctx, own)
+        self._triangle = making.ctx.vertex_array(self._program, [])
+        self._learn(own)
+        self._make(making.size)
+
+    def _learn(self, own: OwnPass) -> None:
+        self.own = own
+        self.needs_surfaces = _READS_SURFACES.search(own.source) is not None
+        self._needs_last = _READS_LAST.search(own.source) is not None
+
+    def _make(self, size: tuple[int, int]) -> None:
+        self._size = size
+        self._last = self._ctx.texture(size if self._needs_last else (1, 1), 4, dtype=HDR)
+        self._last.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        self._last.repeat_x = self._last.repeat_y = False
+        self._kept = self._ctx.framebuffer([self._last])
+        self._kept.clear()
+
+    def take(self, own: OwnPass) -> None:
+        """Another text for it; PersonError if that does not compile: the last one goes on."""
+        program = compiled(self._ctx, own)
+        release_all(self._triangle, self._program)
+        self._program, self._triangle = program, self._ctx.vertex_array(program, [])
+        self._learn(own)
+        self.resize(self._size)
+
+    def active(self, moment: Moment) -> bool:
+        """While its amount is not 0."""
+        return moment.amount(self._first) > 0.0
+
+    def draw(
+        self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces | None, moment: Moment
+    ) -> None:
+        """Draw what it makes of `source`."""
+        linked, view, first = self._program, moment.view, self._first
+        target.use()
+        textures = {"own_light_": source, "own_last_": source if moment.cut else self._last}
+        if surfaces is not None:
+            textures |= {"own_depth_": surfaces.depth, "own_shape_": surfaces.shape, "own_who_": surfaces.who}
+        for unit, (name, texture) in enumerate(textures.items(), start=1):
+            texture.use(unit)
+            set_uniform(linked, name, unit)
+        values = {
+            "amount": moment.amount(first), "beat": view.beat % _RETURN_BEATS, "phase": view.phase,
+            "measure": view.measure + 1.0, "tempo": view.tempo, "energy": getattr(view, "energy", 0.0),
+            "time": view.time, "size": target.size,
+        }  # fmt: skip
+        for name, value in values.items():
+            set_uniform(linked, name, value)
+        for index, known in enumerate(self.own.parameters, start=1):
+            set_uniform(linked, known.name, moment.amount(first + index))
+        self._triangle.render(moderngl.TRIANGLES, vertices=3)
+        if self._needs_last:
+            self._ctx.copy_framebuffer(self._kept, target)
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """New size of the picture [pixels]."""
+        release_all(self._kept, self._last)
+        self._make(size)
+
+    def release(self) -> None:
+        """Free everything."""
+        release_all(self._kept, self._last, self._triangle, self._program)

@@ -1,0 +1,249 @@
+"""The block of uniforms that all programs share, written once a frame."""
+
+import math
+from typing import Final
+
+import moderngl
+import numpy as np
+
+from live.base.lights import SPOTS
+from live.base.picture import (
+    BY_ADDRESS,
+    COLOURS,
+    LENS,
+    LEVEL,
+    MIRROR,
+    SHADOW,
+    STANDING,
+    STYLES,
+    VIGNETTE,
+    Float64,
+    camera_of,
+    picture_of,
+)
+from live.base.stage_snapshot import FLOOR_MARGIN, Camera, Scene, StageView
+from live.render.camera import rays, world_to_clip
+from live.render.shader import FRAME_BINDING
+
+BORDER_SHOWN: Final = 0.4
+"""The border of a stage that is so much [m] larger or smaller than the scene's is drawn in full."""
+WALL_BEHIND: Final = 3.0
+"""How far behind the stage the back wall stands [m]."""
+
+_BLOCK: Final = np.dtype(
+    [
+        ("world_to_clip", "f4", (4, 4)),
+        ("ray_corner", "f4", 4),
+        ("ray_right", "f4", 4),
+        ("ray_up", "f4", 4),
+        ("eye", "f4", 4),
+        ("key_direction", "f4", 4),
+        ("key_light", "f4", 4),
+        ("rim_light", "f4", 4),
+        ("background", "f4", 4),
+        ("floor_colour", "f4", 4),
+        ("stage", "f4", 4),
+        ("edge", "f4", 4),
+        ("picture", "f4", 4),
+        ("ambient", "f4", 4),
+        ("finish", "f4", 4),
+        ("side_left", "f4", 4),
+        ("side_right", "f4", 4),
+        ("back_light", "f4", 4),
+        ("beam_light", "f4", 4),
+        ("beam_form", "f4", 4),
+        ("spot_place", "f4", (SPOTS, 4)),
+        ("spot_light", "f4", (SPOTS, 4)),
+        ("gradient_top", "f4", 4),
+        ("gradient_bottom", "f4", 4),
+    ]
+)
+
+
+VIGNETTING: Final = 0.6
+"""How much darker the corners are than the middle, by the square of the distance from it."""
+ENERGETIC: Final = 1.3
+"""Between silence and the most energetic music light that follows its energy differs so much from the usual light."""
+BEATS_KEPT: Final = 64.0
+"""Beats after which what swings and drifts comes back."""
+_SPOT_ROWS: Final = tuple(
+    (BY_ADDRESS[at].first, BY_ADDRESS[f"{at}/colour"].where, BY_ADDRESS[f"{at}/radius"].first)
+    for at in (f"/dance/spot/{number}" for number in range(1, SPOTS + 1))
+)
+_GRADIENT: Final = ("gradient", "top", "bottom")
+_SIDE, _BACK, _BEAMS = (BY_ADDRESS[f"/dance/light/{name}"].first for name in ("side", "back", "beams"))
+ENERGY: Final = BY_ADDRESS["/dance/light/energy"].first
+CLOSEST: Final = 1e-3
+"""A camera nearer to what it looks at than this [m] looks nowhere: the last one stays."""
+
+
+class FrameBlock:
+    """Holds the block and its buffer; `resize` when the picture's size changes, `write` every frame."""
+
+    def __init__(self, ctx: moderngl.Context, scene: Scene, size: tuple[int, int]) -> None:
+        """ValueError for a light that goes nowhere."""
+        self._data = data = np.zeros((), _BLOCK)
+        self._buffer = ctx.buffer(reserve=_BLOCK.itemsize, dynamic=True)
+        self._start = picture_of(scene)
+        if not np.abs(self._start[BY_ADDRESS["/dance/light/key/direction"].where]).max() > 0.0:
+            raise ValueError("look: key_direction must not be zero")
+        width, depth = self._stage_size = scene.stage_size
+        margin = FLOOR_MARGIN
+        data["stage"] = (0.5 * width, 0.5 * depth, 0.5 * width + margin, 0.5 * depth + margin)
+        self.moved = self.relit = self.recoloured = self.restyled = False
+        """What was different in the frame that was written last: the camera, anything that the kept backdrop shows,
+        the groups' colours, their colours or styles."""
+        self._row = self._start.copy()
+        self.vignette_at_end = True
+        """Whether the film curve takes the vignette along; otherwise a pass draws it."""
+        self.camera = scene.camera
+        """The camera of the frame that was written last."""
+        self.light = data["key_direction"][:3]
+        """The way towards the key light, a unit vector, shape (3,)."""
+        self.resize(size)
+        self._light(self._row)
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """New size of the picture [pixels]."""
+        self._size = size
+        self._data["picture"] = (size[0], size[1], 1.0 / size[0], 1.0 / size[1])
+        self._place(self.camera)
+
+    def _place(self, camera: Camera) -> None:
+        """Take a camera."""
+        data, self.camera = self._data, camera
+        data["world_to_clip"] = world_to_clip(camera, self._size).T  # GLSL reads columns
+        for name, ray in zip(("ray_corner", "ray_right", "ray_up"), rays(camera, self._size), strict=True):
+            data[name][:3] = ray
+        front = max(float(np.hypot(camera.eye[1], camera.eye[2] - 0.5 * self._stage_size[1])) - 0.5, 0.0)
+        data["eye"] = (*camera.eye, front)
+
+    def _light(self, row: Float64) -> None:
+        """Take the light of a picture's row."""
+
+        def of(address: str) -> Float64:
+            return row[BY_ADDRESS[f"/dance/light/{address}"].where]
+
+        data, direction = self._data, of("key/direction")
+        length = float(np.linalg.norm(direction))
+        if length > 1e-6:
+            light = -(direction / length)
+            light[1] = max(light[1], 0.2)  # a light from below or along the floor would cast endless shadows
+            data["key_direction"][:3] = light
+        data["key_light"][:3] = of("key/colour") * of("key")
+        data["rim_light"] = (*(of("rim/colour") * of("rim")), *of("ambient"))
+        data["background"] = (*of("background"), *of("haze"))
+        data["floor_colour"][:3] = of("floor")
+        data["ambient"] = (*of("ambient/colour"), *of("saturation"))
+        data["side_left"] = (*(of("side/left") * of("side")), *of("pulse"))
+        data["side_right"] = (*(of("side/right") * of("side")), *of("stage"))
+        data["back_light"][:3] = of("back/colour") * of("back")
+        data["beam_light"][:3] = of("beams/colour") * of("beams")
+        data["beam_form"] = (*of("beams/width"), *of("beams/fan"), *of("beams/sway"), *of("beams"))
+        gradient, top, bottom = (row[BY_ADDRESS[f"/dance/background/{name}"].where] for name in _GRADIENT)
+        data["gradient_top"] = (*top, *gradient)
+        data["gradient_bottom"][:3] = bottom
+
+    def write(self, view: StageView) -> None:
+        """What changes with the moment: the picture's row, brightness, the pulse of the beat; then uploads and binds
+        the block."""
+        self._take(self._start if view.picture is None else view.picture)
+        phase = view.beat - float(np.floor(view.beat))
+        pulse = (1.0 - phase) ** 3
+        downbeat = 1.0 if view.phase < 1.0 else 0.55
+        self._data["key_direction"][3] = pulse * downbeat
+        answers = 1.0 + self._row[ENERGY] * ENERGETIC * (min(max(view.energy, 0.0), 1.0) - 0.5)
+        self._data["key_light"][3] = min(max(view.brightness, 0.0), 1.0) * self._row[LEVEL] * answers
+        self._data["beam_light"][3] = view.beat % BEATS_KEPT
+        self._spots(view)
+        self._data["floor_colour"][3] = phase
+        width, depth = view.stage_size if view.stage_size[0] > 0.0 else self._stage_size
+        changed = max(abs(width - self._stage_size[0]), abs(depth - self._stage_size[1]))
+        self._data["edge"] = (0.5 * width, 0.5 * depth, min(changed / BORDER_SHOWN, 1.0), 0.0)
+        self._data["finish"][:3] = (
+            VIGNETTING * self._row[VIGNETTE] * self.vignette_at_end,
+            self._row[SHADOW],
+            self._row[MIRROR],
+        )
+        self.upload()
+
+    def upload(self) -> None:
+        """Give the block to all programs as it is now."""
+        self._buffer.write(self._data)
+        self._buffer.bind_to_uniform_block(FRAME_BINDING)
+
+    def _spots(self, view: StageView) -> None:
+        """Where follow spots are; w of the first one's light says whether any is lit."""
+        data, lit = self._data, False
+        for number, (level, colour, radius) in enumerate(_SPOT_ROWS):
+            strength = float(self._row[level])
+            data["spot_light"][number, :3] = self._row[colour] * strength
+            data["spot_place"][number] = (view.spot[number, 0], view.spot[number, 1], self._row[radius], strength)
+            lit = lit or strength > 0.0
+        data["spot_light"][0, 3] = float(lit)
+
+    def _take(self, row: Float64) -> None:
+        """Take what is new in a picture's row, and say what that is."""
+        last = self._row
+        self.moved = self.relit = self.recoloured = self.restyled = False
+        if np.array_equal(row, last):
+            return
+        self.moved = not np.array_equal(row[LENS], last[LENS])
+        self.relit = not np.array_equal(row[STANDING], last[STANDING])
+        self.recoloured = not np.array_equal(row[COLOURS:STYLES], last[COLOURS:STYLES])
+        self.restyled = self.recoloured or not np.array_equal(row[STYLES:], last[STYLES:])
+        last[:] = row
+        camera = camera_of(row)
+        if self.moved and math.dist(camera.eye, camera.target) > CLOSEST:
+            self._place(camera)
+        self._light(row)
+
+    @property
+    def row(self) -> Float64:
+        """The picture's row in the frame that was written last."""
+        return self._row
+
+    @property
+    def spots(self) -> bool:
+        """Whether any follow spot is lit."""
+        return bool(self._data["spot_light"][0, 3] > 0.0)
+
+    @property
+    def beside(self) -> bool:
+        """Whether any lamp is lit that is dark in the usual light, but for beams."""
+        row = self._row
+        return self.spots or bool(row[_SIDE] > 0.0 or row[_BACK] > 0.0)
+
+    @property
+    def pools(self) -> bool:
+        """Whether spots or beams light the floor."""
+        return self.spots or bool(self._row[_BEAMS] > 0.0)
+
+    @property
+    def resized(self) -> bool:
+        """Whether the stage is of another size than the scene's, so that its border may be seen."""
+        return bool(self._data["edge"][2] > 0.0)
+
+    @property
+    def shadows(self) -> bool:
+        """Whether dancers cast any."""
+        return bool(self._row[SHADOW] > 0.0)
+
+    @property
+    def mirrors(self) -> bool:
+        """Whether the floor shows them."""
+        return bool(self._row[MIRROR] > 0.0)
+
+    @property
+    def group_colours(self) -> Float64:
+        """Colours of the groups in the frame that was written last, shape (16, 3)."""
+        return self._row[COLOURS:STYLES].reshape(-1, 3)
+
+    @property
+    def level(self) -> float:
+        """How much of the light there is in the frame that was written last."""
+        return float(self._data["key_light"][3])
+
+    def release(self) -> None:
+        """Free the buffer."""
+        self._buffer.release()

@@ -1,0 +1,80 @@
+"""GuardWindow: a black window under the show's, so that whatever becomes of an engine nobody sees a desktop.
+
+As little as can be: no OpenGL, no keys, no focus; X11 paints the black. It lies below all other windows. Under Wayland
+a program cannot lay a window under another, so there is none (through XWayland there is).
+"""
+
+import ctypes
+import sys
+from typing import Any, Final
+
+from live.render.window.monitors import Monitor, list_monitors, same_monitor, start_glfw
+
+TITLE: Final = "ChoreoGraphics Live, behind the picture"
+
+
+class NoGuard(RuntimeError):
+    """There can be no such window here; the text says why."""
+
+
+class GuardWindow:
+    """The window, hidden at first. Thread: main thread only, like everything of GLFW."""
+
+    def __init__(self) -> None:
+        """Raises NoGuard where there is no X server."""
+        if not start_glfw():
+            raise NoGuard("there is no screen")
+        import glfw
+
+        self._glfw: Any = glfw
+        if sys.platform != "linux" or glfw.get_platform() != glfw.PLATFORM_X11:
+            raise NoGuard("only X11 lays windows under others")
+        self._x11 = ctypes.CDLL("libX11.so.6")
+        self._monitor: Monitor | None = None
+        self._handle = self._open()
+        self._display = ctypes.c_void_p(ctypes.cast(self._glfw.get_x11_display(), ctypes.c_void_p).value)
+        self._window = ctypes.c_ulong(self._glfw.get_x11_window(self._handle))
+        self._x11.XSetWindowBackground(self._display, self._window, ctypes.c_ulong(0))
+
+    def _open(self) -> Any:
+        glfw = self._glfw
+        glfw.default_window_hints()
+        for hint in (glfw.VISIBLE, glfw.DECORATED, glfw.FOCUSED, glfw.FOCUS_ON_SHOW, glfw.RESIZABLE):
+            glfw.window_hint(hint, False)
+        glfw.window_hint(glfw.CLIENT_API, glfw.NO_API)
+        window = glfw.create_window(64, 64, TITLE, None, None)
+        if not window:
+            raise NoGuard("the display gives no window")
+        glfw.set_input_mode(window, glfw.CURSOR, glfw.CURSOR_HIDDEN)
+        return window
+
+    def cover(self, monitor: Monitor) -> None:
+        """Cover that monitor, below everything else on it."""
+        glfw = self._glfw
+        self._monitor = monitor
+        glfw.set_window_pos(self._handle, *monitor.position)
+        glfw.set_window_size(self._handle, *monitor.size)
+        self._x11.XLowerWindow(self._display, self._window)  # before it is mapped: it never lies above
+        glfw.show_window(self._handle)
+        self._x11.XLowerWindow(self._display, self._window)
+        self._x11.XClearWindow(self._display, self._window)
+        self._x11.XFlush(self._display)
+
+    def hide(self) -> None:
+        """Nobody needs it now."""
+        self._monitor = None
+        self._glfw.hide_window(self._handle)
+
+    def wait(self, seconds: float) -> None:
+        """Let GLFW work for so long, and follow the monitor if it was moved or came back."""
+        self._glfw.wait_events_timeout(seconds)
+        covered = self._monitor
+        if covered is None:
+            return
+        now = same_monitor(covered, list_monitors())
+        if now is not None and (now.position, now.size) != (covered.position, covered.size):
+            self.cover(now)
+
+    def close(self) -> None:
+        """Close it."""
+        self._glfw.destroy_window(self._handle)

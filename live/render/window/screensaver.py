@@ -1,0 +1,116 @@
+"""Awake: no screen saver and no sleeping display while a show is on, and everything as it was afterwards.
+
+X11: XScreenSaverSuspend, which the server itself takes back when the process ends, however it ends, and a reset of the
+idle time now and then for desktops that count it themselves. systemd, macOS and Windows: what they have for it.
+"""
+
+import ctypes
+import os
+import shutil
+import subprocess
+import sys
+from typing import Any, Final
+
+PERIOD: Final = 20.0
+"""Seconds between two resets of the idle time."""
+_WHY: Final = "a show is on"
+_CHILDREN: Final = {
+    "linux": (
+        "systemd-inhibit", "--what=idle:sleep:handle-lid-switch", "--who=ChoreoGraphics Live", f"--why={_WHY}",
+        "--mode=block", "cat",
+    ),
+    "darwin": ("caffeinate", "-d", "-i", "-m", "-w", str(os.getpid())),
+}  # fmt: skip
+_WINDOWS_AWAKE: Final = 0x80000000 | 0x00000001 | 0x00000002  # continuous, system and display required
+_WINDOWS_USUAL: Final = 0x80000000
+
+
+class Awake:
+    """Keeps displays awake from `begin` to `end`. Nothing of it can fail a show. Thread: main thread only."""
+
+    def __init__(self, x11_display: int | None = None) -> None:
+        """`x11_display`: the address of Xlib's Display, as GLFW tells it; None: there is no X server."""
+        self._display = x11_display
+        self._x11: Any = None
+        self._saver: Any = None
+        self._child: subprocess.Popen[bytes] | None = None
+        self._next = 0.0
+        self.means: list[str] = []
+        """What keeps the displays awake, in words."""
+
+    def begin(self) -> "Awake":
+        """From now on no display sleeps."""
+        if self._display is not None:
+            self._suspend()
+        self._start_child()
+        if sys.platform == "win32":
+            ctypes.windll.kernel32.SetThreadExecutionState(_WINDOWS_AWAKE)
+            self.means.append("SetThreadExecutionState")
+        return self
+
+    def _suspend(self) -> None:
+        try:
+            self._x11 = ctypes.CDLL("libX11.so.6")
+        except OSError:
+            return
+        self._x11.XResetScreenSaver.argtypes = [ctypes.c_void_p]
+        self._x11.XFlush.argtypes = [ctypes.c_void_p]
+        self.means.append("XResetScreenSaver")
+        try:
+            saver = ctypes.CDLL("libXss.so.1")
+        except OSError:
+            return
+        saver.XScreenSaverSuspend.argtypes = [ctypes.c_void_p, ctypes.c_int]
+        saver.XScreenSaverSuspend(self._display, 1)
+        self._saver = saver
+        self._x11.XFlush(self._display)
+        self.means.append("XScreenSaverSuspend")
+
+    def _start_child(self) -> None:
+        """A child that holds a lock of the system's until its standard input ends, which it does with this process."""
+        command = _CHILDREN.get(sys.platform, ())
+        if not command or shutil.which(command[0]) is None:
+            return
+        quiet = subprocess.DEVNULL
+        try:
+            self._child = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=quiet, stderr=quiet)
+        except OSError:
+            return
+        self.means.append(command[0])
+
+    def frame(self, time: float) -> None:
+        """Once a frame, at `time` [s]: the idle time begins anew now and then."""
+        if self._x11 is not None and time >= self._next:
+            self._next = time + PERIOD
+            self._x11.XResetScreenSaver(self._display)
+            self._x11.XFlush(self._display)
+
+    def end(self) -> None:
+        """Displays may sleep again. To be called while the X server is still connected."""
+        if self._saver is not None:
+            self._saver.XScreenSaverSuspend(self._display, 0)
+            self._x11.XFlush(self._display)
+        self._x11 = self._saver = None
+        if self._child is not None:
+            if self._child.stdin is not None:
+                self._child.stdin.close()
+            self._child.terminate()
+            self._child.wait()
+            self._child = None
+        if sys.platform == "win32":
+            ctypes.windll.kernel32.SetThreadExecutionState(_WINDOWS_USUAL)
+        self.means.clear()
+
+
+def x11_display() -> int | None:
+    """The address of GLFW's connection to the X server; None where there is none."""
+    from live.render.window.monitors import start_glfw
+
+    if not start_glfw() or sys.platform != "linux":
+        return None
+    import glfw
+
+    any_glfw: Any = glfw
+    if any_glfw.get_platform() != any_glfw.PLATFORM_X11:
+        return None
+    return ctypes.cast(any_glfw.get_x11_display(), ctypes.c_void_p).value

@@ -1,0 +1,301 @@
+"""The window: GLFW and an OpenGL 4.1 core context, full screen on the monitor of one's choice.
+
+It keeps its place through everything that happens to monitors during a show: when the projector's cable is pulled
+the window moves to what is left and the show goes on, and when the projector returns it is full screen there again.
+Video modes are never changed. Vertical synchronisation is asked for but never relied upon.
+"""
+
+from typing import Any
+
+import moderngl
+
+from live.render.window.monitors import (
+    Monitor,
+    UnknownMonitor,
+    monitor_changes,
+    monitor_handles,
+    same_monitor,
+    screen_problem,
+    start_glfw,
+    take_messages,
+)
+from live.render.window.window_input import InputQueue, MonitorsChanged, WindowInput
+
+SETTLE_PERIOD = 60
+"""Polls between two looks at where the monitors are: a monitor that is only moved or resized raises no event."""
+
+
+class NoWindow(RuntimeError):
+    """No window can be opened here; the text says why and what can be done."""
+
+
+class _Loader:
+    """Hands GLFW's OpenGL functions to moderngl, whichever way GLFW made its context (GLX, EGL, Cocoa)."""
+
+    def __init__(self, glfw: Any) -> None:
+        self._glfw = glfw
+
+    def load_opengl_function(self, name: str) -> int:
+        return self._glfw.get_proc_address(name) or 0
+
+    load = load_opengl_function
+
+    def release(self) -> None:
+        """The context belongs to the window and goes with it."""
+
+
+class Window:
+    """One window with its context; everything here belongs to the main thread.
+
+    `monitor`: where the window opens (default: the primary monitor). `size`: of the window when it is not full
+    screen, in screen coordinates. `samples`: of the screen itself (0 when the renderer brings its own). `shares`:
+    another window, whose textures and buffers are also this one's; then `swap` does not wait for the display.
+    Raises `NoWindow` where there is no screen or no OpenGL 4.1, `UnknownMonitor` when the monitor has gone.
+    """
+
+    def __init__(
+        self,
+        title: str,
+        *,
+        monitor: Monitor | None = None,
+        fullscreen: bool = False,
+        size: tuple[int, int] = (1280, 720),
+        samples: int = 0,
+        hidden: bool = False,
+        shares: "Window | None" = None,
+    ) -> None:
+        """`hidden`: nobody sees the window before it is revealed."""
+        if not start_glfw():
+            raise NoWindow(f"no window can be opened: {screen_problem()}; without a screen, use --headless")
+        import glfw
+
+        self._glfw = glfw
+        self._window_size = size
+        self._place: tuple[int, int, int, int] | None = None
+        self._fullscreen = fullscreen and not hidden
+        self._covers: Monitor | None = None
+        self._borderless = False
+        self._seen_changes = monitor_changes()
+        self._polls = 0
+        self._monitor, handle = self._choose(monitor)
+        covering = hidden and fullscreen
+        self._window_size = self._monitor.size if covering else size  # so that everything that draws has its size
+        other = None if shares is None else shares._handle
+        self._handle: Any = self._open(title, handle if self._fullscreen else None, samples, hidden, other)
+        self._window_size = size
+        glfw.make_context_current(self._handle)
+        glfw.swap_interval(1 if shares is None else 0)  # one display paces the show; two would add their waits
+        loader: Any = _Loader(glfw)  # moderngl takes any object with these methods, its stub only a dictionary
+        self.ctx: moderngl.Context = moderngl.create_context(require=410, context=loader)
+        self._inputs = InputQueue(glfw, self._handle)
+        if self._fullscreen:
+            self._settle(forced=not glfw.get_window_monitor(self._handle))
+            self._show_cursor(False)
+        self._fit_target()
+
+    def _choose(self, monitor: Monitor | None) -> tuple[Monitor, Any]:
+        """The chosen monitor as it is now, with its handle; the primary one where none was chosen."""
+        there = monitor_handles()
+        if not there:
+            raise NoWindow("no window can be opened: no monitor is connected; without a screen, use --headless")
+        listed = [each for each, _ in there]
+        found = same_monitor(monitor, listed) if monitor else listed[0]
+        if found is None:
+            what = f"{monitor.name} is not connected any more" if monitor else ""
+            raise UnknownMonitor(f"{what}; there is: {', '.join(map(str, listed))}")
+        return next((each, handle) for each, handle in there if each is found)
+
+    def _open(self, title: str, handle: Any, samples: int, hidden: bool, other: Any) -> Any:
+        """Create GLFW's window: full screen on the monitor `handle`, or in the middle of the chosen one."""
+        glfw = self._glfw
+        x, y, width, height = self._centred(self._monitor)
+        glfw.default_window_hints()
+        for hint, value in (
+            (glfw.CONTEXT_VERSION_MAJOR, 4),
+            (glfw.CONTEXT_VERSION_MINOR, 1),
+            (glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE),
+            (glfw.OPENGL_FORWARD_COMPAT, True),
+            (glfw.SAMPLES, samples),
+            (glfw.VISIBLE, not hidden),
+            (glfw.AUTO_ICONIFY, False),  # the projector keeps its picture while the operator works elsewhere
+            (glfw.POSITION_X, x),
+            (glfw.POSITION_Y, y),
+            (glfw.REFRESH_RATE, round(self._monitor.refresh_hz) or glfw.DONT_CARE),
+        ):
+            glfw.window_hint(hint, value)
+        for name in ("X11_CLASS_NAME", "X11_INSTANCE_NAME", "WAYLAND_APP_ID"):
+            glfw.window_hint_string(getattr(glfw, name), "choreographics-live")
+        if handle is not None:
+            width, height = self._monitor.size
+            self._covers = self._monitor
+        take_messages()
+        window = glfw.create_window(width, height, title, handle, other)
+        if not window:
+            reason = "; ".join(take_messages()) or "GLFW gave no reason"
+            raise NoWindow(
+                f"no window with OpenGL 4.1 can be opened: {reason}; "
+                "install the graphics driver (Debian, Ubuntu: apt-get install libgl1 libegl1) or use --headless"
+            )
+        return window
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of the framebuffer [pixels]."""
+        return self._inputs.framebuffer_size
+
+    @property
+    def target(self) -> moderngl.Framebuffer:
+        """The screen, with viewport and size of this moment; do not keep it over frames."""
+        return self.ctx.screen
+
+    @property
+    def fullscreen(self) -> bool:
+        """Whether the window is meant to be full screen (also while its monitor is unplugged)."""
+        return self._fullscreen
+
+    @property
+    def is_home(self) -> bool:
+        """Whether it covers its monitor where it is meant to: a window whose monitor is unplugged does not."""
+        return not self._fullscreen or self._covers is not None
+
+    @property
+    def monitor(self) -> Monitor:
+        """The monitor that the window belongs to, as it was when last seen."""
+        return self._monitor
+
+    def poll(self) -> list[WindowInput]:
+        """Let GLFW work off its events and return what people did since the last call; never waits."""
+        self._glfw.poll_events()
+        self._polls += 1
+        changes = monitor_changes()
+        if changes != self._seen_changes:
+            self._seen_changes = changes
+            self._settle(forced=True)
+            self._inputs.put(MonitorsChanged())
+        elif self._fullscreen and self._polls % SETTLE_PERIOD == 0:
+            self._settle(forced=False)
+        self._fit_target()
+        return self._inputs.take()
+
+    def make_current(self) -> None:
+        """Let what is drawn from now on be drawn in this window's context."""
+        self._glfw.make_context_current(self._handle)
+
+    def swap(self) -> None:
+        """Show the picture drawn into `target`."""
+        self._glfw.swap_buffers(self._handle)
+
+    def messages(self) -> list[str]:
+        """What GLFW complained about since the last call; nothing of it is printed."""
+        return take_messages()
+
+    def toggle_fullscreen(self) -> None:
+        """Full screen on the monitor that shows most of the window, or back to where the window was before."""
+        if self._fullscreen:
+            self._fullscreen = False
+            self._leave_fullscreen()
+        else:
+            (x, y), (width, height) = self._glfw.get_window_pos(self._handle), self._glfw.get_window_size(self._handle)
+            self._place = (x, y, width, height)
+            self._monitor = self._monitor_under(self._place)
+            self._fullscreen = True
+            self._settle(forced=True)
+        self._fit_target()
+
+    def reveal(self, *, fullscreen: bool) -> None:
+        """Show a window that was opened hidden."""
+        self._glfw.poll_events()  # monitors may have come and gone since
+        if fullscreen:
+            self._fullscreen = True
+            self._settle(forced=True)
+        self._glfw.show_window(self._handle)
+        if fullscreen:
+            self._settle(forced=True)
+        self._fit_target()
+
+    def close(self) -> None:
+        """Release the context and close the window; a second call does nothing."""
+        if self._handle is not None:
+            self.make_current()
+            self.ctx.release()
+            self._glfw.destroy_window(self._handle)
+            self._handle = None
+
+    def _settle(self, forced: bool) -> None:
+        """Bring a full-screen window to its monitor: where that is now, or to what is left if it has gone."""
+        if not self._fullscreen:
+            return
+        there = monitor_handles()
+        found = same_monitor(self._monitor, [monitor for monitor, _ in there])
+        if found is None:
+            if self._covers is not None:
+                self._covers = None
+                self._leave_fullscreen()
+            return
+        covered = self._covers
+        if not forced and covered and (covered.position, covered.size) == (found.position, found.size):
+            return
+        self._monitor = self._covers = found
+        self._cover(found, next(handle for monitor, handle in there if monitor is found))
+
+    def _cover(self, monitor: Monitor, handle: Any) -> None:
+        """Full screen on a monitor in its present mode; where that is refused, a window without frame over it."""
+        glfw, (width, height) = self._glfw, monitor.size
+        rate = round(monitor.refresh_hz) or glfw.DONT_CARE
+        self._show_cursor(False)
+        glfw.set_window_monitor(self._handle, handle, 0, 0, width, height, rate)
+        self._borderless = not glfw.get_window_monitor(self._handle)
+        if self._borderless:
+            glfw.set_window_attrib(self._handle, glfw.DECORATED, False)
+            glfw.set_window_attrib(self._handle, glfw.FLOATING, True)
+            glfw.set_window_pos(self._handle, *monitor.position)
+            glfw.set_window_size(self._handle, width, height)
+
+    def _leave_fullscreen(self) -> None:
+        """Become a window: where it was before, or in the middle of its monitor (of the first, if it has gone)."""
+        glfw = self._glfw
+        self._covers = None
+        self._show_cursor(True)
+        if self._borderless:
+            glfw.set_window_attrib(self._handle, glfw.DECORATED, True)
+            glfw.set_window_attrib(self._handle, glfw.FLOATING, False)
+            self._borderless = False
+        there = [monitor for monitor, _ in monitor_handles()]
+        home = same_monitor(self._monitor, there) or next(iter(there), self._monitor)
+        place = self._place
+        if place is None or not any(_overlap(place, monitor) for monitor in there):
+            place = self._centred(home)
+        glfw.set_window_monitor(self._handle, None, *place, glfw.DONT_CARE)
+
+    def _monitor_under(self, place: tuple[int, int, int, int]) -> Monitor:
+        """The monitor that shows most of (x, y, width, height); the present one where none shows any of it."""
+        there = [monitor for monitor, _ in monitor_handles()]
+        best = max(there, key=lambda monitor: _overlap(place, monitor), default=self._monitor)
+        return best if _overlap(place, best) else same_monitor(self._monitor, there) or best
+
+    def _centred(self, monitor: Monitor) -> tuple[int, int, int, int]:
+        """Place (x, y, width, height) of a window in the middle of a monitor, no larger than it."""
+        (x, y), (columns, rows) = monitor.position, monitor.size
+        width, height = min(self._window_size[0], columns), min(self._window_size[1], rows)
+        return x + (columns - width) // 2, y + (rows - height) // 2, width, height
+
+    def _show_cursor(self, shown: bool) -> None:
+        glfw = self._glfw
+        glfw.set_input_mode(self._handle, glfw.CURSOR, glfw.CURSOR_NORMAL if shown else glfw.CURSOR_HIDDEN)
+
+    def _fit_target(self) -> None:
+        """Give moderngl's screen the size of this moment: left alone it keeps its first one for ever."""
+        screen: Any = self.ctx.screen
+        size = self._inputs.framebuffer_size
+        if screen.size != size or screen.viewport != (0, 0, *size):
+            screen.viewport = (0, 0, *size)
+            screen._size = size  # moderngl offers no other way
+
+
+def _overlap(place: tuple[int, int, int, int], monitor: Monitor) -> int:
+    """Area of (x, y, width, height) that a monitor shows, in screen coordinates."""
+    x, y, width, height = place
+    (left, top), (columns, rows) = monitor.position, monitor.size
+    across = min(x + width, left + columns) - max(x, left)
+    down = min(y + height, top + rows) - max(y, top)
+    return max(across, 0) * max(down, 0)

@@ -1,0 +1,300 @@
+"""Audience: what the phones of a show want, and what the operator lets them: elements, lights, votes (T002, T150).
+
+What comes is one event a tick at most, made of all voices by the gateway (`live/control/audience`). Everything here
+follows from events and measure lines alone, so that a replay dances with the same audience.
+"""
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.errors import PersonError
+from live.base.stage_snapshot import LIGHT_CAPACITY, StageView
+from live.clock.ticks import TICK
+from live.control.events import events
+from live.control.events.events import ControlEvent
+from live.show.audience.voting import Turn, Vote, called, choices_of
+from live.show.group.elements import SCORE, Elements
+from live.show.patch.audience import AudienceSection
+
+Float32 = npt.NDArray[np.float32]
+Int64 = npt.NDArray[np.int64]
+
+AUDIENCE_EVENTS: Final = (
+    events.AudienceHeard, events.OpenAudience, events.SetAudienceGain, events.MuteAudience, events.WeighRegion,
+    events.GiveTurn, events.BanPhone, events.AskVote, events.DropVote, events.AllowShaking,
+)  # fmt: skip
+"""The events that `act` takes."""
+SOURCE: Final = "audience"
+FULL: Final = 4.0
+"""Voices that pull with full strength: see `QUORUM` of the fair kernels."""
+MOST_PLACES: Final = 4
+LED: Final = 0.25
+"""So strongly the audience is heard while an operator's or a musician's own element acts."""
+SHARPNESS: Final = 4.0
+"""A place that is left with half the voices of the heaviest one repels 2 to the power of this less."""
+SHAKEN: Final = 0.5
+CALMED: Final = 0.3
+"""Dancers spread once that share of those who play shakes; again only after fewer than this did."""
+MOST_BANNED: Final = 4096
+FOLLOWING: Final = 0.06
+"""Half-life [s] in which a light is where its phone says."""
+FADING: Final = 0.12
+"""Half-life [s] in which a light comes and goes."""
+REPEL: Final = 2
+"""The mode of a voice that sends dancers away."""
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where voices gather: (x, z) [m], weight in parts of the heaviest place, and whether they repel."""
+
+    x: float
+    z: float
+    weight: float
+    repels: bool
+
+
+class Audience:
+    """The audience of one show. Thread: the show's."""
+
+    def __init__(self, section: AudienceSection, *, seed: int) -> None:
+        self._seed = seed
+        self.regions: tuple[str, ...] = section.regions
+        self._vote_measures = section.vote_measures
+        self.open, self.gain, self.muted, self.shaking = section.open, section.gain, False, section.shake
+        self.weights: list[float] = [1.0] * len(section.regions)
+        """What each voice of a region weighs."""
+        self.turn: Turn | None = None
+        self.vote: Vote | None = None
+        self.result: tuple[int, str] = (0, "")
+        """Number of the last vote and what it called; empty: nothing."""
+        self.banned: dict[int, None] = {}
+        """Numbers of phones that are not heard, in turn."""
+        self.order = 0
+        """How many words of the operator the gateway has to heed: what it made before the last is not heard."""
+        self.phones = 0
+        self._votes = 0
+        self._share = 0.0
+        self._places: tuple[Place, ...] = ()
+        self._shaken = False
+        self._number: Int64 = np.zeros(LIGHT_CAPACITY, np.int64)
+        """Whose each light is; 0: nobody's."""
+        self._lit: npt.NDArray[np.bool_] = np.zeros(LIGHT_CAPACITY, np.bool_)
+        self._goal: Float32 = np.zeros((LIGHT_CAPACITY, 2), np.float32)
+        self._light: Float32 = np.zeros((LIGHT_CAPACITY, 5), np.float32)
+
+    def take_patch(self, fresh: "Audience") -> None:
+        """Another patch may have other regions; those of the same name keep their weight."""
+        if fresh.regions != self.regions:
+            known = dict(zip(self.regions, self.weights, strict=True))
+            self.regions, self.weights = fresh.regions, [known.get(name, 1.0) for name in fresh.regions]
+            self.turn = None
+            self.order += 1
+        self._vote_measures = fresh._vote_measures
+
+    # -- events ------------------------------------------------------------------------------------------------
+
+    def act(
+        self, event: ControlEvent, elements: Elements, *, beat: float, beats_per_measure: int, measure: int,
+        position: Float32, known: dict[str, tuple[str, ...]],
+    ) -> None:  # fmt: skip
+        """Let an event of `AUDIENCE_EVENTS` act at `beat` of `measure`; PersonError if it asks for what is not there.
+
+        `known`: what can be voted for, by kind.
+        """
+        if isinstance(event, events.AudienceHeard):
+            self._hear(event)
+        else:
+            self._obey(event, measure, known)
+        self._gather(elements, event.time, beat, beats_per_measure, position)
+
+    def _obey(self, event: ControlEvent, measure: int, known: dict[str, tuple[str, ...]]) -> None:
+        """A word of the operator."""
+        match event:
+            case events.OpenAudience():
+                self.open = event.on
+                if not event.on:
+                    self._places, self._share = (), 0.0
+                    self._number[:] = 0
+                    self._lit[:] = False
+            case events.SetAudienceGain():
+                self.gain = event.gain
+            case events.MuteAudience():
+                self.muted = event.on
+            case events.AllowShaking():
+                self.shaking = event.on
+            case events.WeighRegion():
+                for index in self._named(event.name):
+                    self.weights[index] = event.weight
+            case events.GiveTurn():
+                named = self._named(event.name)
+                begins = measure + 1
+                one = len(named) == 1 and event.name.strip() != "*"
+                self.turn = Turn(named[0], begins, begins + max(round(event.measures), 1)) if one else None
+            case events.BanPhone():
+                self._ban(event.number, event.on)
+            case events.AskVote():
+                self._votes += 1
+                closes = measure + 1 + self._vote_measures
+                self.vote = Vote(self._votes, event.what, choices_of(event, known), closes)
+            case events.DropVote():
+                self.vote = None
+        self.order += 1
+
+    def _named(self, name: str) -> list[int]:
+        if name.strip() in ("", "*"):
+            return list(range(len(self.regions)))
+        folded = [each.casefold().strip() for each in self.regions]
+        if name.casefold().strip() not in folded:
+            there = f"there are: {', '.join(self.regions)}" if self.regions else "the patch's [audience] has none"
+            raise PersonError(f"no region of the audience is called {name!r}", there)
+        return [folded.index(name.casefold().strip())]
+
+    def _ban(self, number: int, on: bool) -> None:
+        if on and number > 0:
+            self.banned[number] = None
+            if len(self.banned) > MOST_BANNED:
+                del self.banned[next(iter(self.banned))]
+            self._lit[self._number == number] = False
+            self._light[self._number == number, 3] = 0.0
+        elif not on:
+            self.banned = {} if number <= 0 else {each: None for each in self.banned if each != number}
+
+    # -- what is heard -------------------------------------------------------------------------------------------
+
+    def _hear(self, event: events.AudienceHeard) -> None:
+        self.phones = max(event.phones, 0)
+        if event.order != self.order or not self.open:
+            return
+        if event.places:
+            self._share = min(max(event.share, 0), 1000) / 1000.0
+            rows = _rows(event.places, 4)[:MOST_PLACES]
+            self._places = tuple(Place(x / 100, z / 100, w / 1000, mode == REPEL) for x, z, w, mode in rows)
+        if event.lights:
+            self._see(_rows(event.lights, 5)[:LIGHT_CAPACITY])
+        if event.votes and self.vote is not None:
+            self.vote = self.vote.counted(_rows(event.votes, 0)[0])
+        share = event.shaken / 1000.0
+        self._shaken = share > (CALMED if self._shaken else SHAKEN)
+
+    def _see(self, rows: list[tuple[int, ...]]) -> None:
+        """Which lights there are now; those that are left out fade."""
+        self._lit[:] = False
+        for number, x, z, hue, mode in rows:
+            if number <= 0 or number in self.banned:
+                continue
+            own = np.flatnonzero(self._number == number)
+            row = int(own[0]) if len(own) else int(np.argmin(np.where(self._lit, 2.0, self._light[:, 3])))
+            self._goal[row] = x / 100, z / 100
+            if not len(own):
+                self._light[row, :2], self._light[row, 3] = self._goal[row], 0.0
+            self._number[row], self._lit[row] = number, True
+            self._light[row, 2], self._light[row, 4] = (hue % 1000) / 1000, float(mode == REPEL)
+
+    def _gather(self, elements: Elements, time: float, beat: float, size: int, position: Float32) -> None:
+        """Let the places act as elements: those that attract as voices, in which many win, those that repel alike."""
+        heard = self.open and not self.muted
+        pull = self.gain * self._share if heard else 0.0
+        if pull > 0.0 and _led(elements, beat):
+            pull *= LED
+        attracting = [place for place in self._places if not place.repels and pull > 0.0]
+        total = sum(place.weight for place in attracting) or 1.0
+        now = {"beat": beat, "next_line": beat, "beats_per_measure": size, "position": position}
+        for index in range(MOST_PLACES):
+            source = f"{SOURCE} {index + 1}"
+            place = self._places[index] if index < len(self._places) and pull > 0.0 else None
+            place = place if place is not None and place.weight > 0.0 else None
+            away = place is not None and place.repels
+            elements.forget(source, beat, other=None if place is None else away, at_once=not heard)
+            if place is None:
+                continue
+            strength = pull * (place.weight**SHARPNESS if away else FULL * place.weight / total)
+            if away:
+                elements.act(events.Repel(time=time, source=source, x=place.x, z=place.z, strength=strength,
+                                          measures=2.0, drag=True), **now)  # type: ignore[arg-type]  # fmt: skip
+            else:
+                elements.act(events.Voice(time=time, source=source, x=place.x, z=place.z, strength=strength),
+                             **now)  # type: ignore[arg-type]  # fmt: skip
+        if self._shaken and self.shaking and heard and not elements.has(f"{SOURCE} shakes"):
+            spread = events.Spread(time=time, source=f"{SOURCE} shakes", measures=2.0)
+            elements.act(spread, **now)  # type: ignore[arg-type]
+
+    # -- time ----------------------------------------------------------------------------------------------------
+
+    def begin_measure(self, measure: int, time: float) -> list[ControlEvent]:
+        """A measure (from 0) begins: turns begin and end, and what a vote that ends with it calls."""
+        turn = self.turn
+        if turn is not None and measure in (turn.begins, turn.ends):
+            self.order += 1
+            self.turn = None if measure >= turn.ends else turn
+        vote = self.vote
+        if vote is None or measure < vote.closes:
+            return []
+        winner = vote.winner(self._seed)
+        self.vote, self.result = None, (vote.number, winner)
+        self.order += 1
+        return called(vote.what, winner, time) if winner else []
+
+    def heard_regions(self, measure: int) -> list[float]:
+        """What each region's voices weigh in a measure: of all but one nothing while it is its turn."""
+        turn = self.turn
+        if turn is None or not turn.begins <= measure < turn.ends:
+            return list(self.weights)
+        return [weight if index == turn.region else 0.0 for index, weight in enumerate(self.weights)]
+
+    def tick(self) -> None:
+        """Lights go to their phones' places, come and go; nothing, at no cost, while there are none."""
+        if not self._number.any():
+            return
+        light = self._light
+        light[:, :2] += (self._goal - light[:, :2]) * np.float32(1.0 - 0.5 ** (TICK / FOLLOWING))
+        light[:, 3] += (self._lit - light[:, 3]) * np.float32(1.0 - 0.5 ** (TICK / FADING))
+        self._number[~self._lit & (light[:, 3] < 0.01)] = 0
+
+    # -- what is seen --------------------------------------------------------------------------------------------
+
+    def show(self, view: StageView) -> None:
+        """Copy the lights into the drawing snapshot."""
+        rows = np.flatnonzero(self._number)
+        view.light_count = len(rows)
+        if len(rows):
+            view.light[: len(rows)] = self._light[rows]
+
+    def facts(self) -> dict[str, Any]:
+        """For the status."""
+        vote = self.vote
+        return {
+            "open": self.open, "muted": self.muted, "gain": round(self.gain, 3), "heard": round(self._share, 3),
+            "regions": dict(zip(self.regions, self.weights, strict=True)),
+            "turn": None if self.turn is None else self.regions[self.turn.region],
+            "places": len(self._places), "banned": list(self.banned)[-16:],
+            "lights": [[int(self._number[row]), *(round(float(v), 1) for v in self._light[row, :2])]
+                       for row in np.flatnonzero(self._number)],
+            "vote": None if vote is None else {"what": vote.what, "closes": vote.closes + 1} | vote.tally,
+            "won": self.result[1],
+        }  # fmt: skip
+
+
+def _led(elements: Elements, beat: float) -> bool:
+    """Whether an operator or a musician has an element in force: who ranks over the audience."""
+    return any(
+        element.source != SCORE and not element.source.startswith(SOURCE) and not element.fair
+        and element.level(beat) > 0.0
+        for element in elements.in_force
+    )  # fmt: skip
+
+
+def _rows(text: str, size: int) -> list[tuple[int, ...]]:
+    """Whole numbers, rows of `size` (0: any): what is none, or of another length, is left out."""
+    rows = []
+    for entry in "" if text == "-" else text.split(","):
+        try:
+            row = tuple(int(word) for word in entry.split())
+        except ValueError:
+            continue
+        if (not size or len(row) == size) and all(abs(number) < 1 << 40 for number in row):
+            rows.append(row)
+    return rows or ([()] if not size else [])

@@ -1,0 +1,84 @@
+"""Turns and votes of an audience, as values: whose turn it is, what is voted for, and who wins."""
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from live.base.errors import PersonError
+from live.control.events import events
+from live.control.events.events import ControlEvent
+
+VOTES: Final = ("step", "scene", "look", "cue")
+"""What can be voted for."""
+SOURCE: Final = "audience vote"
+_CHANCE: Final = 0xA0D1
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """Only this region (by its index) is heard from the line of measure `begins` (from 0) to that of `ends`."""
+
+    region: int
+    begins: int
+    ends: int
+
+
+@dataclass(frozen=True, slots=True)
+class Vote:
+    """A vote that runs until the line of measure `closes` (from 0)."""
+
+    number: int
+    what: str
+    choices: tuple[str, ...]
+    closes: int
+    counts: tuple[int, ...] = ()
+    """Voices for each choice, in hundredths."""
+
+    def counted(self, said: tuple[int, ...]) -> "Vote":
+        """With these counts, (number of the vote, hundredths for each choice); as it was if they are of another one."""
+        good = len(said) == len(self.choices) + 1 and said[0] == self.number and min(said) >= 0
+        return replace(self, counts=said[1:]) if good else self
+
+    def winner(self, seed: int) -> str:
+        """The choice with most voices, one of them by chance if several have; empty if nobody voted."""
+        if not any(self.counts):
+            return ""
+        first = [index for index, count in enumerate(self.counts) if count == max(self.counts)]
+        return self.choices[first[int(np.random.default_rng([seed, _CHANCE, self.number]).integers(len(first)))]]
+
+    @property
+    def tally(self) -> dict[str, dict[str, float]]:
+        """For the status."""
+        counts = self.counts or (0,) * len(self.choices)
+        return {"choices": {name: count / 100 for name, count in zip(self.choices, counts, strict=True)}}
+
+
+def choices_of(event: events.AskVote, known: dict[str, tuple[str, ...]]) -> tuple[str, ...]:
+    """What is voted for, as it is called in the patch; PersonError for what is not there."""
+    what = event.what.strip().casefold()
+    if what not in VOTES or what != event.what:
+        raise PersonError(f"nobody can vote for {event.what!r}", f"one of {', '.join(VOTES)}")
+    names = {name.casefold().strip(): name for name in known[what]}
+    found = []
+    for asked in filter(None, (event.first, event.second, event.third, event.fourth)):
+        name = names.get(asked.casefold().strip())
+        if name is None:
+            raise PersonError(f"vote: no {what} is called {asked!r}", f"there are: {', '.join(names.values())[:200]}")
+        found.append(name)
+    if len(set(found)) < len(found):
+        raise PersonError("vote: two choices are the same")
+    return tuple(found)
+
+
+def called(what: str, winner: str, time: float) -> list[ControlEvent]:
+    """What the winner of a vote brings."""
+    match what:
+        case "step":
+            return [events.CallStep(time=time, source=SOURCE, name=winner)]
+        case "scene":
+            return [events.RecallScene(time=time, source=SOURCE, name=winner)]
+        case "look":
+            return [events.RecallLook(time=time, source=SOURCE, name=winner)]
+        case _:
+            return [events.GiveCue(time=time, source=SOURCE, name=winner)]

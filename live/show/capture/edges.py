@@ -1,0 +1,68 @@
+"""Edges: those who repeat a captured performer from where they stand are kept on the stage, whose size is another's.
+
+Her path, begun elsewhere, may lead over the border. There they are treated as steering treats everybody
+(`keep_on_stage` of `live.agents.crowd.bounds`): nobody goes at an edge faster than she would reach it in a quarter of a
+second, and along it nothing is changed. What is taken from a way is not given back: from there on she goes the same
+path beside, so that it is bent at the border alone.
+"""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.crowd.bounds_kernels import SOFT_LANDING
+
+Float64 = npt.NDArray[np.float64]
+Bool = npt.NDArray[np.bool_]
+
+BACK: Final = 1.2
+"""Who is beyond an edge, because the stage has become smaller, comes back no faster than this [m/s]: at a walk."""
+
+
+class Edges:
+    """Where the dancers of one performer stood at the last tick. Thread: the show's."""
+
+    def __init__(self, half: Float64) -> None:
+        """`half` (2,): half width and half depth of the stage [m], the array that the show keeps up to date."""
+        self._half = half
+        self.place: Float64 = np.zeros((0, 2))
+        """Where each of her dancers stood [m], (n, 2)."""
+        self._time = 0.0
+        self._floor: tuple[float, ...] = ()
+        self._mirrored = False
+
+    def bent(self, there: Float64, time: float) -> Float64:
+        """How far dancers whom their ways would take `there` (n, 2) [m] at `time` [s] are to be moved, (n, 2) [m]."""
+        passed = time - self._time
+        if passed <= 0.0:
+            return np.zeros_like(there)
+        speed, half = (there - self.place) / passed, self._half
+        most = (half - self.place) / SOFT_LANDING
+        least = -(half + self.place) / SOFT_LANDING
+        kept = np.minimum(np.maximum(speed, np.minimum(least, BACK)), np.maximum(most, -BACK))
+        return np.asarray((kept - speed) * passed)
+
+    def settle(
+        self, there: Float64, time: float, floor: tuple[float, ...], repeats: Bool, *, mirrored: bool = False
+    ) -> Float64:
+        """A tick: as `bent`, and that is where they stand; only those who `repeats` (n,) are moved. `floor`: how her
+        floor lies on the stage; where that is another than before they are only put inside, for it acts at once.
+        `mirrored`: whether her ways are; where they are turned over just now they go on from where they stood."""
+        if floor != self._floor:
+            way = np.clip(there, -self._half, self._half) - there
+        elif mirrored != self._mirrored:
+            way = self.place - there
+        else:
+            way = self.bent(there, time)
+        way[~repeats] = 0.0
+        self.place, self._time, self._floor, self._mirrored = there + way, time, floor, mirrored
+        return way
+
+    def add(self, place: Float64) -> None:
+        """More dancers, who stand at `place` (n, 2) [m]."""
+        self.place = np.concatenate([self.place, place])
+
+    def keep(self, kept: Bool) -> None:
+        """Only these go on, (n,)."""
+        self.place = self.place[kept]

@@ -1,0 +1,52 @@
+"""Presence: what captured and tracked performers do to others where they stand: obstacles, attractors, repulsors."""
+
+from typing import Final
+
+import numpy as np
+
+from live.clock.timeline import Timeline
+from live.control.events.elements import Attract, Repel
+from live.control.events.groups import Performer
+from live.show.capture.captured import HOLD, Captured
+from live.show.group.group_motion import GroupMotion
+
+DRAWS_EVERY: Final = 8
+"""Ticks from one time to the next that an attractor goes where its performer is."""
+DRAWS_FOR: Final = 1024.0
+"""Measures for which it acts at most; it ends when she falls silent."""
+SOURCE: Final = "mocap"
+
+
+class Presence:
+    """Of all performers of one show. Thread: the show's."""
+
+    def __init__(self, motion: GroupMotion) -> None:
+        self._motion = motion
+        self._tick = 0
+
+    def tick(self) -> None:
+        """Another tick."""
+        self._tick += 1
+
+    def touch(self, captured: Captured, time: float, timeline: Timeline, next_line: float) -> None:
+        """What she does to the others at `time` [s]; `next_line`: the beat of the next measure line."""
+        source = f"{SOURCE} {captured.section.name}"
+        there = time - captured.last <= HOLD
+        x, z = captured.stands(time) if there and (captured.obstacle or captured.attract) else (0.0, 0.0)
+        if there and captured.obstacle and not captured.is_danced:
+            self._motion.performers.track(Performer(time=time, source=SOURCE, name=captured.section.name, x=x, z=z))
+        sign = np.sign(captured.attract) if there else 0.0
+        elements, beat = self._motion.elements, timeline.beat_at(time)
+        if sign != captured.draws:
+            elements.end_of(source, beat)
+            captured.draws = sign
+        if sign and self._tick % DRAWS_EVERY == 0:
+            kind = Attract if sign > 0.0 else Repel
+            event = kind(
+                time=time, source=source, x=x, z=z, strength=abs(captured.attract), measures=DRAWS_FOR,
+                group=captured.attracts, drag=True,
+            )  # fmt: skip
+            elements.act(
+                event, beat=beat, next_line=next_line, beats_per_measure=timeline.beats_per_measure,
+                position=self._motion.state.position,
+            )  # fmt: skip

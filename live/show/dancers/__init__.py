@@ -1,0 +1,1 @@
+"""What each dancer is doing."""

@@ -1,0 +1,128 @@
+"""Dancing: which measure each dancer is in, and which samples of which clips are asked for at any moment of it."""
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.motion_graph import MotionGraph
+from live.motion.pose.gather_kernels import ask_dancers, clip_hips, standing_feet
+from live.motion.pose.pose_pipeline import PosePipeline
+from live.show.dancers.measure_state import Danced, turn_vectors
+from live.show.dancers.variation import Variation
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Bool = npt.NDArray[np.bool_]
+Rows = npt.NDArray[np.int64]
+
+
+class Dancing:
+    """The measures of A dancers: the one before, the present and the next one."""
+
+    def __init__(self, graph: MotionGraph, variation: Variation, dancer_count: int) -> None:
+        self.graph = graph
+        self.variation = variation
+        self.past, self.present, self.coming = (Danced(graph, dancer_count) for _ in range(3))
+        self._pipeline = PosePipeline(dancer_count)
+        self._everybody = np.arange(dancer_count)
+        self._phase = np.zeros(dancer_count)
+
+    def take_graph(self, graph: MotionGraph) -> None:
+        """Go on in a graph in which all nodes of the old one keep their indices."""
+        self.graph = graph
+        for danced in (self.past, self.present, self.coming):
+            danced.graph = graph
+
+    @property
+    def node(self) -> Int32:
+        """Node danced now, shape (A,)."""
+        return self.present.node
+
+    @property
+    def decided(self) -> bool:
+        """Whether the next measure of every dancer is chosen."""
+        return self.coming.decided
+
+    def cross_measure_line(self) -> None:
+        """The next measure becomes the present one, the present one the past: they change places, nothing is copied."""
+        self.past, self.present, self.coming = self.present, self.coming, self.past
+        self.coming.undecide()
+
+    def measures(self) -> tuple[Danced, Danced, Danced]:
+        """The measure before, the present and the next one: what the rows of `whose` mean."""
+        return self.past, self.present, self.coming
+
+    def whose(self, fraction: float) -> tuple[Int32, Float64]:
+        """Which of `measures` each dancer is in, (A,), and how far she is in it, (A,)."""
+        phase = self.phases(fraction)
+        which = 1 - ((phase < 0.0) & (self.past.node >= 0)) + ((phase > 1.0) & self.decided)
+        return which.astype(np.int32), np.clip(phase - (which - 1.0), 0.0, 1.0)
+
+    def hips(self, fraction: float) -> Float32:
+        """Where the hips of each dancer are at the share `fraction` of the measure [m], float32, shape (A, 2)."""
+        library, danced = self.graph.library, self.present
+        first = library.node_first[danced.node]
+        sample = np.floor(first + fraction * (library.node_last[danced.node] - first)).astype(np.int64)
+        root = library.clip_root[sample][:, (0, 2)].astype(np.float64)
+        place = np.empty((len(root), 4))
+        danced.turned(np.full(len(root), fraction), place)
+        return np.ascontiguousarray(place[:, :2] + turn_vectors(root, place[:, 2]), np.float32)
+
+    def ahead(self, fraction: float, rows: Rows | None = None) -> Float64:
+        """Where the clips take hips at `fraction` of the measure [m], time warps and transitions in: of all dancers,
+        (A, 2), or of those in `rows` (n,) alone, (n, 2)."""
+        self._ask(fraction, rows)
+        rows = self._everybody if rows is None else rows
+        pipeline, out = self._pipeline, np.empty((len(rows), 2))
+        clip_hips(out, rows, pipeline.sample, pipeline.placement, pipeline.share, self.graph.library.clip_root)
+        return out
+
+    def contact(self, fraction: float) -> Bool:
+        """Whether the left and right foot are annotated as on the floor in the clips that are danced, shape (A, 2).
+
+        While two clips are blended a foot counts only if both have it on the floor.
+        """
+        self._ask(fraction)
+        out = np.empty((len(self._everybody), 2), np.bool_)
+        standing_feet(out, self._pipeline.sample, self._pipeline.share, self.graph.library.clip_contact)
+        return out
+
+    # -- the question asked of the pose pipeline ---------------------------------------------------------------
+
+    def _ask(self, fraction: float, rows: Rows | None = None) -> None:
+        """Which samples of which clips, where, how much of each, at `fraction` of the measure: for everybody, or for
+        the dancers `rows` (n,) alone."""
+        present, phase = self.present, self._phase if rows is None else np.empty(len(rows))
+        lowest, highest = self.variation.phases(phase, fraction, present.warp, rows)
+        rows = self._everybody if rows is None else rows
+        if lowest >= 0.0 and highest <= 1.0:
+            self._fill(rows, present, self.coming, phase, fraction)
+            return
+        late = (phase < 0.0) & (self.past.node[rows] >= 0)
+        early = (phase > 1.0) & self.decided
+        self._fill(rows, present, self.coming, phase, fraction)
+        if late.any():
+            self._fill(rows[late], self.past, present, phase[late] + 1.0, 1.0)
+        if early.any():
+            self._fill(rows[early], self.coming, None, phase[early] - 1.0, 0.0)
+
+    def phases(self, fraction: float) -> Float64:
+        """How far each dancer is in the present measure, below 0 in the one before, above 1 in the next one, (A,)."""
+        phase = np.empty(len(self._everybody))
+        self.variation.phases(phase, fraction, self.present.warp)
+        return phase
+
+    def _fill(
+        self, rows: npt.NDArray[np.int64], own: Danced, then: Danced | None, phase: Float64, fraction: float
+    ) -> None:
+        """The rows of those dancers who are at `phase` (n,) of the measure `own`, with `then` after it."""
+        graph, pipeline, after = self.graph, self._pipeline, own if then is None else then
+        library = graph.library
+        ask_dancers(
+            rows, phase, fraction, graph.window, then is not None,
+            own.node, own.placement, own.correction, own.aimed, own.on_support, own.take, own.take_share, own.amplitude,
+            after.node, after.placement, after.take, after.take_share, after.amplitude,
+            library.node_first, library.node_last, library.node_lead, graph.node_start, graph.node_facing_start,
+            graph.node_turns, graph.node_rise,
+            pipeline.sample, pipeline.placement, pipeline.share, pipeline.mean, pipeline.amplitude,
+        )  # fmt: skip

@@ -1,0 +1,199 @@
+"""Dancers: the pose of each dancer at any moment of her measure, as the audience sees it."""
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.motion_graph import MotionGraph
+from live.graph.select.placing import begun
+from live.motion.foot_contact import TOES_OVER_SOLE
+from live.motion.pose.foot_lock import LEG_JOINTS, FootLock
+from live.motion.pose.gather_kernels import clear_feet
+from live.motion.pose.hand_hold import Hands
+from live.motion.pose.inertialization import Inertia
+from live.motion.pose.inertialization_kernels import LONGEST
+from live.motion.pose.landing import Landing
+from live.motion.pose.placing_kernels import hold_where_wanted
+from live.motion.pose.pose_pipeline import PosePipeline, PoseSkeleton
+from live.motion.skeleton import JOINT_COUNT, SOLE_BELOW_ANKLE
+from live.motion.texture.live_bank import TextureBank
+from live.show.capture.captured import Captured
+from live.show.dancers.current_measure import Dancing
+from live.show.dancers.measure_state import UNDECIDED, turn_vectors
+from live.show.dancers.texturing import Texturing
+from live.show.dancers.variation import Variation
+from live.show.partner.leader_input import Tracks
+from live.show.partner.partner_response import Answering
+
+__all__ = ["UNDECIDED", "Dancers", "turn_vectors"]
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Bool = npt.NDArray[np.bool_]
+Rows = npt.NDArray[np.int64]
+
+LANDED = 0.03
+"""While a cut settles, a foot is held only once it is this near to the floor [m], and near to where its clip has it:
+held farther from there, it would soon have to let go and slide."""
+
+
+class Dancers(Dancing):
+    """The dancing state of A dancers: their measures, which feet are held, what they wear and whom they answer."""
+
+    def __init__(self, graph: MotionGraph, variation: Variation, dancer_count: int) -> None:
+        super().__init__(graph, variation, dancer_count)
+        self.lock = FootLock(dancer_count)
+        self.hands = Hands(dancer_count)
+        self._locked_at = 0.0
+        self._aside = PosePipeline(1)
+        self._legs = PosePipeline(dancer_count, PoseSkeleton.legs_only()[0])
+        for name in ("sample", "placement", "share"):  # one question, asked of the legs alone at every tick
+            setattr(self._legs, name, getattr(self._pipeline, name))
+        self.inertia = Inertia(dancer_count, JOINT_COUNT)
+        for pipeline in (self._pipeline, self._legs):
+            pipeline.settling, pipeline.age = self.inertia.settling, self.inertia.age
+        self.landing = Landing(dancer_count)
+        self._legs.watched = LEG_JOINTS
+        self.texturing = Texturing(TextureBank.empty(), variation, dancer_count, seed=0, beats=1)
+        """What upper bodies are textured with (P024)."""
+        self.captured: dict[str, Captured] = {}
+        """Performers who are captured live, by their names: some dancers wear their poses."""
+        self.beats = 1
+        """Beats of a danced measure."""
+        self.answering: Answering | None = None
+        """Who answers whom live, None for nobody (H024)."""
+        self._settled = np.full(dancer_count, LONGEST, np.float32)
+        self._bare_legs = np.zeros_like(self._legs.position), np.zeros_like(self._legs.rotation)
+        self.shown: Float32 = np.zeros((dancer_count, 2), np.float32)
+        """Where the hips of each dancer were at the last tick [m], shape (A, 2): what the audience sees."""
+
+    def start(self, node: Int32, position: Float64, heading: Float64) -> None:
+        """Put every dancer at the beginning of a node: hips at `position` (A, 2) [m], body facing `heading` (A,)."""
+        danced = self.present
+        danced.node[:] = node
+        danced.placement[:] = begun(self.graph, node, position, heading)
+        danced.correction[:] = danced.aimed[:] = 0.0
+        danced.decided = True
+        self.past.undecide()
+        self.coming.undecide()
+        self.shown[:] = position
+
+    def place(self, rows: npt.NDArray[np.intp], position: Float64, heading: Float64) -> None:
+        """Put dancers `rows` (n,), whom nobody sees, at `position` (n, 2) [m]: there they begin the present measure."""
+        danced = self.present
+        danced.placement[rows] = begun(self.graph, danced.node[rows], position, heading)
+        danced.correction[rows] = danced.aimed[rows] = 0.0
+        self.past.node[rows] = UNDECIDED
+        self.lock.state[rows] = 0.0
+        self.inertia.forget(rows)
+        self.shown[rows] = position
+
+    def wearers(self) -> Rows:
+        """Dancers who mostly wear captured poses, (n,)."""
+        worn = [each.rows[each.share > 0.5] for each in self.captured.values()]
+        return np.concatenate(worn) if worn else np.zeros(0, np.int64)
+
+    @property
+    def leg_rotation(self) -> Float32:
+        """How hips and legs of the dancers' own dance were turned at the last tick, in the world, (A, 9, 4)."""
+        return self._legs.rotation
+
+    def tick(self, fraction: float, time: float, dt: float) -> None:
+        """Follow the feet to the tick at `time` [s], `dt` [s] after the last one (foot lock)."""
+        self.inertia.place(time)
+        contact = self.contact(fraction)
+        hold_where_wanted(contact, self.variation.lock)
+        if self.answering is not None:
+            contact &= ~self.answering.along.carried[:, None]
+        position, rotation = self._legs.run(self.graph.library.leg_store)
+        self.texturing.tick(self._phase, position, rotation, dt)
+        if self.inertia.any_settles:
+            contact &= self._landed(position) | ~self.inertia.settling_now[:, None]
+        self.shown[:] = position[:, 0, ::2]
+        self.lock.tick(position, contact, dt)
+        self._locked_at = time
+
+    def pose(self, fraction: float, time: float, out: tuple[Float32, Float32] | None = None) -> tuple[Float32, Float32]:
+        """World positions (A, J, 3) and rotations (A, J, 4) when the share `fraction` of the measure has passed.
+
+        `time` [s] is at most a tick after the last one. Fills `out` if given, else the dancers' own arrays; returns
+        what it filled.
+        """
+        self._ask(fraction)
+        self.inertia.place(time)
+        pipeline, variation = self._pipeline, self.variation
+        pipeline.head[:] = variation.head
+        pipeline.lock = variation.locks or self.lock.farthest > 1e-3  # once let go, feet still have to swing back
+        if pipeline.lock:
+            self.lock.place(pipeline.feet, max(time - self._locked_at, 0.0))
+            clear_feet(pipeline.feet, pipeline.sample, pipeline.share, self.graph.library.clip_height)
+            if self.inertia.any_settles:
+                self.landing.clear(pipeline.feet, self.inertia.age)
+        position, rotation = pipeline.run(self.graph.library.store, out)
+        self.texturing.dress(self._phase, position, rotation)
+        for captured in self.captured.values():
+            captured.dress(position, rotation, time, (self.variation.measure + fraction) * self.beats)
+        if self.answering is not None:
+            self.answering.show(self._phase, position, rotation)
+            self.answering.stand(position, rotation, max(time - self._locked_at, 0.0))
+        self.hands.pose(position, rotation, max(time - self._locked_at, 0.0))
+        if self.answering is not None:
+            self.answering.reach(position, rotation, max(time - self._locked_at, 0.0))
+        return position, rotation
+
+    def answer(self, there: Bool, tracks: Tracks, fraction: float, time: float, dt: float) -> Float64:
+        """A tick of those who answer others, after `tick`; see `Answering.tick`. By how much each dancer is to be taken
+        elsewhere [m], (A, 2)."""
+        assert self.answering is not None  # whoever calls has looked
+        phase = self.phases(fraction)
+        faces = np.ascontiguousarray(self._legs.rotation[:, 0])
+        self.answering.live[:] = False
+        for captured in self.captured.values():
+            self.answering.live[captured.rows[captured.share > 0.0]] = True
+        self.answering.tick(phase, self.shown, faces, there, tracks, lambda rows: self.seen(rows, fraction, time), dt)
+        return self.answering.along.moved
+
+    def seen(self, rows: Int32, fraction: float, time: float) -> tuple[Float32, Float32]:
+        """World positions (n, J, 3) and rotations (n, J, 4) of the dancers `rows` (n,) as the audience sees them, but
+        for heads that are turned and feet that are held."""
+        position, rotation = self.unmended(rows, fraction, time)
+        phase = self.phases(fraction)
+        self.texturing.dress(phase, position, rotation, rows)
+        for captured in self.captured.values():
+            if np.isin(rows, captured.rows).any():
+                whole = (
+                    np.empty((len(phase), *position.shape[1:]), np.float32),
+                    np.empty((len(phase), *rotation.shape[1:]), np.float32),
+                )
+                whole[0][rows], whole[1][rows] = position, rotation
+                captured.dress(*whole, time, (self.variation.measure + fraction) * self.beats)
+                position[:], rotation[:] = whole[0][rows], whole[1][rows]
+        if self.answering is not None:
+            self.answering.show(phase, position, rotation, rows)
+        return position, rotation
+
+    def _landed(self, position: Float32) -> Bool:
+        """Which feet, of legs at `position` (A, 9, 3) [m], have come where the clips alone would have them, (A, 2)."""
+        low = np.minimum(position[:, 3::4, 1] - SOLE_BELOW_ANKLE, position[:, 4::4, 1] - TOES_OVER_SOLE) < LANDED
+        settling = np.flatnonzero(self.inertia.settling_now).tolist()
+        self._legs.age = self._settled
+        there, _ = self._legs.run(self.graph.library.leg_store, self._bare_legs, alone=settling)
+        self._legs.age = self.inertia.age
+        away = position[:, 3::4] - there[:, 3::4]
+        return np.asarray(low & self.landing.near(np.hypot(away[..., 0], away[..., 2])))
+
+    def unmended(self, rows: Int32, fraction: float, time: float) -> tuple[Float32, Float32]:
+        """World positions (n, J, 3) and rotations (n, J, 4) of the dancers `rows` (n,), as `pose`, but before heads are
+        turned and feet held: what a cut must not break."""
+        self._ask(fraction, rows.astype(np.int64))
+        whole = self._pipeline
+        if len(self._aside.age) != len(rows):  # mostly it is one dancer, and often the same ones again
+            self._aside = PosePipeline(len(rows))
+        aside, joints = self._aside, len(whole.skeleton.parents)
+        aside.sample[:], aside.placement[:] = whole.sample[:, rows], whole.placement[:, rows]
+        aside.share[:], aside.mean[:] = whole.share[:, rows], whole.mean[:, rows]
+        aside.amplitude[:] = whole.amplitude[rows]
+        aside.settling = self.inertia.settling[rows]
+        aside.age[:] = np.clip(time - self.inertia.began[rows], 0.0, LONGEST)
+        out = np.empty((len(rows), joints, 3), np.float32), np.empty((len(rows), joints, 4), np.float32)
+        return aside.run(self.graph.library.store, out)

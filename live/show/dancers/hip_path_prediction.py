@@ -1,0 +1,46 @@
+"""Tracing: where the hips of dancers will go through a measure, from what is decided of it."""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.separation.paths import MOMENTS, Paths
+from live.graph.select.placing import take_offset
+from live.motion.editing.time_warp import measure_warp
+from live.motion.pose.turning_kernels import trace_hips
+from live.show.dancers.dancers import Dancers
+from live.show.dancers.measure_state import Danced
+
+Float64 = npt.NDArray[np.float64]
+
+FRACTIONS: Final = np.linspace(0.0, 1.0, MOMENTS)[:, None]
+
+
+def trace(paths: Paths, dancers: Dancers, danced: Danced, rows: slice) -> None:
+    """Fill the `paths` of dancers `rows` through the measure `danced`, for those who are late through the one before
+    first. Time warps within measures and mixed takes are in; drifts over the sequence (T056) and blends are not: they
+    are what the parting's margin is for."""
+    amplitude, frequency, start, sign = danced.warp[:, rows]
+    phase = measure_warp(FRACTIONS, amplitude, frequency, start, sign, dancers.graph.window).T
+    late = dancers.variation.late[rows]
+    phase = np.ascontiguousarray(phase - late[:, None])
+    _trace_measure(paths, danced, rows, phase, settled=False)
+    if late.any():
+        before = dancers.present if danced is dancers.coming else dancers.past
+        earlier = np.where((phase < 0.0) & (before.node[rows] >= 0)[:, None], phase + 1.0, -1.0)
+        _trace_measure(paths, before, rows, earlier, settled=True)
+
+
+def _trace_measure(paths: Paths, danced: Danced, rows: slice, phase: Float64, *, settled: bool) -> None:
+    """The moments at which dancers are in the measure `danced`, at `phase` (n, MOMENTS) of it; below 0 they are not."""
+    graph = danced.graph
+    library = graph.library
+    shift, turn = take_offset(graph, danced.node[rows], danced.take[rows])
+    trace_hips(
+        paths.path[rows], paths.share[rows], phase, danced.placement[rows], danced.correction[rows],
+        danced.aimed[rows], danced.node[rows], graph.node_turns, graph.node_rise, danced.on_support[rows],
+        library.clip_root, library.node_first, library.node_last, danced.take[rows],
+        np.ascontiguousarray(np.column_stack((shift, turn))), np.ascontiguousarray(danced.take_share[0, rows]),
+        settled,
+    )  # fmt: skip

@@ -1,0 +1,152 @@
+"""Directions: what people say to groups of dancers while the show runs: steps, sequences, variety, facing."""
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+
+from live.base.errors import PersonError
+from live.control.events import events
+from live.control.events.events import ControlEvent
+from live.graph.search.live_sequence import HORIZON, LiveSequence
+from live.graph.search.wanted import parse_sequence
+from live.show.dancers.dancers import Dancers
+from live.show.dancers.variation import Variation
+from live.show.dancers.variety import Variety
+from live.show.desk.refusals import Refusals
+from live.show.group.casting import Casting
+from live.show.partner.partner_response import Answering
+from live.show.patch.patch import Patch
+from live.show.score.canon import Echo
+from live.show.score.step_names import UnknownStep, find_step
+from live.show.selection.interrupts import Interrupts
+from live.show.selection.scheduler import Scheduler
+
+
+class Directions:
+    """Gives each such event to the groups it means; what cannot be done is refused and changes nothing."""
+
+    def __init__(
+        self,
+        patch: Patch,
+        casting: Casting,
+        dancers: Dancers,
+        variation: Variation,
+        scheduler: Scheduler,
+        interrupts: Interrupts,
+        refusals: Refusals,
+    ) -> None:
+        self._group = casting.group
+        self._groups = {section.name.casefold(): index for index, section in enumerate(patch.group)}
+        self._dancers, self._variation = dancers, variation
+        self._scheduler, self._interrupts, self._refusals = scheduler, interrupts, refusals
+        self.asked: int | None = None
+        """The dancer of whom somebody wants to know why she dances what she dances, None for nobody."""
+
+    def take_patch(self, fresh: "Directions") -> None:
+        """Know the groups by the names they have now."""
+        self._groups = fresh._groups
+
+    def act(self, event: ControlEvent) -> None:
+        """Let an event of `DIRECTIONS` act."""
+        try:
+            _ACTS[type(event)](self, event)
+        except (UnknownStep, PersonError) as error:
+            self._refusals.add(f"{event.source}: {error}")
+
+    def _call_step(self, event: events.CallStep) -> None:
+        step = find_step(self._dancers.graph, event.name)
+        for index in self._members(event.group):
+            self._scheduler.programmes[index].call(step, measures=event.measures)
+
+    def _step_now(self, event: events.StepNow) -> None:
+        self._interrupts.cue(event)
+
+    def _set_sequence(self, event: events.SetSequence) -> None:
+        """Change what a group dances, if its dancers can dance it within two measures; else the dance goes on."""
+        members, graph = self._members(event.group), self._dancers.graph
+        wanted = parse_sequence(event.steps, graph.library)
+        danced = self._dancers.coming if self._dancers.decided else self._dancers.present
+        nodes = danced.node[np.isin(self._group, members)]
+        if LiveSequence(graph, []).ask(wanted[: HORIZON + 1], nodes) is None:
+            raise PersonError(f"{event.steps!r} cannot be joined from here", "live dance says what is missing")
+        for index in members:
+            programme = self._scheduler.programmes[index]
+            if len(members) == 1 or not isinstance(programme, Echo):  # all together, those who echo go on echoing
+                programme.dance(wanted)
+
+    def _set_motion(self, event: events.SetMotion) -> None:
+        members = self._members(event.group)
+        if event.parameter not in Variety.names():
+            raise PersonError(f"nothing is called {event.parameter!r}", f"one of {', '.join(sorted(Variety.names()))}")
+        if event.parameter == "texture" and event.value > 0.0 and not self._dancers.texturing.bank.count:
+            raise PersonError("there are no recordings to take texture from", "name them under [texture] in the patch")
+        for index in members:
+            self._variation.set(event.parameter, event.value, index)
+
+    def _set_partner(self, event: events.SetPartner) -> None:
+        answering = self._answering()
+        if event.parameter not in ("on", "amount", "window", "hands"):
+            raise PersonError(f"nothing of a partner is called {event.parameter!r}", "one of on, amount, window, hands")
+        value = event.value >= 0.5 if event.parameter == "on" else event.value
+        answering.change(event.partner, event.parameter, value)
+
+    def _pair_partner(self, event: events.PairPartner) -> None:
+        answering = self._answering()
+        if event.role not in ("leader", "follower"):
+            raise PersonError(f"a partner has no {event.role!r}", "leader or follower")
+        for index in answering.find(event.partner):
+            path = event.role == "leader" and event.who.strip().casefold() == "path"
+            if event.role == "leader" and path != answering.asked[index].by_path:
+                raise PersonError(
+                    f"partner {answering.asked[index].name!r} is led by "
+                    f"{'nobody, along ways' if not path else 'dancers'}: its examples are for that alone",
+                    "another [[partner]] in the patch",
+                )
+        answering.change(event.partner, event.role, event.who)
+
+    def _walk_on(self, event: events.WalkOn) -> None:
+        self._answering().walk_on(event.partner, (event.x, event.z), anew=event.anew)
+
+    def _answering(self) -> Answering:
+        if self._dancers.answering is None:
+            raise PersonError("the show has no partners", "write [[partner]] in the patch")
+        return self._dancers.answering
+
+    def _set_facing(self, event: events.SetFacing) -> None:
+        headings = self._scheduler.aims.headings
+        facing = headings.parse(event.facing)
+        for index in self._members(event.group):
+            headings.set(index, facing)
+
+    def _improvise(self, event: events.Improvise) -> None:
+        for index in self._members(event.group):
+            self._scheduler.programmes[index].improvise(event.on)
+
+    def _ask_why(self, event: events.AskWhy) -> None:
+        self.asked = event.dancer - 1 if 1 <= event.dancer <= len(self._group) else None
+
+    def _members(self, name: str) -> list[int]:
+        """The groups that a name means, by index: "" and "*" are all. Raises PersonError if there is no such group."""
+        if name in ("", "*"):
+            return list(range(len(self._groups)))
+        index = self._groups.get(name.casefold())
+        if index is None:
+            raise PersonError(f"no group is called {name!r}", f"one of {', '.join(self._groups)}")
+        return [index]
+
+
+_ACTS: Final[dict[type, Callable[..., None]]] = {
+    events.CallStep: Directions._call_step,
+    events.StepNow: Directions._step_now,
+    events.SetSequence: Directions._set_sequence,
+    events.SetMotion: Directions._set_motion,
+    events.SetPartner: Directions._set_partner,
+    events.WalkOn: Directions._walk_on,
+    events.PairPartner: Directions._pair_partner,
+    events.SetFacing: Directions._set_facing,
+    events.Improvise: Directions._improvise,
+    events.AskWhy: Directions._ask_why,
+}
+DIRECTIONS: Final = tuple(_ACTS)
+"""The events that `act` takes."""

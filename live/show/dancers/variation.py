@@ -1,0 +1,253 @@
+"""Variation: how dancers of one group dance the same step each in her own way, drawn for every measure (T051-T060).
+
+Draws depend on the seed and the number of the measure alone, so a show is the same live, offline and replayed.
+"""
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.errors import named
+from live.graph.takes import NO_TAKE
+from live.motion.editing.time_warp import F_MAX, draw_measure_warps
+from live.motion.pose.gather_kernels import delay_phases
+from live.show.dancers.drift import KNOT_HIGH, Drift
+from live.show.dancers.measure_state import Danced
+from live.show.dancers.ripple import Ripple, parse_ripple
+from live.show.dancers.rng import Purpose, chance_of
+from live.show.dancers.variety import Variety, varieties_of
+from live.show.patch.patch import Patch
+
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Int64 = npt.NDArray[np.int64]
+
+STEEPEST: Final = 0.9
+"""A time warp changes the speed of a clip by this share at most (T054: below 1, or it would run backwards)."""
+LATEST: Final = 0.95
+"""Share of a measure by which anybody may be late."""
+MOST_LATER: Final = 0.2
+"""Share of a measure by which lateness may change within one measure, where no warp changes the speed as well."""
+SLOWEST: Final = 0.15
+"""No dancer gets slower than this share of her clip's speed while it does."""
+FARTHEST: Final = 0.12
+"""Share of a measure that drift is ahead or behind at most: less than the beat by which steps are decided."""
+
+
+def ripples_of(patch: Patch) -> list[Ripple]:
+    """What a patch lets run over each group; PersonError for a ripple that begins nowhere."""
+    ripples = []
+    for index, section in enumerate(patch.group):
+        with named(f"group {section.name!r}", ("group", index, "ripple")):
+            ripples.append(parse_ripple(section.ripple, section.ripple_beats))
+    return ripples
+
+
+class Variation:
+    """The varieties of all groups, and what is drawn from them for every dancer and measure."""
+
+    def __init__(
+        self,
+        varieties: list[Variety],
+        group: Int32,
+        *,
+        seed: int,
+        beats_per_measure: int,
+        window: float,
+        late: tuple[float, ...] = (),
+        ripples: tuple[Ripple, ...] = (),
+    ) -> None:
+        """`group` (A,) is shared with the show, which calls `regrouped` when it has changed.
+
+        `late`: beats by which each group dances behind the others (canon, T147), less than a measure; `ripples`: what
+        runs over the groups beside that.
+        """
+        self._varieties = varieties
+        self._group = group
+        self._late = np.array(late or [0.0] * len(varieties)) / beats_per_measure
+        self._seed = seed
+        self._beats = beats_per_measure
+        self._window = window
+        count = len(group)
+        self.drift = Drift(count, seed)
+        """The warp over the whole sequence of each dancer (T056)."""
+        self.measure = 0
+        self.ripples = list(ripples or [Ripple()] * len(varieties))
+        """What runs over each group."""
+        self._written, self._rippled = tuple(varieties), tuple(self.ripples)  # as the patch has them
+        self.late: Float64 = self._late[group]
+        """Share of a measure by which each dancer is behind the others on purpose when the present measure ends
+        (canon and ripple), shape (A,)."""
+        self._late_before = self.late.copy()
+        self._like = self._liked = np.arange(count, dtype=np.int32)
+        self._paired: npt.NDArray[np.intp] = np.zeros(0, np.intp)
+        self._even: Float64 = np.zeros(count)
+        self._everybody: Int64 = np.arange(count)
+        self.regrouped()
+
+    @classmethod
+    def of(cls, patch: Patch, group: Int32, *, seed: int, window: float) -> "Variation":
+        """What a patch says of its groups; `group` (A,) as in the constructor."""
+        beats = patch.clock.beats_per_measure
+        return cls(
+            varieties_of(patch),
+            group,
+            seed=seed,
+            beats_per_measure=beats,
+            window=window,
+            late=tuple(float(section.beats_later % beats) for section in patch.group),
+            ripples=tuple(ripples_of(patch)),
+        )
+
+    def regrouped(self) -> None:
+        """Take up which group everybody is in, and what the groups want."""
+        for name in Variety.names():
+            values = np.array([getattr(variety, name) for variety in self._varieties], np.float64)
+            setattr(self, name, values[self._group])
+        self._drifts = bool(self.warp_sequence.any())
+        # how far each dancer may drift [share of a measure], (A,)
+        self._farthest: Float64 = np.minimum(self.warp_beats / self._beats, FARTHEST) * (self.warp_sequence != 0.0)
+        self.obeys = bool(self.obedience.any())
+        """Whether anybody is carried elsewhere within the measure."""
+        self.textures = bool(self.texture.any())
+        """Whether anybody's upper body is to be textured."""
+        self.locks = bool(self.lock.any())
+        """Whether anybody's feet are held."""
+
+    # the fields of Variety for each dancer, shape (A,)
+    warp_beats: Float64
+    warp_sequence: Float64
+    larger: Float64
+    amplitude: Float64
+    amplitude_sequence: Float64
+    mix: Float64
+    arms: Float64
+    head: Float64
+    lock: Float64
+    on_support: Float64
+    face_average: Float64
+    obedience: Float64
+    texture: Float64
+    mirror: Float64
+
+    @property
+    def sides(self) -> Int32:
+        """The side each dancer wants, -1 as made, 1 mirrored, 0 no matter, shape (A,)."""
+        return np.sign(self.mirror).astype(np.int32)
+
+    def take_patch(self, fresh: "Variation") -> None:
+        """Take over what another patch says otherwise than this one's; what was set live beside that stays.
+
+        `fresh` is the variation of a show that has not run.
+        """
+        for index, (old, new) in enumerate(zip(self._written, fresh._written, strict=True)):
+            edited = {name: getattr(new, name) for name in Variety.names() if getattr(new, name) != getattr(old, name)}
+            self._varieties[index] = replace(self._varieties[index], **edited)
+        for index, (ripple, new_ripple) in enumerate(zip(self._rippled, fresh._rippled, strict=True)):
+            if ripple != new_ripple:
+                self.ripples[index] = new_ripple
+        self._written, self._rippled, self._late = fresh._written, fresh._rippled, fresh._late
+        self._window = fresh._window
+        self.regrouped()
+
+    def set(self, name: str, value: float, group: int) -> None:
+        """Set one field of one group, by its index; it acts on what is drawn from now on."""
+        self._varieties[group] = replace(self._varieties[group], **{name: value})
+        self.regrouped()
+
+    @property
+    def varieties(self) -> list[Variety]:
+        """What each group wants now."""
+        return list(self._varieties)
+
+    def take(self, varieties: list[Variety]) -> None:
+        """Set all fields of all groups; they act on what is drawn from now on."""
+        self._varieties[:] = varieties
+        self.regrouped()
+
+    def draw(self, measure: int, danced: Danced) -> None:
+        """Vary the measure numbered `measure` (from 0), whose nodes are chosen already."""
+        count = len(self._group)
+        chance = chance_of(self._seed, Purpose.MEASURE, measure)
+        # everything is drawn for everybody, so that one control never changes another's chances
+        warps = draw_measure_warps(chance, count, window=self._window, a_max=0.0)
+        amplitude, take, mix, arms = chance.uniform(0.0, 1.0, (4, count))
+        most = self.warp_beats / self._beats * (self.warp_sequence == 0.0)
+        frequency = np.minimum(warps.frequency, F_MAX)
+        steep = STEEPEST / (2.0 * np.pi * frequency)
+        danced.warp[0] = np.minimum(most * chance.uniform(0.0, 1.0, count), steep)
+        danced.warp[1:] = frequency, warps.start, warps.sign
+        danced.warp[:] = danced.warp[:, self._like]
+        danced.on_support[:] = self.on_support
+        danced.take[:] = danced.graph.takes.draw(danced.node, take)
+        takes = danced.take != NO_TAKE
+        danced.take_share[0] = takes * self.mix * mix
+        danced.take_share[0, self._paired] = 0.0
+        danced.take_share[1] = np.maximum(danced.take_share[0], takes * (arms < self.arms))
+        danced.amplitude[:] = 1.0 + self.amplitude * np.floor(3.0 * amplitude - 1.0)
+        slow = self.amplitude_sequence != 0.0
+        if slow.any():
+            danced.amplitude[0, slow] = self._slow_amplitude(measure)[slow]
+            danced.amplitude[1, slow] = self._slow_amplitude(measure + 1)[slow]
+        danced.amplitude *= 1.0 + self.larger
+
+    def _slow_amplitude(self, measure: int) -> Float64:
+        """Amplitude at the line before `measure`, (A,): values repeated two by two (T059).
+
+        Between equal values the monotone cubic (PCHIP) through them is flat, so between unequal ones it is an ease.
+        """
+        chance = chance_of(self._seed, Purpose.AMPLITUDE, measure // 2)
+        return np.asarray(1.0 + self.amplitude * (chance.integers(0, 3, len(self._group)) - 1.0))
+
+    def begin_measure(self, measure: int) -> None:
+        """The measure `measure` (from 0) begins."""
+        self.measure = measure
+        self.drift.begin_measure(measure)
+
+    def sequence_warp(self, fraction: float, rows: Int64 | None = None) -> Float64:
+        """How far each dancer, or each of `rows` (n,), is ahead (positive) or behind [share of a measure] at `fraction`
+        of it, (A,) or (n,)."""
+        rows = self._everybody if rows is None else rows
+        ahead = np.empty(len(rows))
+        self.drift.at(ahead, rows, fraction, self._farthest, self._liked, self._like)
+        return ahead
+
+    # -- lateness on purpose: canon and ripple --------------------------------------------------------------------
+
+    def phases(self, out: Float64, fraction: float, warp: Float64, rows: Int64 | None = None) -> tuple[float, float]:
+        """How far everybody is in a measure warped by `warp` (4, A) at `fraction` of the present one, into `out` (A,).
+
+        Drift over the sequence and lateness on purpose are in. With `rows` (n,) for these alone, into `out` (n,).
+        Returns the lowest and the highest.
+        """
+        ahead, before, late = self._even, self._late_before, self.late
+        if rows is not None:
+            warp, ahead, before, late = np.ascontiguousarray(warp[:, rows]), ahead[rows], before[rows], late[rows]
+        if self._drifts:
+            ahead = self.sequence_warp(fraction, rows)
+        return delay_phases(out, fraction, warp, self._window, ahead, before, late)
+
+    def delay(self, like: Int32, place: npt.NDArray[np.floating], there: npt.NDArray[np.bool_], danced: Danced) -> None:
+        """A measure begins: how late everybody shall be when it ends, by where they are, `place` (A, 2) [m].
+
+        `like` (A,) says whose timing each dancer has (partners'), `there` (A,) who is on the stage. Nobody's lateness
+        changes faster than the measure `danced` now, with its warp, can take up.
+        """
+        if like is not self._like:
+            self._paired = np.flatnonzero(np.bincount(like, minlength=len(like))[like] > 1)
+        self._liked, self._like = self._like, like
+        self._late_before[:] = self.late
+        if not (self._late.any() or self.late.any() or any(ripple.beats for ripple in self.ripples)):
+            return
+        late = self._late[self._group] * self._beats
+        for index, ripple in enumerate(self.ripples):
+            rows = np.flatnonzero((self._group == index) & there) if ripple.beats else ()
+            if len(rows):
+                late[rows] += ripple.delays(np.asarray(place, np.float64)[rows])
+        late = np.minimum(late / self._beats, LATEST)[like]
+        steep = 2.0 * np.pi * danced.warp[0] * danced.warp[1]
+        steep = steep + 2.0 * np.pi * KNOT_HIGH * self._farthest
+        most = np.clip((1.0 - SLOWEST - steep) / 1.5, 0.0, MOST_LATER)  # an ease is 1.5 times as steep as a line
+        self.late += np.clip(late - self.late, -most, most)

@@ -1,0 +1,1 @@
+"""Parameters, cues, scenes, undo."""

@@ -1,0 +1,36 @@
+"""What may be said for the first argument of controls that name something of a patch: steps, cues, scenes …"""
+
+from collections.abc import Sequence
+from typing import Final
+
+from live.control.registry.capture_controls import MOCAP_CONTROLS
+from live.show.core import Show
+from live.show.patch.patch import Patch
+from live.show.patch.segment import formation_names
+
+FORMATIONS: Final = ("circle", "line", "grid", "wedge", "two lines", "spiral", "heart")
+"""Where a patch names no formation of its own."""
+
+
+def names_of(patch: Patch, steps: Sequence[str]) -> dict[str, list[str]]:
+    """The names by the address of the control."""
+    cues, performers = [cue.name for cue in patch.cue], [performer.name for performer in patch.mocap]
+    return {
+        "/dance/step": list(steps),
+        "/dance/now": list(steps),
+        "/dance/formation": formation_names(patch.formation) or list(FORMATIONS),
+        "/dance/cue": cues,
+        "/dance/standby": cues,
+        "/dance/scene": ["start", *(scene.name for scene in patch.scene)],
+        "/dance/camera": ["start", *(view.name for view in patch.view)],
+        "/dance/look": ["start", *(look.name for look in patch.looks)],
+        "/dance/section": [section.name for section in patch.section],
+        "/dance/signal": sorted({signal.name for signal in patch.signal}),
+        "/dance/background": [background.name for background in patch.background],
+        **{control.address: performers for control in MOCAP_CONTROLS},
+    }
+
+
+def names_in(show: Show) -> dict[str, list[str]]:
+    """The names that a running show knows."""
+    return names_of(show.patch, show.graph.library.steps)

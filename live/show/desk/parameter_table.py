@@ -1,0 +1,156 @@
+"""ParameterTable: everything in a show that has a value at any moment, by the address of the control that sets it.
+
+Two families: the picture's (`live.base.picture`), and how the dancers of each group vary
+(`live.show.dancers.variation`). All values of a show are one row of numbers: first the picture's, then those of each
+group.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, Final
+
+from live.base import picture
+from live.base.errors import PersonError
+from live.control.registry.control import Argument
+from live.control.registry.motion import MOTION_PARAMETERS
+from live.control.registry.rejections import Reason
+
+VIEW: Final = "/dance/camera"
+LOOK: Final = "/dance/look"
+"""In a scene these name a view or look instead of a value."""
+_SWITCHES: Final = ("mirror",)
+"""Numbers of which only a few values mean something: they do not fade."""
+FIELDS: Final = tuple(field for field, _ in MOTION_PARAMETERS.values())
+"""How the dancers of a group vary: the fields of Variety, in the order of the row."""
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One parameter of a show: of the whole stage (group -1) or of a group, and where its numbers lie."""
+
+    address: str
+    group: int
+    first: int
+    size: int
+    switch: bool = False
+    """It cannot fade: it takes its new value when the fade begins."""
+
+    @property
+    def numbers(self) -> range:
+        """Its places in the row."""
+        return range(self.first, self.first + self.size)
+
+
+def addresses() -> list[str]:
+    """All addresses that have a value."""
+    return [*(known.address for known in picture.PARAMETERS), *picture.OF_GROUPS, *MOTION_PARAMETERS]
+
+
+def split(key: str) -> tuple[str, str]:
+    """Address and group of a key like `/dance/motion/larger ember`; the group is "*" if there is none."""
+    address, _, group = key.strip().partition(" ")
+    return address, group.strip() or "*"
+
+
+def check_setting(key: str, value: object) -> None:
+    """PersonError if `key` names no parameter, or `value` cannot be its value; groups are not looked at."""
+    address, group = split(key)
+    if address in (VIEW, LOOK):
+        if not isinstance(value, str) or group != "*":
+            raise PersonError(f"{key!r} = {value!r}", f"the name of a {'view' if address == VIEW else 'look'} expected")
+        return
+    numbers_of(address, value)
+    if group != "*" and address in picture.BY_ADDRESS:
+        raise PersonError(f"{key!r}: light and camera belong to no group", f"write {address!r}")
+
+
+@cache
+def _argument(unit: str, low: float, high: float) -> Argument:
+    """What checks a number of the picture; there are as many as ranges."""
+    return Argument("value", "float", "", unit, low, high)
+
+
+def numbers_of(address: str, value: object) -> tuple[float, ...]:
+    """The value of the parameter at `address` as numbers; PersonError says what is allowed."""
+    if address in MOTION_PARAMETERS:
+        argument = MOTION_PARAMETERS[address][1]
+        checked = argument.checked(value)
+        if isinstance(checked, Reason):
+            raise PersonError(f"{address!r} = {value!r}: {checked}", f"expected {argument.expected}")
+        return (float(checked),)
+    known = picture.OF_GROUPS.get(address) or picture.BY_ADDRESS.get(address)
+    if known is None:
+        raise PersonError(f"{address!r} has no value that can be set", f"there are: {', '.join(addresses())}")
+    parts: list[Any] = list(value) if isinstance(value, list | tuple) else [value]
+    argument = _argument(known.unit, known.low, known.high)
+    if len(parts) != known.size or any(isinstance(argument.checked(part), Reason) for part in parts):
+        many = "" if known.size == 1 else f"{known.size} numbers, each "
+        raise PersonError(f"{address!r} = {value!r}", f"expected {many}{argument.expected.removeprefix('value ')}")
+    return tuple(float(part) for part in parts)
+
+
+class ParameterTable:
+    """The parameters of a show with these groups."""
+
+    def __init__(self, groups: Sequence[str]) -> None:
+        self._groups = tuple(name.casefold() for name in groups)
+        self._at: dict[str, list[Parameter]] = {}
+        for known in picture.PARAMETERS:
+            self._at[known.address] = [Parameter(known.address, -1, known.first, known.size)]
+        for address, known in picture.OF_GROUPS.items():
+            self._at[address] = [
+                Parameter(address, group, picture.of_group(address, group).first, known.size)
+                for group in range(len(groups))
+            ]
+        for address, (field, argument) in MOTION_PARAMETERS.items():
+            switch = argument.type == "bool" or field in _SWITCHES
+            place = picture.SIZE + FIELDS.index(field)
+            self._at[address] = [
+                Parameter(address, group, place + group * len(FIELDS), 1, switch) for group in range(len(groups))
+            ]
+        self.size = picture.SIZE + len(groups) * len(FIELDS)
+        """Numbers of the row."""
+        self.switches = frozenset(one.first for found in self._at.values() for one in found if one.switch)
+        """Places of those that cannot fade."""
+
+    def take_patch(self, fresh: "ParameterTable") -> None:
+        """Groups may have other names in an edited patch."""
+        self._groups = fresh._groups
+
+    def find(self, address: str, group: str = "*") -> list[Parameter]:
+        """The parameters at an address, of one group or (`*`) of all; PersonError if there is no such group."""
+        found = self._at[address]
+        if group.strip() in ("", "*"):
+            return found
+        index = self.group(group)
+        return [one for one in found if one.group == index]
+
+    def places(self, address: str, group: str = "*") -> list[int]:
+        """Where the numbers of these parameters lie; none where there is no such parameter or group."""
+        found = self._at.get(address, ())
+        if group.strip() not in ("", "*"):
+            index = self.group(group) if self.has(group) else -2
+            found = [one for one in found if one.group == index]
+        return [place for one in found for place in one.numbers]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What the groups are called, by index."""
+        return self._groups
+
+    @property
+    def groups(self) -> range:
+        """All groups, by index."""
+        return range(len(self._groups))
+
+    def has(self, group: str) -> bool:
+        """Whether a group is called so."""
+        return group.strip().casefold() in self._groups
+
+    def group(self, name: str) -> int:
+        """Index of a group; PersonError with the names there are."""
+        folded = name.strip().casefold()
+        if folded not in self._groups:
+            raise PersonError(f"no group is called {name!r}", f"there are: {', '.join(self._groups)}")
+        return self._groups.index(folded)

@@ -1,0 +1,203 @@
+"""Parameters: the present value of everything that has one, and how values change: at once, softly, or in measures.
+
+Fades are counted in beats that pass while the show is not held. Of the picture this row is what is true; how dancers
+vary is true in `Variation`, which is told what a fade makes of it.
+"""
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base import picture
+from live.show.dancers.variation import Variation
+from live.show.dancers.variety import Variety
+from live.show.desk.parameter_table import FIELDS, Parameter, ParameterTable
+
+Float64 = npt.NDArray[np.float64]
+
+SOFT: Final = 0.125
+"""Light that is set at once takes so many beats: quick, but no flash; a camera is cut."""
+NEW: Final = 4.0
+"""Beats in which what an edited patch says of the picture comes."""
+STRIDE: Final = 4
+"""How dancers vary is told to them in every so many ticks while it fades."""
+
+
+class Parameters:
+    """The values of one show. Thread: the show's."""
+
+    _heard: "list[Variety] | None" = None  # found again after a snapshot of an engine that did not know it
+    _numbers: Float64
+
+    def __init__(self, table: ParameterTable, start: Float64, variation: Variation) -> None:
+        """`start`: the row of the picture that the patch says, shape (picture.SIZE,)."""
+        self.table = table
+        self._variation = variation
+        self.value: Float64 = np.zeros(table.size)
+        """All values now, shape (P,)."""
+        self.value[: picture.SIZE] = start
+        self._listen()
+        self.start: Float64 = self.value.copy()
+        """What the patch says, shape (P,)."""
+        self._from, self._goal = self.value.copy(), self.value.copy()
+        self._began, self._length = np.zeros(table.size), np.ones(table.size)
+        self._fading = np.zeros(table.size, np.bool_)
+        self._running = self._ticks = 0
+        self.beat = 0.0
+        """Beats that have passed while the show was not held."""
+        self.held = False
+        """Whether fades stand still."""
+        self.touched = False
+        """Whether anybody has changed anything yet."""
+
+    @property
+    def picture(self) -> Float64:
+        """The picture's row now, shape (picture.SIZE,): a view."""
+        return self.value[: picture.SIZE]
+
+    @property
+    def fading(self) -> int:
+        """How many numbers are on their way."""
+        return self._running
+
+    # -- changes -----------------------------------------------------------------------------------------------
+
+    def set(self, parameter: Parameter, numbers: Iterable[float], *, beats: float) -> None:
+        """Bring a parameter to its new value within so many beats."""
+        self.fade(dict(zip(parameter.numbers, numbers, strict=True)), beats=beats)
+
+    def fade(self, goals: Mapping[int, float], *, beats: float) -> None:
+        """Bring numbers of the row, by their places, to new values within so many beats."""
+        self._listen()
+        self.touched = True
+        at_once: list[int] = []
+        for place, goal in goals.items():
+            light = place < picture.SIZE and not picture.CAMERA.start <= place < picture.CAMERA.stop
+            length = 0.0 if place in self.table.switches else max(beats, SOFT) if light else beats
+            self._fading[place] = fades = length > 1e-9
+            if not fades:
+                self.value[place] = goal
+                at_once.append(place)
+                continue
+            self._from[place], self._goal[place] = self.value[place], goal
+            self._began[place], self._length[place] = self.beat, length
+        self._running = int(np.count_nonzero(self._fading))
+        told = [place for place in at_once if place >= picture.SIZE]
+        if told:
+            self._tell(np.array(told, np.intp))
+
+    def told(self, field: str, groups: Iterable[int]) -> None:
+        """Somebody else has set how these groups vary: no fade changes that any more."""
+        for group in groups:
+            self._fading[picture.SIZE + group * len(FIELDS) + FIELDS.index(field)] = False
+        self._running = int(np.count_nonzero(self._fading))
+
+    def reset(self, *, beats: float) -> None:
+        """Everything goes back to what the patch says."""
+        self.fade(dict(enumerate(self.start.tolist())), beats=beats)
+
+    def take_patch(self, fresh: "Parameters") -> None:
+        """An edited patch says something else of the picture: that comes in `NEW` beats; what it does not change stays
+        as it was set. `Variation` takes over what it says of variety by itself."""
+        changed = np.flatnonzero(fresh.start[: picture.SIZE] != self.start[: picture.SIZE])
+        self.start = fresh.start
+        if len(changed):
+            self.fade({int(place): float(self.start[place]) for place in changed}, beats=NEW)
+
+    def present(self) -> Float64:
+        """Everything as it is now, shape (P,): a copy; nothing of the show's own state changes by that."""
+        row = self.value.copy()
+        row[picture.SIZE :] = self._varied()
+        return row
+
+    def goals(self) -> Float64:
+        """Where everything is, or is going, shape (P,): a copy."""
+        self._listen()
+        return np.where(self._fading, self._goal, self.value)
+
+    def goals_at(self, places: Iterable[int]) -> dict[int, float]:
+        """Where these numbers of the picture are, or are going, by their places."""
+        return {at: float(self._goal[at] if self._fading[at] else self.value[at]) for at in places}
+
+    # -- time --------------------------------------------------------------------------------------------------
+
+    def tick(self, beats: float) -> None:
+        """So many beats have passed."""
+        if self.held:
+            return
+        self.beat += beats
+        self._ticks += 1
+        if self._running:
+            self._move(told=self._ticks % STRIDE == 0)
+
+    def _move(self, *, told: bool) -> None:
+        """Values go to where their fades have them now."""
+        rows = self._fading.nonzero()[0]
+        share = np.clip((self.beat - self._began[rows]) / self._length[rows], 0.0, 1.0)
+        eased = share * share * (3.0 - 2.0 * share)
+        done = share >= 1.0
+        goal = self._goal[rows]
+        self.value[rows] = np.where(done, goal, self._from[rows] + (goal - self._from[rows]) * eased)
+        eye = (rows == picture.EYE.start).nonzero()[0]
+        if len(eye) and not done[eye[0]]:
+            self._orbit(float(eased[eye[0]]))
+        self._fading[rows[done]] = False
+        self._running -= int(np.count_nonzero(done))
+        if len(rows) and rows[-1] >= picture.SIZE and (told or done.any()):
+            self._tell(rows[rows >= picture.SIZE])
+
+    def _orbit(self, share: float) -> None:
+        """The camera goes around what it looks at, not through it: the way is even in distance, bearing and height."""
+        eye, target = picture.EYE, picture.TARGET
+        towards = self._goal if self._fading[target.start] else self.value
+        begin = self._from if self._fading[target.start] else self.value
+        a, b = self._from[eye] - begin[target], self._goal[eye] - towards[target]
+        far_a, far_b = math.hypot(a[0], a[2]), math.hypot(b[0], b[2])
+        bearing_a = math.atan2(a[0], a[2]) if far_a > 1e-6 else math.atan2(b[0], b[2])
+        turn = math.remainder(math.atan2(b[0], b[2]) - bearing_a, math.tau) if far_b > 1e-6 else 0.0
+        far, bearing = far_a + (far_b - far_a) * share, bearing_a + turn * share
+        height = a[1] + (b[1] - a[1]) * share
+        self.value[eye] = self.value[target] + (far * math.sin(bearing), height, far * math.cos(bearing))
+
+    def turn_camera(self, angle: float) -> None:
+        """The camera goes around what it looks at by `angle` [rad], and so does the way that it is on."""
+        eye, target = picture.EYE, picture.TARGET
+        for row in (self.value, self._from, self._goal) if self._fading[eye.start] else (self.value,):
+            around = row if self._fading[target.start] else self.value
+            row[eye] = turned(row[eye], around[target], angle)
+
+    # -- how dancers vary --------------------------------------------------------------------------------------
+
+    def _listen(self) -> None:
+        """Take up how the groups vary now: others set it, too."""
+        self.value[picture.SIZE :] = self._varied()
+
+    def _varied(self) -> Float64:
+        """How the groups vary now, as numbers, made anew only when that is another: do not change them."""
+        varieties = self._variation.varieties
+        if self._heard is None or varieties != self._heard:
+            self._heard = varieties
+            self._numbers = np.concatenate([_numbers(variety) for variety in varieties])
+        return self._numbers
+
+    def _tell(self, rows: npt.NDArray[np.intp]) -> None:
+        """Tell how the groups vary now; nothing but what is in `rows` changes."""
+        new = self.value[rows]
+        self._listen()
+        self.value[rows] = new
+        groups = self.value[picture.SIZE :].reshape(-1, len(FIELDS)).tolist()
+        self._variation.take([Variety(**dict(zip(FIELDS, row, strict=True))) for row in groups])
+
+
+def turned(eye: Float64, target: Float64, angle: float) -> Float64:
+    """An eye that has gone around its target by `angle` [rad], from +z towards +x."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    x, z = float(eye[0] - target[0]), float(eye[2] - target[2])
+    return np.array([target[0] + cos * x + sin * z, eye[1], target[2] + cos * z - sin * x])
+
+
+def _numbers(variety: Variety) -> list[float]:
+    return [getattr(variety, name) for name in FIELDS]

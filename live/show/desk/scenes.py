@@ -1,0 +1,202 @@
+"""Scenes: named values of any parameters, from the patch or stored live, recalled with a cross-fade; views and looks.
+
+A scene that was stored keeps everything; one of the patch what it says. `start` is what the patch begins with.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from live.base import picture
+from live.base.custom_pass import ROOT, own_numbers
+from live.base.errors import PersonError
+from live.base.stage_snapshot import PASSES
+from live.control.events import events
+from live.control.events.events import ControlEvent
+from live.show.desk.camera_rig import NOBODY, CameraRig
+from live.show.desk.parameter_table import LOOK, VIEW, ParameterTable, numbers_of, split
+from live.show.desk.parameters import Parameters
+from live.show.desk.views import view_settings
+from live.show.patch.draw import Setting
+from live.show.patch.patch import Patch
+from live.show.patch.scene import LOOK_ADDRESSES
+
+MOST: Final = 1000
+"""Scenes that are kept at most."""
+START: Final = "start"
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What a scene brings: numbers by their place in the row of parameters."""
+
+    name: str
+    goals: Mapping[int, float]
+    measures: float
+    """Measures of its cross-fade."""
+    whom: str | None = None
+    """Whom its camera follows."""
+
+
+class Scenes:
+    """The scenes, views and looks of one show. Thread: the show's."""
+
+    def __init__(self, patch: Patch, parameters: Parameters, rig: CameraRig) -> None:
+        """PersonError for a scene that names what is not there."""
+        self._parameters, self._rig = parameters, rig
+        self._own = own_numbers(patch.picture.own_passes)
+        self.stored: dict[str, Scene] = {}
+        """Scenes that were stored live, by their folded names."""
+        table, start = parameters.table, parameters.start
+        light = [place for address in LOOK_ADDRESSES.values() for one in table.find(address) for place in one.numbers]
+        camera = range(picture.CAMERA.start, picture.CAMERA.stop)
+        self._views = {START: Scene(START, {place: float(start[place]) for place in camera}, 0.0)}
+        self._looks = {START: Scene(START, {place: float(start[place]) for place in light}, 1.0)}
+        self._backgrounds = [section.name for section in patch.background]
+        self._views[START] = replace(self._views[START], whom=patch.camera.follow)
+        for name, (settings, whom) in view_settings(patch).items():
+            self._views[_folded(name)] = Scene(name, self._goals(table, settings), 0.0, whom)
+        for look in patch.looks:
+            self._looks[_folded(look.name)] = Scene(look.name, self._goals(table, look.settings()), look.measures)
+        self._scenes = {START: Scene(START, dict(enumerate(start.tolist())), 2.0)}
+        for scene in patch.scene:
+            whom = self._whom_of(scene.set)
+            self._scenes[_folded(scene.name)] = Scene(scene.name, self._goals(table, scene.set), scene.measures, whom)
+
+    def _whom_of(self, settings: Mapping[str, Setting]) -> str | None:
+        view = settings.get(VIEW)
+        return None if view is None else _of(self._views, str(view), "view").whom
+
+    def take_patch(self, fresh: "Scenes") -> None:
+        """Take over the views, looks and scenes of an edited patch; those that were stored live stay."""
+        self._views, self._looks, self._scenes = fresh._views, fresh._looks, fresh._scenes
+        self._own = fresh._own
+
+    def _goals(self, table: ParameterTable, settings: Mapping[str, Setting]) -> dict[int, float]:
+        goals: dict[int, float] = {}
+        for key, value in settings.items():
+            address, group = split(key)
+            if address in (VIEW, LOOK):
+                kept = self._views if address == VIEW else self._looks
+                goals |= _of(kept, str(value), "view" if address == VIEW else "look").goals
+                continue
+            numbers = numbers_of(address, value)
+            for one in table.find(address, group):
+                goals |= dict(zip(one.numbers, numbers, strict=True))
+        return goals
+
+    @property
+    def names(self) -> list[str]:
+        """All scenes."""
+        return [scene.name for scene in (self._scenes | self.stored).values()]
+
+    def act(self, event: ControlEvent, *, beats_per_measure: float) -> None:
+        """Let an event of `SCENE_EVENTS` act; PersonError if it names what is not there."""
+        _ACTS[type(event)](self, event, beats_per_measure)
+
+    def recall(self, name: str, *, measures: float, beats_per_measure: float) -> None:
+        """Fade to a scene in so many measures; below 0 in as many as it says. PersonError if there is none."""
+        scene = _of(self._scenes | self.stored, name, "scene")
+        self._go(scene, measures, beats_per_measure)
+
+    def _go(self, scene: Scene, measures: float, size: float) -> None:
+        lasts = scene.measures if measures < 0.0 else measures
+        if scene.whom is not None:
+            self._rig.chase.follow(scene.whom, cut=lasts <= 0.0)
+        self._parameters.fade(scene.goals, beats=lasts * size)
+
+    def _set(self, event: events.SetPicture, size: float) -> None:
+        known = picture.BY_ADDRESS.get(event.parameter) or picture.OF_GROUPS.get(event.parameter)
+        if known is None:
+            raise PersonError(f"the picture has no {event.parameter!r}")
+        numbers = numbers_of(known.address, (event.x, event.y, event.z)[: known.size])
+        for parameter in self._parameters.table.find(known.address, event.group):
+            self._parameters.set(parameter, numbers, beats=event.measures * size)
+
+    def _pass(self, event: events.SetPass, size: float) -> None:
+        address = "/".join(filter(None, (ROOT, _folded(event.name), event.parameter.strip())))
+        own = self._own.get(address)
+        if own is not None:
+            amount = min(max(event.amount, own.low), own.high)
+            self._parameters.fade({picture.OWN.start + own.place: amount}, beats=event.measures * size)
+            return
+        known = picture.BY_ADDRESS.get(address)
+        if known is None or known.size != 1:
+            names = [one.removeprefix(f"{ROOT}/") for one in self._own]
+            what = f"parameter {event.parameter!r}" if event.parameter else "pass"
+            raise PersonError(
+                f"no {what} is called {event.name!r}" if not event.parameter else f"{event.name!r} has no {what}",
+                f"there are: {', '.join((*PASSES, *names))}",
+            )
+        amount = min(max(event.amount, known.low), known.high)
+        for parameter in self._parameters.table.find(known.address):
+            self._parameters.set(parameter, (amount,), beats=event.measures * size)
+
+    def _view(self, event: events.RecallView, size: float) -> None:
+        self._go(_of(self._views, event.name, "view"), max(event.measures, 0.0), size)
+
+    def _accompany(self, event: events.Accompany, size: float) -> None:
+        nobody = event.whom.strip().casefold() in NOBODY
+        if not nobody:
+            self._rig.chase.follow(event.whom, cut=event.measures <= 0.0)
+        goals = {picture.FOLLOWING: 0.0 if nobody else 1.0}
+        if event.along >= 0.0:
+            goals[picture.ALONG] = event.along
+        self._parameters.fade(goals, beats=max(event.measures, 0.0) * size)
+
+    def _background(self, event: events.ShowBackground, size: float) -> None:
+        chosen = event.name.strip().casefold()
+        names = [name.strip().casefold() for name in self._backgrounds]
+        if chosen != "none" and chosen not in names:
+            known = ", ".join([*self._backgrounds, "none"])
+            raise PersonError(f"no background is called {event.name!r}", f"there are: {known}")
+        places = [picture.BY_ADDRESS[f"/dance/background/{number}"].first for number in range(1, len(names) + 1)]
+        goals = {place: float(name == chosen) for place, name in zip(places, names, strict=True)}
+        self._parameters.fade(goals, beats=max(event.measures, 0.0) * size)
+
+    def _look(self, event: events.RecallLook, size: float) -> None:
+        self._go(_of(self._looks, event.name, "look"), event.measures, size)
+
+    def _recall(self, event: events.RecallScene, size: float) -> None:
+        self.recall(event.name, measures=event.measures, beats_per_measure=size)
+
+    def _store(self, event: events.StoreScene, size: float) -> None:
+        folded = _folded(event.name)
+        if folded == START:
+            raise PersonError(f"{START!r} is the patch's own scene", "give yours another name")
+        if folded not in self.stored and len(self.stored) >= MOST:
+            raise PersonError(f"{MOST} scenes are stored already", "replace one of them")
+        old = (self._scenes | self.stored).get(folded)
+        goals = self._parameters.goals()
+        measures = 2.0 if old is None else old.measures
+        values = dict(enumerate(np.asarray(goals).tolist()))
+        self.stored[folded] = Scene(event.name, values, measures, self._rig.chase.whom)
+
+
+def _folded(name: str) -> str:
+    return name.casefold().strip()
+
+
+def _of(kept: Mapping[str, Scene], name: str, what: str) -> Scene:
+    found = kept.get(_folded(name))
+    if found is None:
+        raise PersonError(
+            f"no {what} is called {name!r}", f"there are: {', '.join(scene.name for scene in kept.values())}"
+        )
+    return found
+
+
+_ACTS: Final[dict[type, Callable[..., None]]] = {
+    events.SetPass: Scenes._pass,
+    events.SetPicture: Scenes._set,
+    events.RecallView: Scenes._view,
+    events.Accompany: Scenes._accompany,
+    events.ShowBackground: Scenes._background,
+    events.RecallLook: Scenes._look,
+    events.RecallScene: Scenes._recall,
+    events.StoreScene: Scenes._store,
+}
+SCENE_EVENTS: Final = tuple(_ACTS)
+"""The events that `act` takes."""

@@ -1,0 +1,1 @@
+"""Group motion of a show."""

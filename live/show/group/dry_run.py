@@ -1,0 +1,132 @@
+"""Rehearsing: the score's evolutions gone through beforehand: what is too far for the steps, who would meet (T088)."""
+
+import numpy as np
+import numpy.typing as npt
+from shapely import LineString, Point
+
+from live.agents.evolutions.dry_run import TooNear, rehearse
+from live.agents.evolutions.segment import Segment
+from live.agents.formations.stage_fit import fit_stage
+from live.show.core import Show
+from live.show.group.group_motion import AGENT_RADIUS
+from live.show.patch.score_checks import written_length
+
+LONGEST = 400
+"""Measures that are gone through at most."""
+NEARLY = 0.1
+"""So much more than the steps reach [m] nobody sees."""
+TOLD = 6
+"""Warnings of each kind at most."""
+
+
+def rehearsal_notes(show: Show) -> list[str]:
+    """What a choreographer should know of the segments of a fresh show, a line each; measures count from 1."""
+    patch, evolutions = show.patch, show.motion.evolutions
+    if not patch.segment:
+        return []
+    length = written_length(patch)
+    measures = min(length or max(s.measure + s.measures for s in patch.segment), LONGEST)
+    if patch.section and length is not None:  # as it is written, every section once
+        show.playhead.loop((0, length - 1))
+    segments = [segment for measure in range(measures) for segment in evolutions.score_of(measure)]
+    rehearsal = rehearse(
+        show.casting.roster,
+        evolutions.repertoire,
+        segments,
+        show.state.position,
+        measures=measures,
+        measure_beats=float(patch.clock.beats_per_measure),
+        half=(patch.stage.width / 2, patch.stage.depth / 2),
+        radius=AGENT_RADIUS,
+        seed=show.seed,
+    )
+    reach = show.scheduler.farthest() + patch.locomotion.correction_m
+    present = show.motion.present
+    far: dict[int, list[tuple[float, float]]] = {}
+    for one in rehearsal.too_far(reach + NEARLY):
+        if present[one.dancer]:
+            far.setdefault(one.measure, []).append((one.way, one.reach))
+    notes = [
+        f"measure {measure + 1}: {_dancers(len(ways))} {max(way for way, _ in ways):.1f} m to go, their steps reach "
+        f"{min(most for _, most in ways) - NEARLY:.1f} m: give the segment more measures, or the group "
+        "a step that goes farther"
+        for measure, ways in sorted(far.items())
+    ]
+    far_notes = notes + _blocked(show, rehearsal.places, rehearsal.under)
+    near = _near(show, segments, [one for one in rehearsal.too_near if present[one.first] and present[one.second]])
+    return [*_first(_formation_notes(show)), *_first(far_notes), *_first(near)]
+
+
+def _near(show: Show, segments: list[Segment], pairs: list[TooNear]) -> list[str]:
+    """Who would meet on their ways: of each segment the nearest two, and how many more."""
+    met: dict[int, list[TooNear]] = {}
+    for one in pairs:
+        met.setdefault(_segment_of(show, segments, one), []).append(one)
+    notes = []
+    for number, ones in sorted(met.items()):
+        worst = min(ones, key=lambda one: (one.distance, one.measure, one.first, one.second))
+        others = {(one.first, one.second) for one in ones} - {(worst.first, worst.second)}
+        begins = segments[number].start + 1 if number >= 0 else worst.measure + 1
+        more = f"; {len(others)} more pair{'s' * (len(others) > 1)} would meet in it" if others else ""
+        notes.append(
+            f"measure {worst.measure + 1}: dancers {worst.first + 1} and {worst.second + 1} would come as near as "
+            f"{worst.distance:.2f} m on their ways in the segment that begins in measure {begins}; they will go "
+            f"around each other{more}"
+        )
+    return notes
+
+
+def _segment_of(show: Show, segments: list[Segment], one: TooNear) -> int:
+    """Index of the segment in which two dancers meet: the last to begin of those that have the first; -1 for none."""
+    beats, casting = show.patch.clock.beats_per_measure, show.casting
+    found = -1
+    for number, segment in enumerate(segments):
+        if segment.start <= one.measure < segment.end_beat(beats) / beats:
+            sure = casting.select(segment.group, show.state.position)[[one.first, one.second]].any()
+            if found < 0 or sure or casting.means_places(segment.group):
+                found = number
+    return found
+
+
+def _formation_notes(show: Show) -> list[str]:
+    """What is to be said of the formations for as many dancers as they are made for: too tight, off the stage."""
+    notes = []
+    stage = show.patch.stage
+    for section in show.patch.segment:
+        if section.formation is None:
+            continue
+        who = show.casting.select(section.group, show.state.position) & show.motion.present
+        if not who.any() and not show.casting.means_places(section.group):
+            notes.append(f"measure {section.measure}: nobody is {section.group!r} as the groups are at the beginning")
+            continue
+        formation = show.motion.evolutions.formation(section.formation, int(who.sum()))
+        where = f"measure {section.measure}: {section.formation}"
+        notes += [f"{where}: {warning}" for warning in formation.warnings]
+        fit = fit_stage(formation, stage.width, stage.depth)
+        if not fit.fits:
+            notes.append(f"{where}: {len(fit.outside)} places lie off the stage: {fit.remedy}")
+    return list(dict.fromkeys(notes))
+
+
+def _first(notes: list[str]) -> list[str]:
+    more = len(notes) - TOLD
+    return notes if more <= 0 else [*notes[:TOLD], f"... and {more} more of this kind"]
+
+
+def _dancers(count: int) -> str:
+    return "a dancer has" if count == 1 else f"{count} dancers have"
+
+
+def _blocked(show: Show, places: npt.NDArray[np.float32], under: npt.NDArray[np.bool_]) -> list[str]:
+    """Which items of the set lie in the ways of a measure; `places` (M + 1, A, 2) [m] at its lines, `under` (M, A)."""
+    notes = []
+    things = [
+        (item.name, LineString([item.at, item.wall_to]) if item.wall_to else Point(item.at), item.radius)
+        for item in show.patch.obstacle
+    ]
+    for measure, dancer in np.argwhere(under & show.motion.present):
+        way = LineString(places[measure : measure + 2, dancer])
+        for name, thing, radius in things:
+            if way.distance(thing) < AGENT_RADIUS + (radius if isinstance(thing, Point) else 0.0):
+                notes.append(f"measure {measure + 1}: {name!r} stands in the way of dancers; draw a path around it")
+    return list(dict.fromkeys(notes))

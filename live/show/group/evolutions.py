@@ -1,0 +1,256 @@
+"""Evolutions: the formations and segments of a show, from its score or asked for live (T085-T089, T095-T103)."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.agent_command import Wants
+from live.agents.crowd.agent_state import AgentState
+from live.agents.evolutions.intention import Evolve, Hold, Repertoire
+from live.agents.evolutions.running_plan import Plan
+from live.agents.evolutions.segment import Segment
+from live.agents.formations.formation import Formation, formation_of
+from live.base.errors import PersonError, named
+from live.control.events import events
+from live.show.group.casting import Casting
+from live.show.group.formations import Formations, NamedFormation
+from live.show.group.segments import SegmentEvent, segment_of_event, segment_of_section
+from live.show.patch.group import GroupSection
+from live.show.patch.patch import Patch
+from live.show.patch.score_conflicts import Claims, check_called, check_regroups, check_segments
+from live.show.patch.segment import spec_of
+from live.show.score.score import Score
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Bool = npt.NDArray[np.bool_]
+
+LIVE_WAYS: Final = 16
+"""Ways drawn live that are kept; the oldest gives way."""
+
+
+class Evolutions:
+    """The running plan of a show. Beats are danced beats: (measure + how far it is) times the beats of a measure."""
+
+    def __init__(
+        self, patch: Patch, casting: Casting, *, radius: Float32, seed: int, score: Score | None = None
+    ) -> None:
+        """PersonError for a formation, way or group that cannot be."""
+        self._patch, self._casting = patch, casting
+        self._score = score or Score(patch)
+        self._formations = Formations([spec_of(table) for table in patch.formation], seed=seed)
+        self._formations.warm({*(group.dancers for group in patch.group), patch.dancer_count})
+        half = (patch.stage.width / 2, patch.stage.depth / 2)
+        self._beats = patch.clock.beats_per_measure
+        self._plan = Plan(casting.roster, Repertoire(), measure_beats=self._beats, half=half, radius=radius, seed=seed)
+        self._added = self._measure = -1
+        self._of_line: list[Segment] = []
+        self._next, self._fresh = 0, False  # the measure after this one, and whether this one has just begun
+        self._heading: Float64 | None = None  # as dancers faced at the line, until the next measure is looked at
+        self._ways = 0
+        claims = Claims(patch, casting)
+        for index, section in enumerate(patch.segment):  # whatever is wrong is told at the start, not in measure 200
+            with named(f"segment in measure {section.measure}", ("segment", index)):
+                if section.formation is not None:
+                    self._name(section.formation)
+                claims.bits(section.group)
+        for index, regroup in enumerate(patch.regroup):
+            with named(f"regroup in measure {regroup.measure}", ("regroup", index)):
+                claims.bits(regroup.dancers)
+        check_segments(patch.segment, self._score, claims)
+        check_regroups(patch.regroup, self._score, casting)
+        check_called(patch, claims, self._formations.find)
+
+    def take_patch(self, fresh: "Evolutions") -> None:
+        """Take over the formations of another patch; who is in one that was edited goes to its new places.
+
+        Formations that were defined live, and are not in the patch, stay.
+        """
+        for formation in self._formations.take_patch(fresh._formations):
+            if formation.name in self._plan.repertoire.formations:
+                self._plan.repertoire = self._plan.repertoire.with_formation(formation)
+                self._move_to(formation.name, self._added)
+        self.regrouped()
+
+    def starting_places(self) -> Float64:
+        """Where the dancers of all groups begin, one group after the other, (dancers, 2) [m]."""
+        places = []
+        for index, section in enumerate(self._patch.group):
+            with named(f"group {section.name!r}", ("group", index, "formation")):
+                places.append(self._beginning(section))
+        return np.concatenate(places)
+
+    def _beginning(self, section: GroupSection) -> Float64:
+        """Where the dancers of a group begin, (dancers, 2) [m]; two partners have one place."""
+        if section.partners is None:
+            return self._formations.beginning(section)
+        pairs = section.model_copy(update={"dancers": (section.dancers + 1) // 2})
+        return np.repeat(self._formations.beginning(pairs), 2, axis=0)[: section.dancers]
+
+    def _name(self, words: str, *, live: bool = False) -> str:
+        """The name under which the plan finds the formation that `words` name or say."""
+        formation = self._formations.find(words, live=live)
+        if self._plan.repertoire.formations.get(formation.name) is not formation:
+            self._plan.repertoire = self._plan.repertoire.with_formation(formation)
+        return formation.name
+
+    # -- measures ------------------------------------------------------------------------------------------------
+
+    def _take_up(self, measure: int) -> None:
+        """Plan the score's segments of the measures up to `measure`, once."""
+        for number in range(max(self._added + 1, measure - 1), measure + 1):
+            self._of_line = self.score_of(number)
+            for segment in self._of_line:
+                self._plan.add(segment)
+        self._added = max(self._added, measure)
+
+    def withdraw(self, measure: int) -> None:
+        """The score goes on elsewhere with `measure`, which has not begun: plan its segments in place of the old."""
+        if measure > self._added:
+            return
+        self._plan.withdraw(self._of_line)
+        self._added = measure - 1
+        self._take_up(measure)
+
+    def score_of(self, measure: int) -> list[Segment]:
+        """The segments that the score has for `measure` (from 0); their names are in the repertoire then."""
+        segments = []
+        for index, section in enumerate(self._score.segments(measure)):
+            formation = "" if section.formation is None else self._name(section.formation)
+            way = f"score {index} of measure {section.measure}"
+            if section.path is not None:
+                self._plan.repertoire = self._plan.repertoire.with_path(way, np.array(section.path))
+            segments.append(segment_of_section(section, start=measure, formation=formation, path=way))
+        return segments
+
+    def formation(self, words: str, count: int) -> Formation:
+        """The formation that `words` name or say, for `count` dancers, with what is to be said of it."""
+        named_formation = self._formations.find(words)
+        return formation_of(named_formation.spec, count, named_formation.seed)
+
+    @property
+    def repertoire(self) -> Repertoire:
+        """The formations and ways that segments refer to."""
+        return self._plan.repertoire
+
+    def begin_measure(self, measure: int, position: Float32, heading: Float64, available: Bool) -> None:
+        """The segments of `measure` (from 0) begin, from where the dancers `available` (A,) are now."""
+        self._measure = measure
+        if measure < 0:
+            return
+        self._plan.available = available
+        self._take_up(measure)
+        self._plan.begin_measure(measure, position, heading)
+        self._plan.forget(measure + 1)
+        self._take_up(measure + 1)
+        self._next, self._heading, self._fresh = measure + 1, heading, True
+
+    def prepare(self, measure: int, position: Float32, heading: Float64) -> None:
+        """Begin to work out, ahead of time, what begins with `measure`, from foreseen places and headings."""
+        if measure >= 0:
+            self._plan.prepare(measure, position, heading)
+
+    # -- live ----------------------------------------------------------------------------------------------------
+
+    def act(self, event: SegmentEvent, *, measure: int, beat: float, position: Float32, heading: Float64) -> None:
+        """Let an event act at the danced `beat`, in `measure`, or at its end; PersonError if it asks for nothing."""
+        if not self._casting.select(event.group, position).any():
+            raise PersonError(f"nobody is {event.group!r} now")
+        way = f"live {self._ways % LIVE_WAYS}"
+        formation = self._name(event.formation, live=True) if isinstance(event, events.Evolve) else ""
+        segment, drawn = segment_of_event(event, start=max(measure + 1, 0), formation=formation, path=way)
+        if drawn is not None:
+            self._ways += 1
+            self._plan.repertoire = self._plan.repertoire.with_path(way, drawn)
+        if event.next or beat < 0.0:
+            self._plan.add(segment, instead=True)
+        else:
+            self._plan.start_now(segment, beat, position, heading)
+
+    def define(self, event: events.DefineFormation, *, measure: int) -> None:
+        """Make or change a formation by name, within `measure`; whoever is in it goes to its new places (T087)."""
+        self._take(self._formations.define(event.name, event.formation), measure)
+
+    @property
+    def formations(self) -> dict[str, NamedFormation]:
+        """All formations that have a name, by it."""
+        return self._formations.named
+
+    def restore(self, formations: Mapping[str, NamedFormation | None]) -> None:
+        """Formations by name are those of before again; None: there is none of that name any more."""
+        for name, formation in formations.items():
+            self._formations.restore(name, formation)
+            if formation is not None:
+                self._take(formation, self._measure)
+
+    def _take(self, formation: NamedFormation, measure: int) -> None:
+        """Whoever is in the formation of this name goes to its new places, from `measure` + 1 on."""
+        self._plan.repertoire = self._plan.repertoire.with_formation(formation)
+        self._move_to(formation.name, measure + 1)
+
+    def _move_to(self, name: str, measure: int) -> None:
+        """Whoever is in the formation of this name, or on the way there, goes to its places from `measure` on."""
+        for motion in self._plan.motions:
+            if isinstance(motion.intention, Hold | Evolve) and motion.intention.formation == name:
+                self._plan.add(replace(motion.segment, start=max(measure, 0), later=0.0))
+
+    def resize(self, half: tuple[float, float], fitting: Float64 | None, *, measure: int) -> None:
+        """The stage has these half sizes [m] within `measure`; formations have `fitting` (2,) [m], None: their room.
+
+        Whoever is in one, or on the way there, goes to its new places.
+        """
+        self._plan.resize(half)
+        if not self._formations.fit(fitting):
+            return
+        for motion in self._plan.motions:
+            if isinstance(motion.intention, Hold | Evolve):
+                self._plan.add(replace(motion.segment, start=max(measure + 1, 0), later=0.0))
+
+    def release(self, who: Bool) -> None:
+        """What these dancers (A,) have now is over."""
+        self._plan.release(who)
+
+    def clear(self, who: Bool) -> None:
+        """These dancers (A,) have no segments any more that were planned already."""
+        self._plan.clear(who)
+
+    def regrouped(self) -> None:
+        """Dancers have changed their groups."""
+        self._plan.roster = self._casting.roster
+
+    # -- ticks ---------------------------------------------------------------------------------------------------
+
+    @property
+    def running(self) -> bool:
+        """Whether a segment has begun, or is being worked out, that may hold somebody."""
+        return self._plan.running
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether nothing is half worked out."""
+        return self._plan.idle
+
+    def drop_begun(self) -> None:
+        """Forget what is half worked out: its dancers are free again."""
+        self._plan.drop_begun()
+
+    def work(self, position: Float32) -> None:
+        """Do one small piece of what is to be worked out by agents at `position` (A, 2) [m]: in the tick of a line what
+        is at work already, in the next one what begins with the measure after it is prepared, if that can be."""
+        if self._heading is not None and not self._fresh:
+            heading, self._heading = self._heading, None
+            self._plan.prepare(self._next, position, heading, if_known=True)
+        self._fresh = False
+        self._plan.work()
+
+    def write(self, wants: Wants, state: AgentState, beat: float, beats_per_second: float) -> None:
+        """Ask the dancers under a segment to be where it says at the danced `beat`."""
+        self._plan.write(wants, state, beat, beats_per_second)
+
+    def target(self, beat: float) -> tuple[Bool, Float32, Float32]:
+        """Who is under a segment at a future danced `beat` (A,), at which places (A, 2) [m], with which headings."""
+        setting = self._plan.target(beat)
+        return setting.under == 1, setting.position, setting.heading

@@ -1,0 +1,152 @@
+"""GroupControls: what the controls of group motion do to a running show (elements, segments, wings, obstacles)."""
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.errors import PersonError
+from live.clock.timeline import Timeline
+from live.control.events import events
+from live.control.events.events import ControlEvent
+from live.show.dancers.dancers import Dancers
+from live.show.dancers.ripple import parse_ripple
+from live.show.dancers.variation import Variation
+from live.show.group.group_motion import GroupMotion
+from live.show.measure_span import MeasureSpan
+from live.show.patch.patch import Patch
+from live.show.score.score import Score
+
+Bool = npt.NDArray[np.bool_]
+
+ELEMENT_EVENTS = (events.Attract, events.Repel, events.Spread, events.Voice, events.PlaceElement)
+SEGMENT_EVENTS = (events.Evolve, events.Travel, events.Pause)
+GROUP_EVENTS = (
+    *ELEMENT_EVENTS, *SEGMENT_EVENTS, events.DefineFormation, events.Release, events.Regroup, events.SetRipple,
+    events.Enter, events.Leave, events.SetStage, events.PlaceObstacle, events.PlaceWall, events.RemoveObstacle,
+    events.Performer,
+)  # fmt: skip
+"""The events that `act` takes."""
+
+
+class GroupControls:
+    """Lets events act on the group motion of a show."""
+
+    def __init__(
+        self, patch: Patch, motion: GroupMotion, dancers: Dancers, variation: Variation, score: Score | None = None
+    ) -> None:
+        self._patch = patch
+        self._motion = motion
+        self._dancers = dancers
+        self._variation = variation
+        self._score = score or Score(patch)
+        self._joining: dict[int, int] = {}
+
+    def act(self, event: ControlEvent, *, time: float, timeline: Timeline, span: MeasureSpan) -> None:
+        """Let an event act at `time` [s]; PersonError if it asks for what is not there."""
+        motion, position = self._motion, self._motion.state.position
+        beat, size = timeline.beat_at(time), timeline.beats_per_measure
+        match event:
+            case events.Attract() | events.Repel() | events.Spread() | events.Voice() | events.PlaceElement():
+                motion.elements.act(event, beat=beat, next_line=span.end, beats_per_measure=size, position=position)
+            case events.Evolve() | events.Travel() | events.Pause():
+                danced = span.danced(beat, self._patch.clock.beats_per_measure)
+                heading = self._dancers.present.end_heading()
+                motion.evolutions.act(event, measure=span.number, beat=danced, position=position, heading=heading)
+            case events.DefineFormation():
+                motion.evolutions.define(event, measure=span.number)
+            case events.Release():
+                motion.evolutions.release(self._who(event.group))
+            case events.Regroup():
+                self._regroup(self._who(event.dancers), self._group(event.group))
+            case events.SetRipple():
+                ripple = parse_ripple(event.begins, event.beats)
+                everybody = event.group.strip() in ("", "*")
+                for index in range(len(self._patch.group)) if everybody else [self._group(event.group)]:
+                    self._variation.ripples[index] = ripple
+            case events.Enter():
+                self._enter(event)
+            case events.Leave():
+                self._leave(event)
+            case events.SetStage():
+                motion.resize(event.width, event.depth, measure=span.number, beat=beat, beats_per_measure=size)
+            case _:
+                self._furnish(event)
+
+    def _furnish(self, event: ControlEvent) -> None:
+        """What stands on the stage, and real dancers."""
+        surroundings = self._motion.surroundings
+        match event:
+            case events.PlaceObstacle():
+                self._taken(surroundings.put_obstacle(event.name, event.x, event.z, event.radius))
+            case events.PlaceWall():
+                self._taken(surroundings.put_wall(event.name, event.x, event.z, event.x2, event.z2))
+            case events.RemoveObstacle():
+                if not surroundings.remove(event.name):
+                    raise PersonError(f"nothing on the stage is called {event.name!r}")
+            case events.Performer():
+                self._taken(self._motion.performers.track(event))
+
+    def clear(self, time: float, timeline: Timeline) -> None:
+        """All elements end, and nobody has an evolution any more."""
+        self._motion.elements.clear(timeline.beat_at(time))
+        self._motion.evolutions.clear(np.ones(len(self._motion.casting.group), np.bool_))
+
+    def cross_measure_line(self, measure: int) -> None:
+        """What changes with `measure` (from 0): who changes her group; those who come in dance with theirs."""
+        for section in self._score.regroups(measure):
+            self._regroup(self._who(section.dancers), self._group(section.group))
+        for group in sorted(set(self._joining.values())):
+            rows = [row for row, index in self._joining.items() if index == group]
+            who = np.zeros(len(self._motion.casting.group), np.bool_)
+            who[rows] = True
+            self._regroup(who, group)
+        self._joining.clear()
+
+    def _who(self, words: str) -> Bool:
+        return self._motion.casting.select(words, self._motion.state.position)
+
+    def _group(self, name: str) -> int:
+        index = self._motion.casting.index_of(name)
+        if index is None:
+            names = ", ".join(section.name for section in self._patch.group)
+            raise PersonError(f"no group is called {name!r}", f"there are: {names}")
+        return index
+
+    def _gate(self, name: str) -> int | None:
+        if name.strip() in ("", "*"):
+            return None
+        index = self._motion.entrances.gate_named(name.strip())
+        if index is None:
+            names = ", ".join(gate.name for gate in self._motion.gates)
+            raise PersonError(f"no gate is called {name!r}", f"there are: {names}")
+        return index
+
+    def _regroup(self, who: Bool, index: int) -> None:
+        motion = self._motion
+        motion.casting.regroup(who, index)
+        motion.elements.regrouped(motion.state.position)
+        motion.evolutions.regrouped()
+        self._variation.regrouped()
+
+    def _enter(self, event: events.Enter) -> None:
+        own = event.group.strip() in ("", "*")
+        group, gate = 0 if own else self._group(event.group), self._gate(event.gate)
+        rows = self._motion.entrances.call(int(event.count), gate)
+        for row in rows.tolist():
+            self._joining[row] = int(self._motion.casting.group[row]) if own else group
+        if len(rows) < int(event.count):
+            waiting = "nobody waits" if not len(rows) else f"only {len(rows)} waited"
+            raise PersonError(f"{waiting} in the wings", "the patch's reserve says how many do")
+
+    def _leave(self, event: events.Leave) -> None:
+        motion = self._motion
+        gate = self._gate(event.gate)
+        who = self._who(event.dancers)
+        gone = motion.entrances.send_off(who, gate, motion.state.position)
+        motion.evolutions.clear(who)
+        if not gone:
+            raise PersonError(f"nobody on the stage is {event.dancers!r}")
+
+    @staticmethod
+    def _taken(taken: bool) -> None:
+        if not taken:
+            raise PersonError("there is no place for more obstacles", "take away some that stand there")

@@ -1,0 +1,242 @@
+"""GroupMotion: where the agents of a show go: elements, evolutions, who comes and goes, what stands in the way (T080).
+
+Each dancer is led by an agent. Per tick: what the plan asks of her (`agents/evolutions`), what elements ask
+(`agents/procedural`), what makes it safe (`agents/crowd`). Nothing here knows steps or poses.
+"""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.agent_command import Wants
+from live.agents.agent_command_kernels import hold_on_leash, hurry_firm, rest_wants
+from live.agents.crowd.agent_state import AgentModel, AgentState
+from live.agents.crowd.crowd_step import Advance
+from live.agents.crowd.obstacles import Surroundings
+from live.agents.entrances.entrances import ENTERING, ON, WAITING, Entrances
+from live.agents.prediction import LookAhead
+from live.agents.separation.parting import Parting
+from live.base.stage_snapshot import StageView
+from live.clock.ticks import TICK
+from live.clock.timeline import Timeline
+from live.show.capture.performers import Performers
+from live.show.dancers.pair_steering import PairSteering
+from live.show.dancers.partners import Partners
+from live.show.group.casting import Casting
+from live.show.group.elements import Elements
+from live.show.group.evolutions import Evolutions
+from live.show.group.floor import Floor
+from live.show.group.stage_set import furnish, refurnish, show_set
+from live.show.group.stage_steering import gates_of, steering_of
+from live.show.group.starting_places import starting_places
+from live.show.measure_span import MeasureSpan
+from live.show.partner.partner_agents import AnsweringAgents
+from live.show.partner.partner_response import Answering
+from live.show.patch.patch import Patch
+from live.show.score.score import Score
+from live.show.selection.agents_ahead import TAKEN, AgentsAhead
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Bool = npt.NDArray[np.bool_]
+Rows = npt.NDArray[np.intp]
+
+AGENT_RADIUS: Final = 0.25
+DANCER_GAP: Final = 0.7
+"""Two dancers shall not end a measure nearer to each other than this [m]: shoulders and a bit."""
+LEASH: Final = 0.6
+"""No agent gets farther than this [m] from her dancer: she is taken along ..."""
+LONG_LEASH: Final = 0.9
+"""... or than this [m] on the way in or out; in an evolution she is where the plan has her."""
+HURRY: Final = 1.6
+"""In an evolution agents may be faster than the steps reach on the average: they gather speed and lose it again."""
+STANDING: Final = 0.9
+"""Distance [m] under which dancers whom nothing moves make room for each other."""
+
+
+class GroupMotion:
+    """The agents of one show. Call `begin_measure` at measure lines and `tick` for every tick."""
+
+    def __init__(self, patch: Patch, casting: Casting, *, seed: int, score: Score | None = None) -> None:
+        """Everybody stands in her group's formation; PersonError for one that cannot be."""
+        count = len(casting.group)
+        half = (patch.stage.width / 2, patch.stage.depth / 2)
+        self._patch, self.casting = patch, casting
+        self._seed = seed
+        self._beats = patch.clock.beats_per_measure  # of a danced measure in plans, whatever the metre becomes live
+        self._half = np.array(half, np.float32)
+        steering = steering_of(patch)
+        radius = np.array([section.radius for section in patch.group], np.float32)[casting.group]
+        responsibility = np.where(casting.soloists, 0.0, 1.0).astype(np.float32)
+        self.model = AgentModel(radius, responsibility, steering, seed)
+        self.floor = Floor(patch.stage)
+        self.gates = gates_of(patch, *half)
+        self.entrances = Entrances(count, patch.dancer_count, self.gates, half)
+        self.surroundings = Surroundings()
+        self.performers = Performers(self.surroundings, AGENT_RADIUS)
+        for item in patch.obstacle:
+            furnish(self.surroundings, item)
+        self.part = Parting(count, DANCER_GAP, half_width=half[0], half_depth=half[1], seed=seed)
+        score = score or Score(patch)
+        self.evolutions = Evolutions(patch, casting, radius=radius, seed=seed, score=score)
+        self.elements = Elements(patch, casting, seed=seed, score=score)
+        self.partners = Partners(patch, casting)
+        self.starting_heading: Float64 = np.zeros(count)
+        """Where everybody faces at first [rad], shape (A,)."""
+        places = starting_places(
+            self.evolutions, self.partners, self.part, self.gates[0], self.entrances.present, self._half,
+            self.starting_heading,
+        )  # fmt: skip
+        self.state = AgentState.at(places)
+        self._spare = AgentState.at(self.state.position)
+        self._advance = PairSteering(Advance(self.model), self.partners)
+        self.wants = Wants(count)
+        self._along = AnsweringAgents(self.model.radius, AGENT_RADIUS)
+        look = LookAhead(count, self._advance, self.surroundings, self._ask_ahead)
+        self._ahead = AgentsAhead(look, self.evolutions, self.elements, self.entrances, self.floor, count, self._beats)
+        self._now: tuple[Timeline, MeasureSpan] | None = None
+        self._speed: Float32 = np.zeros(count, np.float32)
+        self._leash: Float32 = np.zeros(count, np.float32)
+
+    def begin_measure(self, span: MeasureSpan, beat: float, timeline: Timeline, heading: Float64) -> Rows:
+        """The measure `span` begins at `beat`; dancers face `heading` (A,) [rad].
+
+        Returns who enters the stage with it: her agent stands at her gate now.
+        """
+        self._now = (timeline, span)
+        entered = self.entrances.cross_measure_line(self.state.position)
+        self.partners.pair(self.entrances.state == ON)
+        if len(entered):
+            self.state.velocity[entered] = 0.0
+        self.elements.begin_measure(span.number, beat, timeline.beats_per_measure, self.state.position)
+        self.evolutions.begin_measure(span.number, self.state.position, heading, self.entrances.staying)
+        return entered
+
+    def go_along(self, answering: Answering | None, shown: Float32) -> None:
+        """The agents of those who answer others are where they are `shown` (A, 2) [m], so that others avoid them; not
+        so near to their leaders that these would."""
+        self._along.go_along(answering, shown, self.state)
+
+    @property
+    def staying(self) -> Bool:
+        """Who is on the stage, shape (A,)."""
+        return np.asarray(self.entrances.state == ON)
+
+    @property
+    def present(self) -> Bool:
+        """Who can be seen, shape (A,)."""
+        return self.entrances.present
+
+    # -- time ----------------------------------------------------------------------------------------------------
+
+    def tick(
+        self, time: float, timeline: Timeline, span: MeasureSpan, *, speed: Float32, dancer: Float32, pace: Float32
+    ) -> None:
+        """Advance by one tick; `speed` (A,) [m/s]: what the dancers' steps can follow, `dancer` (A, 2) [m]: where they
+        are on the way through their measure, and `pace` (A, 2) [m/s] how fast they go it."""
+        self._now, self._speed = (timeline, span), speed
+        self.floor.tick(timeline.beat_at(time))
+        self.entrances.settle(self.state.position)
+        if len(self.partners.leader):
+            self.partners.part(self.entrances.state == ON)
+        self.performers.tick(time)
+        self.evolutions.work(self.state.position)
+        self._ask(self.wants, self.state, time, ahead=False)
+        if self.evolutions.running:
+            self.evolutions.release(self.elements.influence >= TAKEN)
+        self._advance(self.state, self._spare, wants=self.wants, surroundings=self.surroundings, time=time, dt=TICK)
+        self.state, self._spare = self._spare, self.state
+        # in an evolution agents are where the plan has them: that is where their dancers are sent
+        hold_on_leash(
+            self.state.position, self.state.velocity, dancer, pace, self.wants.rows,
+            self.entrances.state, ENTERING, ON, LEASH, LONG_LEASH, self._leash,
+        )  # fmt: skip
+
+    def _ask_ahead(self, wants: Wants, state: AgentState, time: float) -> None:
+        self._ask(wants, state, time, ahead=True)
+
+    def _ask(self, wants: Wants, state: AgentState, time: float, *, ahead: bool) -> None:
+        """What everybody is asked to do in `state` at `time` [s]; on a copy (`ahead`) nothing but `wants` changes."""
+        if self._now is None:
+            return
+        timeline, span = self._now
+        beat, size = timeline.beat_at(time), self._beats
+        rest_wants(wants.rows, self._speed, STANDING)
+        if self.evolutions.running:
+            danced = span.danced(beat, size)
+            rate = (span.danced(timeline.beat_at(time + TICK), size) - danced) / TICK
+            self.evolutions.write(wants, state, danced, rate)
+            hurry_firm(wants.rows, self._speed, HURRY)
+        if not ahead:
+            self.elements.refresh(beat, wants, state)
+        self.elements.wish(wants, state, time=time, beat=beat, ahead=ahead)
+        self._along.ask(wants, state)
+        self.entrances.write(wants, state.position)
+
+    # -- what is ahead -------------------------------------------------------------------------------------------
+
+    def look(self, time: float, seconds: float, heading: Float64, late: Float64) -> None:
+        """Begin to look `seconds` [s] ahead of `time` [s], and to work out what begins with the next measure, for
+        dancers who will face `heading` (A,) [rad] then and are `late` (A,) [beats] on purpose."""
+        tempo = 120.0 if self._now is None else self._now[0].tempo
+        self._ahead.begin(self.state, time, seconds, late, tempo)
+        if self._now is None:
+            return
+        timeline, span = self._now
+        position = self.state.position
+        self.elements.begin_measure(span.number + 1, span.end, timeline.beats_per_measure, position)
+        self.evolutions.prepare(span.number + 1, position, heading)
+
+    def withdraw(self, measure: int) -> None:
+        """The score goes on elsewhere with `measure`, which has not begun, than was foreseen."""
+        self.elements.withdraw(measure)
+        self.evolutions.withdraw(measure)
+
+    def work(self, steps: int) -> None:
+        """Do at most so many coarse steps of looking ahead."""
+        self._ahead.work(steps)
+
+    def ahead(self) -> tuple[Float64, Bool, Float64]:
+        """Where everybody will be when her next measure ends, (A, 2) [m]; who is in an evolution then, (A,), and with
+        which heading, (A,) [rad]. The look ahead must be finished. Measures of those who are late end later."""
+        return self._ahead.ends(None if self._now is None else self._now[1])
+
+    # -- live ----------------------------------------------------------------------------------------------------
+
+    def resize(self, width: float, depth: float, *, measure: int, beat: float, beats_per_measure: float) -> None:
+        """The stage is `width` by `depth` [m] from `beat` of `measure` on; PersonError if it cannot be."""
+        there = int(np.count_nonzero(self.entrances.state != WAITING))
+        if not self.floor.resize(width, depth, dancers=there, beat=beat, beats_per_measure=beats_per_measure):
+            return
+        half = width / 2, depth / 2
+        self.gates = gates_of(self._patch, *half)
+        self.entrances.resize(self.gates, half)
+        self.casting.half = half
+        self._advance.resize(*half)
+        self.elements.resize(*half)
+        self.evolutions.resize(half, self.floor.fitting, measure=measure)
+
+    def yield_to(self, rows: npt.NDArray[np.integer], led: Bool) -> None:
+        """To the agents `rows` (n,) everybody yields while they are `led` (n,) by somebody real."""
+        usual = np.where(self.casting.soloists[rows], 0.0, 1.0)
+        self.model.responsibility[rows] = np.where(led, 0.0, usual)
+        self._advance.yield_to(rows, self.model.responsibility[rows])
+
+    def take_patch(self, fresh: "GroupMotion") -> None:
+        """Take over gates, steering and set of another patch; what was moved live stays where it is."""
+        old, new = self._patch, fresh._patch
+        if old.steering != new.steering:
+            self._advance.steer(fresh.model.steering)
+        if old.gate != new.gate:
+            self.gates = gates_of(new, *self.casting.half)
+            self.entrances.resize(self.gates, self.casting.half)
+        refurnish(self.surroundings, old.obstacle, new.obstacle)
+
+    def show(self, view: StageView) -> None:
+        """Copy what is drawn into the snapshot: who is there, elements, obstacles and walls."""
+        np.greater_equal(self.entrances.state, ENTERING, out=view.present)
+        view.stage_size = float(2.0 * self.floor.border[0]), float(2.0 * self.floor.border[1])
+        self.elements.show(view)
+        show_set(self.surroundings, view)
+        self.performers.show(view)

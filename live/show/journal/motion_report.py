@@ -1,0 +1,224 @@
+"""FrameReport: what a film's dancers really did, measured frame by frame in the form of the contracts."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.stage_snapshot import StageView
+from live.graph.dance_metrics import RawClips, list_and_p95, median_and_p95, ratio
+from live.motion.quality.beats import alignment, motion_beats, offsets
+from live.motion.quality.feet import slides
+from live.motion.quality.motion_recorder import MotionTrace
+from live.motion.quality.smoothness import half_width, largest_around
+from live.show.core import Show
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Bool = npt.NDArray[np.bool_]
+
+
+class FrameReport:
+    """Feed it every frame of a film; `result` gives the figures. Frames must be evenly spaced in time."""
+
+    def __init__(self, show: Show) -> None:
+        self._show = show
+        self._slides: list[Float64] = []
+        self._previous: tuple[float, Float32, Bool] | None = None
+        self._trace: MotionTrace | None = None
+        self._times: list[float] = []
+        self._joins: list[tuple[float, float, Int32]] = []
+        """Of each measure line: its time, the length of the blend before it, who changed the clip there."""
+        self._clips: set[int] = set()
+        self._line = 0.0
+        """The beat at which the measure that is danced will end."""
+        self._overlaps = 0
+        self._nearest = np.inf
+        self._beats: list[float] = []
+        self._music: list[float] = []
+        """Times of the Timeline's beats [s]."""
+        self._last_phase: tuple[int, float, float] | None = None
+        self._measure = -1
+        self._steps: list[dict[str, Any]] = []
+        self._path_errors: list[float] = []
+        self._heading_errors: list[float] = []
+        self._there = show.motion.present.copy()
+        """Who was seen in the last frame; those who wait in the wings are not reported."""
+        self._always = self._there.copy()
+        """Who was seen in all of them: of these the smoothness is measured."""
+
+    def frame(self, view: StageView) -> None:
+        """Take one frame, right after it was filled."""
+        if self._show.span.number != self._measure:
+            self._begin_measure()
+        self._feet(view)
+        self._there = view.present.copy()
+        self._always &= view.present
+        self._distances(view)
+        self._beat_times(view)
+
+    def _begin_measure(self) -> None:
+        """Note the steps danced, and where the dancers who crossed the line stand against where they should."""
+        show = self._show
+        dancers, library = show.dancers, show.graph.library
+        self._measure = show.span.number
+        self._note_joins()
+        there = show.motion.present
+        for dancer, node in enumerate(dancers.node):
+            if not there[dancer]:
+                continue
+            self._steps.append(
+                {
+                    "dancer": dancer + 1,
+                    "measure": self._measure + 1,
+                    "step": library.steps[library.node_step[node]],
+                    "clip": library.describe(int(node)),
+                    "weight": round(1.0 - float(dancers.present.take_share[0, dancer]), 3),
+                    "cost": self._cost(int(dancers.past.node[dancer]), int(node)),
+                }
+            )
+        wanted, ends = show.scheduler.last_target, dancers.present.end_position()
+        if wanted is not None:
+            self._path_errors.append(float(np.hypot(*(wanted - ends)[there].T).mean()))
+            yaw = dancers.present.end_placement()[:, 2] + show.graph.node_facing[dancers.node]
+            off = yaw - show.scheduler.last_heading
+            off = off[there]
+            self._heading_errors.append(float(np.degrees(np.abs(np.arctan2(np.sin(off), np.cos(off)))).mean()))
+
+    def _cost(self, before: int, node: int) -> float | None:
+        """Distance of the poses that are joined [m]; None at the beginning, and where a measure was repeated."""
+        graph = self._show.graph
+        if before < 0:
+            return None
+        edges = slice(graph.edge_start[before], graph.edge_start[before + 1])
+        cost = graph.edge_cost[edges][graph.edge_target[edges] == node]
+        return round(float(cost[0]), 4) if len(cost) else None
+
+    def _note_joins(self) -> None:
+        """Who changed the clip at the measure line just crossed, and which clips are danced."""
+        show = self._show
+        library, node = show.graph.library, show.dancers.node
+        self._clips.update(library.node_clip[node[show.motion.present]].tolist())
+        if self._times:  # the first measure begins with no blend
+            seconds = library.beats_per_measure * 60.0 / show.timeline.tempo
+            changed = np.flatnonzero(library.node_measure[node] == 0).astype(np.int32)
+            self._joins.append((show.timeline.time_at(self._line), show.graph.window * seconds, changed))
+
+    def _feet(self, view: StageView) -> None:
+        position = view.joint_position.copy()
+        contact = self._show.dancers.contact(self._show.span.fraction(view.beat))
+        if self._previous is not None:
+            time, before, stood = self._previous
+            dt = view.time - time
+            if dt > 0:
+                both = self._there & view.present
+                feet = np.stack([before, position])[:, both], np.stack([stood, contact])[:, both]
+                self._slides.append(slides(*feet, 1.0 / dt))
+                if self._trace is None:
+                    self._trace = MotionTrace(1.0 / dt)
+                    self._trace.add(before)
+                self._trace.add(position)
+        self._times.append(view.time)
+        self._line = self._show.span.end
+        self._previous = (view.time, position, contact)
+
+    def _distances(self, view: StageView) -> None:
+        hips = view.joint_position[view.present, 0][:, (0, 2)].astype(np.float64)
+        if len(hips) < 2:
+            return
+        apart = np.hypot(*(hips[:, None] - hips[None]).transpose(2, 0, 1))
+        apart = apart[np.triu_indices(len(hips), 1)]
+        radius = float(self._show.motion.model.radius.max())
+        self._overlaps += int((apart < 2 * radius).sum())
+        self._nearest = min(self._nearest, float(apart.min()))
+
+    def _beat_times(self, view: StageView) -> None:
+        """When a clip's own beat is shown, against the Timeline's: crossings of whole beats between two frames."""
+        beats = view.beats_per_measure
+        number, danced = self._show.span.number, self._show.span.fraction(view.beat) * beats
+        if self._last_phase is not None:
+            last_number, last, time = self._last_phase
+            total, before = number * beats + danced, last_number * beats + last
+            whole = np.ceil(before)
+            if before < whole <= total:
+                shown = time + (whole - before) / (total - before) * (view.time - time)
+                beat = round(self._show.timeline.beat_at(shown))
+                self._music.append(self._show.timeline.time_at(beat))
+                self._beats.append(shown - self._music[-1])
+        self._last_phase = (number, danced, view.time)
+
+    @property
+    def slide(self) -> Float64:
+        """Speeds over the floor [m/s] of feet that the clips have in contact, (n,)."""
+        return np.concatenate(self._slides) if self._slides else np.zeros(0)
+
+    @property
+    def beat_offsets(self) -> Float64:
+        """When the clips' own beats were shown, minus the Timeline's [s], (n,)."""
+        return np.array(self._beats)
+
+    def result(self) -> dict[str, Any]:
+        """The figures; null where nothing was measured."""
+        found = self.slide
+        return {
+            "foot_slide_mean": float(found.mean()) if len(found) else None,
+            "foot_slide_p99": float(np.percentile(found, 99)) if len(found) else None,
+            "skating_ratio": None if self._trace is None else self._trace.skating_ratio(),
+            **self._join_ratios(),
+            **self._beat_figures(),
+            "path_error_m": list_and_p95(self._path_errors),
+            "heading_error_deg": list_and_p95(self._heading_errors),
+            "overlaps": self._overlaps,
+            "min_distance_m": None if np.isinf(self._nearest) else self._nearest,
+            "steps": self._steps,
+            "detours": self._show.scheduler.detours,
+            "missing": [{"from": None, "to": None, "needs": text} for text in self._show.graph.missing],
+        }
+
+    def _join_ratios(self) -> dict[str, Any]:
+        """The largest velocity change and acceleration at joins, against those of the raw clips at this tempo."""
+        values: dict[str, Any] = {"join_velocity_ratio": None, "join_acceleration_ratio": None}
+        if self._trace is None or not self._joins:
+            return values
+        show, rate = self._show, self._rate
+        half = half_width(max(blend for _, blend, _ in self._joins))
+        seconds = show.graph.library.beats_per_measure * 60.0 / show.timeline.tempo
+        raw = RawClips(tuple(show.graph.library.clips[clip] for clip in sorted(self._clips)), seconds, rate).p99(half)
+        for key, trace, peer in zip(values, self._trace.largest(), raw, strict=True):
+            joins = [
+                largest_around(trace[:, dancer], np.array([line - 0.5 * blend - self._times[0]]), half, rate)
+                for line, blend, changed in self._joins
+                for dancer in changed
+                if self._always[dancer]
+            ]
+            values[key] = ratio(np.concatenate(joins), peer) if joins else None
+        return values
+
+    def _beat_figures(self) -> dict[str, Any]:
+        """Offsets and alignment, of the clips' annotated beats and of those that the motion itself has."""
+        near: list[Float64] = []
+        music: list[float] = []
+        kinematic: list[float] = []
+        if self._trace is not None:
+            times = np.array(self._music)
+            for speed in self._trace.speeds().T[self._always]:
+                own = motion_beats(speed, self._rate, self._times[0])
+                near.append(offsets(times, own))
+                music += [value] if (value := alignment(times, own)) is not None else []
+                kinematic += [value] if (value := alignment(own, times)) is not None else []
+        return {
+            "beat_offset_ms": {
+                "annotated": median_and_p95(np.array(self._beats)),
+                "kinematic": median_and_p95(np.concatenate(near) if near else np.zeros(0)),
+            },
+            "beat_alignment": {
+                "music": float(np.mean(music)) if music else None,
+                "kinematic": float(np.mean(kinematic)) if kinematic else None,
+            },
+        }
+
+    @property
+    def _rate(self) -> float:
+        """Pictures a second."""
+        return (len(self._times) - 1) / (self._times[-1] - self._times[0])

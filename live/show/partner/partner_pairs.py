@@ -1,0 +1,170 @@
+"""Answer pairs: who answers whom, of what `[[partner]]` tables and controls say; and what cannot be."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from live.base.errors import PersonError, named
+from live.show.group.casting import Casting
+from live.show.patch.patch import Patch
+
+NOBODY: Final = -1
+MOST_LEADERS: Final = 4
+"""So many leaders are read at once, each by a search of her own ..."""
+MOST_WALKERS: Final = 8
+"""... and so many walkers, whose ways are read faster."""
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What is asked of one partner now."""
+
+    name: str
+    leader: str
+    """Who leads, in words; `path` for nobody."""
+    follower: str
+    on: bool = True
+    amount: float = 1.0
+    window: float = 0.04
+    """How much beside the beat units may begin [s]."""
+    place: str | None = None
+    hands: float = 1.0
+    """How far hands are held where the examples' are."""
+
+    @property
+    def by_path(self) -> bool:
+        """Whether each follower is led by her own way."""
+        return self.leader.strip().casefold() == "path"
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """One dancer who answers."""
+
+    partner: int
+    """Which `[[partner]]`."""
+    leader: int
+    """Whom she answers; herself where her way leads her."""
+    follower: int
+    own_place: bool
+
+
+def asked_of(patch: Patch) -> list[Asked]:
+    """What a patch asks."""
+    return [
+        Asked(
+            one.name, one.leader, one.follower, one.on, one.amount, min(one.window, one.stretch), one.place, one.hands
+        )
+        for one in patch.partner
+    ]
+
+
+def check_partners(patch: Patch, casting: Casting) -> None:
+    """PersonError, with the keys that lead there, for partners of a patch that cannot be."""
+    asked = asked_of(patch)
+    for index, one in enumerate(asked):
+        try:
+            pairs_of_one(index, one, casting)
+        except PersonError as error:
+            raise PersonError(
+                f"partner {one.name!r}: {error.message}", error.remedy, ("partner", index, *error.place)
+            ) from None
+        hand_in_hand = [patch.group[casting.group[pair.follower]] for pair in pairs_of_one(index, one, casting)]
+        for group in hand_in_hand:
+            if group.partners is not None:
+                raise PersonError(
+                    f"partner {one.name!r}: who answers is of {group.name!r}, who dance hand in hand",
+                    f"take partners out of the group {group.name!r}, or name another follower",
+                    ("partner", index, "follower"),
+                )
+    pairs = pairs_of(asked, casting)
+    with named("partner", ("partner",)):
+        check_pairs(asked, pairs)
+
+
+def pairs_of(asked: Sequence[Asked], casting: Casting) -> list[Pair]:
+    """All pairs; PersonError for words that mean nobody, and for numbers that do not fit."""
+    return [pair for index, one in enumerate(asked) for pair in pairs_of_one(index, one, casting)]
+
+
+def pairs_of_one(index: int, one: Asked, casting: Casting) -> list[Pair]:
+    """The pairs of one partner; `place` of a PersonError is the key that is wrong."""
+    followers = _who(one.follower, casting, "follower")
+    if one.by_path:
+        return [Pair(index, row, row, True) for row in followers]
+    leaders = _who(one.leader, casting, "leader")
+    both = sorted(set(leaders) & set(followers))
+    if both:
+        raise PersonError(
+            f"dancer {both[0] + 1} would answer herself: she is both of {one.leader!r} and of {one.follower!r}",
+            "name other dancers for one of them",
+            ("leader",),
+        )
+    if len(leaders) not in (1, len(followers)):
+        raise PersonError(
+            f"{len(leaders)} lead and {len(followers)} answer", "as many of each, or a single leader", ("follower",)
+        )
+    alone = len(leaders) == 1 and len(followers) > 1
+    own = one.place == "own" or (one.place is None and alone)
+    if alone:
+        leaders = leaders * len(followers)
+    return [Pair(index, lead, follow, own) for lead, follow in zip(leaders, followers, strict=True)]
+
+
+def _who(words: str, casting: Casting, key: str) -> list[int]:
+    with named(f"{key} {words[:80]!r}", (key,)):
+        if casting.means_places(words):
+            raise PersonError("places mean somebody else from moment to moment", "name groups, attributes or numbers")
+        rows = np.flatnonzero(casting.select(words, np.zeros((len(casting.group), 2)))).tolist()
+        if not rows:
+            raise PersonError("nobody is meant", "a group, attributes or numbers of dancers")
+        return [int(row) for row in rows]
+
+
+def check_pairs(asked: Sequence[Asked], pairs: Sequence[Pair]) -> None:
+    """PersonError for a dancer who would answer two, for circles, and for too many leaders."""
+    answers: dict[int, Pair] = {}
+    for pair in pairs:
+        before = answers.setdefault(pair.follower, pair)
+        if before is not pair:
+            names = asked[before.partner].name, asked[pair.partner].name
+            raise PersonError(
+                f"dancer {pair.follower + 1} answers in {names[0]!r} and in {names[1]!r}", "name her in one of them",
+                (pair.partner, "follower"),
+            )  # fmt: skip
+    for pair in pairs:
+        way = [pair.follower]
+        while way[-1] in answers and answers[way[-1]].leader != answers[way[-1]].follower:
+            way.append(answers[way[-1]].leader)
+            if way[-1] == way[0]:
+                told = " answers ".join(str(row + 1) for row in way)
+                raise PersonError(
+                    f"a circle of dancers: {told}; somebody has to lead",
+                    "take one of these partners out",
+                    (pair.partner, "leader"),
+                )
+            if len(way) > len(answers) + 1:
+                break
+    leaders = {(pair.partner, pair.leader) for pair in pairs if pair.leader != pair.follower}
+    if len(leaders) > MOST_LEADERS:
+        raise PersonError(
+            f"{len(leaders)} leaders are to be read; {MOST_LEADERS} at most", "let several dancers answer one leader"
+        )
+    walkers = sum(pair.leader == pair.follower for pair in pairs)
+    if walkers > MOST_WALKERS:
+        raise PersonError(f"{walkers} are to walk along their ways; {MOST_WALKERS} at most", "name fewer followers")
+
+
+def in_order(pairs: Sequence[Pair]) -> list[Pair]:
+    """The same, leaders before those who answer them (there are no circles)."""
+    answers = {pair.follower: pair for pair in pairs if pair.leader != pair.follower}
+
+    def depth(pair: Pair) -> int:
+        found, row = 0, pair.leader
+        while row in answers and found <= len(answers):
+            found, row = found + 1, answers[row].leader
+        return found
+
+    return sorted(pairs, key=lambda pair: (depth(pair), pair.partner, pair.follower))

@@ -1,0 +1,1 @@
+"""Patch model, reader, checks."""

@@ -1,0 +1,90 @@
+"""Drafting: what is danced of the measures that were chosen, before they are laid down: variety, mixtures, turns."""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.motion_graph import MotionGraph
+from live.graph.select.placing import own_end, turn_vectors, wrapped
+from live.graph.select.selector import Choosing
+from live.graph.takes import NO_TAKE
+from live.show.dancers.dancers import Dancers
+from live.show.dancers.measure_state import Danced
+from live.show.selection.aims import Aims
+from live.show.selection.choices import Choices
+
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+HALF_SHARE: Final = 0.125
+"""Half of what lies between the shares of T069: by so much a chosen share is refined."""
+LEAST_MIX: Final = 0.1
+"""Two takes that end nearer to each other than this [m] are not mixed otherwise for the place's sake."""
+STRAY_MIX: Final = 0.1
+"""A mixture that is drawn for variety moves the end of a measure by this much [m] at most."""
+
+
+class Drafting:
+    """The coming measure of every dancer as far as it is worked out: `vary`, `mix` and `turn`, in this order."""
+
+    def __init__(self, dancers: Dancers, choices: Choices, aims: Aims) -> None:
+        """`take_graph` has to be called before anything else."""
+        self._dancers, self._choices, self._aims = dancers, choices, aims
+        self.draft = Danced(dancers.graph, len(dancers.node))
+
+    def take_graph(self, graph: MotionGraph, choosing: Choosing) -> None:
+        """Go on in this graph; nobody's next measure is decided."""
+        self.draft.graph = graph
+        self._choosing = choosing
+
+    def vary(self, measure: int) -> None:
+        """What is danced of what was chosen: nodes, and how each dancer varies them."""
+        dancers, choices, draft = self._dancers, self._choices, self.draft
+        graph, edge = dancers.graph, choices.edge
+        choices.node[:] = np.where(edge < 0, -1, graph.edge_target[np.maximum(edge, 0)])
+        draft.node[:] = np.where(edge[:, 0] < 0, dancers.node, choices.node[:, 0])
+        draft.decided = True
+        dancers.variation.draw(measure, draft)
+
+    def mix(self, axes: Float64, support: Float64) -> None:
+        """Mixtures where they are needed, else the variety's; `axes` and `support` as the choice was asked."""
+        choices, draft, graph = self._choices, self.draft, self._dancers.graph
+        candidates = self._choosing.candidates
+        row = np.maximum(choices.candidate[:, 0], 0)
+        needed = (choices.candidate[:, 0] >= 0) & (candidates.take[row] != NO_TAKE)
+        if draft.take_share[0].any():
+            end, _ = own_end(graph, draft.node, draft.take, np.ones(len(draft.node)))
+            stray = np.hypot(*(end - graph.node_end[draft.node]).T)
+            most = STRAY_MIX / np.maximum(stray, 1e-9)
+            draft.take_share[0] = np.minimum(draft.take_share[0], most)
+        draft.take[needed] = candidates.take[row[needed]]
+        draft.take_share[0, needed] = self._refined(row, axes, support)[needed]
+        # arms are of one clip, the nearer, so that they are not blurred; or as far of the other as variety has drawn
+        drawn = draft.take_share[1, needed]
+        draft.take_share[1, needed] = np.where(draft.take_share[0, needed] > 0.5, 1.0 - drawn, drawn)
+
+    def turn(self, axes: Float64) -> None:
+        """How far everybody is turned beyond her measure: headings change no more until the decision."""
+        draft, graph = self.draft, self._dancers.graph
+        yaw = axes[:, 2] + graph.edge_transform[np.maximum(self._choices.edge[:, 0], 0), 2]
+        draft.correction[:] = draft.aimed[:] = 0.0
+        most = self._choosing.most[draft.node, 0]
+        draft.correction[:, 2] = np.clip(wrapped(self._aims.heading - yaw - self._own_heading(draft)), -most, most)
+
+    def _refined(self, row: Int32, axes: Float64, support: Float64) -> Float64:
+        """Shares (A,) with which the candidates `row` (A,) end as near as they can, within half a step of T069."""
+        candidates, choices, graph = self._choosing.candidates, self._choices, self._dancers.graph
+        yaw = axes[:, 2] + graph.edge_transform[np.maximum(choices.edge[:, 0], 0), 2] + support * choices.end[:, 2]
+        share = candidates.share[row]
+        way = candidates.end[row] - graph.node_end[candidates.node[row]]
+        way = turn_vectors(way / np.maximum(share, 0.25)[:, None], yaw)  # from the clip's end to the other take's
+        off = choices.target - choices.end[:, :2]
+        more = (off * way).sum(axis=1) / np.maximum((way**2).sum(axis=1), LEAST_MIX**2)
+        return np.asarray(share + np.clip(more, -HALF_SHARE, HALF_SHARE))
+
+    def _own_heading(self, danced: Danced) -> Float64:
+        """Heading at the end of each measure, or on the average (T122), in its clip's own axes, (A,) [rad]."""
+        own = danced.own_end()[1]
+        average = self._dancers.variation.face_average
+        return np.asarray(own + average * wrapped(self._dancers.graph.node_facing_mean[danced.node] - own))

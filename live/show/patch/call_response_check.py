@@ -1,0 +1,148 @@
+"""Call and response that cannot be: nobody calls, or nobody ever answers; and what of it is doubtful (T015)."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import isfinite
+from typing import Protocol
+
+from live.show.patch.group import GroupSection
+from live.show.patch.improvise import ImproviseSection
+from live.show.patch.section_base import Amiss
+from live.show.score.section_span import Sectioned, Stay, stay_of
+
+
+class Answering(Sectioned, Protocol):
+    """What is looked at of a patch."""
+
+    @property
+    def group(self) -> Sequence[GroupSection]: ...
+    @property
+    def improvise(self) -> Sequence[ImproviseSection]: ...
+
+
+@dataclass(frozen=True, slots=True)
+class _Voice:
+    """One group in one `[[improvise]]`."""
+
+    index: int
+    group: str
+    asked: ImproviseSection
+    stay: Stay
+
+    @property
+    def caller(self) -> str | None:
+        """Whom it answers, folded."""
+        return None if self.asked.answers is None else self.asked.answers.casefold()
+
+    @property
+    def only_repeats(self) -> bool:
+        """Whether it has nothing of its own to say: it listens, and answers with the same."""
+        return self.asked.listening is not None and self.asked.answer == "same"
+
+    def covers(self, other: "_Voice") -> bool:
+        """Whether it lasts as long as the other one, or longer."""
+        here, there = self.stay, other.stay
+        return here.section == there.section and here.begin <= there.begin and here.end >= there.end
+
+
+def check_answers(patch: Answering) -> None:
+    """Amiss where nobody calls, or where it is over before anybody answers."""
+    for index, entry in enumerate(patch.improvise):
+        if entry.answers is None:
+            continue
+        stay = stay_of(patch, entry.section, entry.measure, entry.measures)
+        lasts = stay.end - stay.begin
+        if lasts <= entry.phrase:
+            words = (
+                f"phrase {entry.phrase}: every second phrase is an answer, and after {lasts:g} measures it is over: "
+                f"{f'{int(lasts) // 2} at most' if lasts >= 2 else 'at least 2 measures are needed'}"
+            )
+            raise Amiss(words, "improvise", index, "phrase")
+    for circle in _circles(patch):
+        if all(voice.only_repeats for voice in circle):
+            names = " and ".join(repr(voice.group) for voice in circle)
+            words = (
+                f"nobody calls: {names} listen{'s' if len(circle) == 1 else ''} and "
+                f"repeat{'s' if len(circle) == 1 else ''} what was danced while listening; leave answers out of one"
+                if len(circle) > 1
+                else f"nobody calls: every group answers {names}, and so does that group itself; "
+                "write an [[improvise]] for each group"
+            )
+            raise Amiss(words, "improvise", circle[-1].index, "answers")
+
+
+def answer_doubts(patch: Answering) -> list[str]:
+    """Calls that overlap, phrases that do not fit into one another, a last call that nobody answers."""
+    notes = []
+    for circle in _circles(patch):
+        if len(circle) == 1:
+            notes.append(f'group {circle[0].group!r} answers itself: `group = "*"` means it, too')
+            continue
+        names = " and ".join(repr(voice.group) for voice in circle)
+        notes.append(
+            f"groups {names} answer each other: they call at the same time, and then each repeats the other; leave "
+            "answers out of one of them to let them take turns"
+        )
+    of_group = _of_group(_voices(patch))
+    for voice in (voice for voices in of_group.values() for voice in voices if voice.caller is not None):
+        notes += _unfit(voice, of_group.get(voice.caller or "", []))
+    return list(dict.fromkeys(notes))
+
+
+def _unfit(voice: _Voice, callers: list[_Voice]) -> Iterator[str]:
+    """What does not fit together in the phrases of one who answers."""
+    size = voice.asked.phrase
+    where = f"improvise {voice.index + 1}"
+    for other in callers:
+        theirs, here, there = other.asked.phrase, voice.stay, other.stay
+        meet = here.section == there.section and here.begin < there.end and there.begin < here.end
+        written = "phrase" in other.asked.model_fields_set or other.asked.motion or other.asked.answers
+        if meet and written and theirs % size and size % theirs:
+            yield (
+                f"{where}: {voice.group!r} answers in phrases of {size} measures, and {other.group!r} calls in "
+                f"phrases of {theirs}: answers come in the midst of its phrases; phrase = {theirs} for both"
+            )
+    lasts = voice.stay.end - voice.stay.begin
+    if isfinite(lasts) and 0 < (left := int(lasts) % (2 * size)) <= size:
+        yield (
+            f"{where}: after {int(lasts)} measures it is over, and the call of its last {left} has no answer: "
+            f"phrases of {size} measures fit into a multiple of {2 * size}"
+        )
+
+
+def _voices(patch: Answering) -> list[_Voice]:
+    voices = []
+    for index, entry in enumerate(patch.improvise):
+        stay = stay_of(patch, entry.section, entry.measure, entry.measures)
+        names = [group.name.casefold() for group in patch.group] if entry.group == "*" else [entry.group.casefold()]
+        voices += [_Voice(index, name, entry, stay) for name in names]
+    return voices
+
+
+def _of_group(voices: list[_Voice]) -> dict[str, list[_Voice]]:
+    found: dict[str, list[_Voice]] = {}
+    for voice in voices:
+        found.setdefault(voice.group, []).append(voice)
+    return found
+
+
+def _circles(patch: Answering) -> Iterator[list[_Voice]]:
+    """Voices each of which answers the next, and the last one the first, all of them over the same measures."""
+    of_group = _of_group(_voices(patch))
+    told: set[frozenset[tuple[int, str]]] = set()
+    for voice in (voice for voices in of_group.values() for voice in voices if voice.caller is not None):
+        circle = [voice]
+        while circle[-1].caller is not None:
+            here = circle[-1]
+            there = next((one for one in of_group.get(here.caller or "", []) if one.covers(here)), None)
+            if there is None or there.asked.answers is None:
+                break
+            if there is circle[0]:
+                members = frozenset((one.index, one.group) for one in circle)
+                if members not in told:
+                    told.add(members)
+                    yield circle
+                break
+            if any(there is one for one in circle):
+                break
+            circle.append(there)

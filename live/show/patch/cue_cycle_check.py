@@ -1,0 +1,143 @@
+"""Cues that come back to themselves, by calls, by signals that they give, by `then = "auto"`: before they play."""
+
+import heapq
+import math
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+from live.show.patch.cue import CueSection
+from live.show.patch.score_checks import Written
+
+CUE: Final = "/dance/cue"
+SIGNAL: Final = "/dance/signal"
+Node = int | str
+"""What happens: a cue, by its index, or a signal, by its folded name."""
+Ways = dict[Node, list[tuple[float, Node]]]
+"""What each brings with it, and after how many beats at least."""
+
+
+@dataclass(frozen=True, slots=True)
+class CueLoop:
+    """A cue that calls its way back to itself."""
+
+    cue: int
+    """Its index in the patch."""
+    itself: bool
+    """Whether it calls itself, and nothing comes in between."""
+    beats: float
+    """How soon it comes again, at least."""
+    place: tuple[str | int, ...]
+    """The keys of the call that begins the loop."""
+
+
+def cue_loops(patch: Written, within: float = math.inf) -> Iterator[CueLoop]:
+    """The loops of a patch that take no longer than `within` beats: of those that share cues the first one found."""
+    names = names_of(patch.cue)
+    for index, cue in enumerate(patch.cue):
+        for row, call in enumerate(cue.calls):
+            if _called(call, names) == index:
+                wait = _wait(cue, patch.clock.beats_per_measure)
+                yield CueLoop(index, True, wait, ("cue", index, "calls", row))
+    ways = _circling(_ways(patch))
+    told: set[Node] = set()
+    for index, cue in enumerate(patch.cue):
+        if index in told or index not in ways:
+            continue
+        for row, call in enumerate(cue.calls):
+            there = _called(call, names)
+            if there is None or there == index or there not in ways:
+                continue
+            first = 0.0 if isinstance(there, str) else _wait(patch.cue[there], patch.clock.beats_per_measure)
+            beats, path = _shortest(ways, there, index, within - first)
+            if path:
+                told |= set(path)
+                yield CueLoop(index, False, first + beats, ("cue", index, "calls", row))
+                break
+
+
+def names_of(cues: Sequence[CueSection]) -> dict[str, int]:
+    """Cues by number and by folded name: the first one that is called so."""
+    names: dict[str, int] = {}
+    for index, cue in enumerate(cues):
+        names.setdefault(_folded(cue.name), index)
+        if cue.number is not None:
+            names.setdefault(f"{cue.number:g}", index)
+    return names
+
+
+def _called(call: Sequence[Any], names: dict[str, int]) -> Node | None:
+    """The cue or signal that a call gives; None if it does something else."""
+    if len(call) < 2 or call[0] not in (CUE, SIGNAL):
+        return None
+    name = _folded(str(call[1]))
+    return name if call[0] == SIGNAL else names.get(name)
+
+
+def _wait(cue: CueSection, beats: int) -> float:
+    """Beats that pass at least before a cue comes that is given where it came before."""
+    least = {"now": 0.0, "beat": 1.0}.get(cue.when, float(beats))
+    return max(cue.count_in, least)
+
+
+def _ways(patch: Written) -> Ways:
+    """All ways from cue to cue, signals between them."""
+    beats, names = patch.clock.beats_per_measure, names_of(patch.cue)
+    ways: Ways = {}
+
+    def lead(begins: Node, after: float, there: Node | None) -> None:
+        if there is not None:
+            wait = 0.0 if isinstance(there, str) else _wait(patch.cue[there], beats)
+            ways.setdefault(begins, []).append((after + wait, there))
+
+    for index, cue in enumerate(patch.cue):
+        for call in cue.calls:
+            lead(index, 0.0, _called(call, names))
+        if cue.then == "auto" and index + 1 < len(patch.cue):
+            ways.setdefault(index, []).append((float((cue.after or 1) * beats), index + 1))
+    for reaction in patch.react:
+        if reaction.on is not None and reaction.call is not None:
+            after = {"now": 0.0, "beat": 1.0}.get(reaction.when, float(beats))
+            lead(_folded(reaction.on), after, _called((reaction.call, *reaction.values), names))
+    return ways
+
+
+def _circling(ways: Ways) -> Ways:
+    """The ways without those to which no circle leads: in most patches nothing is left."""
+    into = Counter(there for leads in ways.values() for _, there in leads)
+    left = dict(ways)
+    first = [here for here in ways if not into[here]]
+    while first:
+        for _, there in left.pop(first.pop(), ()):
+            into[there] -= 1
+            if not into[there]:
+                first.append(there)
+    return left
+
+
+def _shortest(ways: Ways, begins: Node, end: Node, within: float) -> tuple[float, list[Node]]:
+    """Beats from one to the other at least, and the way (Dijkstra); an empty one if none takes at most `within`."""
+    before: dict[Node, Node | None] = {}
+    coming: list[tuple[float, int, Node, Node | None]] = [(0.0, 0, begins, None)]
+    count = 0
+    while coming:
+        beats, _, here, last = heapq.heappop(coming)
+        if beats > within:
+            break
+        if here in before:
+            continue
+        before[here] = last
+        if here == end:
+            path = [here]
+            while (step := before[path[-1]]) is not None:
+                path.append(step)
+            return beats, path
+        for after, there in ways.get(here, ()):
+            count += 1
+            heapq.heappush(coming, (beats + after, count, there, here))
+    return math.inf, []
+
+
+def _folded(name: str) -> str:
+    return name.casefold().strip()

@@ -1,0 +1,89 @@
+"""What MIDI controllers were taught, beside the patch: NAME.midi.toml, which is read as a part of it.
+
+It is written so that all that a person wrote in it stays as it is.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import tomlkit
+from tomlkit.exceptions import TOMLKitError
+
+from live.base.errors import PersonError
+from live.control.midi.midi_binding import Binding
+from live.show.patch.midi import MidiMapSection
+from live.show.patch.patch_search_path import is_file, learned_path
+from live.show.patch.section_base import Section
+from live.show.patch.toml_file import parse_model, read_text
+
+HEAD: Final = "# What MIDI controllers were taught while the show ran (/dance/midi/learn); a part of {patch}.\n"
+
+
+class _Midi(Section):
+    learned: tuple[MidiMapSection, ...] = ()
+
+
+class _Learned(Section):
+    """The whole file."""
+
+    midi: _Midi = _Midi()
+
+
+def changed_learned(patch: Path, learned: Sequence[Binding], forgotten: Sequence[str]) -> str:
+    """The text that the file beside `patch` gets: without what was learned for the controls `forgotten`, and with
+    `learned`, each in place of what was played by the same. PersonError if what is there is wrong."""
+    path = learned_path(patch)
+    before = read_text(path, "MIDI map") if is_file(path) else ""
+    parse_model(before, str(path), _Learned, "MIDI map")
+    try:
+        text = with_learned(before or HEAD.format(patch=patch.name), learned, forgotten)
+    except TOMLKitError as error:
+        raise PersonError(f"{path}: {error}", "repair it, and learn that again") from None
+    parse_model(text, str(path), _Learned, "MIDI map")
+    return text
+
+
+def with_learned(text: str, learned: Sequence[Binding], forgotten: Sequence[str]) -> str:
+    """The TOML `text` with these changes; comments and everything else are kept."""
+    document = tomlkit.parse(text)
+    if "midi" not in document:
+        document["midi"] = tomlkit.table(is_super_table=True)
+    midi: Any = document["midi"]
+    if "learned" not in midi:
+        midi["learned"] = tomlkit.aot()
+    rows = midi["learned"]
+    places = {(one.kind, one.number, one.channel) for one in learned}
+    for index in reversed(range(len(rows))):
+        row = rows[index]
+        if row["control"] in forgotten or _place(row) in places:
+            del rows[index]
+    for one in learned:
+        rows.append(_table(one))
+    if not len(rows):
+        del midi["learned"]
+    if not len(midi):
+        del document["midi"]
+    return tomlkit.dumps(document)
+
+
+def _place(row: Any) -> tuple[str, int, int]:
+    binding = MidiMapSection.model_validate(row.unwrap()).binding
+    return binding.place
+
+
+def _table(binding: Binding) -> Any:
+    table = tomlkit.table()
+    table[binding.kind] = True if binding.kind in ("bend", "pressure") else binding.number
+    if binding.channel:
+        table["channel"] = binding.channel
+    table["control"] = binding.control
+    if binding.values:
+        values = tomlkit.inline_table()
+        values.update(dict(binding.values))
+        table["values"] = values
+    for name in ("fine", "velocity"):
+        if getattr(binding, name):
+            table[name] = True
+    table.add(tomlkit.nl())
+    return table

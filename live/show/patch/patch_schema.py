@@ -1,0 +1,76 @@
+"""The schema of patches for editors: JSON Schema, made of the very models that read them.
+
+Draft 7 with definitions, as taplo ("Even Better TOML") reads it: with it an editor completes keys, shows what each is
+for, and underlines what is not allowed while it is typed. A file of a show's folder names its schema in a line of its
+own: `#:schema ../patch.schema.json`.
+"""
+
+import ast
+import inspect
+import textwrap
+from itertools import pairwise
+from typing import Any, Final
+
+from pydantic import TypeAdapter
+
+from live.agents.formations.spec import FormationSpec
+from live.show.patch.patch import Patch
+
+DRAFT: Final = "http://json-schema.org/draft-07/schema#"
+
+
+def patch_schema() -> dict[str, Any]:
+    """The schema of a whole patch, or (nothing is needed in a part) of each file of its folder."""
+    found = _plain(Patch.model_json_schema())
+    found["properties"]["formation"]["items"] = _formation()
+    found.pop("required", None)  # show.toml has them, the files beside it have not
+    return {"$schema": DRAFT, **found, "title": "A patch of ChoreoGraphics Live"}
+
+
+def _formation() -> dict[str, Any]:
+    """The keys of a `[[formation]]`, which its own reader checks."""
+    spec: dict[str, Any] = _plain(TypeAdapter(FormationSpec).json_schema())
+    properties = {}
+    for name, told in _docs(FormationSpec).items():
+        field = spec["properties"][name]
+        properties[name] = {"description": told, **{key: field[key] for key in ("default", "enum") if key in field}}
+    return {"type": "object", "properties": properties, "additionalProperties": False, "required": ["name"]}
+
+
+def _docs(cls: type) -> dict[str, str]:
+    """What stands below each field of a dataclass."""
+    body = ast.parse(textwrap.dedent(inspect.getsource(cls))).body[0]
+    assert isinstance(body, ast.ClassDef)
+    found = {}
+    for field, after in pairwise(body.body):
+        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and isinstance(after, ast.Expr):
+            found[field.target.id] = " ".join(str(ast.literal_eval(after.value)).split())
+    return found
+
+
+def _plain(schema: Any) -> Any:
+    """As draft 7 says it, and without null, which TOML does not have."""
+    if isinstance(schema, list):
+        return [_plain(item) for item in schema]
+    if not isinstance(schema, dict):
+        return schema
+    found = {}
+    for key, value in schema.items():
+        if key == "default" and value is None:
+            continue
+        if key == "$ref":
+            value = value.replace("#/$defs/", "#/definitions/")
+        name = {"$defs": "definitions", "prefixItems": "items"}.get(key, key)
+        found[name] = _plain(value)
+    some = found.get("anyOf")
+    if some is not None:
+        some = [item for item in some if item != {"type": "null"}]
+        found["anyOf"] = some
+        if len(some) == 1:
+            del found["anyOf"]
+            found = {**some[0], **found} if "$ref" not in some[0] else {**found, "allOf": some}
+    elif "$ref" in found and len(found) > 1:  # beside a $ref draft 7 reads nothing else
+        found["allOf"] = [{"$ref": found.pop("$ref")}]
+    if isinstance(found.get("title"), str) and "properties" not in found:
+        del found["title"]  # "Beats Per Measure" says no more than the key itself
+    return found

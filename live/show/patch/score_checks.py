@@ -1,0 +1,227 @@
+"""What of a written score cannot be: told before it plays, with the keys that lead there (T015)."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any, Final, Protocol
+
+from live.show.patch.call_response_check import check_answers
+from live.show.patch.cue import CueSection
+from live.show.patch.group import GroupSection
+from live.show.patch.improvise import ImproviseSection
+from live.show.patch.music import ClockSection
+from live.show.patch.partner import PartnerSection
+from live.show.patch.react import ReactSection
+from live.show.patch.score import AtSection, ScoreSection, SignalSection
+from live.show.patch.section_base import Amiss
+from live.show.patch.sequence import SequenceSection
+from live.show.score.section_span import stay_of
+
+
+class Written(Protocol):
+    """What is looked at of a patch."""
+
+    @property
+    def loop_measures(self) -> int | None: ...
+    @property
+    def clock(self) -> ClockSection: ...
+    @property
+    def group(self) -> Sequence[GroupSection]: ...
+    @property
+    def section(self) -> Sequence[ScoreSection]: ...
+    @property
+    def sequence(self) -> Sequence[SequenceSection]: ...
+    @property
+    def improvise(self) -> Sequence[ImproviseSection]: ...
+    @property
+    def at(self) -> Sequence[AtSection]: ...
+    @property
+    def signal(self) -> Sequence[SignalSection]: ...
+    @property
+    def react(self) -> Sequence[ReactSection]: ...
+    @property
+    def cue(self) -> Sequence[CueSection]: ...
+    @property
+    def partner(self) -> Sequence[PartnerSection]: ...
+
+
+UNIT: Final = "unit:"
+"""With this the names of what partners dance begin, in `[[react]]`."""
+PLACED: Final = ("element", "segment", "regroup", "sequence", "improvise", "at", "signal")
+"""Tables whose entries have a measure, and may have a section."""
+OLDER: Final = ("segment", "regroup")
+"""Of these it was never asked that they come before `loop_measures` are over."""
+
+
+def check_score(patch: Written) -> None:
+    """Raise Amiss for the first thing that cannot be."""
+    lengths = _section_lengths(patch)
+    for kind in PLACED:
+        for index, entry in enumerate(getattr(patch, kind)):
+            _check_place(patch, lengths, kind, index, entry)
+    _check_beats(patch)
+    _check_groups(patch)
+    _check_improvised(patch)
+    check_answers(patch)
+    _check_signals(patch)
+    _check_calls(patch, set(lengths))
+
+
+def written_length(patch: Written) -> int | None:
+    """Measures of the whole written score; None if it has no end."""
+    return sum(section.measures for section in patch.section) if patch.section else patch.loop_measures
+
+
+def _section_lengths(patch: Written) -> dict[str, int]:
+    """Measures of each section by its name."""
+    lengths: dict[str, int] = {}
+    for index, section in enumerate(patch.section):
+        name = section.name.casefold()
+        if name in lengths:
+            raise Amiss(f"two sections are called {section.name!r}: give each its own name", "section", index, "name")
+        lengths[name] = section.measures
+    if patch.section and patch.loop_measures is not None:
+        raise Amiss(
+            "loop_measures and [[section]]: leave loop_measures out; after its last section a score begins again",
+            "loop_measures",
+        )
+    for index, section in enumerate(patch.section):
+        if section.then is not None and section.then.casefold() not in (*lengths, "end"):
+            known = ", ".join(["end", *(one.name for one in patch.section)])
+            words = f"no section is called {section.then!r}; there are: {known}"
+            raise Amiss(words, "section", index, "then")
+    return lengths
+
+
+def _check_place(patch: Written, lengths: dict[str, int], kind: str, index: int, entry: Any) -> None:
+    if entry.measure is None:
+        return
+    if entry.section is None:
+        length = written_length(patch)
+        if length is None or int(entry.measure) <= length or (kind in OLDER and not patch.section):
+            return
+        words = f"measure {entry.measure:g}: the score has {length} measures, it would never come"
+        raise Amiss(words, kind, index, "measure")
+    length = lengths.get(entry.section.casefold())
+    if length is None:
+        known = ", ".join(section.name for section in patch.section) or "none: write [[section]]"
+        raise Amiss(f"no section is called {entry.section!r}; there are: {known}", kind, index, "section")
+    if int(entry.measure) > length:
+        words = f"measure {entry.measure:g}: section {entry.section!r} has {length} measures, it would never come"
+        raise Amiss(words, kind, index, "measure")
+
+
+def _check_beats(patch: Written) -> None:
+    beats = patch.clock.beats_per_measure
+    placed: tuple[tuple[str, Sequence[Any]], ...] = (("at", patch.at), ("signal", patch.signal))
+    for kind, entries in placed:
+        for index, entry in enumerate(entries):
+            if entry.beat >= beats + 1:
+                words = (
+                    f"beat {entry.beat:g}: a measure of this show has {beats} beats, so less than {beats + 1} expected"
+                )
+                raise Amiss(words, kind, index, "beat")
+
+
+def _check_groups(patch: Written) -> None:
+    names = {group.name.casefold() for group in patch.group}
+    known = ", ".join(group.name for group in patch.group)
+    placed: tuple[tuple[str, Sequence[Any]], ...] = (("sequence", patch.sequence), ("improvise", patch.improvise))
+    for kind, entries in placed:
+        for index, entry in enumerate(entries):
+            if entry.group != "*" and entry.group.casefold() not in names:
+                raise Amiss(f"no group is called {entry.group!r}; there are: {known}", kind, index, "group")
+    for index, reaction in enumerate(patch.react):
+        if reaction.sets is not None and reaction.group != "*" and reaction.group.casefold() not in names:
+            raise Amiss(f"no group is called {reaction.group!r}; there are: {known}", "react", index, "group")
+    for index, entry in enumerate(patch.improvise):
+        if entry.answers is not None and entry.answers.casefold() not in names:
+            raise Amiss(f"no group is called {entry.answers!r}; there are: {known}", "improvise", index, "answers")
+
+
+def _check_improvised(patch: Written) -> None:
+    """Two improvisations of one group do not overlap, and none goes on after its section."""
+    taken: dict[tuple[int, str], list[tuple[int, float, int]]] = {}
+    for index, entry in enumerate(patch.improvise):
+        stay = stay_of(patch, entry.section, entry.measure, entry.measures)
+        if stay.size is not None and entry.measures is not None and stay.begin + entry.measures > stay.size:
+            last = stay.first + stay.size if entry.section is None else stay.size
+            words = f"measures {entry.measures} from measure {entry.measure} on: its section ends with {last}"
+            raise Amiss(words, "improvise", index, "measures")
+        groups = [group.name.casefold() for group in patch.group] if entry.group == "*" else [entry.group.casefold()]
+        for group in groups:
+            for other_begin, other_end, other in taken.setdefault((stay.section, group), []):
+                if stay.begin < other_end and other_begin < stay.end:
+                    raise Amiss(
+                        f"group {group!r} improvises already there, as improvise {other + 1} says: end one of them "
+                        "with measures, or leave one out",
+                        *("improvise", index, "measure"),
+                    )
+            taken[stay.section, group].append((stay.begin, stay.end, index))
+
+
+def _check_signals(patch: Written) -> None:
+    known = signals_of(patch)
+    calls: dict[str, set[str]] = {}
+    for index, reaction in enumerate(patch.react):
+        if reaction.on is None:
+            continue
+        name = reaction.on.casefold()
+        if name.startswith(UNIT) and name != UNIT:
+            if not patch.partner:
+                raise Amiss(f"{reaction.on!r}: nobody answers a leader: write [[partner]]", "react", index, "on")
+            continue
+        if name not in known:
+            words = (
+                f"no signal is called {reaction.on!r}: name it in a [[signal]]; there are: {', '.join(sorted(known))}"
+            )
+            raise Amiss(words, "react", index, "on")
+        if reaction.call == "/dance/signal" and reaction.when != "measure":
+            given = str(reaction.values[0]).casefold()
+            calls.setdefault(name, set()).add(given)
+            if name in _reached(calls, given):
+                words = f'signal {name!r} would give itself again and again: when = "measure" for one of them'
+                raise Amiss(words, "react", index, "values")
+
+
+def signals_of(patch: Written) -> set[str]:
+    """All signals that somebody may give, by their folded names."""
+    known = {"drop", "build", *(one.name.casefold() for one in patch.signal)}
+    return known | {one.signal.casefold() for one in patch.at if one.signal is not None}
+
+
+def _reached(calls: dict[str, set[str]], name: str) -> set[str]:
+    """The signals that one gives, by way of others too, itself included."""
+    found, more = {name}, [name]
+    while more:
+        new = calls.get(more.pop(), set()) - found
+        found |= new
+        more += new
+    return found
+
+
+def _check_calls(patch: Written, sections: set[str]) -> None:
+    """No call goes to a section that is not there."""
+    for call, values, place in calls_of(patch):
+        if call == "/dance/section" and str(values[0]).casefold() not in sections:
+            known = ", ".join(section.name for section in patch.section) or "none: write [[section]]"
+            raise Amiss(f"no section is called {values[0]!r}; there are: {known}", *place)
+
+
+Called = tuple[str, tuple[Any, ...], tuple[str | int, ...]]
+"""A call: address, values, and the keys that lead to these."""
+
+
+def calls_of(patch: Written) -> Iterator[Called]:
+    """Every call that a patch's score and cues make: address, values, and the keys that lead to these."""
+    for index, at in enumerate(patch.at):
+        if at.call is not None:
+            yield at.call, at.values, ("at", index, "values")
+    for index, reaction in enumerate(patch.react):
+        if reaction.call is not None:
+            yield reaction.call, reaction.values, ("react", index, "values")
+    for index, improvised in enumerate(patch.improvise):
+        for row, item in enumerate(improvised.motion):
+            if item.call is not None:
+                yield item.call, item.values, ("improvise", index, "motion", row, "values")
+    for index, cue in enumerate(patch.cue):
+        for row, call in enumerate(cue.calls):
+            yield str(call[0]), tuple(call[1:]), ("cue", index, "calls", row)

@@ -1,0 +1,153 @@
+"""Claims: who is told two things at once by a score, and calls of steps that are not there; told before it plays."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Final
+
+import numpy as np
+
+from live.base.errors import PersonError, named
+from live.control.events.groups import DefineFormation
+from live.control.registry.registry import REGISTRY
+from live.graph.motion_graph import MotionGraph
+from live.graph.search.wanted import parse_sequence
+from live.show.group.casting import EVERYONE, Casting
+from live.show.patch.patch import Patch
+from live.show.patch.score_checks import Called, calls_of
+from live.show.patch.segment import RegroupSection, SegmentSection
+from live.show.score.score import Score
+from live.show.score.step_names import UnknownStep, find_step, refuse_alone
+
+STEPS_OF: Final = ("/dance/step", "/dance/now")
+"""Controls whose first value is a step ..."""
+SEQUENCES_OF: Final = ("/dance/sequence",)
+"""... and those whose first value are steps with commas between them."""
+
+
+class Claims:
+    """Who is meant by the words of a score, as bits: a bit for each dancer, 0 where that depends on places."""
+
+    def __init__(self, patch: Patch, casting: Casting) -> None:
+        self._casting = casting
+        self._groups = {section.name.casefold(): 1 << index for index, section in enumerate(patch.group)}
+        self._moves = bool(patch.regroup)
+        self._known: dict[str, int] = {}
+        self._somewhere = np.zeros((len(casting.group), 2))
+
+    def bits(self, words: str) -> int:
+        """The dancers that `words` mean wherever they stand. PersonError for words that mean nobody there is."""
+        folded = words.casefold().strip()
+        if folded not in self._known:
+            self._known[folded] = self._meant(words, folded)
+        return self._known[folded]
+
+    def _meant(self, words: str, folded: str) -> int:
+        who = self._casting.select(words, self._somewhere)
+        if self._moves:  # dancers change their groups: of other words than these nobody knows whom they mean when
+            return (1 << len(self._groups)) - 1 if folded in EVERYONE else self._groups.get(folded, 0)
+        if self._casting.means_places(words):
+            return 0
+        return int.from_bytes(np.packbits(who, bitorder="little").tobytes(), "little")
+
+
+def check_segments(segments: Sequence[SegmentSection], score: Score, claims: Claims) -> None:
+    """PersonError for two segments that have the same dancers at the same time: words that mean places are left out."""
+    running: dict[int, list[tuple[int, int, int, int]]] = {}
+    for index, segment in enumerate(segments):
+        place = score.place_of(segment.section, segment.measure)
+        if place is None:
+            continue
+        bits = claims.bits(segment.group)
+        running.setdefault(place[0], []).append((place[1], place[1] + segment.measures, index, bits))
+    for rows in running.values():
+        rows.sort()
+        active: list[tuple[int, int, int, int]] = []
+        for row in rows:
+            active = [other for other in active if other[1] > row[0]]
+            clash = next((other for other in active if other[3] & row[3]), None)
+            if clash is not None:
+                mine, other = segments[row[2]], segments[clash[2]]
+                of = "" if mine.section is None else f" of section {mine.section!r}"
+                until = clash[1] - row[0] + mine.measure - 1  # as the measures of this one are counted
+                where = "" if mine.section == other.section else f" ({written_at(other.section, other.measure)})"
+                raise PersonError(
+                    f"segment {row[2] + 1} begins in measure {mine.measure}{of} with dancers whom segment "
+                    f"{clash[2] + 1}{where} has until the end of measure {until}",
+                    f"measures = {row[0] - clash[0]} for the other one, or another group"
+                    if row[0] > clash[0]
+                    else "leave one of them out, or give it another group",
+                    ("segment", row[2], "measure"),
+                )
+            active.append(row)
+
+
+def written_at(section: str | None, measure: float) -> str:
+    """Where an entry is, as it is written."""
+    return f"measure {measure:g}" + (" of the whole score" if section is None else f" of section {section!r}")
+
+
+def check_regroups(regroups: Iterable[RegroupSection], score: Score, casting: Casting) -> None:
+    """PersonError for a dancer whom two groups claim at one measure."""
+    claimed: dict[tuple[int, int], list[tuple[np.ndarray, str]]] = {}
+    somewhere = np.zeros((len(casting.group), 2))
+    for index, section in enumerate(regroups):
+        place = score.place_of(section.section, section.measure)
+        if place is None or casting.means_places(section.dancers):
+            continue
+        who = casting.select(section.dancers, somewhere)
+        for other, group in claimed.setdefault(place, []):
+            twice = np.flatnonzero(other & who)
+            if len(twice) and group != section.group.casefold():
+                raise PersonError(
+                    f"groups {group!r} and {section.group!r} both claim dancer {int(twice[0]) + 1} in measure "
+                    f"{section.measure}",
+                    "leave the dancer out of one of them",
+                    ("regroup", index, "dancers"),
+                )
+        claimed[place].append((who, section.group.casefold()))
+
+
+def check_calls(patch: Patch, graph: MotionGraph) -> None:
+    """PersonError for a step that the score, the music, a cue or a key of MIDI calls and that is not there."""
+    for called in steps_called(patch):
+        refuse_unknown(graph, called)
+
+
+def refuse_unknown(graph: MotionGraph, called: Called) -> None:
+    """PersonError if a call of `steps_called` names a step that is not there, or connects to no other."""
+    call, values, place = called
+    with named(f"call {call}", place):
+        if call in SEQUENCES_OF:
+            refuse_alone(graph, parse_sequence(str(values[0]), graph.library))
+            return
+        try:
+            find_step(graph, str(values[0]))
+        except UnknownStep as error:
+            raise PersonError(str(error)) from None
+
+
+def steps_called(patch: Patch) -> Iterator[Called]:
+    """The calls of a patch that name steps: see `calls_of`."""
+    for called in calls_of(patch):
+        if called[0] in (*STEPS_OF, *SEQUENCES_OF):
+            yield called
+    for index, line in enumerate(patch.midi.map):
+        name = line.values.get("name" if line.control in STEPS_OF else "steps")
+        if line.control in (*STEPS_OF, *SEQUENCES_OF) and name is not None:
+            yield line.control, (name,), ("midi", "map", index, "values")
+
+
+def check_called(patch: Patch, claims: Claims, find: Callable[[str], object]) -> None:
+    """PersonError for a call of the score or of a cue that names a group or a formation which is not there.
+
+    `find` takes a formation's name or words. Formations that a call of the patch itself defines are there.
+    """
+    texts = [row for row in calls_of(patch) if any(isinstance(value, str) for value in row[1])]  # names are texts
+    made = [(REGISTRY.call(call, values, 0.0, "patch"), call, place) for call, values, place in texts]
+    defined = {event.name.casefold().strip() for event, _, _ in made if isinstance(event, DefineFormation)}
+    for event, call, place in made:
+        group, formation = getattr(event, "group", None), getattr(event, "formation", None)
+        with named(f"call {call}", place):
+            if isinstance(group, str):
+                claims.bits(group)
+            if isinstance(formation, str) and formation.casefold().strip() not in defined:
+                find(formation)

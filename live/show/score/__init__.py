@@ -1,0 +1,1 @@
+"""Sections, sequences, improvisation."""

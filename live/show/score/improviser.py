@@ -1,0 +1,174 @@
+"""Improviser: chooses the steps of one group by weights, by what the music is like, and by what others have danced.
+
+All chance comes of (seed, section, turn, group, measure): the same events give the same dance, live or replayed.
+"""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.motion_graph import NEVER, MotionGraph
+from live.graph.search.sequence_spec import Wanted
+from live.show.score.improvise_table import NOBODY, Table
+from live.show.score.mood import Mood
+from live.show.score.places import Place
+from live.show.score.score import Score
+from live.show.score.step_history import Ledger
+from live.show.score.step_names import in_place, length_of
+
+Nodes = npt.NDArray[np.int32]
+Kept = tuple[int, int, int]
+"""The step that was drawn last, measures of it that are left, and by whose table."""
+Told = tuple[int, tuple[Wanted, ...], int]
+
+SALT: Final = 0x1A9
+"""Keeps this chance apart from that of a group's own steps."""
+
+
+class Improviser:
+    """The choices of one group. To be asked in the order of the measures."""
+
+    def __init__(self, tables: list[Table], usual: Table, score: Score, ledger: Ledger, mood: Mood, *, group: int,
+                 seed: int, graph: MotionGraph) -> None:  # fmt: skip
+        """`usual`: what holds if somebody asks for improvisation where the score has none."""
+        self._tables, self._usual = tables, usual
+        self._score, self._ledger, self._mood, self._group = score, ledger, mood, group
+        self._seed, self._graph = seed, graph
+        self.kept: Kept = (NOBODY, 0, NOBODY)
+        """What must be known to ask for a measure again."""
+        self.asked = False
+        """Whether somebody asks for improvisation, whatever the score has."""
+
+    def take_patch(self, fresh: "Improviser") -> None:
+        """Improvise as another patch says."""
+        self._tables, self._usual = fresh._tables, fresh._usual
+        self._ledger.kept = max(self._ledger.kept, fresh._ledger.kept)
+
+    def take_graph(self, graph: MotionGraph) -> None:
+        """Choose in a graph that has all nodes and steps of the old one."""
+        self._graph = graph
+
+    def _table(self, place: Place) -> int | None:
+        """Which table holds there; the last one is the usual."""
+        for index, table in enumerate(self._tables):
+            within = place.measure >= table.begin and (table.end is None or place.measure < table.end)
+            if within and place.section == table.section:
+                return index
+        if not self.asked:
+            return None
+        return 0 if self._tables else len(self._tables)
+
+    def holds(self, measure: int) -> bool:
+        """Whether the group improvises in `measure`."""
+        return self._table(self._score.place(measure)) is not None
+
+    def note(self, measure: int, step: int, into: int) -> None:
+        """The group dances this in `measure`, whoever wanted it."""
+        self._ledger.note(self._group, measure, step, into)
+
+    def told(self, measure: int, nodes: Nodes, *, stands: bool) -> Told | None:
+        """What the group dances in `measure`, see `Part.told`; None if it does not improvise."""
+        place = self._score.place(measure)
+        index = self._table(place)
+        if index is None:
+            return None
+        table = [*self._tables, self._usual][index]
+        told = self._answer(table, measure, place) if table.caller != NOBODY else None
+        return self._drawn(table, index, place, measure, nodes, stands) if told is None else told
+
+    def _answer(self, table: Table, measure: int, place: Place) -> Told | None:
+        """In every second phrase what the other group danced in the one before, else what is danced while listening."""
+        size = table.asked.phrase
+        if not self._answers(table, place):
+            return None if table.listening is None else self._once(table.listening, measure)
+        if table.asked.answer == "other":
+            return None
+        said = self._ledger.said(table.caller, measure - size)
+        if said is None:
+            return None
+        step, into = said
+        return step, (Wanted(step, length_of(self._graph, step)),), into
+
+    @staticmethod
+    def _answers(table: Table, place: Place) -> bool:
+        return bool((place.measure - table.begin) // table.asked.phrase % 2)
+
+    def _once(self, step: int, measure: int) -> Told:
+        """A step again and again."""
+        length = length_of(self._graph, step)
+        before = self._ledger.said(self._group, measure - 1)
+        into = (before[1] + 1) % length if before is not None and before[0] == step else 0
+        return step, (Wanted(step, length),), into
+
+    # -- chance ------------------------------------------------------------------------------------------------
+
+    def _drawn(self, table: Table, index: int, place: Place, measure: int, nodes: Nodes, stands: bool) -> Told:
+        """The step that was drawn until its measures are over, then the next."""
+        step, left, whose = self.kept
+        last, run = self._run(measure)
+        length = 0 if step == NOBODY else length_of(self._graph, step)
+        if whose != index or last != step or self._ledger.said(self._group, measure - 1) != (step, length - left - 1):
+            left = 0  # something else came in between
+        if left <= 0:
+            if last not in table.steps or run >= table.asked.at_least:
+                last = self._draw(table, place, measure, nodes, stands)
+            step = last
+            left = length = length_of(self._graph, step)
+        self.kept = (step, left - 1, index)
+        return step, (Wanted(step, length),), length - left
+
+    def _run(self, measure: int) -> tuple[int, int]:
+        """The step before `measure`, and how often in a row it has been begun."""
+        said = self._ledger.said(self._group, measure - 1)
+        if said is None:
+            return NOBODY, 0
+        step, run = said[0], 0
+        while said is not None and said[0] == step:
+            run += said[1] == 0
+            measure -= 1
+            said = self._ledger.said(self._group, measure - 1)
+        return step, run
+
+    def _draw(self, table: Table, place: Place, measure: int, nodes: Nodes, stands: bool) -> int:
+        """By weight among the steps that may come now; one that can be reached at once if there is any."""
+        weights = self._weights(table, place, measure)
+        steps = np.array(table.steps)
+        hops = self._graph.hops[steps][:, nodes].max(axis=1, initial=0)
+        possible = weights > 0.0
+        still = possible & np.array([in_place(self._graph, step) for step in table.steps])
+        for good in ([still & (hops <= 1)] if stands else []) + [possible & (hops <= 1), possible & (hops < NEVER)]:
+            if good.any():
+                possible = good
+                break
+        weights = np.where(possible, weights, 0.0)
+        seeds = [self._seed, SALT, place.section + 1, place.turn, self._group, max(place.measure, 0)]
+        if not self._score.playhead.entered(measure):  # held in one measure: it is not drawn the same again and again
+            seeds.append(measure)
+        chance = float(np.random.default_rng(seeds).random())
+        row = int(np.searchsorted(np.cumsum(weights), chance * weights.sum(), side="right"))
+        return int(steps[min(row, len(steps) - 1)])
+
+    def _weights(self, table: Table, place: Place, measure: int) -> npt.NDArray[np.float64]:
+        """What the steps count now: limits first, then what the music favours, as long as something is left."""
+        step, run = self._run(measure)
+        allowed = table.weights.copy()
+        if run >= table.asked.most and step in table.steps:
+            allowed[table.steps.index(step)] = 0.0
+        if not allowed.any():
+            allowed = table.weights.copy()
+        others = allowed.copy()
+        if table.caller != NOBODY and table.asked.answer == "other" and self._answers(table, place):
+            size = table.asked.phrase
+            called = measure - (place.measure - table.begin) % size - size
+            phrase = (self._ledger.said(table.caller, m) for m in range(called, called + size))
+            danced = {said[0] for said in phrase if said is not None}
+            others[[step in danced for step in table.steps]] = 0.0
+        if not others.any():
+            others = allowed
+        favoured = others.copy()
+        for rule, factors in zip(table.asked.rule, table.factors, strict=True):
+            value = self._mood.of(rule.of)
+            if (rule.above is None or value >= rule.above) and (rule.below is None or value <= rule.below):
+                favoured *= factors
+        return favoured if favoured.any() else others

@@ -1,0 +1,177 @@
+"""The discretised timeline of a patch: boxes over measures for sections, signals, steps, motion and calls (T015)."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Final, Literal
+
+import numpy as np
+
+from live.show.core import Show
+from live.show.patch.score_checks import written_length
+from live.show.patch.segment import SegmentSection
+from live.show.score.places import END
+
+USUAL: Final = 16
+"""Measures that are drawn of a score which has nothing at any measure."""
+MOST: Final = 20_000
+"""Measures that are drawn at most."""
+Kind = Literal["section", "signal", "sequence", "improvised", "own", "segment", "element", "regroup", "call"]
+NOBODY: Final = np.zeros(0, np.int32)
+
+
+@dataclass(frozen=True, slots=True)
+class Box:
+    """Something over some measures of the written score."""
+
+    first: int
+    """From 0."""
+    last: int
+    words: str
+    kind: Kind
+
+
+@dataclass(frozen=True, slots=True)
+class Track:
+    """A row of boxes."""
+
+    name: str
+    boxes: tuple[Box, ...]
+    group: int = -1
+    """The group whose row it is; -1 for none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sheet:
+    """A whole score as it is written, every section once."""
+
+    title: str
+    measures: int
+    tracks: tuple[Track, ...]
+
+    def as_json(self) -> dict[str, Any]:
+        """For programs; measures count from 1."""
+        return {
+            "title": self.title,
+            "measures": self.measures,
+            "tracks": [
+                {
+                    "name": track.name,
+                    "boxes": [
+                        {"first": box.first + 1, "last": box.last + 1, "kind": box.kind, "words": box.words}
+                        for box in track.boxes
+                    ],
+                }
+                for track in self.tracks
+            ],
+        }
+
+
+def sheet_of(show: Show) -> Sheet:
+    """The score of a fresh show; the show is used up. What chance chooses is as it would be if all is reachable."""
+    length = min(_length(show), MOST)
+    show.playhead.loop((0, length - 1))
+    steps, others = _steps(show, length)
+    patch = show.patch
+    tracks = [Track("section", _sections(show, length)), Track("signals", tuple(others["signals"]))]
+    tracks += [
+        Track(section.name, tuple(boxes), index)
+        for index, (section, boxes) in enumerate(zip(patch.group, steps, strict=True))
+    ]
+    tracks += [Track(name, tuple(others[name])) for name in ("motion", "calls")]
+    kept = [track for track in tracks if track.boxes]
+    return Sheet(patch.name, length, tuple(kept))
+
+
+def _length(show: Show) -> int:
+    """Measures of the written score; where it has no end, until the last entry is over."""
+    length = written_length(show.patch)
+    if length is not None:
+        return length
+    last = USUAL
+    patch = show.patch
+    placed: tuple[Iterable[Any], ...] = (patch.element, patch.segment, patch.regroup, patch.sequence, patch.at,
+                                         patch.signal, patch.improvise)  # fmt: skip
+    for entries in placed:
+        for entry in entries:
+            if entry.measure is not None:
+                last = max(last, int(entry.measure - 1 + (getattr(entry, "measures", None) or 1)))
+    return last
+
+
+def _sections(show: Show, length: int) -> tuple[Box, ...]:
+    boxes, first = [], 0
+    for section in show.patch.section:
+        again = f"x{section.repeat}" if section.repeat > 1 else ""
+        if section.wait or not section.repeat:  # GO leads out of it only if the cue that stands by leads elsewhere
+            again = "until advance"
+        after = f"then {section.then}" if section.then is not None else ""
+        words = ", ".join(word for word in (section.name, again, after) if word)
+        boxes.append(Box(first, first + section.measures - 1, words, "section"))
+        first += section.measures
+    return tuple(boxes) or (Box(0, length - 1, show.patch.name, "section"),)
+
+
+def _steps(show: Show, length: int) -> tuple[list[list[Box]], dict[str, list[Box]]]:
+    """What each group dances, and what else there is, measure after measure."""
+    steps: list[list[Box]] = [[] for _ in show.patch.group]
+    others: dict[str, list[Box]] = {"signals": [], "motion": [], "calls": []}
+    for measure in range(length):
+        show.playhead.cross(measure)
+        for index in show.scheduler.order:
+            programme = show.scheduler.programmes[index]
+            step = programme.wanted(measure, NOBODY)
+            name = "*" if step < 0 else show.graph.library.steps[step]
+            kind = programme.part_kind(measure)
+            row = steps[index]
+            if row and row[-1].words == name and row[-1].kind == kind and _same_section(show, measure):
+                row[-1] = Box(row[-1].first, measure, name, kind)
+            else:
+                row.append(Box(measure, measure, name, kind))
+        _others(show, measure, length, others)
+    return steps, others
+
+
+def _same_section(show: Show, measure: int) -> bool:
+    before, now = show.playhead.place(measure - 1), show.playhead.place(measure)
+    return before.section == now.section != END
+
+
+def _others(show: Show, measure: int, length: int, rows: dict[str, list[Box]]) -> None:
+    score, beats = show.prompter.score, show.patch.clock.beats_per_measure
+    for signal in score.signals(measure):
+        rows["signals"].append(Box(measure, measure, _at(signal.name, signal.beat), "signal"))
+    for segment in score.segments(measure):
+        rows["motion"].append(
+            Box(measure, min(measure + segment.measures, length) - 1, _segment_words(segment), "segment")
+        )
+    for element in score.elements(measure):
+        beat = (element.measure - int(element.measure)) * beats + 1.0
+        last = int(np.ceil(element.measure - int(element.measure) + element.measures)) + measure - 1
+        words = _at(element.kind + _for(element.group), beat)
+        rows["motion"].append(Box(measure, min(last, length - 1), words, "element"))
+    for regroup in score.regroups(measure):
+        rows["motion"].append(Box(measure, measure, f"{regroup.dancers} to {regroup.group}", "regroup"))
+    for call in score.calls(measure):
+        if call.signal is not None:
+            rows["signals"].append(Box(measure, measure, _at(call.signal, call.beat), "signal"))
+        else:
+            said = call.call or f"scene {call.scene}"
+            words = " ".join([said.removeprefix("/dance/"), *(_value(value) for value in call.values)])
+            rows["calls"].append(Box(measure, measure, _at(words, call.beat), "call"))
+
+
+def _segment_words(segment: SegmentSection) -> str:
+    what = segment.formation if segment.formation is not None else "travel" if segment.path is not None else "pause"
+    return ("hold " if segment.hold else "") + what + _for(segment.group)
+
+
+def _for(group: str) -> str:
+    return "" if group.strip() in ("", "*") else f" ({group})"
+
+
+def _value(value: str | float | bool) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _at(words: str, beat: float) -> str:
+    return words if beat == 1.0 else f"{words} @{beat:g}"

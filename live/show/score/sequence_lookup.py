@@ -1,0 +1,132 @@
+"""Sequences: which step the score has for a group in which measure of a section, found at once (T009)."""
+
+from bisect import bisect_right
+from dataclasses import dataclass
+from itertools import accumulate, pairwise
+
+from live.base.errors import PersonError, named
+from live.graph.motion_graph import MotionGraph
+from live.graph.search.sequence_spec import Wanted
+from live.graph.search.wanted import parse_sequence
+from live.show.patch.sequence import SequenceSection
+from live.show.score.score import Score
+from live.show.score.step_names import refuse_alone
+
+
+@dataclass(frozen=True, slots=True)
+class Sequence:
+    """One sequence of the score for one group."""
+
+    begin: int
+    """Its first measure within its section, from 0."""
+    end: int
+    """The measure after its last."""
+    entries: tuple[Wanted, ...]
+    """Its steps in order, danced once."""
+    ends: tuple[int, ...]
+    """Measures danced when each of them is over."""
+    index: int
+    """Which `[[sequence]]` of the patch it is, from 0."""
+
+    def at(self, measure: int) -> tuple[int, int]:
+        """Which entry `measure` of the section belongs to, and how many measures of that are over."""
+        into = (measure - self.begin) % self.ends[-1]
+        index = bisect_right(self.ends, into)
+        return index, into - (self.ends[index - 1] if index else 0)
+
+
+class Sequences:
+    """The sequences in order of one group: `choose = "random"` is improvised instead."""
+
+    def __init__(
+        self,
+        sections: list[tuple[int, SequenceSection]],
+        score: Score,
+        graph: MotionGraph,
+        made: dict[int, tuple[int, Sequence]] | None = None,
+    ) -> None:
+        """`sections` with their places in the patch; `made`: what another group's have made of them already, by
+        these places, with their sections. PersonError for a step that is not there or does not end with its
+        sequence, and for sequences that overlap or go on after their section."""
+        self._of: dict[int, list[Sequence]] = {}
+        known: dict[tuple[str, ...], tuple[Wanted, ...]] = {}
+        made = {} if made is None else made
+        for index, section in sections:
+            if index in made:
+                self._of.setdefault(made[index][0], []).append(made[index][1])
+                continue
+            place = score.place_of(section.section, section.measure)
+            if place is None:
+                continue
+            where = where_of(section.section, section.measure, "sequence")
+            if section.steps not in known:
+                with named(where, ("sequence", index, "steps")):
+                    known[section.steps] = tuple(parse_sequence(", ".join(section.steps), graph.library))
+                    refuse_alone(graph, known[section.steps])
+            with named(where, ("sequence", index, "measures")):
+                sequence = _sequence(known[section.steps], section, place[1], graph, index)
+                size = score.playhead.stretches[place[0]].measures
+                if size is not None and sequence.end > size:
+                    before = section.measure - 1 - place[1]  # of its section, where it counts those of the whole score
+                    its = f"its section {'ends with' if before else 'has'} {before + size}"
+                    raise PersonError(
+                        f"it goes on to measure {before + sequence.end}, and {its}", f"measures = {size - place[1]}"
+                    )
+            made[index] = place[0], sequence
+            self._of.setdefault(place[0], []).append(sequence)
+        for sequences in self._of.values():
+            sequences.sort(key=lambda sequence: sequence.begin)
+            _refuse_overlaps(sequences, dict(sections))
+        self._begins = {index: [one.begin for one in sequences] for index, sequences in self._of.items()}
+
+    def __bool__(self) -> bool:
+        return bool(self._of)
+
+    def at(self, section: int, measure: int) -> Sequence | None:
+        """The sequence that has `measure` (from 0) of a section, None if there is none."""
+        sequences = self._of.get(section)
+        if sequences is None:
+            return None
+        index = bisect_right(self._begins[section], measure) - 1
+        return sequences[index] if index >= 0 and measure < sequences[index].end else None
+
+
+def where_of(section: str | None, measure: float, what: str) -> str:
+    """Where an entry of the score stands, in words."""
+    return f"{what} in measure {measure:g}" + ("" if section is None else f" of section {section!r}")
+
+
+def _sequence(
+    entries: tuple[Wanted, ...], section: SequenceSection, begin: int, graph: MotionGraph, number: int
+) -> Sequence:
+    ends = tuple(accumulate(entry.measures for entry in entries))
+    measures = ends[-1] if section.measures is None else section.measures
+    rest = measures % ends[-1]
+    if rest and rest not in ends:
+        index = bisect_right(ends, rest)
+        gap = rest - (ends[index - 1] if index else 0)
+        entry = entries[index]
+        name = "*" if entry.step is None else graph.library.steps[entry.step]
+        raise PersonError(
+            f"step {name!r} has {entry.measures} measures, and only {gap} of the {measures} are left for it",
+            f"measures = {measures - gap} or {measures - gap + entry.measures}, or other steps",
+        )
+    return Sequence(begin, begin + measures, entries, ends, number)
+
+
+def _refuse_overlaps(sequences: list[Sequence], written: dict[int, SequenceSection]) -> None:
+    """PersonError if two of one group's, in order of their measures, are danced at once."""
+    for before, after in pairwise(sequences):
+        if after.begin < before.end:
+            entry, other = written[after.index], written[before.index]
+            where = "" if entry.section == other.section else f" ({where_of(other.section, other.measure, 'it is')})"
+            of = "" if entry.section is None else f" of section {entry.section!r}"
+            last = before.end - after.begin + entry.measure - 1  # as the measures of this one are counted
+            raise PersonError(
+                f"sequence {after.index + 1} begins in measure {entry.measure}{of}, and sequence {before.index + 1}"
+                f"{where} of the same group lasts until the end of measure {last}",
+                f"measures = {after.begin - before.begin} for that one"
+                if after.begin > before.begin
+                else "leave one out",
+                ("sequence", after.index, "measure"),
+            )

@@ -1,0 +1,1 @@
+"""Choice of every next step."""

@@ -1,0 +1,118 @@
+"""Choices: why each dancer got the measure she got, in arrays: chosen and runner-up, scores by term, prediction, error.
+
+Nothing here costs a frame anything but a few copies a measure; words are made only for whom somebody asks about.
+"""
+
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.select.selector import TERMS, Choosing
+from live.graph.takes import NO_TAKE
+
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+BEHIND_M: Final = 0.4
+"""A dancer who ends so far from where she was sent [m] ..."""
+BEHIND_MEASURES: Final = 3
+"""... for so many measures in a row is behind: her steps do not go where they are sent (T075)."""
+
+
+class Choices:
+    """What was chosen for A dancers the last time, and how it went the time before."""
+
+    def __init__(self, count: int) -> None:
+        self.edge: Int32 = np.full((count, 2), -1, np.int32)
+        """Edge of the graph, chosen and runner-up, -1 for none, shape (A, 2)."""
+        self.candidate: Int32 = np.full((count, 2), -1, np.int32)
+        """Row of the candidates, likewise."""
+        self.terms: Float64 = np.zeros((count, 2, len(TERMS)))
+        """What each of TERMS costs them, shape (A, 2, 5)."""
+        self.end: Float64 = np.zeros((count, 4))
+        """Where the chosen one ends, not corrected: x, z [m], turn [rad], what is left of the heading, (A, 4)."""
+        self.node: Int32 = np.full((count, 2), -1, np.int32)
+        """Nodes, chosen and runner-up, shape (A, 2)."""
+        self.stand: Float64 = np.zeros((count, 2))
+        """Where the measure begins [m], shape (A, 2)."""
+        self.heading: Float64 = np.zeros(count)
+        """The heading there [rad], shape (A,)."""
+        self.step: Int32 = np.full(count, -1, np.int32)
+        """The step that was wanted, -1 for any, shape (A,)."""
+        self.wish: Float64 = np.zeros((count, 2))
+        """Where each dancer should be at the measure's end if steps went any way, [m], shape (A, 2)."""
+        self.target: Float64 = np.zeros((count, 2))
+        """The predicted agent: as much of that as the wanted step reaches [m], shape (A, 2)."""
+        self.error: Float64 = np.zeros(count)
+        """How far from the predicted agent the measure before ended [m], shape (A,)."""
+        self.lag: Float64 = np.zeros(count)
+        """How far from the wish it ended [m], shape (A,)."""
+        self.behind: Int32 = np.zeros(count, np.int32)
+        """For how many measures in a row she has ended farther than BEHIND_M from the wish, shape (A,)."""
+        self._decided = False
+
+    @property
+    def out(self) -> tuple[Int32, Int32, Float64, Float64]:
+        """What the choice writes."""
+        return self.edge, self.candidate, self.terms, self.end
+
+    def begin(self, stand: Float64, heading: Float64, there: npt.NDArray[np.bool_]) -> None:
+        """A choice begins: the measure before will end at `stand` (A, 2) [m], `heading` (A,), for those `there`."""
+        if self._decided:
+            self.error[:] = np.hypot(*(self.target - stand).T) * there
+            self.lag[:] = np.hypot(*(self.wish - stand).T) * there
+            self.behind[:] = np.where(self.lag > BEHIND_M, self.behind + 1, 0)
+        self.stand[:], self.heading[:] = stand, heading
+        self._decided = True
+
+    # -- in words ----------------------------------------------------------------------------------------------
+
+    def why(self, dancer: int, choosing: Choosing) -> dict[str, Any]:
+        """All there is to say of a dancer's next (or present) measure, for people and for JSON."""
+        library = choosing.graph.library
+        rows = {}
+        for rank, word in enumerate(("chosen", "runner_up")):
+            node = int(self.node[dancer, rank])
+            rows[word] = None if node < 0 else self._told(dancer, rank, choosing)
+        step = int(self.step[dancer])
+        return {
+            "dancer": dancer + 1,
+            "wanted": "any" if step < 0 else library.steps[step],
+            **rows,
+            "stands": _rounded(self.stand[dancer]),
+            "wish": _rounded(self.wish[dancer]),
+            "prediction": _rounded(self.target[dancer]),
+            "error_m": round(float(self.error[dancer]), 3),
+            "lag_m": round(float(self.lag[dancer]), 3),
+        }
+
+    def _told(self, dancer: int, rank: int, choosing: Choosing) -> dict[str, Any]:
+        library, candidates = choosing.graph.library, choosing.candidates
+        row = int(self.candidate[dancer, rank])
+        take = int(candidates.take[row])
+        scores = self.terms[dancer, rank]
+        mixed = {} if take == NO_TAKE else {"with": library.describe(take), "share": float(candidates.share[row])}
+        return {
+            "clip": library.describe(int(self.node[dancer, rank])),
+            **mixed,
+            "score": round(float(scores.sum()), 4),
+            **{name.replace(" ", "_"): round(float(v), 4) for name, v in zip(TERMS, scores, strict=True)},
+        }
+
+
+def why_in_words(told: dict[str, Any]) -> tuple[str, ...]:
+    """The same as lines for the overlay."""
+    lines = [f"dancer {told['dancer']}: {told['wanted']}, {told['error_m']:.2f} m off, {told['lag_m']:.2f} m behind"]
+    for word in ("chosen", "runner_up"):
+        row = told[word]
+        if row is None:
+            continue
+        mixed = f" + {row['share']:.0%} {row['with']}" if "with" in row else ""
+        terms = "  ".join(f"{name} {row[name.replace(' ', '_')]:.2f}" for name in TERMS)
+        lines.append(f"{word.replace('_', '-')}: {row['clip']}{mixed}  {row['score']:.2f}: {terms}")
+    return tuple(lines)
+
+
+def _rounded(values: Float64) -> list[float]:
+    return [round(float(v), 3) for v in values]

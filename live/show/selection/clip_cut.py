@@ -1,0 +1,171 @@
+"""Cutting: dancers leave their clips for others within the measure, at the same phase, and nobody sees a jump.
+
+The clip is chosen by the body: by pose and speed at this phase of the measure (graph/moments). It is laid where the
+dancer stands, on the feet that carry before and after; what still differs fades (motion/inertia). The beat stays,
+because the phase does; at the next line the measure goes on as usual, along the edges of the graph.
+"""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.clock.ticks import TICK
+from live.clock.timeline import Timeline
+from live.graph.build.transition import clouds
+from live.graph.build.weights import joint_weights
+from live.graph.moments import body_features
+from live.graph.select.placing import joined, turn_vectors, wrapped
+from live.motion.editing.feet import ANKLES, BALLS
+from live.motion.pose.legs_kernels import HELD
+from live.motion.pose.pose_pipeline import PoseSkeleton
+from live.show.dancers.dancers import Dancers
+from live.show.dancers.measure_state import Danced
+from live.show.measure_span import MeasureSpan
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Bool = npt.NDArray[np.bool_]
+
+PLANTED: Final = 2.0
+"""How much a foot that carries before and after a cut counts where the new clip is laid; all joints together: 1."""
+ASTRAY: Final = 0.15
+"""Such feet pull the new clip this far [m] from where the whole body would have it at most."""
+LATER: Final = 0.1
+"""A later measure of a step must be so much nearer to the body [m] than its first one."""
+WRONG_SIDE: Final = 1.0
+"""... and a mirror image that the group does not want so much."""
+AFTER = np.array([1.0, 0.6, 0.8, 20.0])
+"""What follows a cut: a metre² off the place, a rad² off the heading, a metre between poses, another step."""
+
+
+class Moment:
+    """The dancers `rows` (n,) at one moment, before anything is changed: what they do, and how they move."""
+
+    def __init__(self, dancers: Dancers, rows: Int32, span: MeasureSpan, timeline: Timeline, time: float) -> None:
+        self.rows, self.time, self.dt = rows, time, TICK
+        self.fraction = span.fraction(timeline.beat_at(time))
+        self.other, later = (span.fraction(timeline.beat_at(time + dt)) for dt in (-TICK, TICK))
+        if self.fraction - self.other < 0.9 * (later - self.fraction):  # the measure has just begun
+            self.dt, self.other = -TICK, later
+        self.body = self.look(dancers)
+        """World positions (2, n, J, 3) and rotations (2, n, J, 4) now and `dt` [s] before."""
+        which, phase = dancers.whose(self.fraction)
+        self.which, self.phase = which[rows], phase[rows]
+        self.held = dancers.lock.state[rows, :, HELD] > 0.0
+        per_measure = 1.0 / (self.fraction - self.other) if self.fraction != self.other else 0.0
+        now = self.body[0][0].astype(np.float64)
+        self.feature, self.hips, self.facing = body_features(now, (now - self.body[0][1]) * per_measure, self.held)
+
+    def look(self, dancers: Dancers) -> tuple[Float32, Float32]:
+        """The bodies now and `dt` before, as the dancers dance now."""
+        now = dancers.unmended(self.rows, self.fraction, self.time)
+        then = dancers.unmended(self.rows, self.other, self.time - self.dt)
+        return np.stack([now[0], then[0]]), np.stack([now[1], then[1]])
+
+
+class Cutting:
+    """Cuts of A dancers; deterministic. `cuts` counts them."""
+
+    def __init__(self, dancers: Dancers) -> None:
+        self._dancers = dancers
+        self._joints = joint_weights()
+        self._parents = PoseSkeleton.whole().parents
+        self.cuts = 0
+        """How often a dancer has left her clip, since the start."""
+
+    def candidates(self, step: int | None = None) -> Int32:
+        """The nodes that may be entered at any moment: alive, and of `step` if one is given, (C,)."""
+        graph = self._dancers.graph
+        chosen = graph.alive if step is None else graph.alive & (graph.library.node_step == step)
+        return np.flatnonzero(chosen).astype(np.int32)
+
+    def distances(self, moment: Moment, nodes: Int32) -> Float64:
+        """How far the bodies are from each of `nodes` (C,) at their phase [m], (n, C): what a cut has to hide."""
+        library = self._dancers.graph.library
+        away = self._dancers.graph.moments.distance(moment.feature.astype(np.float32), moment.phase, nodes)
+        away += LATER * (library.node_measure[nodes] > 0)
+        sides = self._dancers.variation.sides[moment.rows]
+        return np.asarray(away + WRONG_SIDE * (sides[:, None] * library.node_side[nodes] < 0))
+
+    def cut(self, moment: Moment, node: Int32, step: int | None = None) -> None:
+        """Each of the dancers goes on in `node` (n,) at her phase, from now on; what is decided of her next measures
+        follows in `step`, or (None) in the step that was decided."""
+        dancers, rows = self._dancers, moment.rows
+        placement = self._laid(moment, node)
+        for which, danced in enumerate(dancers.measures()):
+            own = moment.which == which
+            danced.leap(rows[own], node[own], placement[own])
+        dancers.inertia.forget(rows)
+        self._go_on(moment, step)
+        after = moment.look(dancers)
+        dancers.inertia.begin(rows, moment.body, after, self._parents, time=moment.time, dt=moment.dt)
+        dancers.inertia.place(moment.time)
+        way = (moment.body[0][0] - after[0][0])[:, list(ANKLES)][..., (0, 2)]
+        dancers.landing.begin(rows, np.hypot(way[..., 0], way[..., 1]))
+        self.cuts += len(rows)
+
+    def _laid(self, moment: Moment, node: Int32) -> Float64:
+        """Where the clips of `node` (n,) must lie so that they meet the bodies at their phase, (n, 3).
+
+        Turned as the whole body is (K001), moved as the feet are that carry in both clips, if any do.
+        """
+        library = self._dancers.graph.library
+        first = library.node_first[node]
+        sample = first + moment.phase * (library.node_last[node] - first)
+        own, new = moment.body[0][0].astype(np.float64), clouds(library, sample[:, None])[:, 0]
+        planted = moment.held & library.clip_contact[np.rint(sample).astype(np.int64)]
+        weight = np.tile(self._joints, (len(node), 1))
+        for joints in (ANKLES, BALLS):
+            weight[:, list(joints)] += 0.5 * PLANTED * planted
+        p, q = own[..., 0] + 1j * own[..., 2], new[..., 0] + 1j * new[..., 2]
+        total = weight.sum(1)
+        p_mean, q_mean = (weight * p).sum(1) / total, (weight * q).sum(1) / total
+        turn = (weight * np.conj(q - q_mean[:, None]) * (p - p_mean[:, None])).sum(1)
+        turn /= np.maximum(np.abs(turn), 1e-12)  # exp(-i yaw)
+        shift = p_mean - turn * q_mean
+        feet = [*ANKLES, *BALLS]
+        stands = np.concatenate([planted, planted], axis=1)
+        count = stands.sum(1)
+        exact = ((p - turn[:, None] * q)[:, feet] * stands).sum(1) / np.maximum(count, 1)
+        pull = np.where(count > 0, exact - shift, 0.0)
+        shift += pull * np.minimum(1.0, ASTRAY / np.maximum(np.abs(pull), 1e-9))
+        return np.column_stack([shift.real, shift.imag, -np.angle(turn)])
+
+    def _go_on(self, moment: Moment, step: int | None) -> None:
+        """Measures after those that were left, where they are decided already, follow along the graph's edges."""
+        measures = self._dancers.measures()
+        for which in (0, 1):
+            own, then = measures[which], measures[which + 1]
+            rows = moment.rows[(moment.which <= which)]
+            rows = rows[then.node[rows] >= 0]
+            if len(rows):
+                planned = self._dancers.graph.library.node_step[then.node[rows]]
+                self.follow(rows, own, then, step=planned if step is None else np.full_like(planned, step))
+
+    def follow(self, rows: Int32, own: Danced, then: Danced, *, step: Int32, target: Float64 | None = None) -> None:
+        """What the dancers `rows` (n,) dance after the measure `own`: along the graph's edges into `then`.
+
+        As near as may be to `step` (n,), to `target` (n, 2) [m] and to what `then` holds until now.
+        """
+        graph = self._dancers.graph
+        old_end, old_heading = then.end_position()[rows], then.end_heading()[rows]
+        wanted = old_end if target is None else target
+        axes, node = own.end_placement()[rows], own.node[rows]
+        start, stop = graph.edge_start[node], graph.edge_start[node + 1]
+        most = int((stop - start).max(initial=0))
+        if not most:
+            return
+        edge = np.minimum(start[:, None] + np.arange(most), np.maximum(stop - 1, 0)[:, None])
+        placement = joined(np.repeat(axes, most, axis=0), graph.edge_transform[edge.reshape(-1)])
+        after = graph.edge_target[edge]
+        end = placement[:, :2] + turn_vectors(graph.node_end[after.reshape(-1)], placement[:, 2])
+        off = np.hypot(*(end.reshape(len(rows), most, 2) - wanted[:, None]).T).T
+        facing = placement[:, 2] + graph.node_facing[after.reshape(-1)]
+        turned = wrapped(facing.reshape(len(rows), most) - old_heading[:, None])
+        cost = AFTER[0] * off**2 + AFTER[1] * turned**2 + AFTER[2] * graph.edge_cost[edge]
+        cost += AFTER[3] * ((step >= 0)[:, None] & (graph.library.node_step[after] != step[:, None]))
+        best = np.argmin(cost, axis=1)
+        place = placement.reshape(len(rows), most, 3)[np.arange(len(rows)), best]
+        then.leap(rows, after[np.arange(len(rows)), best], np.ascontiguousarray(place))

@@ -1,0 +1,139 @@
+"""Interrupts: what acts within the measure, at once: cues "now", and collisions that no planning has prevented.
+
+A cue waits for the next half beat, so that the change is seen on it. Whoever would be met within a moment, by
+another dancer or by somebody real, leaves her step at once for one that goes away or stands; collision safety always
+wins. Both are cuts (`show/cutting.py`), after which the measure goes on as usual.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.entrances.entrances import ON
+from live.clock.timeline import Timeline
+from live.control.events.events import StepNow
+from live.show.dancers.avoiding import Avoiding
+from live.show.dancers.dancers import Dancers
+from live.show.group.group_motion import GroupMotion
+from live.show.measure_span import MeasureSpan
+from live.show.patch.patch import Patch
+from live.show.score.step_names import find_step
+from live.show.selection.clip_cut import Cutting, Moment
+from live.show.selection.scheduler import Scheduler
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Bool = npt.NDArray[np.bool_]
+
+PLANNED: Final = 2.0
+"""Beats before the line from which on the next measure may be planned already."""
+NOTHING: Final = -1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Cue:
+    """A step that dancers `who` (A,) should be in from the next half beat on, and for whole `measures` more."""
+
+    step: int
+    who: Bool
+    measures: int
+    groups: tuple[int, ...]
+    """Groups that are meant whole: their programmes go on with the step."""
+
+
+class Interrupts:
+    """The interrupts of one show. Call `cue` for events and `tick` once a tick, after the planning."""
+
+    def __init__(self, patch: Patch, dancers: Dancers, motion: GroupMotion, scheduler: Scheduler) -> None:
+        count = len(motion.casting.group)
+        self._dancers, self._motion, self._scheduler = dancers, motion, scheduler
+        self.cutting = Cutting(dancers)
+        self._cues: list[_Cue] = []
+        self._half: tuple[int, int] | None = None
+        self._decided = False
+        self._step: Int32 = np.full(count, NOTHING, np.int32)  # what must follow a cut that the plan did not know of
+        self._unplanned: Bool = np.zeros(count, np.bool_)
+        self._avoiding = Avoiding(dancers, motion, self._sent, self.cutting, self._cut)
+        self.cues = 0
+        """How many cues have acted."""
+
+    @property
+    def avoided(self) -> int:
+        """How often a dancer has left her step because of a collision."""
+        return self._avoiding.count
+
+    def _sent(self) -> Float64:
+        """Where everybody should end the present measure, (A, 2) [m]."""
+        return self._scheduler.carrying.predicted
+
+    def cue(self, event: StepNow) -> None:
+        """Take up a cue; UnknownStep for a step that is not there, PersonError for words that mean nobody."""
+        step = find_step(self._dancers.graph, event.name)
+        casting = self._motion.casting
+        who = casting.select(event.group, self._motion.state.position)
+        groups = tuple(index for index in range(len(casting.names)) if who[casting.group == index].all())
+        self._cues.append(_Cue(step, who, math.ceil(event.measures), groups))
+
+    def figures(self) -> dict[str, int]:
+        """For the status: cues that have acted, dancers who left their step for one, and because of a collision."""
+        return {"cues": self.cues, "cut": self.cutting.cuts - self.avoided, "avoided": self.avoided}
+
+    def clear(self) -> None:
+        """Forget cues that have not acted yet."""
+        self._cues.clear()
+
+    def tick(self, span: MeasureSpan, timeline: Timeline, time: float) -> None:
+        """Cut whoever must leave her step at the tick at `time` [s]."""
+        self._dancers.inertia.place(time)  # a picture drawn since the last tick has left another time's ages
+        if self._decided and self._dancers.decided and self._unplanned.any():
+            self._go_on()  # the tick of the decision has enough to do
+        self._decided = self._dancers.decided
+        half = span.number, math.floor(2.0 * timeline.beats_per_measure * span.fraction(timeline.beat_at(time)) + 1e-9)
+        if half != self._half:
+            self._half = half
+            for cue in self._cues:
+                self._act(cue, span, timeline, time)
+            self._cues.clear()
+        self._avoiding.tick(span, timeline, time)
+
+    # -- cues ----------------------------------------------------------------------------------------------------
+
+    def _act(self, cue: _Cue, span: MeasureSpan, timeline: Timeline, time: float) -> None:
+        self.cues += 1
+        planned = self._dancers.decided or span.end - timeline.beat_at(time) <= PLANNED
+        measures = cue.measures - planned
+        for index in cue.groups:
+            if measures > 0:
+                self._scheduler.programmes[index].call(cue.step, measures=measures)
+        rows = np.flatnonzero(cue.who & self._here).astype(np.int32)
+        if not len(rows):
+            return
+        moment = Moment(self._dancers, rows, span, timeline, time)
+        nodes = self.cutting.candidates(cue.step)
+        best = np.argmin(self.cutting.distances(moment, nodes), axis=1)
+        self._cut(moment, nodes[best], span, timeline, step=cue.step if cue.measures else None)
+
+    @property
+    def _here(self) -> Bool:
+        """Who dances on the stage, shape (A,): those who come and go are left alone."""
+        return np.asarray(self._motion.entrances.state == ON)
+
+    def _cut(
+        self, moment: Moment, node: Int32, span: MeasureSpan, timeline: Timeline, *, step: int | None = None
+    ) -> None:
+        """Cut, and see to what follows: at once, or, while the next measure is being planned, when that is done."""
+        self.cutting.cut(moment, node, step)
+        if not self._dancers.decided and span.end - timeline.beat_at(moment.time) <= PLANNED:
+            self._step[moment.rows], self._unplanned[moment.rows] = NOTHING if step is None else step, True
+
+    def _go_on(self) -> None:
+        """Choose anew what follows for those whose plan did not know of their cut."""
+        dancers, rows = self._dancers, np.flatnonzero(self._unplanned).astype(np.int32)
+        planned = dancers.graph.library.node_step[dancers.coming.node[rows]]
+        step = np.where(self._step[rows] == NOTHING, planned, self._step[rows]).astype(np.int32)
+        self.cutting.follow(rows, dancers.present, dancers.coming, step=step)
+        self._unplanned[:], self._step[:] = False, NOTHING

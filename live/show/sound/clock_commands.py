@@ -1,0 +1,103 @@
+"""What events of the clock tell the follower."""
+
+import math
+from typing import Final
+
+from live.clock.follower.seed import Seed
+from live.clock.follower.timeline_follower import TimelineFollower
+from live.control.events import events
+from live.control.events.events import ControlEvent
+from live.show.patch.patch import Patch
+
+CLOCK_EVENTS: Final = (
+    events.BeatHeard, events.SourceChanged, events.Tap, events.One, events.SetTempo, events.Nudge, events.ShiftBeats,
+    events.ScaleTempo, events.HoldTempo, events.SetMetre, events.CountIn, events.ChooseSource,
+)  # fmt: skip
+"""The events that are the follower's."""
+
+
+def follower_of(patch: Patch, tempo: float | None) -> TimelineFollower:
+    """The follower of a show; `tempo` [bpm]: run that instead of the patch's, the music is another one."""
+    clock, music = patch.clock, patch.music
+    return TimelineFollower(
+        tempo=tempo or clock.bpm,
+        beats_per_measure=clock.beats_per_measure,
+        one_at=music.one_at_s if tempo is None else None,
+        known_tempo=music.bpm if tempo is None else None,
+        priority=clock.priority,
+        tempo_range=clock.tempo_range,
+        follow_metre=clock.follow_metre,
+    )
+
+
+def first_seeds(patch: Patch, follower: TimelineFollower, known: bool) -> list[Seed]:
+    """What a tracker of sound should know before it hears anything; `known`: the patch's own music is played.
+
+    Where that music's first downbeat lies, its player says in seconds of the sound: nobody knows yet when it is heard.
+    """
+    seeds = []
+    if not patch.clock.follow_metre:
+        seeds.append(Seed("metre", 0.0, float(follower.timeline.beats_per_measure)))
+    if known and patch.music.bpm is not None:
+        seeds.append(Seed("tempo", math.nan, patch.music.bpm))
+    return seeds
+
+
+def tell(follower: TimelineFollower, event: ControlEvent) -> str:
+    """Let an event of CLOCK_EVENTS act; what was refused, in words, or ""."""
+    refused = follower.refused
+    match event:
+        case events.BeatHeard() | events.SourceChanged():
+            _tell_heard(follower, event)
+        case events.Tap():
+            follower.tap(event.time)
+        case events.One():
+            follower.one(event.time)
+        case events.SetTempo():
+            follower.set_tempo(event.tempo, event.time)
+        case _:
+            _tell_hand(follower, event)
+    return follower.refusal if follower.refused > refused else ""
+
+
+def _tell_hand(follower: TimelineFollower, event: ControlEvent) -> None:
+    match event:
+        case events.Nudge():
+            follower.nudge(event.seconds, event.time)
+        case events.ShiftBeats():
+            follower.shift_beats(event.beats, event.time)
+        case events.ScaleTempo():
+            follower.scale_tempo(event.factor, event.time)
+        case events.HoldTempo():
+            follower.hold(event.on, event.time)
+        case events.SetMetre():
+            follower.set_metre(event.beats, event.time)
+        case events.CountIn():
+            follower.count_in(event.measures, event.time)
+        case events.ChooseSource():
+            follower.choose(event.name)
+
+
+def _tell_heard(follower: TimelineFollower, event: events.BeatHeard | events.SourceChanged) -> None:
+    match event:
+        case events.BeatHeard():
+            follower.heard(
+                event.beat_time,
+                event.period,
+                event.confidence,
+                event.time,
+                source=event.source,
+                beat=event.beat,
+                beats_per_measure=event.beats_per_measure,
+                measure=event.measure,
+                jump=event.jump,
+                anchored=event.anchored,
+            )
+        case events.SourceChanged(state="lost"):
+            follower.lost(event.time, event.source)
+        case events.SourceChanged(state="silent" | "stopped"):
+            follower.silent(event.time, event.source)
+        case events.SourceChanged(state="paused"):
+            follower.paused(event.time, event.source)
+        case events.SourceChanged(state="found" | "started"):
+            follower.found(event.time, event.source)

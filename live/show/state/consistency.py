@@ -1,0 +1,149 @@
+"""Whole: whether the arrays of an object fit each other, where kernels take it for granted and they may be of any size.
+
+Each of these is asked after every field was found to be of its type.
+"""
+
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.crowd.bounds_kernels import CAPACITY
+from live.agents.crowd.crowd_step import Advance
+from live.agents.crowd.obstacles import Surroundings
+from live.agents.elements import table_kernels as column
+from live.agents.elements.element import Element
+from live.agents.elements.element_kinds import FLOW_NAMES, KIND_COUNT, POINT_LIMIT, VERTEX_COUNT
+from live.agents.elements.element_table import SLOTS, ElementTable
+from live.agents.evolutions.intention import Places
+from live.agents.evolutions.planned_segment import Motion
+from live.agents.evolutions.segment_start import Departure, Journey
+from live.agents.evolutions.trajectory import Locomotion
+from live.motion.partner_live.holding import Holding
+from live.motion.partner_live.read_leader import ReadLeader
+from live.motion.skeleton import JOINT_COUNT
+from live.show.capture.captured import Captured
+from live.show.capture.heard_poses import CANON_MEMORY, MEMORY, HeardPoses
+from live.show.state.constants import at
+from live.show.state.kind import FARTHEST
+
+Array = npt.NDArray[Any]
+
+_INDICES: Final = ("_first", "_offset", "_record_first", "_record_stop")
+_OF_READERS: Final = (
+    "_x", "_x_height", "_score", "_end", "_cell", "_before", "_real", "_imaginary", "_heights", "_work", "_control",
+    "_control_height", "_head", "_head_height", "_root", "_facing", "_step", "_sums", "_squares", "_input_sum",
+    "_input_square", "_frames", "_value", "_expected", "_shortest", "_most",
+)  # fmt: skip
+
+
+def advance(value: Advance) -> bool:
+    """Numbers of all agents and of how they are steered; only the stage may be without end."""
+    begin = 2 * at(value, "_agent_count")
+    fixed: Array = at(value, "_fixed")
+    stage, others = fixed[begin : begin + 2], np.delete(fixed, [begin, begin + 1])
+    return bool((stage > 0.0).all() and np.abs(others).max() <= FARTHEST)
+
+
+def element_table(value: ElementTable) -> bool:
+    """Rows by whose numbers kernels find corners, grids and what acts; an element may go on for ever."""
+    rows: Array = at(value, "_all_rows")
+    first, most = at(value, "_first"), at(value, "_capacity")
+    others = np.delete(rows, column.END, axis=1)
+    whole = not np.isnan(rows).any() and bool(np.abs(others).max(initial=0.0) <= FARTHEST)
+    within = all(
+        low <= rows[:, place].min(initial=0.0) and rows[:, place].max(initial=0.0) <= high
+        for place, low, high in _ROWS_WITHIN
+    )
+    return whole and within and 0 <= first <= most and len(value) <= most == len(value.rows)
+
+
+_ROWS_WITHIN: Final = (
+    (column.KIND, 0, KIND_COUNT - 1), (column.CORNERS, 0, VERTEX_COUNT), (column.FLOW_KIND, -1, len(FLOW_NAMES)),
+    (column.SLOT, -1, SLOTS - 1), (column.TARGET_GROUP, -1, 63),
+)  # fmt: skip
+
+
+def element(value: Element) -> bool:
+    """One of the kinds that there are."""
+    return 0 <= value.kind < KIND_COUNT and -1 <= value.target_group < 64 and len(value.points) <= POINT_LIMIT
+
+
+def surroundings(value: Surroundings) -> bool:
+    """As many walls and obstacles as have a name."""
+    counts = value.flat[9 * CAPACITY :].tolist()
+    return bool(counts == [len(value.wall_names), len(value.obstacle_names)] and max(counts) <= CAPACITY)
+
+
+def locomotion(value: Locomotion) -> bool:
+    """Knots, times and turns of as many dancers."""
+    value.__post_init__()
+    return True
+
+
+def places(value: Places) -> bool:
+    """A heading for every place."""
+    count = len(value.slots)
+    return value.slots.shape == (count, 2) and value.heading.shape == (count,) and len(value.marks) in (0, count)
+
+
+def departure(value: Departure) -> bool:
+    """As many places as dancers."""
+    count = len(value.numbers)
+    return (
+        value.numbers.shape == value.heading.shape == value.radius.shape == (count,)
+        and value.position.shape == (count, 2)
+        and len(value.words) == count
+    )
+
+
+def journey(value: Journey) -> bool:
+    """A way for everybody who has a place."""
+    return value.slot.shape == (value.locomotion.count,)
+
+
+def motion(value: Motion) -> bool:
+    """A way for everybody who goes."""
+    count = len(value.who)
+    ways = value.journey is None or value.journey.locomotion.count == count
+    return value.who.shape == value.keep.shape == (count,) and ways
+
+
+def heard_poses(value: HeardPoses) -> bool:
+    """As many poses as moments, and one more."""
+    root, turned, stamp, count = value.kept
+    size = len(stamp)
+    return (
+        size in (MEMORY, CANON_MEMORY)
+        and stamp.shape == (size, 2)
+        and root.shape == (size + 1, 3)
+        and turned.shape == (size + 1, JOINT_COUNT, 4)
+        and count >= 0
+    )
+
+
+def captured(value: Captured) -> bool:
+    """As much of everybody who wears her poses."""
+    count = len(value.rows)
+    ones = (value.rows, value.delay, value.share, value.turned)
+    place = at(value, "edges.place")
+    return all(array.shape == (count,) for array in ones) and value.moved.shape == place.shape == (count, 2)
+
+
+def holding(value: Holding) -> bool:
+    """As much of every hold."""
+    laid: list[tuple[int, ...]] = at(value, "_laid")
+    if not hasattr(value, "_who"):
+        return not laid
+    who, hands, where, far = (at(value, name) for name in ("_who", "_hands", "_where", "_far"))
+    count, looked = len(laid), len(at(value, "_looked"))
+    rows = (who, hands, where)
+    within = where.min(initial=0) >= 0 and where.max(initial=-1) < looked
+    return all(array.shape == (count, 2) for array in rows) and far.shape == (count, 6) and bool(within)
+
+
+def read_leader(value: ReadLeader) -> bool:
+    """A reader like the one of the examples that she is read by, and of the same units."""
+    reader, like = value.partner.reader, value.lore.reader
+    same = all(at(reader, name) is at(like, name) for name in _INDICES) and reader.units is like.units
+    return same and all(at(reader, name).shape == at(like, name).shape for name in _OF_READERS)

@@ -1,0 +1,295 @@
+"""Reading a state: bytes as objects of listed kinds, field by field; constants and scratch come from a fresh show.
+
+Nothing is called that the bytes name, and nothing is imported or looked up by what they say: a kind is a row of
+`kinds.py`, a constant one of the fresh show's own table. Objects are made empty and filled, so that circles are no
+matter. What is made is checked by `checking.py` before anybody gets it.
+"""
+
+from collections import Counter, OrderedDict, deque
+from collections.abc import Callable
+from enum import Enum
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.show.state.byte_format import (
+    COUNTER,
+    DEQUE,
+    DICT,
+    HEAD,
+    LAID,
+    LIST,
+    METHOD,
+    MOST_NUMBERS,
+    ORDERED,
+    PART,
+    SCRATCH,
+    SET,
+    VALUE,
+    WHOLE,
+    Row,
+    Unreadable,
+    read_tree,
+)  # fmt: skip
+from live.show.state.constants import Constants
+from live.show.state.kind import NUMBERS, PLAIN, Kind
+from live.show.state.kinds import BY_NAME, METHODS
+
+Array = npt.NDArray[Any]
+
+NUMPY: Final = frozenset(NUMBERS.values())
+"""What an array of a state may hold."""
+SCALARS: Final = {word[1:]: np.dtype(word) for word in NUMPY}
+MOST_AXES: Final = 8
+MOST_ROWS: Final = 1 << 18
+DEEPEST: Final = 64
+"""Values within values."""
+
+
+def read_state(data: bytes, constants: Constants) -> Any:
+    """The root of a state as `Written.packed` gives it; Unreadable for anything else.
+
+    `constants` are those of a fresh show. What comes out is still to be checked by `checking.py`.
+    """
+    try:
+        root = _Reader(*_halves(data), constants).read()
+    except Unreadable:
+        raise
+    except Exception as error:  # crafted bytes may raise anything, but reach nothing
+        raise Unreadable(f"{type(error).__name__}: {error}"[:400]) from None
+    return root
+
+
+def _halves(data: bytes) -> tuple[Any, memoryview]:
+    if len(data) < HEAD.size:
+        raise Unreadable("it is cut off")
+    (size,) = HEAD.unpack_from(data)
+    view = memoryview(data)[HEAD.size :]
+    if size > len(view):
+        raise Unreadable("its tree is cut off")
+    return read_tree(view[:size]), view[size:]
+
+
+class _Reader:
+    """Makes the objects of one tree."""
+
+    def __init__(self, tree: Any, content: memoryview, constants: Constants) -> None:
+        if not (isinstance(tree, list) and len(tree) == 4 and isinstance(tree[0], dict) and isinstance(tree[1], dict)):
+            raise Unreadable("its tree is no table of kinds, rows, sizes and a root")
+        kinds, self._rows, sizes, self._root = tree
+        if not _whole_numbers(sizes) or min(sizes, default=0) < 0 or sum(sizes) != len(content):
+            raise Unreadable("the content of its arrays is cut off, or of none")
+        self._sizes = iter(sizes)
+        self._room = MOST_NUMBERS
+        if len(self._rows) > MOST_ROWS:
+            raise Unreadable(f"it has {len(self._rows)} rows, more than {MOST_ROWS}")
+        found = {number: _kind(number, said) for number, said in kinds.items()}
+        self._kinds = {number: kind for number, (kind, _, _) in found.items()}
+        self._names = {number: (plain, others) for number, (_, plain, others) in found.items()}
+        self._content, self._place = content, 0
+        self._constants = constants
+        self._made: dict[int, Any] = {}
+        self._scratch: dict[str, Array] = {}
+
+    def read(self) -> Any:
+        """All rows, and what the root is."""
+        for number, row in self._rows.items():
+            if type(number) is not int or not (isinstance(row, list) and row and type(row[0]) is int):
+                raise Unreadable(f"row {number!r:.40} is none")
+            if row[0] != PART:
+                self._made[number] = self._empty(row)
+        if next(self._sizes, None) is not None:
+            raise Unreadable("there is content of no array")
+        for number, row in self._rows.items():
+            if row[0] == PART:
+                self._made[number] = self._part(row)
+        later = [number for number, row in self._rows.items() if row[0] < 0]
+        for number, row in self._rows.items():
+            if row[0] >= 0:
+                self._fill_object(self._made[number], row)
+        for number in later:  # keys may be objects, which are whole by now
+            self._fill(self._made[number], self._rows[number])
+        return self._value(self._root)
+
+    # -- what a row is, still empty -----------------------------------------------------------------------------
+
+    def _empty(self, row: Row) -> Any:
+        code = row[0]
+        if code >= 0:
+            kind = self._kinds.get(code)
+            if kind is None:
+                raise Unreadable(f"there is no kind {code}")
+            plain, others = self._names[code]
+            if len(row) != 2 + len(others) or not isinstance(row[1], list) or len(row[1]) != len(plain):
+                raise Unreadable(f"{kind.name!r} has another number of values than fields")
+            return object.__new__(kind.cls)
+        if code in (WHOLE, LAID):
+            return self._array(row)
+        if code == SCRATCH:
+            return self._scratch_array(row)
+        if code == DEQUE:
+            if len(row) < 2 or not (row[1] is None or (type(row[1]) is int and 0 <= row[1] < 1 << 20)):
+                raise Unreadable("a deque has no length")
+            return deque(maxlen=row[1])
+        made = _CONTAINERS.get(code)
+        if made is None:
+            raise Unreadable(f"there is no row of sort {code}")
+        return made()
+
+    def _array(self, row: Row) -> Array:
+        numbers, shape = row[1], row[2]
+        if numbers not in NUMPY or not _whole_numbers(shape) or len(shape) > MOST_AXES or min(shape, default=0) < 0:
+            raise Unreadable(f"an array of {numbers!r:.20} and {shape!r:.80} is none")
+        count = 1
+        for length in shape:
+            count *= length
+        kind = np.dtype(numbers)
+        begin, used, size = self._place, next(self._sizes, -1), count * kind.itemsize
+        self._room -= size
+        if not 0 <= used <= size or self._room < 0:
+            raise Unreadable("the content of an array is cut off, or too much")
+        self._place += used
+        found: Array = np.zeros(shape, kind)
+        found.reshape(-1).view(np.uint8)[:used] = np.frombuffer(self._content[begin : begin + used], np.uint8)
+        if kind == np.bool_ and found.view(np.uint8).max(initial=0) > 1:
+            raise Unreadable("an array of booleans holds others")
+        if row[0] == WHOLE:
+            return found
+        axes, writeable = row[3], row[4]
+        if not _whole_numbers(axes) or sorted(axes) != list(range(len(shape))) or type(writeable) is not bool:
+            raise Unreadable("an array has no axes")
+        if axes != sorted(axes):
+            found = found.transpose(np.argsort(axes))
+        found.flags.writeable = writeable
+        return found
+
+    def _scratch_array(self, row: Row) -> Array:
+        name = row[1]
+        like = self._constants.scratch.get(name) if isinstance(name, str) else None
+        if like is None or name in self._scratch:
+            raise Unreadable(f"there is no scratch array {name!r:.80}, or it is there twice")
+        found: Array = np.zeros_like(like)
+        self._scratch[name] = found
+        return found
+
+    def _part(self, row: Row) -> Array:
+        _, whole, offset, numbers, shape, strides = row
+        base = self._value(whole)
+        if not isinstance(base, np.ndarray) or numbers not in NUMPY or not base.flags.c_contiguous:
+            raise Unreadable("an array is part of what is no array")
+        if not (_whole_numbers([offset]) and _whole_numbers(shape) and _whole_numbers(strides)):
+            raise Unreadable("a part of an array has no place")
+        if len(shape) != len(strides) or len(shape) > MOST_AXES or min(shape, default=0) < 0 or offset < 0:
+            raise Unreadable("a part of an array has no place")
+        kind = np.dtype(numbers)
+        if 0 in shape:
+            return np.zeros(shape, kind)
+        low = high = offset
+        for length, stride in zip(shape, strides, strict=True):
+            low, high = low + min((length - 1) * stride, 0), high + max((length - 1) * stride, 0)
+        whole_bytes = base.dtype == kind or not any(each.kind == "b" for each in (base.dtype, kind))
+        if low < 0 or high + kind.itemsize > base.nbytes or offset % kind.itemsize or not whole_bytes:
+            raise Unreadable("a part of an array lies beyond it")
+        if any(stride % kind.itemsize for stride in strides):
+            raise Unreadable("a part of an array lies across its numbers")
+        found: Array = np.ndarray(shape, kind, base, offset, strides)
+        return found
+
+    # -- what is in it ------------------------------------------------------------------------------------------
+
+    def _fill_object(self, made: Any, row: Row) -> None:
+        kind = self._kinds[row[0]]
+        plain, others = self._names[row[0]]
+        for name, value in zip(plain, row[1], strict=True):
+            object.__setattr__(made, name, _plain(value))
+        for name, value in zip(others, row[2:], strict=True):
+            object.__setattr__(made, name, self._value(value))
+        for name, anew in kind.anew.items():
+            object.__setattr__(made, name, anew())
+
+    def _fill(self, made: Any, row: Row) -> None:
+        code = row[0]
+        if code in (LIST, DEQUE, SET):
+            values = [self._value(value) for value in row[2 if code == DEQUE else 1 :]]
+            if code == SET:
+                made.update(values)
+            else:
+                made.extend(values)
+        elif code in (DICT, ORDERED, COUNTER):
+            if len(row) % 2 == 0:
+                raise Unreadable("a dict has a key without a value")
+            for key, value in zip(row[1::2], row[2::2], strict=True):
+                made[self._value(key)] = self._value(value)
+
+    def _value(self, said: Any, depth: int = 0) -> Any:
+        if type(said) in PLAIN:
+            return said
+        if type(said) is not list or not said or depth > DEEPEST:
+            raise Unreadable("a value is none, or lies too deep")
+        first = said[0]
+        if first is None:
+            return tuple([self._value(each, depth + 1) for each in said[1:]])
+        if first is VALUE:
+            return self._special(said, depth)
+        if first is METHOD:
+            return self._method(said, depth)
+        if len(said) == 1:
+            if type(first) is int and first in self._made:
+                return self._made[first]
+            if type(first) is str and first in self._constants.named:
+                return self._constants.named[first]
+        raise Unreadable(f"{said!r:.80} is nothing that there is here")
+
+    def _special(self, said: list[Any], depth: int) -> Any:
+        word = said[1]
+        if word == "complex" and all(type(part) is float for part in said[2:]):
+            return complex(said[2], said[3])
+        if word == "frozenset":
+            return frozenset([self._value(each, depth + 1) for each in said[2:]])
+        if word in SCALARS and len(said) == 3 and type(said[2]) in (int, float, bool):
+            return SCALARS[word].type(said[2])
+        kind = BY_NAME.get(word) if isinstance(word, str) else None
+        if kind is not None and issubclass(kind.cls, Enum) and len(said) == 3 and type(said[2]) in PLAIN:
+            return kind.cls(said[2])
+        raise Unreadable(f"{said!r:.80} is no value")
+
+    def _method(self, said: list[Any], depth: int) -> Any:
+        _, whose, name = said
+        owner = self._value(whose, depth + 1)
+        found = next((kind for kind in self._kinds.values() if type(owner) is kind.cls), None)
+        if found is None or not isinstance(name, str) or (found.name, name) not in METHODS:
+            raise Unreadable(f"{type(owner).__name__} has no method {name!r:.40} that a state may hold")
+        return METHODS[found.name, name].__get__(owner)
+
+
+_CONTAINERS: Final[dict[int, Callable[[], Any]]] = {
+    LIST: list, DICT: dict, ORDERED: OrderedDict, COUNTER: Counter, SET: set,
+}  # fmt: skip
+
+
+def _kind(number: object, said: Any) -> tuple[Kind, list[str], list[str]]:
+    """The kind that a tree says, and its fields in their order there: they must be those that it has here."""
+    if type(number) is not int or number < 0 or not isinstance(said, list) or len(said) != 3:
+        raise Unreadable("its kinds are none")
+    name, plain, others = said
+    kind = BY_NAME.get(name) if isinstance(name, str) else None
+    if kind is None or issubclass(kind.cls, Enum) or not isinstance(plain, list) or not isinstance(others, list):
+        raise Unreadable(f"there is no kind {name!r:.80}")
+    names = [*plain, *others]
+    differ = sorted(set(map(str, names)) ^ set(kind.names))
+    if differ or len(names) != len(kind.names):
+        raise Unreadable(f"{kind.name!r} is of another version there, with other fields: {', '.join(differ)}"[:400])
+    return kind, plain, others
+
+
+def _plain(said: Any, depth: int = 0) -> Any:
+    if type(said) in PLAIN:
+        return said
+    if type(said) is not list or depth > DEEPEST:
+        raise Unreadable("a plain value is none, or lies too deep")
+    return tuple([_plain(each, depth + 1) for each in said])
+
+
+def _whole_numbers(found: Any) -> bool:
+    return isinstance(found, list) and all(type(each) is int and abs(each) < 1 << 40 for each in found)

@@ -1,0 +1,265 @@
+"""Snapshots: the whole state of a show after a tick as bytes, from which it goes on bit by bit (T148, T150).
+
+Taken where nothing is half planned. What patch and steps decide (graph, tables) is named and found again in a fresh
+show; what every tick works out anew is left out; all else is written field by field (`live/show/state`): a snapshot is
+data, and reading one calls nothing that it names.
+"""
+
+import hashlib
+import json
+import zlib
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live import __version__
+from live.agents.entrances.entrances import LEAVING
+from live.clock.ticks import TICK
+from live.graph.motion_graph import MotionGraph
+from live.motion.skeleton import JOINT_COUNT
+from live.show.core import Show
+from live.show.load import LoadedShow
+from live.show.patch.patch import Patch
+from live.show.selection.library_hash import steps_hash
+from live.show.state.byte_format import MOST_BYTES, Unreadable
+from live.show.state.constants import Constants, at
+from live.show.state.decoder import read_state
+from live.show.state.encoder import Written
+from live.show.state.state_writer import StateWriter
+from live.show.state.type_check import check_state
+
+Array = npt.NDArray[Any]
+
+FORMAT: Final = 2
+"""1 was a pickle, and is refused."""
+CONSTANT: Final = {
+    "graph": "graph",
+    "patch": "patch",
+    "choosing": "scheduler.choosing",
+    "foresight": "scheduler.aims.foresight",
+    "cosines": "motion.elements._field._cosines",
+    "score": "prompter.score.written",
+    "texture": "dancers.texturing.bank",
+    "skeleton": "dancers._pipeline.skeleton",
+    "legs": "dancers._legs.skeleton",
+    "answers": "answers",
+    "parameters": "desk.parameters.table",
+    "views": "desk.scenes._views",
+    "looks": "desk.scenes._looks",
+    "scenes": "desk.scenes._scenes",
+    "cues": "desk.cues._cues",
+}
+"""What patch, steps and seed alone decide, by the name that snapshots have for it: found again in a fresh show, ..."""
+VARIABLE: Final = ("scheduler.choosing.most", "scheduler.choosing.facts")
+"""... but for these tables in it, which measures change, ..."""
+SCRATCH: Final = (
+    "dancers._pipeline.position", "dancers._pipeline.rotation", "dancers._pipeline.feet",
+    "dancers._legs.position", "dancers._legs.rotation", "dancers._legs.feet", "dancers._bare_legs",
+    "motion.elements._field._mesh", "motion.elements._field._start", "motion.elements._field._sums",
+    "motion.elements._field._near", "motion._advance._advance._rows", "motion._advance._advance._numbers",
+)  # fmt: skip
+"""... and what is worked out before it is read."""
+
+
+class SnapshotError(Exception):
+    """A snapshot that cannot be taken or used; the message says why."""
+
+
+class _Of:
+    """What snapshots are of: their graph and patch, and the hashes by which these are known again."""
+
+    def __init__(self, graph: MotionGraph, patch: Patch) -> None:
+        self.graph, self.patch = graph, patch
+        self._hashes: dict[str, str] = {}
+
+    def hashes(self) -> dict[str, str]:
+        """Worked out when they are first asked for. Thread: any one."""
+        if not self._hashes:
+            self._hashes = {"steps_hash": steps_hash(self.graph), "patch_hash": patch_hash(self.patch)}
+        return self._hashes
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Taken:
+    """A state as it was taken within the frame; what takes longer is done by whoever calls `seal`."""
+
+    written: Written
+    tick: int
+    measure: int
+    """Measure that runs, from 1."""
+    seed: int
+    of: _Of
+
+    def seal(self) -> bytes:
+        """The snapshot: a line of JSON, and the state, compressed. Thread: any one.
+
+        SnapshotError if the show held something that is in no list of kinds, or a field that its kind does not list.
+        """
+        try:
+            payload = self.written.packed()
+        except Exception as error:
+            raise _unwritable(error) from error
+        packed = zlib.compress(payload, 1)
+        header = {
+            "snapshot": FORMAT,
+            "version": __version__,
+            "tick": self.tick,
+            "measure": self.measure,
+            "seed": self.seed,
+            **self.of.hashes(),
+            "size": len(payload),
+        }
+        return _line(header | {"check": _check(header, packed)}) + b"\n" + packed
+
+
+class Snapshots:
+    """Takes snapshots of one show. Thread: the show's."""
+
+    def __init__(self, show: Show) -> None:
+        """Looks once through all that is constant: some milliseconds, not within a frame."""
+        self.show = show
+        self._constants: Constants | None = None
+        self._begin()
+
+    def _begin(self) -> None:
+        show = self.show
+        self._of = _Of(show.graph, show.patch)
+        self._constants = Constants(show, CONSTANT, SCRATCH, self._constants)
+        self._writer = StateWriter(self._constants)
+        self._variable = [at(show, path) for path in VARIABLE]
+
+    def take(self, tick: int) -> Taken | None:
+        """The state after the tick `tick`; None while something is half planned: try again at the next tick.
+
+        SnapshotError if the show holds something that is in no list of kinds.
+        """
+        show = self.show
+        if not at_rest(show):
+            return None
+        if show.graph is not self._of.graph or show.patch is not self._of.patch:
+            self._begin()
+        try:
+            written = self._writer.write((show, tuple(array.copy() for array in self._variable)))
+        except Exception as error:
+            raise _unwritable(error) from error
+        return Taken(written, tick, show.span.number + 1, show.seed, self._of)
+
+
+def at_rest(show: Show) -> bool:
+    """Whether nothing is half planned, so that the state is plain values."""
+    steps = at(show, "_new_steps").at_rest
+    return bool(show.scheduler.at_rest and show.motion.evolutions.at_rest and steps and show.reloading.waiting is None)
+
+
+def snapshot(show: Show, tick: int | None = None) -> bytes:
+    """The show's state after `tick` (None: the one at `show.time`); SnapshotError while something is half planned."""
+    taken = Snapshots(show).take(round(show.time / TICK) if tick is None else tick)
+    if taken is None:
+        raise SnapshotError("something is half planned: take it some ticks later")
+    return taken.seal()
+
+
+def facts_of(data: bytes) -> dict[str, Any]:
+    """What a snapshot says of itself (tick, measure, seed …), its check-sum proven; SnapshotError names the damage."""
+    line, _, packed = data.partition(b"\n")
+    try:
+        facts = json.loads(line)
+        kind, version, check = facts["snapshot"], facts["version"], facts.pop("check")
+        whole = all(isinstance(facts[key], int) for key in ("tick", "measure", "seed", "size"))
+    except (ValueError, KeyError, TypeError, RecursionError):
+        raise SnapshotError("not a snapshot, or its first line is damaged") from None
+    if kind != FORMAT or version != __version__:
+        raise SnapshotError(f"the snapshot is of version {version} (format {kind}), this is {__version__} ({FORMAT})")
+    if not whole or not 0 <= facts["size"] <= MOST_BYTES or _check(facts, packed) != check:
+        raise SnapshotError("the snapshot is damaged: its check-sum is another")
+    known: dict[str, Any] = facts
+    return known
+
+
+def restore(loaded: LoadedShow, data: bytes, *, fresh: Show | None = None) -> Show:
+    """The show as it was when `snapshot` gave these bytes; SnapshotError for damage, another patch, other steps.
+
+    `fresh`: a show that `loaded` has started and that nothing has happened to; it is used up. Without it one is made.
+    Whoever listens to the old show (`seed_tracker`) has to be told anew.
+    """
+    facts = facts_of(data)
+    for key, found, words in (
+        ("steps_hash", steps_hash(loaded.graph), "steps"),
+        ("patch_hash", patch_hash(loaded.patch), "patch"),
+    ):
+        if facts.get(key) != found:
+            raise SnapshotError(f"the snapshot is of other {words} ({facts.get(key)}) than there are ({found})")
+    root = loaded.start(seed=facts["seed"], begin=False) if fresh is None else fresh
+    try:
+        show, variable = _read(_unpacked(data, facts["size"]), root)
+    except Unreadable as error:
+        raise SnapshotError(f"the snapshot cannot be read: {error}") from None
+    for path, values in zip(VARIABLE, variable, strict=True):
+        at(root, path)[...] = values
+    at(show, "_new_steps").stock(loaded.reserve)
+    return show
+
+
+def _unpacked(data: bytes, size: int) -> bytes:
+    unpacker = zlib.decompressobj()
+    try:
+        payload = unpacker.decompress(data.partition(b"\n")[2], size + 1)
+    except zlib.error as error:
+        raise Unreadable(str(error)) from None
+    if len(payload) != size:
+        raise Unreadable(f"{size} bytes expected, found {'more' if len(payload) > size else len(payload)}")
+    return payload
+
+
+def _read(payload: bytes, fresh: Show) -> tuple[Show, tuple[Array, ...]]:
+    found = read_state(payload, Constants(fresh, CONSTANT, SCRATCH))
+    if not isinstance(found, tuple) or len(found) != 2 or not isinstance(found[1], tuple):
+        raise Unreadable("it holds no show")
+    show, variable = found
+    check_state(show, "show", fresh, many_of(fresh))
+    like = [at(fresh, path) for path in VARIABLE]
+    if [_form(each) for each in variable] != [_form(each) for each in like]:
+        raise Unreadable("its tables are others")
+    return show, variable
+
+
+def many_of(show: Show) -> dict[str, int]:
+    """How many there are of what indices in a state find, by the word that its kinds have for it."""
+    graph, bank, choosing = show.graph, show.dancers.texturing.bank, show.scheduler.choosing
+    return {
+        "node": graph.library.node_count,
+        "edge": len(graph.edge_target),
+        "candidate": len(choosing.candidates.node),
+        "step": len(graph.library.steps),
+        "dancer": len(show.group),
+        "group": len(show.patch.group),
+        "aim": 2 * len(show.patch.group),
+        "joint": JOINT_COUNT,
+        "side": 2,
+        "presence": 1 + LEAVING,
+        "gate": len(show.motion.gates),
+        "fragment": 0 if bank is None else bank.legs.shape[1],
+    }
+
+
+def _form(found: object) -> tuple[Any, ...]:
+    return (found.dtype, found.shape) if isinstance(found, np.ndarray) else ()
+
+
+def patch_hash(patch: Patch) -> str:
+    """A short hash over all that a patch says."""
+    return hashlib.blake2b(patch.model_dump_json().encode(), digest_size=8).hexdigest()
+
+
+def _unwritable(error: Exception) -> SnapshotError:
+    return SnapshotError(f"the state cannot be written: {error}")
+
+
+def _line(facts: dict[str, Any]) -> bytes:
+    return json.dumps(facts, separators=(",", ":")).encode()
+
+
+def _check(facts: dict[str, Any], packed: bytes) -> str:
+    return hashlib.blake2b(_line(facts) + packed, digest_size=16).hexdigest()

@@ -1,0 +1,345 @@
+"""Writing: within a frame all of a state is taken, so that nothing that happens later changes it.
+
+What is taken is a table of rows, one for each object, container and array, by number; see `form.py`. What nobody can
+change is only held; `packing.py` writes that when there is time.
+"""
+
+from collections import Counter, OrderedDict, deque
+from collections.abc import Callable
+from functools import partial
+from itertools import chain
+from operator import is_
+from types import MethodType
+from typing import Any, Final
+
+import numpy as np
+
+from live.show.state.byte_format import (
+    COUNTER,
+    DEQUE,
+    DICT,
+    LAID,
+    LIST,
+    METHOD,
+    ORDERED,
+    PART,
+    SCRATCH,
+    SET,
+    WHOLE,
+    Row,
+    Rows,
+)  # fmt: skip
+from live.show.state.constants import Constants
+from live.show.state.encoder import FIXED_CLASSES, Cut, Part, Shape, Unwritable, Written, shape_of
+from live.show.state.kinds import BY_CLASS, METHODS
+
+Encode = Callable[[Any], Any]
+Contents = list[tuple[int, Callable[[], bytes]]]
+
+LARGE: Final = 1 << 15
+"""Bytes from which on it is worth looking for zeros at the end of an array: looking is quicker than copying."""
+LEAST: Final = 512
+"""Bytes that are always copied."""
+
+
+class _Array:
+    """What is remembered of an array: its number, the rows and contents that it needs, and who remembers it."""
+
+    __slots__ = ("contents", "number", "pins", "ref", "rows", "turn", "value")
+
+    def __init__(self, value: Any, number: int) -> None:
+        self.value, self.number = value, number
+        self.ref: list[Any] = [number]
+        self.rows: Rows = {}
+        self.contents: Contents = []
+        self.pins = self.turn = 0
+
+
+class _Object:
+    """What is remembered of an object: its links, and what is written of them."""
+
+    __slots__ = ("arrays", "children", "dynamic", "held", "part", "reads", "ref", "shape", "turn", "value")
+
+    def __init__(self, value: Any, number: int, shape: Shape) -> None:
+        self.value, self.shape, self.ref = value, shape, [number]
+        self.held: tuple[Any, ...] | None = None
+        self.dynamic: tuple[int, ...] = ()
+        """The places of links to containers, which are looked through each time."""
+        self.children: list[_Object] = []
+        self.arrays: list[_Array] = []
+        self.reads: list[Callable[[], bytes]] = []
+        self.part: Part
+        """What is written of its links, as long as they are the same."""
+        self.turn = 0
+
+
+class StateWriter:
+    """Takes the state of one show again and again. Thread: the show's.
+
+    It runs within a frame. What an object holds is mostly the very same as last time: then its arrays are only copied,
+    what is plain by its type is taken as it is, and only containers are looked through.
+    """
+
+    def __init__(self, constants: Constants) -> None:
+        self._constants = constants
+        self._names, self._scratch = constants.name_of, constants.scratch_of
+        self._encoders = _Encoders(self.encoder)
+        self._objects: dict[int, _Object] = {}
+        self._arrays: dict[int, _Array] = {}
+        self._last = self._turn = self._many = 0
+        self._begin()
+
+    def _begin(self) -> None:
+        self._memo: dict[int, list[Any]] = {}
+        self._queue: list[_Object] = []
+        self._cuts: list[Cut] = []
+        self._rows: Rows = {}
+        self._content: dict[int, bytes] = {}
+
+    def write(self, root: Any) -> Written:
+        """Take `root` and all that it holds; Unwritable for what is in no list of kinds."""
+        self._turn += 1
+        self._begin()
+        found = self._ref(root)
+        self._take()
+        self._forget()
+        return Written(self._cuts, self._rows, self._content, found, self._names, self._last)
+
+    def _take(self) -> None:
+        """Take all objects that are asked for, and what that asks for."""
+        turn, queue, cuts, encoders, memo = self._turn, self._queue, self._cuts, self._encoders, self._memo
+        for known in queue:
+            value, shape = known.value, known.shape
+            held = shape.links(value)
+            if known.held is None or not all(map(is_, held, known.held)):
+                self._look(known, held)
+            rest = []
+            for place in known.dynamic:
+                each = held[place]
+                found = memo.get(id(each))
+                rest.append(encoders[type(each)](each) if found is None else found)
+            cuts.append((known.part, shape.values(value), rest, [read() for read in known.reads]))
+            for child in known.children:
+                if child.turn != turn:
+                    child.turn = turn
+                    queue.append(child)
+
+    def _look(self, known: _Object, held: tuple[Any, ...]) -> None:
+        """What an object holds has changed: say anew what is written of it."""
+        before = known.arrays
+        links: list[Any] = []
+        dynamic: list[int] = []
+        rows: Rows = {}
+        known.children, known.arrays = [], []
+        contents: dict[int, Callable[[], bytes]] = {}
+        for place, value in enumerate(held):
+            cls = type(value)
+            if cls is np.ndarray:
+                array = self._known(value)
+                array.pins += 1
+                known.arrays.append(array)
+                rows.update(array.rows)
+                contents.update(array.contents)
+                links.append(array.ref)
+            elif cls in FIXED_CLASSES:
+                links.append(value)
+            elif cls in _CONTAINERS:
+                dynamic.append(place)
+                links.append(None)
+            else:
+                links.append(self._link(value, known))
+        known.held, known.dynamic, known.reads = held, tuple(dynamic), list(contents.values())
+        known.part = Part(known.ref[0], known.value, known.shape, links, known.dynamic, rows, list(contents))
+        for array in before:
+            array.pins -= 1
+
+    def _link(self, value: Any, known: _Object) -> list[Any]:
+        cls = type(value)
+        if cls in self._constants.classes or cls not in BY_CLASS:
+            name = self._names.get(id(value))
+            if name is not None:
+                return [name]
+        child = self._object(value)
+        known.children.append(child)
+        return child.ref
+
+    def _object(self, value: Any) -> _Object:
+        known = self._objects.get(id(value))
+        if known is None or known.value is not value:
+            kind = BY_CLASS.get(type(value))
+            if kind is None:
+                raise Unwritable(
+                    f"{type(value).__module__}.{type(value).__qualname__} is of no kind that a state holds"
+                )
+            self._last += 1
+            known = self._objects[id(value)] = _Object(value, self._last, shape_of(kind))
+        return known
+
+    def _forget(self) -> None:
+        """Forget objects and arrays that nobody holds any more, once there are many."""
+        if len(self._objects) + len(self._arrays) <= 2 * self._many + 256:
+            return
+        for key, known in list(self._objects.items()):
+            if known.turn != self._turn:
+                del self._objects[key]
+                for array in known.arrays:
+                    array.pins -= 1
+        for key, array in list(self._arrays.items()):
+            if not array.pins and array.turn != self._turn:
+                del self._arrays[key]
+        self._many = len(self._objects) + len(self._arrays)
+
+    def _ref(self, value: Any) -> Any:
+        if type(value) in FIXED_CLASSES:
+            return value
+        found = self._memo.get(id(value))
+        return self._encoders[type(value)](value) if found is None else found
+
+    # -- how what containers hold is taken -----------------------------------------------------------------------
+
+    def encoder(self, cls: type) -> Encode:
+        """What takes objects of this class."""
+        if cls in _CONTAINERS:
+            found: Encode = getattr(self, _CONTAINERS[cls])
+            return found
+        if cls is np.ndarray:
+            return self._array
+        return self._named if cls in self._constants.classes or cls not in BY_CLASS else self._queued
+
+    def _named(self, value: Any) -> list[Any]:
+        name = self._names.get(id(value))
+        return self._queued(value) if name is None else [name]
+
+    def _queued(self, value: Any) -> list[Any]:
+        known = self._object(value)
+        if known.turn != self._turn:
+            known.turn = self._turn
+            self._queue.append(known)
+        return known.ref
+
+    def _method(self, value: MethodType) -> list[Any]:
+        owner, name = value.__self__, value.__func__.__name__
+        kind = BY_CLASS.get(type(owner))
+        if kind is None or (kind.name, name) not in METHODS:
+            raise Unwritable(f"the method {type(owner).__name__}.{name} is none that a state holds")
+        return [METHOD, self._ref(owner), name]
+
+    def _tuple(self, value: tuple[Any, ...]) -> Any:
+        if FIXED_CLASSES.issuperset(map(type, value)):
+            return value
+        return [None, *map(self._ref, value)]
+
+    def _frozenset(self, value: frozenset[Any]) -> frozenset[Any]:
+        return value
+
+    def _row(self, value: Any, row: Row) -> list[Any]:
+        """The row of a container; what it holds is still to be added."""
+        number = -1 - len(self._memo)
+        ref = self._memo[id(value)] = [number]
+        self._rows[number] = row
+        return ref
+
+    def _values(self, value: Any, row: Row) -> list[Any]:
+        found = self._row(value, row)
+        row += value if FIXED_CLASSES.issuperset(map(type, value)) else map(self._ref, value)
+        return found
+
+    def _list(self, value: list[Any]) -> list[Any]:
+        return self._values(value, [LIST])
+
+    def _set(self, value: set[Any]) -> list[Any]:
+        return self._values(value, [SET])
+
+    def _deque(self, value: deque[Any]) -> list[Any]:
+        return self._values(value, [DEQUE, value.maxlen])
+
+    def _dict(self, value: dict[Any, Any], code: int = DICT) -> list[Any]:
+        row: Row = [code]
+        found = self._row(value, row)
+        row += chain.from_iterable(value.items())
+        if not FIXED_CLASSES.issuperset(map(type, row)):
+            row[1:] = map(self._ref, row[1:])
+        return found
+
+    def _ordered(self, value: OrderedDict[Any, Any]) -> list[Any]:
+        return self._dict(value, ORDERED)
+
+    def _counter(self, value: Counter[Any]) -> list[Any]:
+        return self._dict(value, COUNTER)
+
+    # -- arrays -------------------------------------------------------------------------------------------------
+
+    def _array(self, value: Any) -> list[Any]:
+        known = self._known(value)
+        self._rows.update(known.rows)
+        for number, read in known.contents:
+            self._content[number] = read()
+        return known.ref
+
+    def _known(self, value: Any) -> _Array:
+        known = self._arrays.get(id(value))
+        if known is None or known.value is not value:
+            self._last += 1
+            known = self._arrays[id(value)] = _Array(value, self._last)
+            self._describe(known, value)
+        known.turn = self._turn
+        return known
+
+    def _describe(self, known: _Array, value: Any) -> None:
+        """How it is written: its name, or its row and what reads its content; those of what it is a part of, too."""
+        name = self._names.get(id(value))
+        if name is not None:
+            known.ref = [name]
+            return
+        if value.dtype.hasobject:
+            raise Unwritable("an array of objects is nothing that a state holds")
+        name = self._scratch.get(id(value))
+        if name is not None:
+            known.rows[known.number] = [SCRATCH, name]
+            return
+        base, numbers = value.base, value.dtype.str
+        if isinstance(base, np.ndarray) and base.flags.c_contiguous:
+            whole = self._known(base)
+            whole.pins += 1
+            offset = value.__array_interface__["data"][0] - base.__array_interface__["data"][0]
+            known.rows |= whole.rows
+            known.contents += whole.contents
+            known.rows[known.number] = [PART, whole.ref, offset, numbers, list(value.shape), list(value.strides)]
+            return
+        axes = sorted(range(value.ndim), key=lambda axis: -abs(value.strides[axis]))
+        laid = value.transpose(axes)
+        if value.flags.c_contiguous and value.flags.writeable:
+            row, laid = [WHOLE, numbers, list(value.shape)], value
+        else:
+            row = [LAID, numbers, list(laid.shape), axes, bool(value.flags.writeable)]
+        known.rows[known.number] = row
+        known.contents.append((known.number, laid.tobytes if laid.nbytes < LARGE else partial(used_bytes, laid)))
+
+
+def used_bytes(array: Any) -> bytes:
+    """What is in a large array, but for most of the zeros at its end: tables have room to spare."""
+    if not array.flags.c_contiguous:
+        return bytes(array.tobytes())
+    content = array.reshape(-1).view(np.bool_)  # of all types this is what numpy looks through the quickest
+    end = len(content)
+    while end > LEAST and not content[end // 2 : end].any():
+        end //= 2
+    return bytes(content[:end].tobytes())
+
+
+_CONTAINERS: Final = {
+    list: "_list", tuple: "_tuple", dict: "_dict", set: "_set", frozenset: "_frozenset", deque: "_deque",
+    OrderedDict: "_ordered", Counter: "_counter", MethodType: "_method",
+}  # fmt: skip
+
+
+class _Encoders(dict[type, Encode]):
+    """How objects of each class are taken; those of new classes are looked at when the first one comes."""
+
+    def __init__(self, made: Callable[[type], Encode]) -> None:
+        super().__init__()
+        self._made = made
+
+    def __missing__(self, cls: type) -> Encode:
+        self[cls] = self._made(cls)
+        return self[cls]

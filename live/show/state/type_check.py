@@ -1,0 +1,157 @@
+"""Checking a state that was read: every field holds what its kind says, so that no kernel reads beyond an array.
+
+Types are checked from the root on. Arrays must have the shape that they have in a fresh show of the same patch, and
+what indexes something must lie within it.
+"""
+
+from collections import Counter, OrderedDict, deque
+from collections.abc import Iterable, Mapping
+from types import MethodType
+from typing import Any, Final
+
+import numpy as np
+
+from live.control.events.event import ControlEvent
+from live.show.state.byte_format import Unreadable
+from live.show.state.kind import FARTHEST, NUMBERS, Kind, Type
+from live.show.state.kinds import BY_CLASS, BY_NAME, CONSTANT
+
+_CLASSES: Final[dict[str, tuple[type, ...]]] = {
+    "int": (int, bool), "float": (float, int, np.float64), "bool": (bool,), "str": (str,), "none": (type(None),),
+    "bytes": (bytes,), "complex": (complex,), "array": (np.ndarray,), "method": (MethodType,), "event": (),
+    "list": (list,), "row": (tuple,), "tuple": (tuple,), "set": (set,), "frozenset": (frozenset,), "deque": (deque,),
+    "dict": (dict,), "ordered": (OrderedDict,), "counter": (Counter,),
+}  # fmt: skip
+"""The classes of what a word stands for; those of kinds are known by their names."""
+
+
+def check_state(root: Any, found: str, fresh: object, many: Mapping[str, int]) -> None:
+    """Unreadable, naming the field, unless `root` is an object of the kind `found`, and whole.
+
+    `fresh`: the same before anything happened; `many`: how many there are of what indices find, by name.
+    """
+    types = _Types(many)
+    try:
+        types.check(root, Type(found))
+        _check_shapes(root, fresh)
+        types.finish()
+    except Unreadable:
+        raise
+    except Exception as error:  # what is crafted may lack what nobody lacks
+        raise Unreadable(f"{type(error).__name__}: {error}"[:400]) from None
+
+
+class _Types:
+    """Goes through all that a value holds, once."""
+
+    def __init__(self, many: Mapping[str, int]) -> None:
+        self._many = many
+        self._known: set[tuple[int, Type]] = set()
+        self._objects: list[tuple[Any, Kind]] = []
+        self._waiting: list[tuple[Any, Type, str]] = []
+
+    def check(self, root: Any, wanted: Type) -> None:
+        """Unreadable for what is of another type."""
+        self._waiting.append((root, wanted, ""))
+        while self._waiting:
+            value, wanted, where = self._waiting.pop()
+            found = next((each for each in wanted.either if _fits(value, each)), None)
+            if found is None:
+                raise Unreadable(f"{where} is {type(value).__name__}, {wanted} expected"[:300])
+            if found.finds:
+                self._within(value, found, where)
+            if isinstance(value, np.ndarray) and value.dtype.kind in "fc" and not found.any_number:
+                most = np.abs(value).max(initial=0.0)
+                if not most <= FARTHEST:
+                    raise Unreadable(f"{where} holds {most}, more than {FARTHEST:g}")
+            if (id(value), found) not in self._known:
+                self._look(value, found, where)
+        for value, kind in self._objects:
+            if kind.whole is not None and not kind.whole(value):
+                raise Unreadable(f"what a {kind.name!r} holds does not fit together")
+
+    def finish(self) -> None:
+        """Have objects work out what is not written of them."""
+        for value, kind in self._objects:
+            if kind.after is not None:
+                kind.after(value)
+
+    def _within(self, value: Any, wanted: Type, where: str) -> None:
+        """Indices must find something; -1 stands for nothing."""
+        many = self._many[wanted.finds]
+        low, high = (value, value) if type(value) is int else (value.min(initial=0), value.max(initial=-1))
+        if low < -1 or high >= many:
+            raise Unreadable(f"{where} finds {wanted.finds} {low} to {high} of {many}")
+
+    def _look(self, value: Any, found: Type, where: str) -> None:
+        kind = BY_CLASS.get(type(value))
+        if kind is not None:
+            self._known.add((id(value), found))
+            self._objects.append((value, kind))
+            for name, wanted in types_of(kind).items():
+                self._waiting.append((getattr(value, name), wanted, f"{kind.name}.{name}"))
+        elif found.word in _INSIDE:
+            self._known.add((id(value), found))
+            self._waiting += [(each, wanted, where) for each, wanted in _inside(value, found, where)]
+
+
+_INSIDE: Final = frozenset({"list", "row", "tuple", "set", "frozenset", "deque", "dict", "ordered", "counter"})
+
+
+def _inside(value: Any, found: Type, where: str) -> Iterable[tuple[Any, Type]]:
+    """What a container holds, with what it may be."""
+    if found.word == "tuple":
+        return zip(value, found.of, strict=True)
+    if found.word in ("dict", "ordered"):
+        keys, values = found.of
+        return [*((each, keys) for each in value), *((each, values) for each in value.values())]
+    if found.word == "counter":
+        return [*((each, found.of[0]) for each in value), *((each, Type("int")) for each in value.values())]
+    return ((each, found.of[0]) for each in value)
+
+
+def _fits(value: Any, found: Type) -> bool:
+    word, cls = found.word, type(value)
+    if word in NUMBERS:
+        return cls is np.ndarray and value.dtype.str == NUMBERS[word]
+    if word == "any":
+        return True
+    if word == "event":
+        return isinstance(value, ControlEvent)
+    if word in _CLASSES:
+        return cls in _CLASSES[word] and (word != "tuple" or len(value) == len(found.of))
+    kind = BY_NAME.get(word)
+    return cls is (CONSTANT[word] if kind is None else kind.cls)
+
+
+_types: dict[str, dict[str, Type]] = {}
+
+
+def types_of(kind: Kind) -> dict[str, Type]:
+    """The fields of a kind and what they may hold; read from its words once."""
+    if kind.name not in _types:
+        _types[kind.name] = kind.types()
+    return _types[kind.name]
+
+
+def _check_shapes(root: Any, fresh: Any) -> None:
+    """Arrays have the shape that they have in `fresh`, wherever both have one."""
+    known: set[int] = set()
+    waiting = [(root, fresh, "")]
+    while waiting:
+        value, like, where = waiting.pop()
+        if type(value) is not type(like) or value is like or id(value) in known:
+            continue
+        kind = BY_CLASS.get(type(value))
+        if kind is not None:
+            known.add(id(value))
+            for name, wanted in types_of(kind).items():
+                if not wanted.is_loose:
+                    waiting.append((getattr(value, name), getattr(like, name), f"{kind.name}.{name}"))
+        elif isinstance(value, np.ndarray):
+            if value.shape != like.shape or (value.size and value.strides != like.strides):
+                raise Unreadable(f"{where} has the shape {value.shape}, {like.shape} expected")
+        elif isinstance(value, dict):
+            waiting += [(each, like[key], where) for key, each in value.items() if key in like]
+        elif isinstance(value, list | tuple) and len(value) == len(like):
+            waiting += [(each, other, where) for each, other in zip(value, like, strict=True)]

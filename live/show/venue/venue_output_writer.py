@@ -1,0 +1,73 @@
+"""How an output is bent, brought into the text of a venue's file; all that a person wrote in it stays as it is."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import tomlkit
+from tomlkit.exceptions import TOMLKitError
+
+from live.base.errors import PersonError
+from live.render.outputs.mesh import regular
+from live.render.outputs.output import UNBENT, Output, Point
+from live.show.patch.patch_search_path import is_file
+from live.show.patch.toml_file import parse_model, read_text
+from live.show.venue.venue import Venue
+from live.show.venue.venue_file import HEAD
+
+DIGITS = 5
+"""Of a point, behind the point: a hundredth of a pixel of the finest projector."""
+
+
+def with_output(text: str, name: str, output: Output) -> str:
+    """The TOML `text` (empty for a new file of the venue `name`) with corners and mesh of the output of that name.
+
+    Comments and everything else are kept; an output that the text does not have is added.
+    """
+    document = tomlkit.parse(text or f"{HEAD}name = {tomlkit.item(name).as_string()}\n")
+    if "output" not in document:
+        document["output"] = tomlkit.aot()
+    tables: Any = document["output"]
+    table = next((one for one in tables if str(one.get("name", "picture")).casefold() == output.name.casefold()), None)
+    if table is None:
+        table = tomlkit.table()
+        table["name"] = output.name
+        tables.append(table)
+        table = tables[-1]
+    _put(table, "corners", None if output.corners == UNBENT else _row(output.corners))
+    mesh = output.mesh
+    bends = bool(mesh) and mesh != regular(len(mesh[0]), len(mesh))
+    _put(table, "mesh", _rows(mesh) if bends else None)
+    return tomlkit.dumps(document)
+
+
+def changed_output(path: Path, name: str, output: Output) -> str:
+    """The text that the venue's file gets; PersonError if what is there is wrong."""
+    before = read_text(path, "venue") if is_file(path) else ""
+    parse_model(before, str(path), Venue, "venue")
+    try:
+        text = with_output(before, name, output)
+    except TOMLKitError as error:
+        raise PersonError(f"{path}: {error}", "repair it, and keep the output again") from None
+    parse_model(text, str(path), Venue, "venue")
+    return text
+
+
+def _put(table: Any, key: str, value: Any) -> None:
+    """Set a key, or take it away."""
+    if value is not None:
+        table[key] = value
+    elif key in table:
+        del table[key]
+
+
+def _row(points: Sequence[Point]) -> Any:
+    return tomlkit.item([[round(x, DIGITS), round(y, DIGITS)] for x, y in points])
+
+
+def _rows(mesh: Sequence[Sequence[Point]]) -> Any:
+    """A row of the mesh on each line."""
+    rows = tomlkit.array()
+    for row in mesh:
+        rows.append(_row(row))
+    return rows.multiline(True)

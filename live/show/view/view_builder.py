@@ -1,0 +1,118 @@
+"""Seen: what is drawn of a show, and the hash over all that can be seen of it, at one moment."""
+
+from dataclasses import fields
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.stage_snapshot import StageView
+from live.clock.ticks import TICK
+from live.clock.timeline import Timeline
+from live.motion.skeleton import JOINT_COUNT
+from live.show.audience.audience import Audience
+from live.show.dancers.dancers import Dancers
+from live.show.desk.desk import Desk
+from live.show.group.group_motion import GroupMotion
+from live.show.journal.state_hash import hash_of
+from live.show.measure_span import MeasureSpan
+
+Int32 = npt.NDArray[np.int32]
+
+AHEAD: Final = 2.0 * TICK
+"""A picture lies at most a tick after the last one [s]; twice that is danced on beyond a measure line."""
+NEVER_STILL: Final = ("brightness", "flashes", "overlay", "guide", "guide_count")
+"""What of a view goes on changing while the picture is frozen."""
+
+
+class Seen:
+    """Reads the dancers and agents of one show, and changes nothing."""
+
+    def __init__(self, dancers: Dancers, motion: GroupMotion, group: Int32, desk: Desk, audience: Audience) -> None:
+        """`group` (A,) is shared with the show."""
+        self._dancers, self._motion, self._group, self._desk = dancers, motion, group, desk
+        self._audience = audience
+        self._still: StageView | None = None
+
+    def view(self) -> StageView:
+        """An empty drawing snapshot of the right size, to be filled each frame."""
+        view = StageView.allocate(len(self._group), JOINT_COUNT)
+        view.picture = self._desk.parameters.picture.copy()
+        return view
+
+    def fill(
+        self, view: StageView, time: float, timeline: Timeline, span: MeasureSpan, *, tempo: float, brightness: float,
+        ticked: float,
+    ) -> None:  # fmt: skip
+        """Fill the snapshot for `time` [s]: poses at the exact beat, at most a tick after the last one (`ticked`).
+
+        While the picture is frozen only its light changes; who has seen nothing before sees what was kept (`keep`).
+        """
+        view.brightness, view.flashes = brightness, self._desk.master.flashes
+        if self._desk.master.frozen and view.filled:
+            return
+        if self._desk.master.frozen and self._still is not None:
+            _copy(self._still, view)
+            return
+        self._fill(view, time, timeline, span, tempo=tempo, ticked=ticked)
+
+    def _fill(
+        self, view: StageView, time: float, timeline: Timeline, span: MeasureSpan, *, tempo: float, ticked: float
+    ) -> None:
+        view.filled = True
+        beat = timeline.beat_at(time)
+        fraction = span.fraction(beat)
+        # a picture beyond the line, which the next tick crosses, is danced on: bodies do not wait for the tick; but
+        # after a stall more lines lie behind than a tick crosses, and nobody has a pose many measures on
+        on = min(max(beat - span.end, 0.0), AHEAD * timeline.tempo / 60.0) / timeline.beats_per_measure
+        self._dancers.pose(fraction + on, time, out=(view.joint_position, view.joint_rotation))
+        self._motion.show(view)
+        self._audience.show(view)
+        view.group[:] = self._group
+        view.time, view.beat, view.tempo = time, beat, tempo
+        view.measure, view.beats_per_measure = span.number, timeline.beats_per_measure
+        view.phase = fraction * timeline.beats_per_measure
+        view.energy = self._desk.energy
+        counted = self._desk.cues.count_in(span.danced(beat, self._desk.beats))
+        view.count_in = 0.0 if counted is None else max(counted[0], 0.0)
+        if view.picture is not None:
+            view.picture[:] = self._desk.parameters.picture
+            after = min(max(time - ticked, 0.0), 2.0 * TICK)
+            self._desk.spots.place(view, after)
+            self._desk.rig.place(view.picture, after, after * timeline.tempo / 60.0)
+
+    def keep(self, time: float, timeline: Timeline, span: MeasureSpan, *, tempo: float) -> None:
+        """The picture has just been frozen, or goes on: keep what stands still, for who goes on with this show."""
+        if not self._desk.master.frozen:
+            self._still = None
+        elif self._still is None:
+            still = self.view()
+            still.guide = np.zeros((0, 10), np.float32)  # the largest part of it, and never still
+            self._fill(still, time, timeline, span, tempo=tempo, ticked=time)
+            self._still = still
+
+    def state_hash(self, time: float, timeline: Timeline, span: MeasureSpan, *, brightness: float) -> str:
+        """A short hash over every bit of the agents' and dancers' states and the poses at the tick of `time` [s]."""
+        dancers, danced, motion = self._dancers, self._dancers.present, self._motion
+        beat = timeline.beat_at(time)
+        return hash_of(
+            motion.state.flat, motion.entrances.state, self._group, danced.node, danced.placement, danced.correction,
+            danced.aimed, danced.take, danced.warp, dancers.lock.state, dancers.variation.drift.phase,
+            *dancers.pose(span.fraction(beat), time),
+            motion.floor.half, motion.floor.border,
+            np.array([beat, timeline.tempo, brightness]),
+            *self._desk.hashed(),
+            *(part for captured in dancers.captured.values() for part in captured.hashed()),
+        )  # fmt: skip
+
+
+def _copy(still: StageView, view: StageView) -> None:
+    """Let `view` show what was kept."""
+    for field in fields(StageView):
+        if field.name in NEVER_STILL:
+            continue
+        kept, there = getattr(still, field.name), getattr(view, field.name)
+        if isinstance(kept, np.ndarray) and there is not None:
+            there[...] = kept
+        else:
+            setattr(view, field.name, kept)

@@ -1,1 +1,0 @@
-"""The library of steps on disk: motion files, what people write about them, sketches, and the caches beside them."""

@@ -1,0 +1,91 @@
+"""Orphan: an engine that lost its supervisor and does not answer the next one. Once it hangs, it is ended.
+
+It has told nobody its number yet; the system knows who holds the socket at which it would be found.
+"""
+
+import contextlib
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Final
+
+from live.supervisor.procfs import machine, usage_of
+from live.supervisor.restart_policy import CEILING
+from live.supervisor.watchdog import MachineLoad, Verdict, Watchdog
+
+ROUND: Final = 0.05
+"""Seconds between two looks."""
+READ_EVERY: Final = 0.5
+"""Seconds between two readings of the machine."""
+GONE_WITHIN: Final = 5.0
+"""Seconds in which a killed process is gone."""
+
+
+def holders(name: str) -> list[int]:
+    """The processes of this user that hold the listening socket `name`, but for this one; one at most in a show."""
+    inodes = set(_inodes(name))
+    return [int(pid) for pid in os.listdir("/proc") if pid.isdecimal() and inodes & set(_held(pid))] if inodes else []
+
+
+def _inodes(name: str) -> Iterator[str]:
+    with contextlib.suppress(OSError), open("/proc/net/unix", encoding="utf-8", errors="replace") as file:
+        for line in file:
+            words = line.split()
+            if len(words) == 8 and words[7].endswith(f"/{name}"):
+                yield f"socket:[{words[6]}]"
+
+
+def _held(pid: str) -> Iterator[str]:
+    if int(pid) == os.getpid():
+        return
+    with contextlib.suppress(OSError):
+        folder = f"/proc/{pid}/fd"
+        if os.stat(folder).st_uid != os.getuid():
+            return
+        for descriptor in os.listdir(folder):
+            with contextlib.suppress(OSError):
+                yield os.readlink(f"{folder}/{descriptor}")
+
+
+def end_if_hung(name: str, answers: Callable[[], bool]) -> list[int]:
+    """Watch who holds the socket `name` until it `answers`, has ended or hangs, and kill it then; who was killed.
+
+    Judged as a supervisor judges its own engine: seconds in which a process gets no processor are not its own.
+    """
+    begin = time.monotonic()
+    load, last_read = MachineLoad(ROUND), begin
+    watched = {pid: Watchdog() for pid in holders(name)}
+    while watched and time.monotonic() - begin < CEILING + 1.0:
+        before = time.monotonic()
+        if answers():
+            return []
+        time.sleep(ROUND)
+        now = time.monotonic()
+        load.woke(max(now - before - ROUND, 0.0), now - before)
+        if now - last_read > READ_EVERY:
+            load.read(now, machine())
+            last_read = now
+        verdicts = [dog.look(now, begin, partial(usage_of, pid), load.slowdown) for pid, dog in watched.items()]
+        if all(verdict is Verdict.HUNG for verdict in verdicts):
+            return [pid for pid in holders(name) if pid in watched and _killed(pid)]
+        watched = {pid: dog for pid, dog in watched.items() if pid in holders(name)}
+    return []
+
+
+def _killed(pid: int) -> bool:
+    try:
+        descriptor = os.pidfd_open(pid)
+    except OSError:
+        return False
+    try:
+        signal.pidfd_send_signal(descriptor, signal.SIGKILL)
+    except OSError:
+        return False
+    finally:
+        os.close(descriptor)
+    deadline = time.monotonic() + GONE_WITHIN
+    while os.path.exists(f"/proc/{pid}/fd/0") and time.monotonic() < deadline:
+        time.sleep(ROUND)
+    return True

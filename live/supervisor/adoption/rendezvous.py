@@ -1,0 +1,215 @@
+"""Rendezvous: where a supervisor that begins anew finds an engine that has lost its own, and what it is given there.
+
+A socket that a supervisor listens at, in a folder of this user's alone. Every engine has it, too: while the supervisor
+lives it sends away whoever comes; once it is dead, the engine looks after each frame whether somebody came, and never
+waits. Only the same user is let in (SO_PEERCRED). The descriptors go along (SCM_RIGHTS), then the show so far.
+"""
+
+import contextlib
+import json
+import os
+import signal
+import socket
+import stat
+import struct
+import tempfile
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from live import __version__
+from live.show.journal.line_writer import Unwritten
+from live.supervisor.log import Log
+from live.supervisor.wire import Wire
+
+FOLDER: Final = "choreographics-live"
+ENDING: Final = ".sock"
+BACKLOG: Final = 4
+"""Who may wait, and be looked at, at once; others are sent away."""
+PATIENCE: Final = 5.0
+"""Seconds in which whoever comes has to say what it wants."""
+LONGEST_WORD: Final = 4096
+"""Bytes of what it says."""
+
+
+def own_folder() -> int:
+    """A descriptor of the folder for such sockets; OSError if it cannot be made, or others can reach into it."""
+    base = os.environ.get("XDG_RUNTIME_DIR", "")
+    known = os.path.isabs(base) and os.path.isdir(base)
+    path = Path(base) / FOLDER if known else Path(tempfile.gettempdir()) / f"{FOLDER}-{os.getuid()}"
+    with contextlib.suppress(FileExistsError):
+        path.mkdir(mode=0o700)
+    descriptor = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC)
+    found = os.fstat(descriptor)
+    if found.st_uid != os.getuid() or stat.S_IMODE(found.st_mode) & 0o077:
+        os.close(descriptor)
+        raise PermissionError(1, f"{path} is not this user's alone")
+    return descriptor
+
+
+def in_folder(folder: int, name: str) -> str:
+    """The path of a file there; short, as addresses have to be, and the folder that was looked at whatever happens."""
+    return f"/proc/self/fd/{folder}/{name}"
+
+
+class Meeting:
+    """The supervisor's side: listens, and sends away whoever comes while it lives. Thread: the supervisor's."""
+
+    def __init__(self, label: str) -> None:
+        """`label`: which show it is; OSError if nobody can listen there."""
+        self.name = f"{label}.{os.getpid()}{ENDING}"
+        folder = own_folder()
+        try:
+            path = in_folder(folder, self.name)
+            with contextlib.suppress(FileNotFoundError):
+                os.unlink(path)
+            self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+            try:
+                self.socket.bind(path)
+                os.chmod(path, 0o600)
+                self.socket.listen(BACKLOG)
+                self.socket.setblocking(False)
+            except OSError:
+                self.socket.close()
+                raise
+        finally:
+            os.close(folder)
+
+    @classmethod
+    def inherited(cls, descriptor: int, name: str) -> "Meeting":
+        """The one of the supervisor that was there before, which its engine had."""
+        meeting = cls.__new__(cls)
+        meeting.name, meeting.socket = name, socket.socket(fileno=descriptor)
+        meeting.socket.setblocking(False)
+        return meeting
+
+    def refuse(self) -> None:
+        """Somebody came: this show has a supervisor."""
+        with contextlib.suppress(OSError):
+            sock, _ = self.socket.accept()
+            with sock:
+                _answer(sock, alive="refused", why="it has a supervisor", supervised=True)
+
+    def close(self) -> None:
+        """Listen no more: the show is over."""
+        self.socket.close()
+        with contextlib.suppress(OSError):
+            folder = own_folder()
+            try:
+                os.unlink(in_folder(folder, self.name))
+            finally:
+                os.close(folder)
+
+
+class Rendezvous:
+    """The engine's side, once it is alone. Thread: the show's; nothing waits."""
+
+    def __init__(self, descriptor: int) -> None:
+        self._socket = socket.socket(fileno=descriptor)
+        self._guests: list[tuple[float, socket.socket, bytearray]] = []
+        self.refused = 0
+        """Who was sent away: another user, or it made no sense."""
+
+    def fileno(self) -> int:
+        """To be handed on."""
+        return self._socket.fileno()
+
+    def look(self) -> socket.socket | None:
+        """The connection of a supervisor that asks for this engine, if one has. At most one comes in at each look."""
+        now = time.monotonic()
+        with contextlib.suppress(OSError):
+            sock, _ = self._socket.accept()
+            if same_user(sock) and len(self._guests) < BACKLOG:
+                sock.setblocking(False)
+                self._guests.append((now, sock, bytearray()))
+            else:
+                self._send_away(sock)
+        for guest in list(self._guests):
+            if (found := self._hear(guest, now)) is not None:
+                return found
+        return None
+
+    def _hear(self, guest: tuple[float, socket.socket, bytearray], now: float) -> socket.socket | None:
+        since, sock, words = guest
+        try:
+            data = sock.recv(LONGEST_WORD)
+        except (BlockingIOError, InterruptedError):
+            data = None
+        except OSError:
+            data = b""
+        words += data or b""
+        if (data is None and now - since < PATIENCE) or (data and b"\n" not in words and len(words) < LONGEST_WORD):
+            return None
+        self._guests.remove(guest)
+        told = told_by(bytes(words))
+        if told.get("alive") == "end":
+            _answer(sock, alive="ends", pid=os.getpid())
+            sock.close()
+            os.kill(os.getpid(), signal.SIGTERM)  # as if a person had: everything is closed in order
+        elif told.get("alive") != "adopt":
+            self._send_away(sock)
+        elif told.get("version") != __version__:
+            why = f"the engine is of version {__version__}, the supervisor of {told.get('version')!s:.40}"
+            _answer(sock, alive="refused", why=why, pid=os.getpid())
+            self._send_away(sock)
+        else:
+            return sock
+        return None
+
+    def _send_away(self, sock: socket.socket) -> None:
+        self.refused += 1
+        sock.close()
+
+
+def same_user(sock: socket.socket) -> bool:
+    """Whether the other end is this user's, as the system says (SO_PEERCRED of unix(7): pid, uid, gid)."""
+    size = struct.calcsize("iII")
+    with contextlib.suppress(OSError, struct.error):
+        _, uid, _ = struct.unpack("iII", sock.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, size))
+        return bool(uid == os.getuid())
+    return False
+
+
+def told_by(words: bytes) -> dict[str, Any]:
+    """What the first line says; nothing if it makes no sense."""
+    with contextlib.suppress(ValueError, RecursionError):
+        told = json.loads(words.partition(b"\n")[0])
+        return told if isinstance(told, dict) else {}
+    return {}
+
+
+def hand_over(sock: socket.socket, told: Mapping[str, Any], descriptors: Mapping[str, int]) -> bool:
+    """The engine says who it is, and gives its descriptors by their names; False if nobody is there any more."""
+    process = -1
+    try:
+        process = os.pidfd_open(os.getpid())
+        there = {**descriptors, "process": process}
+        hello = {"alive": "engine", "pid": os.getpid(), "descriptors": list(there), **told}
+        word = json.dumps(hello, separators=(",", ":")).encode() + b"\n"
+        if socket.send_fds(sock, [word], list(there.values())) == len(word):
+            return True
+    except OSError:
+        pass
+    finally:
+        if process >= 0:
+            os.close(process)
+    sock.close()
+    return False
+
+
+def tell_the_rest(wire: Wire, unwritten: Unwritten, kept: int, log: Log) -> None:
+    """The lines that are to be written, and those that a spare needs; from then on both ends count lines anew."""
+    written = unwritten.written
+    wire.tell(
+        alive="unwritten", number=written.number, end=written.end, missing=written.missing, snapshots=kept,
+        lines=len(unwritten.lines),
+    )  # fmt: skip
+    since = list(log.since())
+    wire.put("\n".join([*(line for _, line in unwritten.lines), *since, '{"alive":"adopted"}']))
+    wire.taken = 0
+
+
+def _answer(sock: socket.socket, **told: Any) -> None:
+    with contextlib.suppress(OSError):
+        sock.send(json.dumps(told, separators=(",", ":")).encode() + b"\n", socket.MSG_NOSIGNAL)

@@ -1,0 +1,276 @@
+"""Pairing: two machines learn each other's certificate, once, by a phrase that a person types.
+
+The channel is TLS 1.3 to the machine that shows the phrase; nobody knows its certificate yet, so somebody in between
+may have taken its place. Therefore each side proves that it knows the phrase by an HMAC over everything that must be
+the same at both ends: the server's certificate as the *channel* has it (the binding `tls-server-end-point` of RFC
+5929; who is in between has another one, for it has not the key), the client's certificate, names and fresh nonces of
+both. That is the shape of SCRAM (RFC 5802). The client proves first, so who pretends to be the client has one guess
+at each try, and TRIES of them. Who pretends to be the server gets one proof to guess at: the phrase has 48 bits and
+is stretched by scrypt (RFC 7914, 32 MiB and some hundredths of a second a guess), so that 2^47 guesses had to be made
+within the minutes in which the phrase is of any use; it is never used again. A PAKE would need no such bound; no
+library that is kept has one, and our own would be the greater risk.
+
+The phrase is of proquints (D. S. Wilkerson, "A Proposal for Proquints", arXiv:0901.4016): five letters that can be
+said, 16 bits each.
+"""
+
+import asyncio
+import contextlib
+import hashlib
+import hmac
+import json
+import secrets
+import socket
+import ssl
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from cryptography.hazmat.primitives.kdf.scrypt import Scrypt
+
+from live.base.errors import PersonError
+from live.supervisor.network.identity import Identity, Pairings, Peer, plain_name
+from live.supervisor.network.tls import tls13
+
+PORT: Final = 9021
+WITHIN: Final = 300.0
+"""Seconds for which a phrase is shown."""
+ANSWERS_WITHIN: Final = 15.0
+"""Seconds that one attempt may take."""
+HANDSHAKE_WITHIN: Final = 5.0
+TRIES: Final = 3
+"""Wrong phrases after which the right one is of no use any more."""
+AT_ONCE: Final = 8
+"""Attempts at the same time; more are refused at the door."""
+LONGEST: Final = 8192
+"""Bytes of a line."""
+QUINTS: Final = 3
+_CONSONANTS: Final = "bdfghjklmnprstvz"
+_VOWELS: Final = "aiou"
+CONTEXT: Final = b"choreographics-live pairing 1"
+
+
+def new_phrase() -> str:
+    """48 bits as three words that can be said."""
+    return "-".join(_quint(secrets.randbits(16)) for _ in range(QUINTS))
+
+
+def _quint(bits: int) -> str:
+    c, v = _CONSONANTS, _VOWELS
+    return c[bits >> 12] + v[bits >> 10 & 3] + c[bits >> 6 & 15] + v[bits >> 4 & 3] + c[bits & 15]
+
+
+def plain_phrase(typed: str) -> str:
+    """What counts of what was typed: its letters."""
+    return "".join(mark for mark in typed.lower() if mark.isalpha())
+
+
+@dataclass(frozen=True, slots=True)
+class Transcript:
+    """What has to be the same at both ends."""
+
+    server: bytes
+    """Certificates, DER."""
+    client: bytes
+    server_name: str
+    client_name: str
+    server_nonce: bytes
+    client_nonce: bytes
+
+    def digest(self) -> bytes:
+        """All of it, each part by its own hash, so that no part runs into the next."""
+        parts = (
+            CONTEXT, self.server, self.client, self.server_name.encode(), self.client_name.encode(), self.server_nonce,
+            self.client_nonce,
+        )  # fmt: skip
+        return hashlib.sha256(b"".join(hashlib.sha256(part).digest() for part in parts)).digest()
+
+    def proofs(self, phrase: str) -> tuple[bytes, bytes]:
+        """The client's and the server's, for who knows the phrase. Takes some hundredths of a second."""
+        digest = self.digest()
+        key = Scrypt(salt=digest, length=32, n=1 << 15, r=8, p=1).derive(plain_phrase(phrase).encode())
+        return tuple(hmac.digest(key, side + digest, "sha256") for side in (b"client", b"server"))  # type: ignore[return-value]
+
+
+class Refused(Exception):
+    """What came is not of this protocol."""
+
+
+@dataclass
+class Shown:
+    """The side that shows the phrase. `run` ends with the machine that was paired; PersonError if there is none."""
+
+    identity: Identity
+    pairings: Pairings
+    phrase: str
+    name: str = field(default_factory=socket.gethostname)
+    listening: Callable[[int], None] = lambda port: None
+    """Told the port once it is open."""
+    wrong: int = 0
+    """Wrong phrases so far."""
+    strangers: int = 0
+    """Attempts that were no attempt to pair."""
+
+    async def run(self, host: str | None, port: int, *, within: float = WITHIN) -> Peer:
+        """Wait for the other machine at `host` (None: all addresses of this machine)."""
+        self._found: asyncio.Future[Peer] = asyncio.get_running_loop().create_future()
+        self._now, self._scrypt = 0, asyncio.Lock()
+        context = tls13(ssl.PROTOCOL_TLS_SERVER)
+        context.load_cert_chain(self.identity.path)
+        try:
+            server = await asyncio.start_server(
+                self._attempt, host, port, ssl=context, ssl_handshake_timeout=HANDSHAKE_WITHIN,
+                ssl_shutdown_timeout=1.0, limit=LONGEST, backlog=AT_ONCE,
+            )  # fmt: skip
+        except OSError as error:
+            raise PersonError(f"nobody can pair at port {port}: {error.strerror}", "choose another port") from None
+        self.listening(server.sockets[0].getsockname()[1])
+        try:
+            return await asyncio.wait_for(self._found, within)
+        except TimeoutError:
+            raise PersonError("no machine was paired: nobody typed the phrase in time", "live pair") from None
+        finally:
+            server.close()
+
+    async def _attempt(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        if self._now >= AT_ONCE:
+            writer.transport.abort()
+            return
+        self._now += 1
+        try:
+            async with asyncio.timeout(ANSWERS_WITHIN):
+                await self._serve(reader, writer)
+        except (Refused, TimeoutError, OSError):
+            self.strangers += 1
+        except PersonError as error:
+            if not self._found.done():
+                self._found.set_exception(error)
+        finally:
+            self._now -= 1
+            writer.close()
+            with contextlib.suppress(OSError, TimeoutError):
+                await writer.wait_closed()
+
+    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        nonce = secrets.token_bytes(32)
+        await _say(writer, pair=1, name=self.name, nonce=nonce.hex())
+        told = await _hear(reader)
+        certificate, theirs = _bytes(told, "certificate"), _bytes(told, "nonce", 32)
+        proof, signature = _bytes(told, "proof", 32), _bytes(told, "signature", 64)
+        name = told.get("name")
+        if not isinstance(name, str) or len(name) > 255 or self._found.done():
+            raise Refused
+        peer = Peer(plain_name(name), certificate)
+        transcript = Transcript(self.identity.certificate, certificate, self.name, name, nonce, theirs)
+        if not _signed(peer, signature, transcript.digest()):
+            raise Refused
+        async with self._scrypt:
+            if self.wrong >= TRIES or self._found.done():
+                raise Refused
+            client, server = await asyncio.to_thread(transcript.proofs, self.phrase)
+            if not hmac.compare_digest(client, proof):
+                self.wrong += 1
+                await _say(writer, wrong=TRIES - self.wrong)
+                if self.wrong >= TRIES:
+                    raise PersonError(
+                        f"{TRIES} wrong phrases: this one is of no use any more", "live pair shows another one"
+                    )
+                return
+            if certificate == self.identity.certificate:
+                raise PersonError("that is this machine itself: processes of one user on one machine need no pairing")
+            kept = self.pairings.add(peer.name, certificate)
+            await _say(writer, proof=server.hex())
+            if not self._found.done():
+                self._found.set_result(kept)
+
+
+async def pair_with(
+    identity: Identity, pairings: Pairings, host: str, port: int, phrase: str, *, name: str | None = None
+) -> Peer:
+    """The side where the phrase was typed; the machine that was paired. PersonError if that cannot be."""
+    name = name or socket.gethostname()
+    context = tls13(ssl.PROTOCOL_TLS_CLIENT)
+    context.check_hostname, context.verify_mode = False, ssl.CERT_NONE  # who it is the phrase will show
+    try:
+        async with asyncio.timeout(2 * ANSWERS_WITHIN):
+            reader, writer = await asyncio.open_connection(
+                host, port, ssl=context, ssl_handshake_timeout=HANDSHAKE_WITHIN, limit=LONGEST
+            )
+            try:
+                return await _ask(identity, pairings, phrase, name, reader, writer)
+            finally:
+                writer.close()
+                with contextlib.suppress(OSError, TimeoutError):
+                    await writer.wait_closed()
+    except (OSError, TimeoutError) as error:
+        why = getattr(error, "strerror", None) or "no answer"
+        raise PersonError(f"no machine that can be paired with at {host}:{port}: {why}", "live pair there") from None
+    except Refused:
+        raise PersonError(
+            f"what answers at {host}:{port} does not wait to be paired, or somebody is between the two machines"
+        ) from None
+
+
+async def _ask(
+    identity: Identity, pairings: Pairings, phrase: str, name: str, reader: asyncio.StreamReader,
+    writer: asyncio.StreamWriter,
+) -> Peer:  # fmt: skip
+    told = await _hear(reader)
+    theirs, there = _bytes(told, "nonce", 32), told.get("name")
+    secure = writer.get_extra_info("ssl_object")
+    certificate = None if secure is None else secure.getpeercert(binary_form=True)
+    if told.get("pair") != 1 or not isinstance(there, str) or len(there) > 255 or certificate is None:
+        raise Refused
+    nonce = secrets.token_bytes(32)
+    transcript = Transcript(certificate, identity.certificate, there, name, theirs, nonce)
+    client, server = await asyncio.to_thread(transcript.proofs, phrase)
+    await _say(
+        writer, name=name, certificate=identity.certificate.hex(), nonce=nonce.hex(), proof=client.hex(),
+        signature=identity.sign(transcript.digest()).hex(),
+    )  # fmt: skip
+    answer = await _hear(reader)
+    if "wrong" in answer:
+        raise PersonError(
+            "the phrase is wrong, or somebody is between the two machines; nothing was paired",
+            "look at the other machine, and type its phrase once more",
+        )
+    if not hmac.compare_digest(server, _bytes(answer, "proof", 32)):
+        raise PersonError(
+            "the other machine does not know its own phrase: somebody is between the two; nothing was paired"
+        )
+    try:
+        return pairings.add(there, certificate)
+    except ValueError:
+        raise Refused from None
+
+
+def _signed(peer: Peer, signature: bytes, data: bytes) -> bool:
+    try:
+        return peer.signed(signature, data)
+    except ValueError:  # no certificate
+        return False
+
+
+async def _say(writer: asyncio.StreamWriter, **values: Any) -> None:
+    writer.write(json.dumps(values, separators=(",", ":")).encode() + b"\n")
+    await writer.drain()
+
+
+async def _hear(reader: asyncio.StreamReader) -> dict[str, Any]:
+    try:
+        told = json.loads(await reader.readline())
+    except (ValueError, RecursionError):  # too long, no JSON, or nested without end
+        raise Refused from None
+    if not isinstance(told, dict):
+        raise Refused
+    return told
+
+
+def _bytes(told: dict[str, Any], key: str, length: int | None = None) -> bytes:
+    try:
+        found = bytes.fromhex(told[key])
+    except (KeyError, TypeError, ValueError):
+        raise Refused from None
+    if length is not None and len(found) != length:
+        raise Refused
+    return found

@@ -1,0 +1,335 @@
+"""Following: a show that runs after another one's lines, and stands where that one stood."""
+
+import base64
+import contextlib
+import json
+import time
+from collections import deque
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Final
+
+from live.base.compression import unpacked
+from live.clock.ticks import TICK
+from live.control.events.event_json import event_from_json
+from live.control.events.events import ControlEvent, PatchChanged, SetLatency, StepsAdded, StepsChanged, TicksSkipped
+from live.show.acting import act
+from live.show.core import Show
+from live.show.journal.replay_start import ReplayError, loaded_of
+from live.show.journal.skipped_events import LEFT_OUT, can_be_left_out
+from live.show.load import LoadedShow
+from live.show.patch.patch import Patch
+from live.show.selection.library_hash import library_hash
+from live.show.state.snapshot import SnapshotError, restore
+from live.supervisor.heartbeat import Heartbeat
+from live.supervisor.lifeline import in_words
+from live.supervisor.log import Log
+
+ARRIVALS: Final = 256
+"""Lines whose delay is remembered: some seconds, in which clocks do not drift apart."""
+Line = dict[str, Any]
+
+
+class TickFailed(Exception):
+    """A tick ended in an error: the show's state is of no use any more."""
+
+    def __init__(self, tick: int, stage: int, error: Exception) -> None:
+        super().__init__(f"tick {tick}: {in_words(error)}")
+        self.tick, self.stage, self.why = tick, stage, in_words(error)
+
+
+class Following:
+    """Takes the lines of a show (`Log.since`, and those that follow) and runs the same show.
+
+    `advance` leaves what came after the last measure line for `recover` (`recovery.py`): an event that ends one engine
+    shall not end the one that waits as well. A state that differs from the other show's is counted, and the next
+    snapshot puts it right. Thread: one.
+    """
+
+    def __init__(self, loaded: LoadedShow, *, heart: Heartbeat | None = None) -> None:
+        """`heart`: of this process; it beats, and says which stage of which tick runs, while much is run."""
+        self._first = self._loaded = loaded
+        self._heart, self._log = heart, Log()
+        self._waiting: deque[Line] = deque()
+        self._since: deque[Line] = deque()  # what came since the last snapshot, should this one have to be repaired
+        self._measures = 0
+        self.header: Line = {}
+        self.show: Show | None = None
+        self.tick = 0
+        """Where the show stands."""
+        self.compared = self.differences = self.repaired = self.refused = 0
+        """Measures compared; those whose state differed; how often a snapshot put that right; events that failed."""
+        self.problem = ""
+        """Why the last snapshot could not be used."""
+        self.latencies: dict[str, float] = {}
+        """Delays that were changed by hand."""
+        self._arrivals: deque[float] = deque(maxlen=ARRIVALS)
+        self._hash: tuple[int, str] = (0, "")
+        self._astray = self._stuck = False
+
+    @property
+    def ready(self) -> bool:
+        """Whether this show is known to be the other one: a state was compared, and the last that was is the same."""
+        return self.show is not None and self.compared > 0 and not (self._astray or self._stuck or self._waiting)
+
+    @property
+    def origin(self) -> float:
+        """The clock's, for a process on the same machine [s of perf_counter]."""
+        return float(self.header["origin"])
+
+    @property
+    def begun(self) -> float | None:
+        """When the music began [s of the show]; None if none plays, or the show listens."""
+        begun = self.header.get("begun")
+        return float(begun) if isinstance(begun, int | float) else None
+
+    def origin_here(self, lead: float) -> float:
+        """The clock's for another machine: of all ticks heard of lately that one counts that came soonest.
+
+        `lead` [s]: how far ahead of the clock ticks are run.
+        """
+        return min(self._arrivals) + lead if self._arrivals else time.perf_counter()
+
+    def facts(self) -> dict[str, int]:
+        """How well it follows."""
+        return {"compared": self.compared, "different": self.differences, "repaired": self.repaired}
+
+    def take(self, line: str, *, arrived: float | None = None) -> None:
+        """Take a line; nothing is run yet. `arrived` [s of perf_counter]: when it came from another machine."""
+        value = json.loads(line)
+        self._log.take(line)
+        if "journal" in value:
+            self.header = value
+            return
+        if len(value) == 1:
+            if arrived is not None:
+                self._arrivals.append(arrived - value["tick"] * TICK)
+            if self._waiting and len(self._waiting[-1]) == 1:
+                self._waiting[-1] = value
+                return
+        if LEFT_OUT in value:
+            self._leave_out(value[LEFT_OUT])
+        self._measures += "measure" in value
+        self._waiting.append(value)
+        if self._stuck and "snapshot" in value:
+            self._begin_again(stuck=False)
+
+    def _leave_out(self, count: int) -> None:
+        """The last so many events are in quarantine; who has let one act already is astray until the next snapshot."""
+        for value in [value for value in reversed(self._waiting) if is_event(value)][:count]:
+            self._waiting.remove(value)
+            count -= 1
+        self._astray = self._astray or count > 0
+
+    @property
+    def loaded(self) -> LoadedShow:
+        """Patch and steps as they are danced now."""
+        if self.show is None:
+            return self._loaded
+        return replace(self._loaded, patch=self.show.patch, graph=self.show.graph)
+
+    @property
+    def waiting(self) -> list[Line]:
+        """What was told and is not run yet, in order."""
+        return list(self._waiting)
+
+    def advance(self, *, lines: int = 64) -> bool:
+        """Run on by so many lines at most, not beyond the last measure line; whether there is more to run."""
+        try:
+            for _ in range(lines):
+                if not self._measures or self._stuck:
+                    return False
+                self._run(self._waiting.popleft())
+        except TickFailed:  # what the other one dances cannot be danced here: `recover` has to find out why
+            self._begin_again(stuck=True)
+            return False
+        return self._measures > 0
+
+    def _begin_again(self, *, stuck: bool) -> None:
+        """Back to the last snapshot, of which nothing is run yet."""
+        self.stand(None, 0)
+        self._waiting = deque(self.whole())
+        self._measures = sum("measure" in value for value in self._waiting)
+        self._stuck = stuck
+
+    def run(self, lines: Iterable[Line], until: int) -> None:
+        """Run these instead of all that waits, and every tick up to `until`; TickFailed if one ends in an error.
+
+        Nothing waits any more then.
+        """
+        self._waiting.clear()
+        self._measures = 0
+        for value in lines:
+            self._measures += "measure" in value
+            self._run(value)
+        self._run_to(self._begun(), until)
+
+    def stand(self, show: Show | None, tick: int) -> None:
+        """Go on from `show` as it was after `tick`; None: nothing is run of it yet."""
+        self._take_show(show)
+        self.tick = tick
+        self._astray = False
+        self._since.clear()
+        if show is None:
+            self._loaded = self._first
+
+    def whole(self) -> list[Line]:
+        """All that is needed to run the show again from its last snapshot."""
+        again = Following(self._first)
+        for line in self._log.since():
+            again.take(line)
+        return again.waiting
+
+    @property
+    def crossed(self) -> tuple[int, str]:
+        """The tick of the last measure line and the hash of the state there."""
+        return self._hash
+
+    def follow(self) -> None:
+        """Run all that was told, in lockstep with who tells it; what cannot be danced here waits for a snapshot."""
+        while self._waiting and not self._stuck:
+            try:
+                self._run(self._waiting.popleft())
+            except TickFailed:
+                self._begin_again(stuck=True)
+
+    def _run(self, value: Line) -> None:
+        self._measures -= "measure" in value
+        if "snapshot" in value:
+            self._take_snapshot(value)
+            return
+        show = self._begun()
+        self._run_to(show, value["tick"])
+        if len(value) > 1:
+            self._since.append(value)
+        if "event" in value:
+            self._act(show, value["event"])
+        elif "measure" in value:
+            self.compared += 1
+            self._astray = self._hash != (self.tick, value["hash"])
+            self.differences += self._astray
+
+    def _run_to(self, show: Show, until: int) -> None:
+        while self.tick < until:
+            self.tick += 1
+            if self._heart is not None:
+                self._heart.begin_tick(self.tick)
+            try:
+                if show.tick(self.tick * TICK):
+                    self._hash = (self.tick, show.state_hash())
+            except Exception as error:
+                raise TickFailed(self.tick, show.breakers.running, error) from error
+
+    def _act(self, show: Show, told: Line) -> None:
+        """Let an event act; what is none that this program knows is counted, here as by a replay."""
+        try:
+            event = event_from_json(told)
+        except (ValueError, TypeError):
+            self.refused += 1
+            return
+        self._apply(show, event)
+
+    def _apply(self, show: Show, event: ControlEvent) -> None:
+        self.refused += act(show, event) is None
+        if isinstance(event, TicksSkipped):
+            self.tick += event.count
+        elif isinstance(event, SetLatency):
+            self.latencies[event.what] = event.seconds
+
+    def _take_snapshot(self, value: Line) -> None:
+        """Begin with it, or be put right by it; who stands well needs it only to forget what was before."""
+        tick = value["tick"]
+        self._since = deque(kept for kept in self._since if belongs_after(kept, tick))
+        if self.show is not None and not self._astray:
+            return
+        try:
+            self._began_with(self._needed())
+            self._take_show(restore(self._loaded, base64.b64decode(value["snapshot"])))
+        except (SnapshotError, ReplayError, ValueError) as error:
+            self.problem = str(error)
+            return
+        assert self.show is not None
+        self.repaired += self._astray
+        stood, self.tick, self._astray = self.tick, tick, False
+        for kept in self._since:
+            self._run_to(self.show, kept["tick"])
+            if "event" in kept:
+                self._act(self.show, kept["event"])
+        self._run_to(self.show, stood)
+
+    def _begun(self) -> Show:
+        if self.show is None:
+            self._began_with(self._needed())
+            try:
+                show = self._loaded.start(seed=self.header["seed"], tempo=self.header["tempo"])
+            except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
+                raise ReplayError(f"its first line does not say how it began: {in_words(error)}") from None
+            self._take_show(show)
+        assert self.show is not None
+        return self.show
+
+    def _take_show(self, show: Show | None) -> None:
+        self.show = show
+        if show is not None and self._heart is not None:
+            show.breakers.publish(self._heart.stage)
+
+    def other_show(self) -> str | None:
+        """In what the show that is told of differs from the one that is loaded here; None if it is the same, or before
+        anything is told. A patch that was edited while it was played may be loaded as it is now."""
+        if self.show is not None or not self.header:
+            return None
+        try:
+            patches = [Patch.model_validate(self.header["patch"]), *self._patches()]
+        except (KeyError, ValueError):
+            return None  # whoever begins it says what is wrong with it
+        mine, *all_told = (patch.model_dump(mode="json") for patch in (self._loaded.patch, *patches))
+        if mine in all_told:
+            return None
+        last = all_told[-1]
+        keys = [key for key in mine if mine[key] != last.get(key)]
+        there, here = Path(str(self.header.get("patch_path"))).name, self._loaded.path.name
+        return f"{there} ({patches[-1].name}), here it is {here} ({mine['name']}); different: {', '.join(keys[:8])}"
+
+    def _patches(self) -> Iterator[Patch]:
+        """What the patch became later."""
+        for value in self._waiting:
+            event = value.get("event")
+            if isinstance(event, dict) and event.get("type") == PatchChanged.__name__:
+                changed = event_from_json(event)
+                assert isinstance(changed, PatchChanged)
+                yield Patch.model_validate_json(unpacked(changed.patch))
+
+    def _needed(self) -> list[StepsAdded | StepsChanged]:
+        """What becomes of the steps later, and must not be so from the beginning."""
+        events = (value["event"] for value in self._waiting if "event" in value)
+        kinds = (StepsAdded.__name__, StepsChanged.__name__)
+        found = []
+        for told in events:
+            with contextlib.suppress(ValueError, TypeError):  # it is refused when it is run
+                event = event_from_json(told) if isinstance(told, dict) and told.get("type") in kinds else None
+                if isinstance(event, StepsAdded | StepsChanged):
+                    found.append(event)
+        return found
+
+    def _began_with(self, later: list[StepsAdded | StepsChanged]) -> None:
+        """See that what is loaded is what the show began with."""
+        header, loaded = self.header, self._loaded
+        if not isinstance(header.get("patch"), dict) or not isinstance(header.get("steps_hash"), str):
+            raise ReplayError("its first line does not hold a whole show")
+        same = header["steps_hash"] == library_hash(loaded.graph.library)
+        if same and not later and header["patch"] == loaded.patch.written():
+            return
+        added = (event.clips.split("\n") for event in later if isinstance(event, StepsAdded))
+        changed = (event for event in later if isinstance(event, StepsChanged))
+        self._loaded = loaded_of(header | {"patch_path": str(loaded.path)}, added, changed)
+
+
+def is_event(value: Line) -> bool:
+    """Whether a line tells of an event that could be left out."""
+    return "event" in value and can_be_left_out(value["event"])
+
+
+def belongs_after(value: Line, tick: int) -> bool:
+    """Whether a line tells of something after the state that a snapshot holds, taken after `tick` was run."""
+    return bool(value["tick"] > tick or (value["tick"] == tick and "event" in value))
