@@ -1,12 +1,12 @@
 """The project's own sketched steps, built once per test run."""
 
 from functools import cache
-from pathlib import Path
 
 from live.library.sketch_folder import sketched_steps
 from live.motion.step_clip import StepClip
+from tests.places import ROOT
 
-FOLDER = Path(__file__).parents[1] / "patches" / "steps"
+FOLDER = ROOT / "patches" / "steps"
 
 
 @cache

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent
+from tests.places import ROOT
+
 DOCUMENTS = sorted(
     path
     for part in ("*.md", "docs/**/*.md", "bench/*.md", "patches/**/*.md", "tests/**/*.md")

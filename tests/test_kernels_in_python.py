@@ -3,11 +3,11 @@
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[1]
+from tests.places import ROOT
+
 TESTS = (
     "tests/base/test_kernels.py",
     "tests/motion/test_kernels.py",

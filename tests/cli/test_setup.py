@@ -11,7 +11,9 @@ from pathlib import Path
 
 import pytest
 
-SETUP = Path(__file__).resolve().parent.parent.parent / "tools" / "setup.sh"
+from tests.places import ROOT
+
+SETUP = ROOT / "tools" / "setup.sh"
 REAL_TOOLS = [
     "sh",
     "cat",

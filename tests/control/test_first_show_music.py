@@ -1,7 +1,5 @@
 """The embedded music: it loops in whole measures, begins on a downbeat, and can be followed."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -9,9 +7,10 @@ from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
 from live.control.audio.music_file import Music, OfflineMusic, read_music
 from live.control.events.events import BeatHeard
+from tests.places import ROOT
 from tools import compose_first_show as piece
 
-FILE = Path(__file__).parents[2] / "patches" / "music" / "first_show.ogg"
+FILE = ROOT / "patches" / "music" / "first_show.ogg"
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,5 @@
 """Real music of others, with beats that are known: steady pieces must be danced to on the beat."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -9,8 +7,9 @@ from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
 from live.control.audio.music_file import OfflineMusic, read_music
 from live.control.events.events import BeatHeard, SourceChanged
+from tests.places import SHARED
 
-BEATS = Path(__file__).resolve().parents[3] / "shared" / "beats" / "open"
+BEATS = SHARED / "beats" / "open"
 
 
 @pytest.mark.long

@@ -2,7 +2,6 @@ import importlib.util
 import math
 import typing
 from dataclasses import fields, replace
-from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -14,8 +13,7 @@ from live.control.events.events import ControlEvent
 from live.control.registry.control import NAME_LENGTH, Argument, Control, Released, Reply
 from live.control.registry.registry import REGISTRY, Registry
 from live.control.registry.rejections import Reason, Rejection, Tally, merged
-
-ROOT = Path(__file__).resolve().parents[2]
+from tests.places import ROOT
 
 
 def call(address, *values):

@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.command import run_live
-
-SHARED = Path(__file__).resolve().parents[3] / "shared"
+from tests.places import SHARED
 
 
 def _shared(*parts: str) -> Path:

@@ -10,8 +10,9 @@ import pytest
 from live.motion.formats.parse import BvhMotion, parse_bvh
 from live.motion.formats.source import source_of_bvh
 from live.motion.formats.source_motion import SourceMotion
+from tests.places import SHARED
 
-MOCAP = Path(__file__).resolve().parents[3] / "shared" / "mocap"
+MOCAP = SHARED / "mocap"
 
 
 def mocap_file(name: str) -> Path:

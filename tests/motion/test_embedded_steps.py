@@ -11,8 +11,9 @@ from live.motion.sketch.sketch_clips import step_clips
 from live.motion.sketch.sketch_file import parse_sketch
 from live.motion.step_clip import DIRECTIONS, StepClip
 from tests.motion.sketch_measure import SIDES, first_and_last, joints, slide, soles
+from tests.places import ROOT
 
-FILES = sorted((Path(__file__).parents[2] / "patches" / "steps").glob("*.toml"))
+FILES = sorted((ROOT / "patches" / "steps").glob("*.toml"))
 NEEDED = {"groove", "side step", "samba", "tap", "turn", "jump", "arm wave", "bow", "walk"}
 
 

@@ -1,7 +1,6 @@
 """Tempo from the feet: sketched steps danced at known tempi, and real dances against estimates made elsewhere."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,8 +13,9 @@ from live.motion.clip import Clip
 from live.motion.retarget.retarget import retarget
 from live.motion.step_clip import StepClip
 from tests.motion.mocap import MOCAP, mocap_index, mocap_motion
+from tests.places import ROOT
 
-STEPS = Path(__file__).resolve().parents[2] / "patches" / "steps"
+STEPS = ROOT / "patches" / "steps"
 STEPPED = ("walk", "mambo", "side step", "grapevine", "kick", "turn", "jump")
 """Steps that land on beats: by these the phase is known, too."""
 

@@ -1,13 +1,12 @@
 """Journals that ended a show once (`live soak --minimise`): none of them ever does again."""
 
-from pathlib import Path
-
 import pytest
 
 from live.rehearse.journal_minimiser import Trial, entries_of, loaded_for
 from live.show.journal.journal_reading import read_journal
+from tests.places import ROOT
 
-KEPT = Path(__file__).parents[1] / "journals"
+KEPT = ROOT / "tests" / "journals"
 MORE = 256
 """Ticks that the show goes on behind the place where it failed."""
 

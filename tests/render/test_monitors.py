@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -15,6 +14,7 @@ from live.render.window.monitors import (
     same_monitor,
     screen_problem,
 )
+from tests.places import ROOT
 from tests.two_monitor_x import FIRST, SECOND, TwoMonitorX
 
 DESK = Monitor(1, "eDP-1", (0, 0), (1920, 1200), 60.0)
@@ -78,7 +78,7 @@ def test_in_a_wayland_session_the_x_server_is_used_all_the_same(stage_x: TwoMoni
     code = "from live.render.window.monitors import list_monitors; print([each.name for each in list_monitors()])"
     environment = {**os.environ, "XDG_SESSION_TYPE": "wayland", "WAYLAND_DISPLAY": "wayland-77"}
     environment.pop("PYGLFW_LIBRARY_VARIANT", None)
-    root = Path(__file__).parents[2]
+    root = ROOT
     told = subprocess.run([sys.executable, "-c", code], env=environment, cwd=root, capture_output=True, check=True)
     assert told.stdout.decode().strip() == "['DUMMY0', 'DUMMY1']"
 

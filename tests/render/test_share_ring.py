@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 from live.render.film.shared_memory import HEADER, PLACES, SharedRing, ring_path
+from tests.places import ROOT
 
 SIZE = (40, 24)
-READER = Path(__file__).parents[2] / "docs" / "read_ring.py"
+READER = ROOT / "docs" / "read_ring.py"
 pytestmark = pytest.mark.skipif(not Path("/dev/shm").is_dir(), reason="memory files are at another place here")
 
 

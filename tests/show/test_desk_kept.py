@@ -10,6 +10,7 @@ from live.show.load import LoadedShow
 from live.show.patch.patch import Patch
 from live.show.patch.patch_file import parse_patch
 from live.show.state.snapshot import Snapshots, restore
+from tests.places import ROOT
 from tests.show.desk_show import DESK, Hands
 from tests.show.made_show import GRAPH, PATCH
 
@@ -82,7 +83,7 @@ def test_a_running_show_takes_the_cues_and_scenes_of_an_edited_patch():
 
 
 def test_the_example_of_the_documents_is_a_patch_and_its_cues_happen():
-    page = (Path(__file__).resolve().parents[2] / "docs" / "cues.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "cues.md").read_text(encoding="utf-8")
     blocks = [block.split("```")[0] for block in page.split("```toml\n")[1:]]
     text = next(block for block in blocks if "[[cue]]" in block).replace('"groove"', '"sway"')
     hands = Hands(text).run(1)

@@ -1,7 +1,5 @@
 """Partners: pairs at arm's length travel and turn as one, hold hands, and let go of each other."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -18,8 +16,9 @@ from live.show.dancers.partners import Partners
 from live.show.group.casting import Casting
 from live.show.patch.patch_file import parse_patch
 from live.show.patch.patch_search_path import PatchError
+from tests.places import ROOT
 
-STEPS = Path(__file__).resolve().parents[2] / "patches" / "steps"
+STEPS = ROOT / "patches" / "steps"
 ARM = 0.8
 PATCH = """
 name = "pairs"

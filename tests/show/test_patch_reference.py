@@ -1,11 +1,9 @@
 """docs/patch.md says what the schema says, and every key is explained."""
 
 import importlib.util
-from pathlib import Path
 
 from live.show.patch.patch import Patch
-
-ROOT = Path(__file__).resolve().parents[2]
+from tests.places import ROOT
 
 
 def _tool():

@@ -8,8 +8,9 @@ import pytest
 
 from live.base.errors import PersonError
 from live.library.music_reference import song_beats
+from tests.places import SHARED
 
-SONGS = Path(__file__).resolve().parents[3] / "shared" / "beats" / "open"
+SONGS = SHARED / "beats" / "open"
 RATE = 44_100
 
 

@@ -8,12 +8,12 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
 
-ROOT = Path(__file__).parents[3]
+from tests.places import ROOT
+
 UP = "ip link set lo up; ip link set lo multicast on; ip route replace 224.0.0.0/4 dev lo"
 NET = f"{UP}; echo ready; exec cat"
 

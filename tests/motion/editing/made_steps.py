@@ -1,7 +1,6 @@
 """Steps for tests of the editing tools: the project's own sketches, and small random clips."""
 
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
@@ -11,8 +10,9 @@ from live.motion.skeleton import JOINT_COUNT
 from live.motion.sketch.sketch_clips import step_clip
 from live.motion.sketch.sketch_file import parse_sketch
 from live.motion.step_clip import StepClip
+from tests.places import ROOT
 
-STEPS = Path(__file__).resolve().parents[3] / "patches" / "steps"
+STEPS = ROOT / "patches" / "steps"
 
 
 @cache

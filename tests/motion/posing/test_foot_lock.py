@@ -1,7 +1,5 @@
 """Foot lock: feet that carry stay, legs stay legs, free feet come back without a jump."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -15,8 +13,9 @@ from live.motion.pose.pose_pipeline import ClipStore, PosePipeline
 from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
 from tests.motion.mocap import mocap_motion
+from tests.places import ROOT
 
-STEPS = Path(__file__).resolve().parents[3] / "patches" / "steps"
+STEPS = ROOT / "patches" / "steps"
 ANKLES, TOES = ([SKELETON.index(side + joint) for side in ("left", "right")] for joint in ("Foot", "Toes"))
 
 
