@@ -7,8 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-from tests.alive.made_machines import machine, pair_folders
 from tests.cli.command import run_live
+from tests.supervisor.made_machines import machine, pair_folders
 
 
 def test_two_machines_are_paired_by_a_phrase_listed_and_forgotten(tmp_path: Path, monkeypatch):

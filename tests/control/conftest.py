@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.control.osc_stage import Stage
+from tests.control.osc.osc_stage import Stage
 
 NEEDED = ("pulseaudio", "pactl", "paplay")
 

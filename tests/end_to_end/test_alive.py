@@ -18,12 +18,12 @@ import pytest
 from live.app.systemd_unit import Service
 from live.render.film.shared_memory import ring_path
 from live.show.patch.patch_search_path import PATCHES
-from tests.alive.made_machines import free_port, pair_folders
 from tests.cli.command import run_live
 from tests.control.waiting import BUSY, wait_for
 from tests.end_to_end.conftest import Running, children, end_all
 from tests.end_to_end.test_window_show import _needs
 from tests.screen_eye import Eye
+from tests.supervisor.made_machines import free_port, pair_folders
 from tests.two_monitor_x import FIRST, TwoMonitorX
 
 RED = "c00000"

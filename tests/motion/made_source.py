@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from live.motion.formats.source_motion import SourceMotion
-from tests.motion.made_bvh import BODY, NAMES, STANDING_CM, column, danced, still
+from tests.motion.formats.made_bvh import BODY, NAMES, STANDING_CM, column, danced, still
 
 PARENTS = tuple(NAMES.index(parent) if parent else -1 for _, parent, _ in BODY)
 

@@ -10,7 +10,7 @@ from live.motion.skeleton import SKELETON
 from live.motion.sketch.sketch_clips import step_clips
 from live.motion.sketch.sketch_file import parse_sketch
 from live.motion.step_clip import DIRECTIONS, StepClip
-from tests.motion.sketch_measure import SIDES, first_and_last, joints, slide, soles
+from tests.motion.sketch.sketch_measure import SIDES, first_and_last, joints, slide, soles
 from tests.places import ROOT
 
 FILES = sorted((ROOT / "patches" / "steps").glob("*.toml"))

@@ -20,6 +20,8 @@ Picture = npt.NDArray[np.uint8]
 Law = Callable[[Picture], bool]
 
 FOLDER: Final = Path(__file__).parent / "golden"
+KINDS: Final = ("camera", "card", "light", "output", "pass", "style")
+"""First words of names whose pictures lie in a folder of their own."""
 LARGEST: Final = 40_000
 """Bytes of a golden picture at most."""
 OFF: Final = 12
@@ -37,17 +39,23 @@ def differs(picture: Picture, expected: Picture, *, mean: float, off: float) -> 
     return ""
 
 
+def path_of(name: str) -> Path:
+    """Where a golden picture lies: `light_key` is `golden/light/key.png`."""
+    kind, _, rest = name.partition("_")
+    return FOLDER / kind / f"{rest}.png" if kind in KINDS else FOLDER / f"{name}.png"
+
+
 def check_golden(
     picture: Picture, name: str, *, law: Law, regenerate: bool = False, mean: float = 0.5, off: float = 0.002
 ) -> None:
-    """Fail unless `picture` (H, W, 3) keeps `law` and is the one of `golden/NAME.png`: `mean` steps of 255 off on
+    """Fail unless `picture` (H, W, 3) keeps `law` and is the one of that name: `mean` steps of 255 off on
     average and a share `off` of pixels at most. On failure what was drawn lies beside it as NAME.seen.png."""
     if not law(picture):
         Image.fromarray(picture).save(FOLDER / f"{name}.seen.png")
         pytest.fail(f"{name}: the picture does not keep its law; see golden/{name}.seen.png")
-    path = FOLDER / f"{name}.png"
+    path = path_of(name)
     if regenerate:
-        FOLDER.mkdir(exist_ok=True)
+        path.parent.mkdir(exist_ok=True, parents=True)
         Image.fromarray(picture).save(path, optimize=True)
         assert path.stat().st_size < LARGEST, f"{path} has {path.stat().st_size} bytes: draw it smaller"
         return

@@ -16,7 +16,7 @@ from live.show.journal.replay_start import first_start
 from live.show.status import Status
 from live.supervisor.recovery import Recovery
 from live.supervisor.state_follower import Following
-from tests.show.test_replay import MADE
+from tests.show.journal.test_replay import MADE
 
 BAD = events.SetMotion(time=2.0, source="osc", parameter="warp_beats", value=0.4, group="*")
 

@@ -10,7 +10,7 @@ from live.show.load import LoadedShow
 from live.show.patch.patch_file import parse_patch
 from live.show.state.snapshot import restore
 from tests.show.made_show import GRAPH, PATCH
-from tests.show.test_snapshot import run, taken_at
+from tests.show.state.test_snapshot import run, taken_at
 
 SCORE = (
     '[[section]]\nname = "a"\nmeasures = 2\nrepeat = 2\n[[section]]\nname = "b"\nmeasures = 3\nwait = true\n'

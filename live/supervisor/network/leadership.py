@@ -16,7 +16,7 @@ ready. Only the deputy takes silence for death, only if it is ready (it has comp
 in which it ran itself: `turn` is what it measured of its own (`live.supervisor.network.remote_standby`).
 
 The class is pure: no clock, no socket. `live.supervisor.network.remote_standby` drives it, and so does the model in
-`tests/alive/test_leadership.py`, which checks the law under loss, delay, partitions, crashes and stalls.
+`tests/supervisor/network/test_leadership.py`, which checks the law under loss, delay, partitions, crashes and stalls.
 """
 
 from dataclasses import dataclass, field

@@ -13,7 +13,7 @@ from live.show.journal.journal_file import read_snapshots
 from live.show.state.byte_format import HEAD, MOST_TREE
 from live.show.state.snapshot import SnapshotError, facts_of, restore
 from tests.show.state.hostile import Mutations, halves, joined, opened, sealed, tried
-from tests.show.test_snapshot import MADE, run, taken_at
+from tests.show.state.test_snapshot import MADE, run, taken_at
 
 MANY = int(os.environ.get("HOSTILE_SNAPSHOTS", "300"))
 """How many are tried; HOSTILE_SNAPSHOTS=100000 takes an hour."""

@@ -20,7 +20,7 @@ from live.show.state.type_check import check_state
 from tests.show.desk_show import DESK
 from tests.show.made_show import GRAPH, PATCH
 from tests.show.state.hostile import opened
-from tests.show.test_snapshot import MADE, SCRIPT, run, taken_at
+from tests.show.state.test_snapshot import MADE, SCRIPT, run, taken_at
 
 WORDS = {
     "int", "float", "bool", "str", "none", "bytes", "complex", "any", "array", "method", "event", "list", "row",

@@ -1,0 +1,176 @@
+"""The process that reads OSC for a supervised show: engines change, it dies, its supervisor dies; nothing is lost."""
+
+import os
+import signal
+import socket
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from live.app.played import Played
+from live.app.processes import supervised
+from live.base.inbox import Inbox
+from live.cli.main import app
+from live.clock.time_source import SystemClock
+from live.control.events import events
+from live.control.osc.osc_process import OscRemote
+from live.control.osc.osc_socket import bound_socket
+from live.supervisor.child import Child
+from tests.control.osc.osc_stage import message
+from tests.control.waiting import wait_for
+
+
+class Supervised:
+    """What a supervisor holds, and the engine's side of it."""
+
+    def __init__(self) -> None:
+        self.udp = bound_socket("127.0.0.1", 0)
+        self.pair = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self.clock = SystemClock()
+        self.sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.sender.settimeout(0.01)
+        self.reader = self.begin()
+        self.inbox: Inbox[events.ControlEvent] = Inbox()
+        self.remote: OscRemote | None = None
+
+    def begin(self) -> Child:
+        theirs = (self.pair[1].fileno(), self.udp.fileno())
+        command = [sys.executable, "-m", "live.app.processes.osc_reader_main", *map(str, theirs)]
+        return Child("OSC", command, inherit=theirs)
+
+    def engine(self) -> OscRemote:
+        """Another engine, which knows nothing of the last one's."""
+        self.inbox = Inbox()
+        self.remote = OscRemote(
+            "", 0, self.inbox.lane(), self.clock, inherited=self.udp.fileno(), reader=self.pair[0].fileno()
+        )
+        self.remote.tell({"/dance/clock/tempo": (("", (96.0,)),)})
+        self.remote.start()
+        return self.remote
+
+    def send(self, address: str, *values: Any) -> None:
+        self.sender.sendto(message(address, *values).dgram, self.udp.getsockname())
+
+    def heard(self, kind: type[events.ControlEvent], count: int = 1) -> bool:
+        """Whether the engine comes to have so many such events."""
+        found: list[events.ControlEvent] = []
+
+        def look() -> bool:
+            assert self.remote is not None
+            self.remote.frame()
+            found.extend(event for event in self.inbox.drain() if isinstance(event, kind))
+            return len(found) >= count
+
+        return wait_for(look, 20.0) and len(found) == count
+
+    def answered(self) -> bool:
+        """Whether somebody knows the tempo of the engine."""
+
+        def look() -> bool:
+            assert self.remote is not None
+            self.remote.frame()
+            self.send("/dance/clock/tempo")
+            try:
+                return b"/dance/clock/tempo" in self.sender.recv(2000)
+            except TimeoutError:
+                return False
+
+        return wait_for(look, 20.0)
+
+    def close(self) -> None:
+        if self.remote is not None:
+            self.remote.stop()
+        self.reader.kill()
+        self.reader.end()
+        for one in (self.udp, *self.pair, self.sender):
+            one.close()
+
+
+@pytest.fixture
+def show() -> Iterator[Supervised]:
+    made = Supervised()
+    yield made
+    made.close()
+
+
+def test_engines_change_and_nothing_that_was_sent_meanwhile_is_lost(show: Supervised) -> None:
+    show.send("/dance/clock/tap")  # before there is any engine, or a time of the show: it waits in the socket
+    remote = show.engine()
+    assert show.heard(events.Tap)
+    assert show.answered()
+    remote.stop()
+    for _ in range(20):  # nobody dances: they wait with the process, or on the way
+        show.send("/dance/clock/tap")
+    show.engine()
+    assert show.heard(events.Tap, 20)
+    assert show.answered()
+    assert show.reader.process.poll() is None
+
+
+def test_the_process_dies_and_the_next_one_is_told_all_anew(show: Supervised) -> None:
+    show.engine()
+    assert show.answered()
+    show.reader.kill()
+    show.reader.end()
+    show.send("/dance/clock/one")  # nobody is there: it waits in the socket
+    show.reader = show.begin()
+    assert show.heard(events.One)
+    assert show.answered()
+    assert wait_for(lambda: show.reader.phase.name == "RUNNING", 10.0)
+
+
+def test_an_engine_that_outlives_its_supervisor_has_a_process_of_its_own(show: Supervised) -> None:
+    remote = show.engine()
+    assert show.answered()
+    show.pair[1].close()  # so it is when a supervisor dies: all that it held is closed,
+    show.reader.wire.close()  # its end of the wire as well, and the process that it started ends
+    assert wait_for(lambda: show.reader.process.poll() == 0, 10.0)
+    show.send("/dance/clock/one")
+    assert show.heard(events.One)
+    assert show.answered()
+    assert remote.process is not None
+    assert remote.facts()["restarts"] == 1
+    os.kill(remote.process, signal.SIGKILL)
+    assert remote._helper is not None
+    remote._helper._started_at -= 10.0
+    assert show.answered()
+
+
+@pytest.mark.parametrize(
+    ("options", "reads"), [((), True), (("--osc-process",), True), (("--no-osc-process",), False)],
+    ids=lambda value: " ".join(value) or "nothing said" if isinstance(value, tuple) else "",
+)  # fmt: skip
+def test_a_supervised_show_has_osc_read_by_a_process_unless_it_is_told_otherwise(
+    monkeypatch: pytest.MonkeyPatch, options: tuple[str, ...], reads: bool
+) -> None:
+    made: list[Any] = []
+
+    class Made:
+        def __init__(self, orders: Any, *_: Any, **__: Any) -> None:
+            made.append(orders)
+            orders.osc.close()
+
+        def run(self) -> int:
+            return 0
+
+    monkeypatch.setattr(supervised, "Supervisor", Made)
+    done = CliRunner().invoke(app, ["play", "--headless", "--bpm", "120", "--osc", "127.0.0.1:0", *options])
+    assert done.exit_code == 0, done.output
+    (orders,) = made
+    assert bool(orders.osc_reader) is reads
+    assert Played.unpacked(orders.show).wish.osc_process is reads
+
+
+def test_a_show_of_one_process_reads_osc_in_a_thread_unless_it_is_told_otherwise(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    wishes: list[Any] = []
+    monkeypatch.setattr("live.app.kernel_warmup.warm_kernels", lambda console: None)
+    monkeypatch.setattr("live.app.stage.play_show", lambda wish, **_: wishes.append(wish))
+    for options in ((), ("--osc-process",)):
+        done = CliRunner().invoke(app, ["play", "--headless", "--alone", "--bpm", "120", *options])
+        assert done.exit_code == 0, done.output
+    assert [wish.osc_process for wish in wishes] == [False, True]

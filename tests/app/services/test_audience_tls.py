@@ -1,0 +1,240 @@
+"""Phones over https: certificates that are good, wrong, expired or open to others, and a gateway that goes on."""
+
+import asyncio
+import contextlib
+import datetime
+import ipaddress
+import os
+import signal
+import socket
+import ssl
+
+import aiohttp
+import pytest
+from cryptography import x509
+from cryptography.hazmat.primitives import hashes, serialization
+from cryptography.hazmat.primitives.asymmetric import ec
+from cryptography.x509.oid import NameOID
+
+from live.app.services.audience_service import AudiencePart, network_of, tls_files
+from live.app.services.audience_tls import parse_tls, read_identity
+from live.app.wish import Wish
+from live.base.errors import PersonError
+from live.base.inbox import Inbox
+from live.cli.inspect.before_doors import certificate_checks
+from live.clock.time_source import ManualClock
+from live.show.patch.audience import AudienceSection
+from live.show.venue.venue import Venue
+from tests.app.services.test_audience_part import Stage
+from tests.control.audience.made_gateway import FakePhone, until
+from tests.show.made_show import made_show
+
+NOW = datetime.datetime.now(datetime.UTC)
+DAY = datetime.timedelta(days=1)
+
+
+def made(folder, name="hall", *, begins=NOW - DAY, ends=NOW + 30 * DAY, hosts=("play.example",), password=None):
+    """A certificate and its key in files; returns both paths."""
+    key = ec.generate_private_key(ec.SECP256R1())
+    subject = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "hall")])
+    names = [x509.DNSName(host) for host in hosts] + [x509.IPAddress(ipaddress.ip_address("127.0.0.1"))]
+    certificate = (
+        x509.CertificateBuilder().subject_name(subject).issuer_name(subject).public_key(key.public_key())
+        .serial_number(x509.random_serial_number()).not_valid_before(begins).not_valid_after(ends)
+        .add_extension(x509.SubjectAlternativeName(names if hosts else names[1:]), critical=False)
+        .add_extension(x509.BasicConstraints(ca=True, path_length=None), critical=True)
+        .sign(key, hashes.SHA256())
+    )  # fmt: skip
+    paths = folder / f"{name}.pem", folder / f"{name}.key"
+    paths[0].write_bytes(certificate.public_bytes(serialization.Encoding.PEM))
+    locked = serialization.BestAvailableEncryption(password) if password else serialization.NoEncryption()
+    form = serialization.PrivateFormat.PKCS8
+    paths[1].write_bytes(key.private_bytes(serialization.Encoding.PEM, form, locked))
+    paths[1].chmod(0o600)
+    return paths
+
+
+@pytest.fixture
+def notes(monkeypatch):
+    """What a person is told."""
+    told = []
+    monkeypatch.setattr(AudiencePart, "_note", staticmethod(lambda words, _style: told.append(words)))
+    return told
+
+
+def test_phones_play_over_tls_and_come_back_when_the_gateway_was_killed_though_its_files_have_gone(tmp_path, notes):
+    files = made(tmp_path)
+    stage = Stage(audience_tls=files)
+
+    async def test(_session):
+        part = stage.part
+        assert part.address == f"https://127.0.0.1:{part.port}"
+        assert part.link.startswith(part.address + "/#")
+        trust = ssl.create_default_context(cafile=str(files[0]))
+        for path in files:
+            path.unlink()
+        async with aiohttp.ClientSession(connector=aiohttp.TCPConnector(ssl=trust, limit=0)) as session:
+            async with session.get(part.address) as answer:
+                assert b"Dance with us" in await answer.read()
+            phone = await FakePhone(session, part.address).join(part.link.partition("#")[2])
+            await phone.touch(1, 1.0, 0.5)
+            await until(lambda: any(e.source == "audience 1" for e in stage.show.motion.elements.in_force))
+            mute = [socket.create_connection(("127.0.0.1", part.port)) for _ in range(10)]  # no handshake ever comes
+            mute[0].sendall(b"GET / HTTP/1.1\r\n\r\n")  # no TLS at all
+            await until(lambda: stage.clock.now() > 2.2)
+            os.kill(part.process, signal.SIGKILL)
+            again = None
+            while again is None:
+                try:
+                    again = await FakePhone(session, part.address).join(token=phone.token)
+                except (aiohttp.ClientError, OSError):
+                    await asyncio.sleep(0.05)
+            assert again.number == phone.number
+            mute += [socket.create_connection(("127.0.0.1", part.port)) for _ in range(10)]
+            for one in mute:
+                one.settimeout(20.0)  # each is closed, and needs at most some 5 s for it
+                with contextlib.suppress(ConnectionError):
+                    while await asyncio.to_thread(one.recv, 4096):
+                        pass
+                one.close()
+
+    asyncio.run(asyncio.wait_for(stage.play(test), 120.0))
+    assert notes == [f"note: audience: {stage.part.link}, this machine alone"]
+
+
+def test_a_certificate_that_expires_during_the_show_is_told_once_and_phones_play_on(tmp_path, notes):
+    files = made(tmp_path, ends=NOW + datetime.timedelta(hours=1))
+    clock = ManualClock()
+    wish = Wish(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, audience_tls=files)
+    part = AudiencePart(wish, made_show(), Inbox().lane(), clock)
+    part.start()
+    try:
+        assert [words for words in notes if "expires on" in words]
+        part.frame()
+        assert not [words for words in notes if "has expired" in words]
+        clock.advance(3700.0)
+        for _ in range(3):
+            part.frame()
+        assert len([words for words in notes if "has expired" in words]) == 1
+        assert part.process is not None
+        assert part.status()["certificate_until"].endswith("Z")
+    finally:
+        part.stop()
+
+
+def test_expired_foreign_and_readable_ones_are_told_and_the_show_begins(tmp_path, notes):
+    certificate, key = made(tmp_path, ends=NOW - datetime.timedelta(hours=1), hosts=("*.play.example",))
+    key.chmod(0o644)
+    identity = read_identity(certificate, key)
+    told = identity.doubt(NOW, "stage.local")
+    assert any("expired on" in words and "renew" in words for words in told)
+    assert any(f"chmod 600 {key}" in words for words in told)
+    assert any("is for *.play.example, 127.0.0.1, and phones are given stage.local" in words for words in told)
+    assert not [words for words in identity.doubt(NOW, "hall.play.example") if "phones are given" in words]
+    assert [words for words in identity.doubt(NOW, "a.b.play.example") if "phones are given" in words]
+    assert [words for words in identity.doubt(NOW - 90 * DAY, "127.0.0.1") if "valid from" in words]
+    wish = Wish(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, audience_tls=(certificate, key))
+    part = AudiencePart(wish, made_show(), Inbox().lane(), ManualClock())
+    part.start()
+    part.stop()
+    assert [words for words in notes if "expired on" in words]
+
+
+def test_an_engine_that_goes_on_does_so_without_its_audience_where_the_files_have_gone(tmp_path, notes):
+    files = made(tmp_path)
+    files[1].unlink()
+    wish = Wish(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, audience_tls=files)
+    with pytest.raises(PersonError, match=r"cannot read .*hall\.key"):
+        AudiencePart(wish, made_show(), Inbox().lane(), ManualClock()).start()  # before the show: it is put right
+    part = AudiencePart(wish, made_show(), Inbox().lane(), ManualClock(90.0))
+    part.goes_on = True
+    part.start()
+    for each in (part.before_frame, part.frame, part.stop):
+        each()
+    assert part.status()["at"]
+    assert [words for words in notes if "the show goes on without its audience" in words]
+
+
+def test_the_link_on_the_wall_has_the_certificates_name(tmp_path, notes):
+    certificate, key = made(tmp_path, hosts=("*.x.example", "play.example"))
+    part = AudiencePart(
+        Wish(audience=("127.0.0.2", 0), audience_secret=b"s" * 32, audience_tls=(certificate, key)),
+        made_show(), Inbox().lane(), ManualClock(),
+    )  # fmt: skip
+    part.start()
+    try:
+        assert part.address == f"https://play.example:{part.port}"
+    finally:
+        part.stop()
+
+
+def test_what_is_wrong_with_the_files_is_told_with_its_remedy(tmp_path):
+    certificate, key = made(tmp_path)
+    other, other_key = made(tmp_path, "other")
+    _, locked = made(tmp_path, "locked", password=b"x")
+    rubbish, large = tmp_path / "rubbish", tmp_path / "large"
+    rubbish.write_bytes(os.urandom(3000))
+    large.write_bytes(b"x" * 30_000)
+    broken = tmp_path / "broken"
+    broken.write_bytes(b"-----BEGIN CERTIFICATE-----\nAAAA\n-----END CERTIFICATE-----\n")
+    os.mkfifo(tmp_path / "pipe")
+    for files, words in (
+        ((certificate, other_key), "is not that of the certificate"),
+        ((key, certificate), "the certificate comes first"),
+        ((certificate, locked), "locked by a password .*openssl pkey"),
+        ((rubbish, key), "holds no certificate in PEM"),
+        ((broken, key), "holds no certificate in PEM"),
+        ((certificate, rubbish), "holds no key in PEM"),
+        ((large, key), "larger than"),
+        ((tmp_path / "none.pem", key), "cannot read .*none.pem"),
+        ((tmp_path, key), "cannot read"),
+        ((tmp_path / "pipe", key), "cannot read"),
+        ((tmp_path / "a\0b", key), "no file can be called so"),
+    ):
+        with pytest.raises(PersonError, match=words):
+            read_identity(*files)
+    assert read_identity(other, other_key).host == "play.example"
+    assert parse_tls(None) is None
+    assert [path.name for path in parse_tls("a.pem, b.key")] == ["a.pem", "b.key"]
+    for text in ("", "a.pem", "a,b,c", ",b", "a,"):
+        with pytest.raises(PersonError, match="CERT,KEY"):
+            parse_tls(text)
+
+
+def test_the_venues_files_lie_beside_it_and_the_command_line_goes_first(tmp_path, monkeypatch):
+    monkeypatch.setenv("LIVE_CONFIG_DIR", str(tmp_path))
+    (tmp_path / "venues").mkdir()
+    (tmp_path / "venues" / "hall.toml").write_text('[audience]\ncertificate = "a.pem"\nkey = "/etc/b.key"\n')
+    wish = Wish(venue="hall")
+    found = tls_files(wish, wish.read_venue().audience)
+    assert found == (tmp_path / "venues" / "a.pem", type(tmp_path)("/etc/b.key"))
+    assert tls_files(wish, Venue().audience) is None
+    own = type(tmp_path)("x"), type(tmp_path)("y")
+    assert tls_files(Wish(venue="hall", audience_tls=own), wish.read_venue().audience) == own
+
+
+def test_before_doors_the_venues_certificate_is_looked_at(tmp_path, monkeypatch):
+    monkeypatch.setenv("LIVE_CONFIG_DIR", str(tmp_path))
+    folder = tmp_path / "venues"
+    folder.mkdir()
+
+    def look(**how):
+        made(folder, **how)
+        text = '[audience]\ncertificate = "hall.pem"\nkey = "hall.key"\n'
+        (folder / "hall.toml").write_text(text)
+        return [(one.state, one.detail) for one in certificate_checks(Wish(venue="hall").read_venue(), "hall")]
+
+    assert list(certificate_checks(Venue(), None)) == []
+    [(state, words)] = look()
+    assert (state, words[:20]) == ("ok", "play.example, until ")
+    [(state, words)] = look(ends=NOW + DAY)
+    assert (state, "renew it soon" in words) == ("limited", True)
+    (folder / "hall.key").unlink()
+    [found] = certificate_checks(Wish(venue="hall").read_venue(), "hall")
+    assert (found.state, "hall.key" in str(found)) == ("missing", True)
+
+
+def test_a_network_of_which_no_venue_says_anything():
+    assert network_of(AudienceSection(), public=True) == "own wifi"
+    assert network_of(AudienceSection(), public=False) == "behind nat"  # to try it out with many tabs
+    assert network_of(AudienceSection(phones=300, phones_per_address=300), public=True) == "behind nat"

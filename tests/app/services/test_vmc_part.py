@@ -1,0 +1,83 @@
+"""Bodies and trackers from and to the network in a live show: where it listens, what is said where it cannot; a
+recording sent as if it were captured."""
+
+import socket
+
+import numpy as np
+import pytest
+
+from live.app.services.psn_part import make_psn
+from live.app.services.vmc_part import make_vmc
+from live.app.wish import Wish
+from live.base.errors import PersonError
+from live.base.inbox import Inbox
+from live.clock.time_source import ManualClock
+from live.control.capture.vmc_playing import play_clip
+from live.motion.clip import Clip
+from live.motion.packed_pose import unpack_pose
+from live.show.patch.patch_file import parse_patch
+from live.show.venue.venue import Venue
+from tests.cli.command import run_live
+from tests.control.capture.test_vmc_stream import poses, stream
+from tests.show.made_show import PATCH, made_show
+
+VENUE = Venue.model_validate({"vmc": {"at": ["0"]}, "psn": {"at": "127.0.0.1:0"}})
+
+
+def test_it_listens_where_the_command_line_says_or_the_venue_and_knows_the_patchs_performers():
+    lane, clock = Inbox().lane(), ManualClock()
+    show = made_show('[[mocap]]\nname = "anna"\nport = 39541\n')
+    assert make_vmc(Wish(), show, None, lane, clock) is None
+    assert make_psn(Wish(), None, lane, clock) is None
+    for part in (make_vmc(Wish(), show, VENUE, lane, clock), make_psn(Wish(), VENUE, lane, clock)):
+        part.start()
+        part.frame()
+        assert part.refused().total() == 0
+        assert part.status()["received"] == 0
+        part.stop()
+        part.stop()
+    part = make_vmc(Wish(vmc=(("127.0.0.1", 0),)), show, VENUE, lane, clock)
+    part.take_patch(parse_patch(PATCH + '[[mocap]]\nname = "ben"\n', "test.toml"))
+    assert part.status()["at"] == ["127.0.0.1:0"]
+
+
+def test_a_port_that_is_taken_is_told_in_one_line():
+    with socket.socket(type=socket.SOCK_DGRAM) as taken:
+        taken.bind(("127.0.0.1", 0))
+        port = taken.getsockname()[1]
+        lane, clock = Inbox().lane(), ManualClock()
+        vmc = make_vmc(Wish(vmc=(("127.0.0.1", port),)), made_show(), None, lane, clock)
+        psn = make_psn(Wish(psn=str(port)), None, lane, clock)
+        for part, words in ((vmc, "VMC cannot listen.*--vmc"), (psn, "PosiStageNet cannot listen.*--psn")):
+            with pytest.raises(PersonError, match=words):
+                part.start()
+
+
+def test_a_recording_is_sent_in_its_time_and_comes_in_as_it_is():
+    hips, rotation = poses(6)
+    clip = Clip("walk", hips.astype(np.float32), rotation.astype(np.float32), 240.0, np.ones((6, 2), np.bool_))
+    with socket.socket(type=socket.SOCK_DGRAM) as ear:
+        ear.bind(("127.0.0.1", 0))
+        ear.settimeout(10.0)
+        where = ear.getsockname()
+        assert play_clip(clip, where, first=2) == 4
+        assert play_clip(clip, where, seconds=0.05, loop=True) == 12
+        hearing, given, tally = stream()
+        for number in range(2 * (4 + 12)):
+            hearing.hear(ear.recv(4096), 1.0 + number)
+    assert tally.total == 0
+    assert len(given) >= 8
+    root, turned = unpack_pose(given[0].pose)
+    np.testing.assert_allclose(root[::2], hips[2, ::2], atol=1e-4)
+    assert np.abs(np.sum(turned * rotation[2], axis=-1)).min() > 1.0 - 1e-6
+
+
+def test_what_cannot_be_sent_is_told(tmp_path):
+    for words, said in (
+        (["no.bvh"], "no such file"),
+        (["no.bvh", "--to", "nowhere"], "--to"),
+        (["no.bvh", "--rate", "0"], "--rate"),
+    ):
+        outcome = run_live("mocap", "send", *words, cwd=tmp_path)
+        assert outcome.returncode == 2
+        assert said in outcome.stderr

@@ -1,0 +1,62 @@
+"""What a show listens with: the hand's word outlives the device, and a restart by hand lets go of it."""
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from live.app.session_sound import Sound, analysis_for, make_audio
+from live.base.inbox import Inbox
+from live.clock.follower.seed import Seed
+from live.clock.tracking.beat_tracker import Tracker
+from live.control.audio.audio_analysis import AudioAnalysis
+from live.control.audio.audio_device import AudioInput
+from live.control.events.events import ControlEvent, RestartAudio
+from live.show.venue.venue_latency import Latencies
+from tests.control.audio.fake_sound import fake_sound_system
+
+LOADED: Any = SimpleNamespace(patch=SimpleNamespace(clock=SimpleNamespace(tracker="network")))
+
+
+class Shown:
+    """As much of a show as its sound asks of it: its patch says a measure of 3."""
+
+    def __init__(self) -> None:
+        self.follower = SimpleNamespace(on_seed=None)
+
+    def seed_tracker(self, told: Any) -> None:
+        told(Seed("metre", 0.0, 3.0))
+        self.follower.on_seed = told
+
+
+def told(analysis: AudioAnalysis) -> tuple[float, int]:
+    """The interval [frames] and the metre that were set by hand, as the next samples find them."""
+    analysis.feed(np.zeros((1, 1), np.float32), lambda position: position)
+    assert isinstance(analysis.tracker, Tracker)
+    hand = analysis.tracker.pointer._hand
+    return hand.held_interval, hand.held_metre
+
+
+def test_the_next_analysis_knows_what_the_last_one_was_told() -> None:
+    show = Shown()
+    make = analysis_for(LOADED, cast(Any, show))
+    first = make(44_100.0)
+    show.follower.on_seed(Seed("tempo", 1.0, 60.0))
+    assert told(first) == (pytest.approx(86.13, abs=0.01), 3)
+    make(96_000.0)  # refused at this rate: it never hears anything
+    assert told(make(48_000.0)) == (pytest.approx(86.13, abs=0.01), 3)
+
+
+def test_a_restart_by_hand_lets_go_but_for_what_the_patch_says(monkeypatch: pytest.MonkeyPatch) -> None:
+    system = fake_sound_system(monkeypatch)
+    show, inbox = Shown(), cast("Inbox[ControlEvent]", Inbox())
+    source, tell = make_audio(Sound(device="stage box"), LOADED, cast(Any, show), Latencies(), inbox, system.clock)
+    assert isinstance(source, AudioInput)
+    source._open(source._rounds.mine)
+    assert source._listening is not None
+    show.follower.on_seed(Seed("tempo", 1.0, 60.0))
+    assert told(source._listening.analysis)[0] > 0.0
+    tell(RestartAudio(time=2.0, source="key"))
+    source.turn()
+    assert told(source._listening.analysis) == (0.0, 3)

@@ -1,0 +1,223 @@
+"""`live dance`: from names of steps to a motion file on the measures, its report, and what is missing."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from live.base.errors import PersonError
+from live.cli.main import app
+from live.cli.steps.dance import dance
+from live.cli.steps.dance_plan import Asked, make_plan, put_together
+from live.cli.steps.dance_wanted import read_text
+from live.library.motion_file import read_motion
+from tests.cli.command import run_live
+from tests.motion.formats.made_bvh import body_bvh, danced
+
+WALK = "walk, grapevine, walk long left x2, *, bow"
+
+
+def written(out: Path) -> np.ndarray:
+    """Hips (x, z) of a file [m], (T, 2)."""
+    return np.asarray(read_motion(out).translation[:, 0, (0, 2)], np.float64) * 0.01
+
+
+def printed(*arguments: str) -> dict:
+    result = CliRunner().invoke(app, ["dance", *arguments, "--json"])
+    assert result.exit_code == 0, result.output
+    return json.loads(result.stdout)
+
+
+def test_a_sequence_becomes_a_file_at_the_tempo_asked_for(tmp_path: Path) -> None:
+    out, report = tmp_path / "out.bvh", tmp_path / "report.json"
+    done = run_live(
+        "dance", "sketches", "--sequence", WALK, "--bpm", "100", "--out", str(out), "--report", str(report), "--json"
+    )
+    assert done.returncode == 0, done.stderr
+    value = json.loads(done.stdout)
+    assert (value["measures"], value["bpm"], value["cost"], value["missing"]) == (7, 100.0, 0, [])
+    names = [row["step"] for row in value["steps"]]
+    assert [*names[:5], names[6]] == ["walk", "grapevine", "grapevine", "walk", "walk", "bow"]
+    assert [row["measure"] for row in value["steps"]] == list(range(1, 8))
+    assert all("long left" in row["clip"] for row in value["steps"][3:5])
+    motion = read_motion(out)
+    assert round(motion.header_fps) == 60
+    assert motion.frame_count == 7 * 144 + 1  # 7 measures of 2.4 s
+    figures = json.loads(report.read_text())
+    assert figures["steps"] == value["steps"]
+    assert figures["missing"] == []
+    assert set(figures) >= {
+        "foot_slide_mean", "foot_slide_p99", "skating_ratio", "join_velocity_ratio", "join_acceleration_ratio",
+        "beat_offset_ms", "beat_alignment", "path_error_m", "heading_error_deg", "overlaps", "min_distance_m",
+    }  # fmt: skip
+    assert figures["beat_offset_ms"]["annotated"]["p95"] < 1.0
+    assert figures["foot_slide_mean"] < 0.03
+
+
+def test_along_a_path(tmp_path: Path) -> None:
+    out = tmp_path / "out.bvh"
+    arguments = ["sketches", "--sequence", "walk x8", "--path", "0,0, 2,0, 2,2", "--bpm", "100"]
+    value = printed(*arguments, "--out", str(out), "--report", str(tmp_path / "report.json"))
+    assert value["cost"] == 0
+    figures = json.loads((tmp_path / "report.json").read_text())
+    assert len(figures["path_error_m"]["list"]) == len(figures["heading_error_deg"]["list"]) == 8
+    assert figures["path_error_m"]["p95"] < 0.15
+    hips = written(out)
+    assert np.abs(hips[0] - (0.0, 0.0)).max() < 0.05
+    assert np.abs(hips[4 * 144] - (2.0, 0.0)).max() < 0.15
+    assert np.abs(hips[-1] - (2.0, 2.0)).max() < 0.15
+    assert value["missing"] == []
+    left = printed("sketches", "--sequence", "walk left x2", "--path", "0,0,3,0")
+    assert all("left" in row["clip"] for row in left["steps"])
+
+
+def test_a_path_that_nobody_can_follow_says_so() -> None:
+    value = printed("sketches", "--sequence", "walk x3", "--path", "0,0,30,0")
+    assert value["missing"]
+    assert all(set(row) == {"from", "to", "needs"} for row in value["missing"])
+
+
+def test_where_she_faces_and_where_she_comes_from() -> None:
+    plan = make_plan(Asked("sketches", "walk", heading="90", start="bow"))
+    assert plan.heading == pytest.approx(np.pi / 2)
+    first = plan.graph.library.describe(int(plan.node[0]))
+    assert first.startswith("walk")
+    turned = put_together(plan).placement[0, 2]
+    ahead = put_together(make_plan(Asked("sketches", "walk", start="bow"))).placement[0, 2]
+    assert turned - ahead == pytest.approx(np.pi / 2)
+
+
+def test_both_methods_dance_what_is_wanted() -> None:
+    plan = make_plan(Asked("sketches", WALK, depth_first=True))
+    assert not plan.wrong.any()
+    assert plan.edge_cost.sum() >= make_plan(Asked("sketches", WALK)).edge_cost.sum()
+
+
+def test_a_sequence_out_of_a_file(tmp_path: Path) -> None:
+    file = tmp_path / "dance.txt"
+    file.write_text("walk, # the entrance\nsamba x2\n\n*\n")
+    assert read_text(f"@{file}") == "walk,samba x2,*"
+    assert [row["step"] for row in printed("sketches", "--sequence", f"@{file}")["steps"]][:3] == [
+        "walk", "samba", "samba",
+    ]  # fmt: skip
+
+
+@pytest.mark.long
+def test_ten_thousand_steps(tmp_path: Path) -> None:
+    file = tmp_path / "long.txt"
+    file.write_text("\n".join(["samba", "mambo", "walk left", "bow"] * 2500))
+    value = printed("sketches", "--sequence", f"@{file}")
+    assert (value["measures"], value["cost"]) == (12500, 0)
+    with pytest.raises(PersonError, match=r"12500 measures of .* at most .* can be put together at once"):
+        dance("sketches", f"@{file}", out=tmp_path / "long.bvh")
+    assert not (tmp_path / "long.bvh").exists()
+
+
+@pytest.fixture
+def library(tmp_path: Path) -> Path:
+    """Two recorded steps that contradict themselves or each other, as asked."""
+    folder = tmp_path / "library"
+    folder.mkdir()
+    (folder / "take.bvh").write_text(body_bvh(danced(601)))
+    return folder
+
+
+STEP = 'bpm = 120\nfirst_beat_s = 2.5\nfile = "take.bvh"\n'
+
+
+def write_steps(folder: Path, *steps: str) -> None:
+    (folder / "take.toml").write_text("\n".join(f"[[step]]\n{STEP}{step}" for step in steps))
+
+
+def test_the_nearest_dance_and_what_is_missing(library: Path) -> None:
+    write_steps(library, 'name = "a"\nbegin_pose = "x"\nend_pose = "x"', 'name = "b"\nbegin_pose = "x"\nend_pose = "y"')
+    shown = run_live("dance", str(library), "--sequence", "a, b, a", "--threshold", "5")
+    assert shown.returncode == 0
+    assert shown.stdout.count("(not as wanted)") == 1
+    assert shown.stderr.splitlines() == [
+        "1 of 3 measures is not as wanted: this is the nearest dance",
+        "missing in measure 3 after b: no a that starts in y: record one (or b that ends in x)",
+    ]
+    free = run_live("dance", "sketches", "--sequence", "samba x2")
+    assert (free.returncode, free.stderr, free.stdout.count("samba")) == (0, "", 2)
+
+
+@pytest.mark.parametrize(
+    ("steps", "arguments", "message"),
+    [
+        (
+            ['name = "a"\nweight_transfer = true\nleading_foot = "left"', 'name = "a"\nleading_foot = "right"'],
+            {"sequence": "a"},
+            "the step 'a' contradicts itself: .* transfers the weight, .* does not",
+        ),
+        (
+            ['name = "a"', 'name = "a"\nmeasures = 2'],
+            {"sequence": "a"},
+            r"variations of 'a' are 1 or 2 measures long: say which \(a:1\)",
+        ),
+        (
+            ['name = "a"\nbegin_pose = "x"\nend_pose = "y"', 'name = "b"\nbegin_pose = "z"\nend_pose = "z"'],
+            {"sequence": "b, a, b"},
+            "nothing leads to 'a' or away from it .*no a that starts in z: record one",
+        ),
+        (['name = "a"'], {"sequence": "b"}, r"entry 1 of the sequence: there is no step 'b' \(the steps are a\)"),
+        (
+            ['name = "a"', 'name = "b"\nbeats_per_measure = 3'],
+            {"sequence": "a,b"},
+            "no metre has all of the sequence: .* there is no step .*steps of 3 and 4 beats a measure are there",
+        ),
+    ],
+)
+def test_libraries_that_cannot_be_danced(library: Path, steps: list[str], arguments: dict, message: str) -> None:
+    write_steps(library, *steps)
+    with pytest.raises(PersonError, match=message):
+        dance(str(library), **arguments)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"sequence": "walk, grapvine"}, r"entry 2 of the sequence: there is no step 'grapvine' \(grapevine\)"),
+        ({"sequence": ""}, "entry 1 of the sequence is empty"),
+        ({"sequence": "@nowhere.txt"}, "--sequence @nowhere.txt: there is no such file"),
+        ({"sequence": "@."}, "--sequence @.: that is no file"),
+        ({"sequence": "walk", "bpm": 0.0}, "--bpm 0: 20 to 400 expected"),
+        ({"sequence": "walk", "bpm": float("nan")}, "--bpm nan"),
+        ({"sequence": "walk", "window": 5.0}, "--window 5: at most a measure, 4 beats"),
+        ({"sequence": "walk", "threshold": -1.0}, "--threshold -1"),
+        ({"sequence": "walk", "heading": "north"}, "--heading 'north': degrees"),
+        ({"sequence": "walk", "heading": "path"}, "--heading path: only a --path"),
+        ({"sequence": "walk", "heading": "nan"}, "--heading 'nan'"),
+        ({"sequence": "walk", "start": "wlk"}, "--start: there is no step 'wlk'"),
+        ({"sequence": "walk", "start": "walk", "path": "0,0,1,1"}, "--start: a path begins at its first point"),
+        ({"sequence": "walk", "path": "0,0,1"}, "path '0,0,1': 3 numbers read"),
+        ({"sequence": "walk x5000", "path": "0,0,1,1"}, "--path: 5000 measures, at most 3000"),
+        ({"sequence": "walk", "out": "out.fbx"}, r"--out out.fbx: a name that ends in \.bvh"),
+        ({"sequence": "walk", "report": "out.txt"}, "--report out.txt: a name that ends in .json"),
+        ({"sequence": "walk", "out": "nowhere/out.bvh"}, "there is no folder nowhere"),
+        ({"sequence": "walk", "library": "nowhere"}, "nowhere"),
+        ({"sequence": "walk", "library": "."}, "."),
+    ],
+)
+def test_refusals(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: dict, message: str) -> None:
+    monkeypatch.chdir(tmp_path)
+    arguments = {"library": "sketches"} | {
+        key: Path(value) if key in ("out", "report") else value for key, value in arguments.items()
+    }
+    defaults = {"correction": 0.1, "force": False}
+    with pytest.raises(PersonError, match=message):
+        dance(**(defaults | arguments))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_files_that_are_there_stay(tmp_path: Path) -> None:
+    out = tmp_path / "out.bvh"
+    out.write_text("mine")
+    refused = run_live("dance", "sketches", "--sequence", "walk", "--out", str(out))
+    assert refused.returncode == 2
+    assert len(refused.stderr.splitlines()) == 2
+    assert out.read_text() == "mine"
+    assert run_live("dance", "sketches", "--sequence", "walk", "--out", str(out), "--force").returncode == 0
+    assert out.read_text().startswith("HIERARCHY")

@@ -1,0 +1,91 @@
+"""Hearing: moments of frames, equal answers at any block size and rate, plain onsets on clicks."""
+
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from live.clock.tracking.bands import HOP
+from live.clock.tracking.hearing import DELAY, Activation, Hearing
+from live.clock.tracking.network import Network, Weights
+from live.clock.tracking.onset_strength import Onsets
+from live.clock.tracking.spectrum import Samples
+from tests.clock.clicks import clicks, groove
+from tests.clock.tracking.made_weights import made_weights
+
+RATE = 44_100
+
+
+def hear(sound: Samples, activation: Activation, rate: int = RATE, block: int = 512) -> np.ndarray:
+    """(position, beat, downbeat) of all frames, shape (frames, 3)."""
+    hearing, out = Hearing(rate, activation), []
+    for first in range(0, sound.size, block):
+        count = hearing.feed(sound[first : first + block])
+        out.append(np.stack([hearing.position[:count], hearing.beat[:count], hearing.downbeat[:count]], axis=1))
+    return np.concatenate(out)
+
+
+def test_every_frame_has_its_moment() -> None:
+    heard = hear(groove(120, RATE, 2.0), Network(Weights.of(made_weights())))
+    np.testing.assert_allclose(heard[:, 0], (np.arange(len(heard)) + 1) * HOP - DELAY, atol=1e-12)
+    assert len(heard) == 2 * RATE // 512 // 2 * 2
+
+
+@pytest.mark.parametrize("block", [7, 441, 88_200])
+def test_blocks_of_any_size_are_heard_alike(block: int) -> None:
+    sound, network = groove(120, RATE, 2.0), Network(Weights.of(made_weights()))
+    expected = hear(sound, network)
+    network.reset()
+    np.testing.assert_array_equal(hear(sound, network, block=block), expected)
+
+
+@pytest.mark.parametrize("rate", [22_050, 48_000, 192_000])
+def test_plain_onsets_find_clicks_at_every_rate(rate: int) -> None:
+    sound, times = clicks(120, rate, 6.0)
+    heard = hear(sound, Onsets(), rate)
+    for time in times[4:-1]:
+        near = np.abs(heard[:, 0] - time) < 0.1
+        assert abs(heard[near][np.argmax(heard[near, 1]), 0] - time) < 0.025
+        assert heard[near, 1].max() > 0.5
+    between = np.abs((heard[:, 0] - times[0] + 0.25) % 0.5 - 0.25) > 0.1
+    assert np.mean(heard[between & (heard[:, 0] > 1.0), 1]) < 0.2
+
+
+def test_a_quieter_song_sounds_the_same() -> None:
+    sound = groove(120, RATE, 8.0)
+    loud, quiet = hear(sound, Onsets()), hear(sound * np.float32(10.0 ** (-35.0 / 20.0)), Onsets())
+    late = loud[:, 0] > 4.0
+    assert np.corrcoef(loud[late, 1], quiet[late, 1])[0, 1] > 0.99
+
+
+def test_reset_forgets_but_time_goes_on() -> None:
+    hearing = Hearing(RATE, Network(Weights.of(made_weights())))
+    sound = groove(120, RATE, 1.0)[: 512 * 80]
+    first = hearing.feed(sound)
+    before = hearing.beat[:first].copy()
+    hearing.feed(np.zeros(512 * 20, np.float32))
+    hearing.reset()
+    count = hearing.feed(sound)
+    np.testing.assert_allclose(hearing.beat[:count], before, atol=1e-6)
+    assert hearing.position[0] == pytest.approx(101 * HOP - DELAY)
+
+
+def test_hearing_keeps_nothing_from_block_to_block() -> None:
+    hearing, sound = Hearing(RATE, Network(Weights.of(made_weights()))), groove(120, RATE, 3.0)
+    for start in range(0, RATE, 512):
+        hearing.feed(sound[start : start + 512])
+    tracemalloc.start()
+    peaks = []
+    for start in range(RATE, 3 * RATE, 512):
+        tracemalloc.reset_peak()
+        before = tracemalloc.get_traced_memory()[0]
+        hearing.feed(sound[start : start + 512])
+        peaks.append(tracemalloc.get_traced_memory()[1] - before)
+    tracemalloc.stop()
+    assert np.median(peaks) < 2048  # views and numbers of Python, no array
+    assert max(peaks) < 4096  # once in a while Python makes room for more
+
+
+def test_only_one_channel_is_heard() -> None:
+    with pytest.raises(ValueError, match="one channel"):
+        Hearing(RATE, Onsets()).feed(np.zeros((512, 2), np.float32))

@@ -1,0 +1,103 @@
+"""Listening to a device: a real input over PulseAudio, with music, without, and gone."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from live.base.inbox import Inbox
+from live.clock.follower.timeline_follower import TimelineFollower
+from live.clock.time_source import SystemClock
+from live.control.audio.audio_device import AudioInput
+from live.control.events.events import BeatHeard, ControlEvent, SourceChanged
+from live.show.sound.clock_commands import tell
+from tests.clock.clicks import groove
+from tests.control.audio.test_music_file import write_wav
+from tests.control.conftest import PulseSink
+from tests.control.waiting import wait_for
+
+
+class Listener:
+    """An AudioInput with a follower at its inbox."""
+
+    def __init__(self, clock: SystemClock) -> None:
+        self.clock = clock
+        self.inbox: Inbox[ControlEvent] = Inbox()
+        self.input = AudioInput("pulse", self.inbox, clock)
+        self.follower = TimelineFollower()
+        self.changes: list[str] = []
+        self.beats: list[float] = []
+        self.loudest = 0.0
+
+    def turn(self) -> None:
+        """One turn of a show."""
+        for event in self.inbox.drain():
+            if isinstance(event, BeatHeard):
+                self.beats.append(event.beat_time)
+            elif isinstance(event, SourceChanged):
+                self.changes.append(event.state)
+            tell(self.follower, event)
+        self.follower.advance(self.clock.now())
+        self.loudest = max(self.loudest, self.input.level)
+
+    def dances(self, bpm: float) -> bool:
+        """After a turn: whether it is locked at this tempo, the last ten beats to 20 ms whole or half ones."""
+        self.turn()
+        steps = np.diff(self.beats[-11:]) * bpm / 30.0  # half beats
+        even = np.percentile(np.abs(steps - np.round(steps)), 90) < 0.02 * bpm / 30.0 if steps.size == 10 else False
+        return bool(even) and self.follower.state == "locked" and abs(self.follower.tempo / bpm - 1.0) < 0.01
+
+    def hears(self, state: str, seconds: float) -> bool:
+        """Whether the follower reaches a state, or the source changes to it, in time."""
+
+        def reached() -> bool:
+            self.turn()
+            return self.follower.state == state or self.changes[-1:] == [state]
+
+        return wait_for(reached, seconds)
+
+
+@pytest.fixture
+def listener(pulse_sink: PulseSink) -> Iterator[Listener]:
+    listener = Listener(SystemClock())
+    listener.input.start()
+    yield listener
+    listener.input.stop()
+    pulse_sink.stop_players()
+
+
+@pytest.mark.pulse
+def test_music_in_the_room_is_locked_to(pulse_sink: PulseSink, listener: Listener, tmp_path: Path) -> None:
+    """On a machine so busy that sound is lost in between, a few seconds later."""
+    pulse_sink.play(write_wav(tmp_path / "groove.wav", groove(120.0, 48_000, 60.0), 48_000))
+    assert wait_for(lambda: listener.dances(120.0), 50.0)
+    assert listener.follower.source == "audio"
+    assert listener.loudest > 0.01
+
+
+@pytest.mark.pulse
+def test_silence_in_the_room_is_told(listener: Listener) -> None:
+    assert listener.hears("silent", 10.0)
+    assert listener.follower.state == "internal"
+
+
+@pytest.mark.long
+@pytest.mark.pulse
+def test_a_server_that_is_killed_is_lost_and_found_again_with_another_card(
+    pulse_sink: PulseSink, listener: Listener, tmp_path: Path
+) -> None:
+    pulse_sink.play(write_wav(tmp_path / "groove.wav", groove(120.0, 48_000, 30.0), 48_000))
+    assert listener.hears("locked", 20.0)
+    beat = listener.follower.timeline.beat_at(listener.clock.now())
+    pulse_sink.kill()
+    assert listener.hears("lost", 5.0)
+    assert listener.follower.state == "freewheel"
+    assert wait_for(lambda: listener.turn() or listener.follower.timeline.beat_at(listener.clock.now()) > beat + 4, 5.0)
+    pulse_sink.restart(rate=44_100, channels=1)
+    assert listener.hears("found", 12.0)
+    assert listener.input.reopened >= 1
+    heard = len(listener.beats)
+    pulse_sink.play(tmp_path / "groove.wav")
+    assert wait_for(lambda: listener.turn() or len(listener.beats) >= heard + 4, 12.0)
+    assert listener.input.crashes == 0

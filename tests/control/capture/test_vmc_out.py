@@ -1,0 +1,95 @@
+"""Dancers go out by the VMC protocol as python-osc reads it, and come in again as they were."""
+
+import socket
+
+import numpy as np
+import pytest
+from pythonosc.osc_bundle import OscBundle
+
+from live.app.services.vmc_output_service import parse_avatars
+from live.base.errors import PersonError
+from live.clock.time_source import SystemClock
+from live.control.capture.mocap_seats import Seat
+from live.control.capture.vmc_out import Avatars, VmcOut, dancers_as_told
+from live.control.helper_process import Helper
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.packed_pose import unpack_pose
+from live.motion.skeleton import JOINT_COUNT, SKELETON
+from tests.control.capture.test_vmc_stream import poses, stream
+
+
+@pytest.fixture
+def ears():
+    """Two sockets at ports one after the other."""
+    for _ in range(100):
+        one, two = (socket.socket(type=socket.SOCK_DGRAM) for _ in range(2))
+        one.bind(("127.0.0.1", 0))
+        try:
+            two.bind(("127.0.0.1", one.getsockname()[1] + 1))
+        except OSError:
+            one.close()
+            two.close()
+            continue
+        for each in (one, two):
+            each.settimeout(10.0)
+        yield one, two
+        one.close()
+        two.close()
+        return
+
+
+def company():
+    """Two dancers in the world: positions (2, J, 3) and rotations (2, J, 4)."""
+    hips, rotation = poses(2)
+    return hips, rotation, *(each.astype(np.float32) for each in forward_kinematics(hips, rotation))
+
+
+def heard(ear, datagrams=2):
+    return [ear.recv(4096) for _ in range(datagrams)]
+
+
+def test_another_reader_finds_every_bone_where_it_is_in_unitys_axes(ears):
+    hips, rotation, position, world = company()
+    out = VmcOut(*ears[0].getsockname())
+    out.take(2.5, dancers_as_told(np.array([0, 1]), position, world))
+    out.close()
+    for dancer, ear in enumerate(ears):
+        messages = [message for data in heard(ear) for message in OscBundle(data)]
+        assert messages[0].address == "/VMC/Ext/OK"
+        assert messages[0].params[0] == 1
+        assert (messages[-1].address, messages[-1].params) == ("/VMC/Ext/T", [2.5])
+        assert messages[1].params == ["root", 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+        bones = {message.params[0]: message.params[1:] for message in messages if "Bone" in message.address}
+        assert len(bones) == JOINT_COUNT
+        x, y, z = hips[dancer]
+        assert bones["Hips"][:3] == pytest.approx((-x, y, z), abs=1e-5)
+        for joint, name in enumerate(SKELETON.names):
+            i, j, k, w = bones[name[0].upper() + name[1:]][3:]
+            # mirrored in x, a turn about y or z goes the other way
+            assert abs(np.dot((w, i, -j, -k), rotation[dancer, joint])) == pytest.approx(1.0, abs=1e-5)
+    assert out.failed == 0
+
+
+def test_what_the_process_sends_comes_in_as_it_was(ears):
+    hips, rotation, position, world = company()
+    helper = Helper("live.control.capture.vmc_out", SystemClock(), {"targets": [ears[0].getsockname()]}, lambda: None)
+    try:
+        helper.start()
+        assert helper.send((0, 1.0, dancers_as_told(np.array([1]), position, world)))
+        hearing, given, tally = stream(lambda time: Seat("anna", floor=False))
+        for data in heard(ears[0]):
+            hearing.hear(data, 7.0)
+    finally:
+        helper.stop()
+    root, turned = unpack_pose(given[0].pose)
+    assert tally.total == 0
+    np.testing.assert_allclose(root, hips[1], atol=1e-4)
+    assert np.abs(np.sum(turned * rotation[1], axis=-1)).min() > 1.0 - 1e-6
+
+
+def test_targets_as_people_write_them():
+    assert parse_avatars("39540") == Avatars("127.0.0.1", 39540)
+    assert parse_avatars("10.0.0.2:39539=ember & 1-3@30") == Avatars("10.0.0.2", 39539, "ember & 1-3", 30.0)
+    for text in ("", "=1", "host", "1.2.3.4:1@0", "1.2.3.4:1@500", "1.2.3.4:1="):
+        with pytest.raises(PersonError):
+            parse_avatars(text)

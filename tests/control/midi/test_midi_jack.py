@@ -1,0 +1,174 @@
+"""MIDI over real ports: two programs on a private JACK server."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from live.base.inbox import Inbox
+from live.clock.time_source import SystemClock
+from live.clock.timeline import Timeline
+from live.control.events.events import BeatHeard, ControlEvent, SourceChanged, Tap
+from live.control.midi import midi_port_thread
+from live.control.midi.midi_clock_output import MidiClockOut
+from live.control.midi.midi_input import MidiInput
+from live.control.midi.midi_mapping import MidiMap
+from live.control.midi.midi_output import MidiOutput
+from live.control.midi.midi_ports import UnknownPort, abandon, find_port, rtmidi
+from tests.control.midi.jack import JackServer, jack_server  # noqa: F401 - a fixture
+from tests.control.waiting import wait_for
+
+pytestmark = pytest.mark.usefixtures("jack_server")
+
+
+def sender(name: str, port: str = "out") -> Any:
+    module = rtmidi()
+    client = module.MidiOut(module.API_UNIX_JACK, name=name)
+    client.open_virtual_port(port)
+    return client
+
+
+def test_a_port_is_found_by_a_part_of_its_name() -> None:
+    box = sender("drumbox")
+    try:
+        assert find_port("input", "DRUM") == "drumbox:out"
+        with pytest.raises(UnknownPort, match="drumbox:out"):
+            find_port("input", "piano")
+    finally:
+        box.delete()
+
+
+def test_messages_arrive_and_a_port_that_goes_comes_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(midi_port_thread, "RETRY", 0.2)
+    inbox: Inbox[ControlEvent] = Inbox()
+    box = sender("footswitch")
+    listens = MidiInput("footswitch", inbox, SystemClock(), midi_map=MidiMap())
+    listens.start()
+    try:
+        assert wait_for(lambda: listens.connected == "footswitch:out", 10.0)
+        for message in ([0xB0, 64, 127], [0xFA], [0xF8], [0xF8], [0xFE]):
+            box.send_message(message)
+        assert wait_for(lambda: listens.messages == 5, 10.0)
+        box.delete()
+        assert wait_for(lambda: listens.connected == "", 10.0)
+        box = sender("footswitch")
+        assert wait_for(lambda: listens.connected == "footswitch:out", 10.0)
+        box.send_message([0xB0, 64, 0])
+        box.send_message([0xB0, 64, 127])
+        assert wait_for(lambda: listens.messages == 7, 10.0)
+    finally:
+        listens.stop()
+        box.delete()
+    events = inbox.drain()
+    assert sum(isinstance(event, Tap) for event in events) == 2
+    assert any(isinstance(event, BeatHeard) and event.jump for event in events)
+    assert [event.state for event in events if isinstance(event, SourceChanged)][-1] == "lost"
+
+
+def test_a_controller_that_is_plugged_in_again_under_another_number_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As ALSA's bridge to JACK names it; and so fast that no look falls in between."""
+    monkeypatch.setattr(midi_port_thread, "RETRY", 0.2)
+    names = ["Pad [24] (capture)- Pad MIDI 1", "Pad [31] (capture)- Pad MIDI 1"]
+    inbox: Inbox[ControlEvent] = Inbox()
+    box = sender("a2j", names[0])
+    listens = MidiInput(f"a2j:{names[0]}", inbox, SystemClock(), midi_map=MidiMap())
+    listens.start()
+    try:
+        assert wait_for(lambda: listens.connected == f"a2j:{names[0]}", 10.0)
+        box.delete()
+        box = sender("a2j", names[1])
+        assert wait_for(lambda: listens.connected == f"a2j:{names[1]}", 10.0)
+        box.send_message([0xB0, 64, 127])
+        assert wait_for(lambda: listens.messages == 1, 10.0)
+    finally:
+        listens.stop()
+        box.delete()
+    assert [type(event) for event in inbox.drain()] == [Tap]
+
+
+def test_what_pads_are_told_arrives_at_a_port(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(midi_port_thread, "RETRY", 0.2)
+    module = rtmidi()
+    found: list[list[int]] = []
+
+    def plugged_in() -> Any:
+        pads = module.MidiIn(module.API_UNIX_JACK, name="pads")
+        pads.open_virtual_port("in")
+        pads.set_callback(lambda event, _data=None: found.append(event[0]))
+        return pads
+
+    pads = plugged_in()
+    tells = MidiOutput("pads", SystemClock())
+    tells.start()
+    try:
+        for opened in (1, 2):
+            assert wait_for(lambda opened=opened: tells.opened == opened, 10.0)  # type: ignore[misc]
+            tells.send(b"\x90\x24\x7f")
+            assert wait_for(lambda: found == [[0x90, 0x24, 0x7F]], 10.0)
+            found.clear()
+            pads.delete()
+            assert wait_for(lambda: not tells.connected, 10.0)
+            pads = plugged_in()
+    finally:
+        tells.stop()
+        pads.delete()
+
+
+def test_what_is_sent_is_heard_at_the_same_beat(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Clock out to clock in: the tempo, the phase and the measure are the Timeline's, also after it changed."""
+    monkeypatch.setattr(midi_port_thread, "RETRY", 0.2)
+    clock = SystemClock()
+    inbox: Inbox[ControlEvent] = Inbox()
+    module = rtmidi()
+    bus = module.MidiIn(module.API_UNIX_JACK, name="synth")
+    bus.open_virtual_port("in")
+    bus.ignore_types(False, False, False)
+    listens = MidiInput("synth", inbox, clock)
+    bus.set_callback(lambda event, _data=None: listens.receive(event[0]))
+    sends = MidiClockOut("synth", clock)
+    sends.follow(Timeline(tempo=180.0))
+    sends.start()
+    try:
+        assert wait_for(lambda: sends.sent > 150, 15.0)
+        now = clock.now()
+        faster = Timeline(tempo=180.0).with_tempo(200.0, now)
+        sends.follow(faster)
+        sent = sends.sent
+        assert wait_for(lambda: sends.sent > sent + 200, 15.0)
+    finally:
+        sends.stop()
+    while not listens._arrived.empty():
+        time, message = listens._arrived.get()
+        listens.decode(message, time)
+    bus.delete()
+    events = inbox.drain()
+    beats = [event for event in events if isinstance(event, BeatHeard) and event.anchored]
+    last = beats[-1]
+    # The server without a card loses some pulses on a busy machine, and delivers the others up to 5 ms late.
+    assert 60.0 / last.period == pytest.approx(200.0, rel=0.03)
+    off = faster.beat_at(last.beat_time) - round(faster.beat_at(last.beat_time))
+    assert abs(off) * 0.3 < 0.05
+    assert round(faster.beat_at(last.beat_time)) % 4 == last.beat
+    assert [event.state for event in events if isinstance(event, SourceChanged)][:2] == ["found", "started"]
+    assert float(np.median(np.array(sends.late))) < 1e-3
+
+
+def test_a_sound_system_that_dies_ends_nothing(
+    jack_server: JackServer,  # noqa: F811
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(midi_port_thread, "RETRY", 0.2)
+    box = sender("sequencer")
+    listens = MidiInput("sequencer", Inbox(), SystemClock())
+    listens.start()
+    try:
+        assert wait_for(lambda: listens.connected == "sequencer:out", 10.0)
+        jack_server.crash()
+        assert wait_for(lambda: listens.connected == "", 15.0)
+        abandon(box)
+        jack_server.start()
+        box = sender("sequencer")
+        assert wait_for(lambda: listens.connected == "sequencer:out", 15.0)
+    finally:
+        listens.stop()
+        box.delete()

@@ -1,0 +1,324 @@
+"""What is sent to every control by a program of its own, and the event that comes of it.
+
+An address, the arguments of liblo's oscsend (type tags, then a value for each that has one), the event.
+"""
+
+from live.base.picture import OF_GROUPS
+from live.control.events import events
+from tests.control.osc.osc_stage import STAMP
+
+
+def every_control():
+    """All of them."""
+    return {
+        "/dance/attract": (["ff", "1.5", "-2"], events.Attract(x=1.5, z=-2.0, **STAMP)),
+        "/dance/repel": (
+            ["fidh", "1", "2", "0.5", "8"],
+            events.Repel(x=1.0, z=2.0, strength=0.5, measures=8.0, **STAMP),
+        ),
+        "/dance/spread": (["f", "2"], events.Spread(measures=2.0, **STAMP)),
+        "/dance/clear": ([], events.Clear(**STAMP)),
+        "/dance/now": (["ssf", "jump", "tide", "2"], events.StepNow(name="jump", group="tide", measures=2.0, **STAMP)),
+        "/dance/step": (["s", "side step"], events.CallStep(name="side step", **STAMP)),
+        "/dance/clock/tap": ([], events.Tap(**STAMP)),
+        "/dance/clock/one": (["I"], events.One(**STAMP)),
+        "/dance/clock/tempo": (["d", "132.5"], events.SetTempo(tempo=132.5, **STAMP)),
+        **clock_and_sound_controls(),
+        "/dance/sequence": (
+            ["ss", "sway, glide x2, *", "front"],
+            events.SetSequence(steps="sway, glide x2, *", group="front", **STAMP),
+        ),
+        **{
+            f"/dance/motion/{name}": (
+                [kind, value],
+                events.SetMotion(parameter=field, value=number, group="*", **STAMP),
+            )
+            for name, kind, value, field, number in (
+                ("warp", "f", "0.25", "warp_beats", 0.25),
+                ("warp_sequence", "i", "1", "warp_sequence", 1.0),
+                ("amplitude", "f", "0.5", "amplitude", 0.5),
+                ("amplitude_sequence", "F", None, "amplitude_sequence", 0.0),
+                ("larger", "f", "0.25", "larger", 0.25),
+                ("mix", "f", "0.5", "mix", 0.5),
+                ("texture", "f", "0.75", "texture", 0.75),
+                ("arms", "f", "1", "arms", 1.0),
+                ("obedience", "f", "0.75", "obedience", 0.75),
+                ("foot_lock", "i", "0", "lock", 0.0),
+                ("turn_on_support", "T", None, "on_support", 1.0),
+                ("face_average", "i", "1", "face_average", 1.0),
+                ("mirror", "i", "-1", "mirror", -1.0),
+            )
+        },
+        "/dance/motion/head": (
+            ["fs", "0.75", "left"],
+            events.SetMotion(parameter="head", value=0.75, group="left", **STAMP),
+        ),
+        "/dance/partner/on": (["i", "0"], events.SetPartner(parameter="on", value=0.0, **STAMP)),
+        "/dance/partner/amount": (
+            ["fs", "0.5", "duet"],
+            events.SetPartner(parameter="amount", value=0.5, partner="duet", **STAMP),
+        ),
+        "/dance/partner/stretch": (["f", "0.125"], events.SetPartner(parameter="window", value=0.125, **STAMP)),
+        "/dance/partner/hands": (
+            ["fs", "0.25", "duet"],
+            events.SetPartner(parameter="hands", value=0.25, partner="duet", **STAMP),
+        ),
+        "/dance/partner/path": (
+            ["ffsi", "1.5", "-0.5", "walk", "1"],
+            events.WalkOn(x=1.5, z=-0.5, partner="walk", anew=True, **STAMP),
+        ),
+        "/dance/partner/leader": (
+            ["ss", "ember & 1", "duet"],
+            events.PairPartner(role="leader", who="ember & 1", partner="duet", **STAMP),
+        ),
+        "/dance/partner/follower": (
+            ["s", "tide"],
+            events.PairPartner(role="follower", who="tide", partner="*", **STAMP),
+        ),
+        "/dance/facing": (
+            ["ss", "dancer 3", "left"],
+            events.SetFacing(facing="dancer 3", group="left", **STAMP),
+        ),
+        "/dance/why": (["i", "7"], events.AskWhy(dancer=7, **STAMP)),
+        "/dance/blackout": (["T"], events.Blackout(on=True, **STAMP)),
+        "/dance/mocap/dancer": (
+            ["ss", "anna", "ember & 1"],
+            events.CastMocap(performer="anna", dancer="ember & 1", **STAMP),
+        ),
+        "/dance/mocap/shown": (["sF", "anna", None], events.ShowMocap(performer="anna", shown=False, **STAMP)),
+        "/dance/mocap/mirrored": (["s", "anna"], events.MirrorMocap(performer="anna", mirrored=True, **STAMP)),
+        "/dance/mocap/place": (
+            ["sffff", "anna", "1", "-2", "90", "1.5"],
+            events.PlaceMocap(performer="anna", x=1.0, z=-2.0, turn=90.0, scale=1.5, **STAMP),
+        ),
+        "/dance/mocap/canon": (
+            ["ssf", "anna", "mist", "4"],
+            events.CanonMocap(performer="anna", group="mist", beats=4.0, **STAMP),
+        ),
+        "/dance/mocap/obstacle": (["si", "anna", "0"], events.BlockMocap(performer="anna", obstacle=False, **STAMP)),
+        "/dance/mocap/attract": (
+            ["sfs", "anna", "-1", "mist"],
+            events.DrawMocap(performer="anna", strength=-1.0, group="mist", **STAMP),
+        ),
+        "/dance/takeover": ([], events.TakeOver(**STAMP)),
+        "/dance/breaker/reset": (["s", "steering"], events.ResetBreaker(name="steering", **STAMP)),
+        "/dance/midi/learn": (
+            ["sss", "/dance/motion/larger", "ember", "scale=1"],
+            events.LearnMidi(address="/dance/motion/larger", given="ember\nscale=1", **STAMP),
+        ),
+        "/dance/midi/forget": (["s", "/dance/clock/tempo"], events.ForgetMidi(address="/dance/clock/tempo", **STAMP)),
+        "/dance/ping": ([], None),
+        "/dance/get": (["s", "/dance/clock/tempo"], None),
+        "/dance/subscribe": (["sfi", "/dance/light", "30", "0"], None),
+        "/dance/unsubscribe": (["i", "9"], None),
+        **group_controls(),
+        **picture_controls(),
+        **scene_controls(),
+        **score_controls(),
+        **audience_controls(),
+    }
+
+
+def audience_controls():
+    """What the operator lets the audience's phones do."""
+    return {
+        "/dance/audience/open": (["T"], events.OpenAudience(on=True, **STAMP)),
+        "/dance/audience/close": ([], events.OpenAudience(on=False, **STAMP)),
+        "/dance/audience/gain": (["f", "0.25"], events.SetAudienceGain(gain=0.25, **STAMP)),
+        "/dance/audience/mute": (["i", "1"], events.MuteAudience(on=True, **STAMP)),
+        "/dance/audience/region": (["sf", "balcony", "2"], events.WeighRegion(name="balcony", weight=2.0, **STAMP)),
+        "/dance/audience/turn": (["si", "stalls", "8"], events.GiveTurn(name="stalls", measures=8.0, **STAMP)),
+        "/dance/audience/ban": (["i", "17"], events.BanPhone(number=17, on=True, **STAMP)),
+        "/dance/audience/vote": (
+            ["ssss", "step", "sway", "spin", "glide"],
+            events.AskVote(what="step", first="sway", second="spin", third="glide", **STAMP),
+        ),
+        "/dance/audience/vote/drop": ([], events.DropVote(**STAMP)),
+        "/dance/audience/shake": (["F"], events.AllowShaking(on=False, **STAMP)),
+        "/dance/audience/qr": (["i", "1"], events.ShowCard(output="*", card="qr", **STAMP)),
+    }
+
+
+def clock_and_sound_controls():
+    """What the musician's hand and the sound's operator may say."""
+    return {
+        "/dance/clock/half": ([], events.ScaleTempo(factor=0.5, **STAMP)),
+        "/dance/clock/double": ([], events.ScaleTempo(factor=2.0, **STAMP)),
+        "/dance/clock/nudge": (["d", "-0.015"], events.Nudge(seconds=-0.015, **STAMP)),
+        "/dance/clock/shift": (["f", "0.5"], events.ShiftBeats(beats=0.5, **STAMP)),
+        "/dance/clock/hold": (["F"], events.HoldTempo(on=False, **STAMP)),
+        "/dance/clock/metre": (["i", "3"], events.SetMetre(beats=3.0, **STAMP)),
+        "/dance/clock/count_in": (["i", "2"], events.CountIn(measures=2.0, **STAMP)),
+        "/dance/clock/source": (["s", "midi"], events.ChooseSource(name="midi", **STAMP)),
+        "/dance/audio/restart": ([], events.RestartAudio(**STAMP)),
+        "/dance/audio/device": (
+            ["ss", "stage box", "5,6"],
+            events.ChooseAudio(device="stage box", channels="5,6", **STAMP),
+        ),
+        "/dance/audio/channels": (["s", "3"], events.ChooseAudio(channels="3", **STAMP)),
+        "/dance/click": (["i", "0"], events.SetClick(on=False, **STAMP)),
+        **{
+            f"/dance/latency/{what}": (["f", "12.5"], events.SetLatency(what=what, seconds=0.0125, **STAMP))
+            for what in ("input", "output", "display", "projector")
+        },
+    }
+
+
+NUMBERS = {
+    "light": {"rim": 2.0, "ambient": 0.5, "haze": 0.25, "saturation": 0.0, "side": 0.25, "back": 0.25, "beams": 0.25,
+              "pulse": 0.25, "energy": 0.25, "stage": 0.25, "beams/width": 0.25, "beams/fan": 0.25, "beams/sway": 0.25},
+    "pass": {"shadow": 0.0, "mirror": 0.5, "bloom": 2.0, "vignette": 0.25, "trails": 1.0, "ink": 1.0, "grade": 0.5,
+             "trails/beats": 2.0, "trails/zoom": -0.5, "ink/width": 3.0, "ink/paper": 0.5, "grade/contrast": 1.5,
+             "grade/temperature": -0.5},
+    "camera": dict.fromkeys(
+        ("roll", "shift_x", "shift_y", "stretch", "skew", "orbit", "following", "along", "plan"), 0.5
+    ),
+    "background": {"gradient": 0.25} | {str(number): 1.0 for number in range(1, 9)},
+    "spot": {str(number): 0.25 for number in range(1, 5)} | {f"{number}/radius": 2.0 for number in range(1, 5)},
+}  # fmt: skip
+"""What is sent to parameters of the picture that are numbers."""
+PLACES = {
+    "light": ("key/colour", "rim/colour", "ambient/colour", "background", "floor", "side/left", "side/right",
+              "back/colour", "beams/colour"),
+    "pass": ("trails/colour", "ink/colour", "ink/paper/colour", "grade/lift", "grade/gamma", "grade/gain"),
+    "background": ("top", "bottom"),
+    "spot": tuple(f"{number}/colour" for number in range(1, 5)),
+    "camera": ("eye", "target"),
+}  # fmt: skip
+"""Those that are colours or places."""
+
+
+def picture(parameter, *numbers, **others):
+    return events.SetPicture(parameter=parameter, **dict(zip("xyz", numbers, strict=False)), **others, **STAMP)
+
+
+def picture_controls():
+    """What a light desk says."""
+    sent = {
+        "/dance/light/level": (["f", "0.5"], picture("/dance/light/level", 0.5)),
+        "/dance/light/key": (["ff", "2", "4"], picture("/dance/light/key", 2.0, measures=4.0)),
+        "/dance/light/key/direction": (["fff", "0", "-1", "0"], picture("/dance/light/key/direction", 0.0, -1.0, 0.0)),
+        "/dance/camera/field_of_view": (["i", "60"], picture("/dance/camera/field_of_view", 60.0)),
+    }
+    for address, known in OF_GROUPS.items():
+        if known.kind == "colour":
+            wanted = picture(address, 1.0, 0.5, 0.0, group="tide", measures=2.0)
+            sent[address] = (["fffsf", "1", "0.5", "0", "tide", "2"], wanted)
+        else:
+            sent[address] = (["fs", "1", "tide"], picture(address, 1.0, group="tide"))
+    for folder, numbers in NUMBERS.items():
+        for name, value in numbers.items():
+            address = f"/dance/{folder}/{name}"
+            sent[address] = (["di", str(value), "2"], picture(address, value, measures=2.0))
+    for folder, names in PLACES.items():
+        for name in names:
+            address = f"/dance/{folder}/{name}"
+            sent[address] = (["fff", "1", "0.5", "0.25"], picture(address, 1.0, 0.5, 0.25))
+    return sent
+
+
+def scene_controls():
+    """What the stage manager says."""
+    return {
+        "/dance/pass/set": (
+            ["ssff", "waves", "speed", "2.5", "1"],
+            events.SetPass(name="waves", parameter="speed", amount=2.5, measures=1.0, **STAMP),
+        ),
+        "/dance/pass": (["sii", "ink", "1", "2"], events.SetPass(name="ink", amount=1.0, measures=2.0, **STAMP)),
+        "/dance/camera": (["sf", "side", "2"], events.RecallView(name="side", measures=2.0, **STAMP)),
+        "/dance/camera/follow": (
+            ["sfi", "tide & 1", "0.5", "2"],
+            events.Accompany(whom="tide & 1", along=0.5, measures=2.0, **STAMP),
+        ),
+        "/dance/background": (["si", "sea", "2"], events.ShowBackground(name="sea", measures=2.0, **STAMP)),
+        "/dance/spot/follow": (
+            ["sifi", "tide & 1", "2", "0.5", "1"],
+            events.FollowSpot(whom="tide & 1", spot=2.0, level=0.5, measures=1.0, **STAMP),
+        ),
+        "/dance/look": (["s", "dusk"], events.RecallLook(name="dusk", **STAMP)),
+        "/dance/scene": (["si", "finale", "0"], events.RecallScene(name="finale", measures=0.0, **STAMP)),
+        "/dance/scene/store": (["s", "mine"], events.StoreScene(name="mine", **STAMP)),
+        "/dance/go": (["i", "1"], events.Go(**STAMP)),
+        "/dance/cue": (["s", "12.5"], events.GiveCue(name="12.5", **STAMP)),
+        "/dance/standby": (["s", "finale"], events.StandBy(name="finale", **STAMP)),
+        "/dance/back": ([], events.StepBack(**STAMP)),
+        "/dance/panic": ([], events.Panic(**STAMP)),
+        "/dance/output/fade": (["ff", "0.25", "16"], events.FadePicture(level=0.25, beats=16.0, **STAMP)),
+        "/dance/output/freeze": (["i", "1"], events.FreezePicture(on=True, **STAMP)),
+        "/dance/output/flashes": (["T"], events.AllowFlashes(on=True, **STAMP)),
+        "/dance/output/card": (["ss", "left", "focus"], events.ShowCard(output="left", card="focus", **STAMP)),
+        "/dance/picture/quality": (["i", "3"], events.HoldQuality(step=3.0, **STAMP)),
+        "/dance/hold": (["T"], events.HoldShow(on=True, **STAMP)),
+        "/dance/undo": ([], events.Undo(**STAMP)),
+        "/dance/redo": ([], events.Redo(**STAMP)),
+    }
+
+
+def score_controls():
+    """What moves the score, and signals."""
+    return {
+        "/dance/section": (
+            ["ssi", "solo", "section", "3"],
+            events.JumpTo(section="solo", when="section", measure=3, **STAMP),
+        ),
+        "/dance/advance": ([], events.Advance(when="section", **STAMP)),
+        "/dance/hold/score": (["T"], events.HoldScore(on=True, **STAMP)),
+        "/dance/practice": (["ii", "17", "24"], events.Practice(first=17, last=24, **STAMP)),
+        "/dance/improvise": (["is", "1", "left"], events.Improvise(on=True, group="left", **STAMP)),
+        "/dance/signal": (["sf", "hit", "0.5"], events.Signal(name="hit", value=0.5, **STAMP)),
+    }
+
+
+def group_controls():
+    """What is sent to each control of elements and group motion, and the event that comes of it."""
+
+    def element(kind, points="", **others):
+        return events.PlaceElement(kind=kind, points=points, **others, **STAMP)
+
+    at, line = ["ff", "1.5", "-2"], ["ffii", "0", "-4", "0", "4"]
+    drawn = "-3 0, 0 -2.5, 3 0"
+    return {
+        "/dance/attract/line": (line, element("attract", "0.0 -4.0, 0.0 4.0")),
+        "/dance/attract/drawn": (["s", drawn], element("attract", drawn)),
+        "/dance/attract/region": (["fff", "1.5", "-2", "2"], element("attract", "1.5 -2.0", radius=2.0)),
+        "/dance/voice": (at, events.Voice(x=1.5, z=-2.0, **STAMP)),
+        "/dance/repel/line": (line, element("repel", "0.0 -4.0, 0.0 4.0")),
+        "/dance/repel/region": (["fff", "1.5", "-2", "2"], element("repel", "1.5 -2.0", radius=2.0)),
+        "/dance/cross": (
+            [line[0] + "ffsT", *line[1:], "1", "8", "tide & left"],
+            element("cross", "0.0 -4.0, 0.0 4.0", measures=8.0, group="tide & left", next=True),
+        ),
+        "/dance/flow": (line, element("flow", "0.0 -4.0, 0.0 4.0", flow="uniform")),
+        "/dance/flow/radial": (["fff", "1.5", "-2", "-1"], element("flow", "1.5 -2.0", flow="radial", strength=-1.0)),
+        "/dance/flow/vortex": (at, element("flow", "1.5 -2.0", flow="vortex")),
+        "/dance/flow/drawn": (["s", drawn], element("flow", drawn, flow="drawn")),
+        "/dance/path": (["s", drawn], element("path", drawn)),
+        "/dance/wander": ([], element("wander")),
+        "/dance/flock": (["ff", "2", "8"], element("flock", strength=2.0, measures=8.0)),
+        "/dance/follow": (["s", "7"], element("follow", whom="7")),
+        "/dance/pursue": (["s", "tide"], element("pursue", whom="tide")),
+        "/dance/evade": (["s", "tide"], element("evade", whom="tide")),
+        "/dance/formation": (
+            ["sfs", "star:6", "2", "ember"],
+            events.Evolve(formation="star:6", measures=2.0, group="ember", **STAMP),
+        ),
+        "/dance/formation/define": (
+            ["ss", "flower", "circle poisson"],
+            events.DefineFormation(name="flower", formation="circle poisson", **STAMP),
+        ),
+        "/dance/travel": (["s", drawn], events.Travel(points=drawn, **STAMP)),
+        "/dance/pause": (["f", "2"], events.Pause(measures=2.0, **STAMP)),
+        "/dance/release": ([], events.Release(**STAMP)),
+        "/dance/regroup": (["ss", "1-4", "tide"], events.Regroup(dancers="1-4", group="tide", **STAMP)),
+        "/dance/ripple": (
+            ["fss", "2", "0 -2", "tide"],
+            events.SetRipple(beats=2.0, begins="0 -2", group="tide", **STAMP),
+        ),
+        "/dance/enter": (["i", "3"], events.Enter(count=3.0, **STAMP)),
+        "/dance/leave": (["ss", "7", "left"], events.Leave(dancers="7", gate="left", **STAMP)),
+        "/dance/obstacle": (["sff", "box", "1", "2"], events.PlaceObstacle(name="box", x=1.0, z=2.0, **STAMP)),
+        "/dance/wall": (["sffff", "w", "0", "1", "2", "3"], events.PlaceWall(name="w", x=0, z=1, x2=2, z2=3, **STAMP)),
+        "/dance/obstacle/remove": (["s", "box"], events.RemoveObstacle(name="box", **STAMP)),
+        "/dance/stage": (["ff", "8", "5.5"], events.SetStage(width=8.0, depth=5.5, **STAMP)),
+        "/dance/performer": (["sff", "Ana", "1", "2"], events.Performer(name="Ana", x=1.0, z=2.0, **STAMP)),
+    }

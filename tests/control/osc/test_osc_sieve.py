@@ -1,0 +1,102 @@
+"""Many datagrams at once: read with one call, plain values replaced by later ones, rubbish dear to its sender alone."""
+
+import socket
+import struct
+
+import pytest
+
+from live.control.events import events
+from live.control.osc.osc_prefilter import ROUND, RUBBISH, OscSieve
+from live.control.osc.udp_batch import AT_A_TIME, Datagrams
+from live.control.registry.registry import REGISTRY
+from live.control.registry.rejections import Reason, Tally
+from tests.control.osc.osc_stage import STAMP, TAP, message, wait_until
+
+ME, YOU = ("127.0.0.1", 1), ("127.0.0.1", 2)
+
+
+def light(value):
+    return message("/dance/light/key", value).dgram
+
+
+class Sieved:
+    def __init__(self):
+        self.on, self.tally = [], Tally()
+        self.sieve = OscSieve(REGISTRY, self.take, self.tally)
+
+    def take(self, data, sender):
+        self.on.append((data, sender))
+        return not data.startswith(b"/bad")
+
+    def together(self, *datagrams, now=0.0):
+        self.on.clear()
+        self.sieve.take([each if isinstance(each, tuple) else (each, ME) for each in datagrams], now)
+        return [data for data, _ in self.on]
+
+
+def test_of_values_that_come_together_the_last_goes_on_and_nothing_overtakes_what_happens():
+    sieved = Sieved()
+    assert sieved.together(light(0.1), light(0.2), light(0.3)) == [light(0.3)]
+    assert sieved.sieve.replaced == 2
+    assert sieved.together(light(0.1), TAP, light(0.2), light(0.3), TAP) == [light(0.1), TAP, light(0.3), TAP]
+    whole = message("/dance/light/key", 1).dgram  # another type is another header: both go on
+    assert sieved.together(light(0.1), whole, light(0.2)) == [light(0.2), whole]
+    asks = message("/dance/light/key").dgram
+    for other in (asks, message("/dance/motion/larger", 0.1, "ember").dgram, message("/dance/attract", 1.0, 2.0).dgram):
+        assert sieved.together(other, other) == [other, other]
+
+
+def test_what_is_plainly_no_osc_is_counted_without_being_taken_apart():
+    sieved = Sieved()
+    assert sieved.together(b"", b"x" * 9000, b"abc", b"\xff" * 40, TAP) == [TAP]
+    assert sieved.tally.as_dict() == {str(Reason.PACKET_SIZE): 2, str(Reason.ALIGNMENT): 1, str(Reason.ADDRESS): 1}
+    for odd in (b"/\0\0\0", b"/a,\0", b"/,,,", b"/abc", b"#bundle\0", b"/" + b"a" * 300 + b"\0\0\0,\0\0\0"):
+        assert sieved.together(odd) == [odd]
+
+
+def test_who_sends_rubbish_alone_is_not_read_for_a_while_and_others_are():
+    sieved = Sieved()
+    for rubbish in (b"\xff" * 40, b"/bad\0\0\0\0,\0\0\0"):
+        now = 10.0 if rubbish[0] == 0xFF else 20.0
+        sieved.together(*[rubbish] * (2 * RUBBISH), now=now)
+        assert sieved.together((TAP, ME), (TAP, YOU), now=now + 0.1) == [TAP]
+        assert sieved.on[0][1] == YOU
+        assert sieved.together((TAP, ME), now=now + 2 * ROUND) == [TAP]
+    assert sieved.tally.as_dict()[str(Reason.FLOOD)] == 2 * (RUBBISH + 1)
+    for _ in range(RUBBISH):  # a surface of which a button is mapped wrongly is heard all the same
+        assert len(sieved.together(b"/bad\0\0\0\0,\0\0\0", TAP, now=30.0)) == 2
+
+
+@pytest.mark.parametrize(("family", "host"), [(socket.AF_INET, "127.0.0.1"), (socket.AF_INET6, "::1")])
+def test_datagrams_are_read_as_recvfrom_reads_them(family, host):
+    with socket.socket(family, socket.SOCK_DGRAM) as into, socket.socket(family, socket.SOCK_DGRAM) as out:
+        try:
+            into.bind((host, 0))
+        except OSError:
+            pytest.skip(f"no {host} here")
+        into.setblocking(False)
+        out.bind((host, 0))
+        datagrams = Datagrams(into, 64)
+        assert datagrams.read() == []
+        sent = [b"", b"a", b"b" * 64, *[struct.pack(">I", number) for number in range(2 * AT_A_TIME)]]
+        found = []
+        for start in range(0, len(sent), 100):  # no more than the smallest buffer takes
+            for each in sent[start : start + 100]:
+                out.sendto(each, into.getsockname())
+            while rows := datagrams.read():
+                found += rows
+        out.sendto(b"c" * 100, into.getsockname())
+        found += datagrams.read()
+        assert [data for data, _ in found] == [*sent, b"c" * 65]
+        assert {sender for _, sender in found} == {out.getsockname()}
+        out.sendto(b"x", into.getsockname())
+        assert datagrams.read() == [(b"x", out.getsockname())]
+
+
+def test_a_flood_of_values_through_a_port_ends_with_the_last(stage):
+    stage.send(*[light(number / 1000) for number in range(1000)])
+    found = []
+    wait_until(lambda: found.extend(stage.events()) or found[-1].x > 0.998)
+    assert found[-1] == events.SetPicture(parameter="/dance/light/key", x=pytest.approx(0.999), **STAMP)
+    facts = stage.osc.facts()
+    assert stage.osc.accepted + facts["replaced"] >= 1000

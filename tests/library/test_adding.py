@@ -1,0 +1,237 @@
+"""Adding a step: cut before anything is written, copied once, never over anything, taken back if it fails."""
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from live.base.errors import PersonError
+from live.library import adding
+from live.library.adding import Added, add_step
+from live.library.asked import asked_entry, known_of, refuse_again
+from live.library.recording import RecordingError
+from live.library.recording_reader import RecordingReader
+from live.library.step_folder import load_folder
+from tests.motion.formats.made_bvh import body_bvh, danced
+from tests.motion.mocap import mocap_file
+
+FIELDS = {"name": "sway", "bpm": 120.0, "first_beat_s": 2.5, "measures": 2}
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "cache"))
+
+
+@pytest.fixture
+def take(tmp_path: Path) -> Path:
+    path = tmp_path / "take one.bvh"
+    path.write_text(body_bvh(danced(601)))
+    return path
+
+
+def add(library: Path, take: Path, **fields: object) -> Added:
+    return add_step(library, asked_entry(take, FIELDS | fields))
+
+
+def test_a_new_library_holds_recording_and_description(tmp_path: Path, take: Path) -> None:
+    library = tmp_path / "new" / "library"
+    added = add(library, take, tags=["slow"], leading_foot="left")
+    assert added.copied
+    assert added.file.read_bytes() == take.read_bytes()
+    assert tomllib.loads(added.toml.read_text())["step"] == [
+        {"file": "take one.bvh", **FIELDS, "tags": ["slow"], "leading_foot": "left"}
+    ]
+    (step,) = load_folder(library)
+    assert (step.step, step.measures, step.tags, step.leading_foot) == ("sway", 2, ("slow",), "left")
+    assert (step.clip.rotation == added.step.clip.rotation).all()
+
+
+def test_a_second_step_joins_and_the_recording_is_copied_once(tmp_path: Path, take: Path) -> None:
+    library = tmp_path / "library"
+    first = add(library, take)
+    first.toml.write_text("# mine\n" + first.toml.read_text())
+    second = add(library, take, name="other", start_measure=2)
+    assert second.toml == first.toml
+    assert not second.copied
+    assert first.toml.read_text().startswith("# mine\n")
+    assert sorted(path.name for path in library.iterdir()) == ["take one.bvh", "take one.toml"]
+    assert [step.step for step in load_folder(library)] == ["sway", "other"]
+
+
+def test_a_recording_inside_the_library_is_named_where_it_is(tmp_path: Path, take: Path) -> None:
+    library = tmp_path / "library"
+    (library / "may").mkdir(parents=True)
+    inside = library / "may" / "take.bvh"
+    inside.write_bytes(take.read_bytes())
+    added = add(library, inside)
+    assert not added.copied
+    assert tomllib.loads(added.toml.read_text())["step"][0]["file"] == "may/take.bvh"
+    assert len(load_folder(library)) == 1
+
+
+def test_another_recording_of_that_name_is_not_written_over(tmp_path: Path, take: Path) -> None:
+    library = tmp_path / "library"
+    add(library, take)
+    kept = take.read_bytes()
+    take.write_text(body_bvh(danced(601, seed=8)))
+    added = add(library, take, name="second")
+    assert added.file.name == "take one-2.bvh"
+    assert (library / "take one.bvh").read_bytes() == kept
+    assert [step.step for step in load_folder(library)] == ["sway", "second"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    ['[[pair]]\nleader = { file = "x.bvh" }\n', "not TOML at all", 'name = "bob"\n[pelvis]\n"1" = "down 4"\n', "\xff"],
+)
+def test_a_file_that_cannot_take_it_is_left_alone(tmp_path: Path, take: Path, text: str) -> None:
+    library = tmp_path / "library"
+    library.mkdir()
+    (library / "take one.toml").write_bytes(text.encode("latin-1"))
+    added = add(library, take)
+    assert added.toml.name == "take one-2.toml"
+    assert (library / "take one.toml").read_bytes() == text.encode("latin-1")
+
+
+@pytest.mark.parametrize(
+    ("fields", "words"),
+    [
+        ({"bpm": 1000.0}, "take one.bvh: --bpm: a number from 20 to 400 expected, found 1000.0"),
+        ({"first_beat_s": -1.0}, "--anchor: a number from 0 to 36,000 expected"),
+        ({"start_measure": 40}, "--start: the step ends with measure 41, but"),
+        ({"unit_m": 1.0}, "--unit: unit_m 1.0: the dancer of"),
+        ({"drop_frames": 601}, "--drop-frames: 601, but the recording has 601 frames"),
+        ({"direction": "north"}, "--direction: 'north'; allowed are 'in place'"),
+        ({"name": ""}, "--name: a text in quotes of 1 to 64 characters expected"),
+        ({"tags": [""]}, "--tag: a text in quotes"),
+        ({"distance_m": 1e9}, "--distance: a number from 0 to 100 expected"),
+    ],
+)
+def test_what_is_wrong_is_named_by_its_option_and_nothing_is_written(
+    tmp_path: Path, take: Path, fields: dict[str, object], words: str
+) -> None:
+    library = tmp_path / "library"
+    with pytest.raises(RecordingError) as caught:
+        add(library, take, **fields)
+    assert words in str(caught.value)
+    assert not library.exists()
+
+
+def test_missing_options_and_files_are_named(tmp_path: Path, take: Path) -> None:
+    with pytest.raises(RecordingError, match=r"--bpm: must be given.*--anchor: must be given"):
+        asked_entry(take, {"name": "x"})
+    with pytest.raises(RecordingError, match=r"gone\.bvh: there is no such file"):
+        add(tmp_path / "library", tmp_path / "gone.bvh")
+    (tmp_path / "broken.bvh").write_text(take.read_text()[:5000])
+    with pytest.raises(RecordingError, match=r"broken\.bvh: line \d+: "):
+        add(tmp_path / "library", tmp_path / "broken.bvh")
+    assert not (tmp_path / "library").exists()
+
+
+def test_what_was_begun_is_taken_back(tmp_path: Path, take: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    library = tmp_path / "library"
+    library.mkdir()
+
+    def full(*_: object) -> Path:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(adding, "_described", full)
+    with pytest.raises(PersonError, match=r"cannot write into the library .*No space left"):
+        add(library, take)
+    assert list(library.iterdir()) == []
+
+
+def test_an_interrupted_change_leaves_the_old_text(tmp_path: Path, take: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    library = tmp_path / "library"
+    before = add(library, take).toml.read_text()
+
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(adding.os, "fsync", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        add(library, take, name="other")
+    assert (library / "take one.toml").read_text() == before
+    assert sorted(path.name for path in library.iterdir()) == ["take one.bvh", "take one.toml"]
+
+
+def test_a_library_that_cannot_be_made(tmp_path: Path, take: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(PersonError, match="cannot make the library"):
+        add(tmp_path / "file" / "library", take)
+
+
+@pytest.mark.shared
+def test_a_skeleton_comes_along(tmp_path: Path) -> None:
+    source = mocap_file("asfamc/49_10.amc")
+    library = tmp_path / "library"
+    add_step(library, asked_entry(source, {"name": "fold", "bpm": 90.0, "first_beat_s": 0.5}))
+    assert sorted(path.name for path in library.iterdir()) == ["49.asf", "49_10.amc", "49_10.toml"]
+    assert load_folder(library)[0].step == "fold"
+    lonely = tmp_path / "lonely.amc"
+    lonely.write_bytes(source.read_bytes())
+    with pytest.raises(RecordingError, match=r"lonely\.amc: its skeleton is not known"):
+        asked_entry(lonely, {"name": "fold", "bpm": 90.0, "first_beat_s": 0.5})
+
+
+def test_a_recording_in_several_files_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, take: Path) -> None:
+    path = tmp_path / "parts.gltf"
+    path.write_text('{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 4, "uri": "parts.bin"}]}')
+    clip = RecordingReader().clip(asked_entry(take, FIELDS))
+    monkeypatch.setattr(RecordingReader, "clip", lambda self, entry: clip)
+    with pytest.raises(RecordingError, match=r"parts\.gltf: its motion lies in parts\.bin; export it as one file"):
+        add(tmp_path / "library", path)
+    path.write_text(path.read_text().replace("parts.bin", "data:application/octet-stream;base64,AAAA"))
+    assert add(tmp_path / "library", path).copied
+
+
+def test_what_the_library_knows_of_a_recording_need_not_be_said_again(tmp_path: Path, take: Path) -> None:
+    library = tmp_path / "library"
+    assert known_of(tmp_path / "nowhere", take, {}) == ({}, {})
+    add(library, take, fps=30.0, drop_frames=5, bpm=96.0, tags=["slow"])
+    music = {"bpm": 96, "first_beat_s": 2.5, "drop_frames": 5}
+    assert known_of(library, take, {})[0] == {"fps": 30, **music}
+    assert known_of(library, take, {"fps": 30.0})[0] == music
+    assert known_of(library, take, {"fps": 60.0})[0] == {}  # at another rate all times are others
+    assert known_of(library, take, {"drop_frames": 9})[0] == {"fps": 30}
+    assert known_of(library, take, {"bpm": 100.0})[0] == {"fps": 30}
+    other = tmp_path / "other.bvh"
+    other.write_text(body_bvh(danced(601, seed=3)))
+    assert known_of(library, other, {})[0] == {}
+    (library / "broken.toml").write_text("x = ")
+    assert known_of(library, take, {})[0] == {"fps": 30, **music}
+
+
+def test_a_guess_stays_one_until_somebody_takes_the_comment_away(tmp_path: Path, take: Path) -> None:
+    library = tmp_path / "library"
+    marks = {"bpm": "guess: confirm", "first_beat_s": "guess: confirm"}
+    add_step(library, asked_entry(take, FIELDS), comments=marks)
+    assert known_of(library, take, {})[1] == marks
+    assert known_of(library, take, {"bpm": 100.0})[1] == {}
+    toml = library / "take one.toml"
+    toml.write_text(toml.read_text().replace(" # guess: confirm", "", 1))
+    assert known_of(library, take, {})[1] == {"first_beat_s": "guess: confirm"}
+    toml.write_text(toml.read_text().replace(" # guess: confirm", ""))
+    assert known_of(library, take, {})[1] == {}
+
+
+def test_the_same_cut_is_not_added_twice(tmp_path: Path, take: Path) -> None:
+    library = tmp_path / "library"
+    refuse_again(library, asked_entry(take, FIELDS))  # there is no library yet
+    add(library, take)
+    with pytest.raises(PersonError, match=r"the step 'sway' is there already: .*take one\.toml, line 3"):
+        refuse_again(library, asked_entry(take, FIELDS | {"tags": ["other words"]}))
+    for other in ({"name": "swing"}, {"start_measure": 2}, {"bpm": 96.0}, {"fps": 30.0}):
+        refuse_again(library, asked_entry(take, FIELDS | other))
+    another = tmp_path / "another.bvh"
+    another.write_text(body_bvh(danced(601, seed=3)))
+    refuse_again(library, asked_entry(another, FIELDS))
+
+
+def test_a_name_is_one_line(tmp_path: Path, take: Path) -> None:
+    with pytest.raises(PersonError, match=r"--name: a text that is not blank, without line breaks .* found 'a\\nb'"):
+        add(tmp_path / "library", take, name="a\nb")
+    with pytest.raises(PersonError, match=r"--name: a text that is not blank, .* found '  '"):
+        add(tmp_path / "library", take, name="  ")
+    assert not (tmp_path / "library").exists()

@@ -1,0 +1,184 @@
+"""What is wrong or doubtful in a folder of steps is found and named with file, line and field."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from live.library.doubts import doubts_about
+from live.library.library_check import Finding, check_connections, check_folder
+from live.library.recording_reader import RecordingReader
+from live.motion.editing.orientation import turn_clip
+from tests.motion.formats.made_bvh import body_bvh, column, danced, still
+
+ONE = 'file = "dance.bvh"\nname = "sway"\nbpm = 120\nfirst_beat_s = 2.5\n'
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "cache"))
+    path = tmp_path / "steps"
+    path.mkdir()
+    (path / "dance.bvh").write_text(body_bvh(danced(601)))
+    (path / "dance.toml").write_text(ONE)
+    return path
+
+
+def told(findings: list[Finding]) -> list[str]:
+    return [f"{finding.kind}: {finding.problem}" for finding in findings]
+
+
+def test_nothing_is_found_where_nothing_is_wrong(folder: Path) -> None:
+    checked = check_folder(folder)
+    assert told(checked.findings) == []
+    assert [step.step for step in checked.steps] == ["sway"]
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ('direction = "long back"', "line 5: direction: 'long back', but she goes "),
+        ("distance_m = 5.0", "line 5: distance_m: 5, but 0."),
+        ("weight_transfer = true", "line 5: weight_transfer: true, but leading_foot is not given"),
+    ],
+)
+def test_what_is_said_is_held_against_what_is_measured(folder: Path, line: str, words: str) -> None:
+    (folder / "dance.toml").write_text(ONE + line + "\n")
+    (finding,) = told(check_folder(folder).findings)
+    assert finding.startswith("doubtful: ")
+    assert words in finding
+
+
+def test_what_is_said_truly_is_believed(folder: Path) -> None:
+    (step,) = check_folder(folder).steps
+    direction = step.direction.replace("short", "long")  # how long is long is for the choreographer to say
+    (folder / "dance.toml").write_text(ONE + f'direction = "{direction}"\ndistance_m = {step.distance_m + 0.05:.3f}\n')
+    assert told(check_folder(folder).findings) == []
+
+
+def test_no_lead_in_and_no_contact_are_told(folder: Path) -> None:
+    (folder / "dance.toml").write_text(ONE.replace("2.5", "0.1"))
+    findings = told(check_folder(folder).findings)
+    assert any("line 4: first_beat_s: the recording begins 0.10 s before the step" in finding for finding in findings)
+
+
+def test_a_step_without_a_foot_on_the_floor_is_told(folder: Path) -> None:
+    checked = check_folder(folder)
+    entry, step = checked.entries[0], checked.steps[0]
+    assert doubts_about(entry, step) == []
+    flying = replace(step, clip=replace(step.clip, contact=np.zeros_like(step.clip.contact)))
+    assert [field for field, words in doubts_about(entry, flying) if "no foot touches" in words] == ["file"]
+    hopping = flying.clip.contact.copy()
+    hopping[int(step.first) + 5 : int(step.first) + 10] = True
+    (doubt,) = doubts_about(entry, replace(step, clip=replace(step.clip, contact=hopping)))
+    assert doubt == ("file", "a foot is on the floor in 4 % of this step only; check the floor, unit_m and up")
+
+
+def test_a_step_with_the_back_to_the_public_is_told(folder: Path) -> None:
+    checked = check_folder(folder)
+    entry, step = checked.entries[0], checked.steps[0]
+    back = turn_clip(step.clip, math.radians(170.0))
+    (doubt,) = doubts_about(entry, replace(step, clip=back))
+    assert doubt[0] == "start_measure"
+    assert "she shows her back" in doubt[1]
+    assert doubts_about(entry, replace(step, clip=turn_clip(step.clip, math.radians(90.0)))) == []
+
+
+def test_a_guess_is_told_until_it_is_confirmed(folder: Path) -> None:
+    toml = folder / "dance.toml"
+    toml.write_text(ONE.replace("= 120", "= 120 # guess: confirm").replace("= 2.5", "= 2.5 #guess: confirm"))
+    bpm, first = told(check_folder(folder).findings)
+    assert "dance.toml, line 3: bpm: 120 is a guess; " in bpm
+    assert "dance.toml, line 4: first_beat_s: 2.5 is a guess; " in first
+    toml.write_text(ONE.replace('"sway"', '"guess: confirm"').replace("= 120", "= 120 # counted"))
+    assert told(check_folder(folder).findings) == []
+
+
+def test_what_cannot_be_used_is_wrong_and_the_rest_is_checked_all_the_same(folder: Path) -> None:
+    (folder / "a.toml").write_text('[[step]]\nfile = "gone.bvh"\nname = "a"\nbpm = 120\nfirst_beat_s = 0\n')
+    (folder / "b.toml").write_text(ONE + "measures = 40\n")
+    (folder / "c.toml").write_text("name = \n")
+    (folder / "d.toml").write_text('name = "d"\n[pelvis]\n"1" = "sideways 4"\n')
+    checked = check_folder(folder)
+    assert [finding.kind for finding in checked.findings] == ["wrong"] * 4
+    lines = "\n".join(told(checked.findings))
+    for words in (
+        "a.toml, line 2: step.1.file: ",
+        "b.toml, line 5: measures: ",
+        "c.toml, line 1: not valid TOML",
+        "d.toml, line 3: ",
+    ):
+        assert words in lines
+    assert [step.step for step in checked.steps] == ["sway"]
+
+
+def glitched(folder: Path, frame: int) -> None:
+    values = danced(601)
+    values[frame : frame + 2, 0] += 60.0
+    values[frame : frame + 2, column("LeftUpLeg", "X")] += 70.0
+    (folder / "dance.bvh").write_text(body_bvh(values))
+
+
+def test_a_fault_inside_a_step_is_told_and_one_beside_it_is_not(folder: Path) -> None:
+    glitched(folder, 200)  # 3.33 s, inside the step that lasts from 2.5 to 4.5 s
+    findings = told(check_folder(folder).findings)
+    assert any("line 1: file: frame" in finding and "write repair = true" in finding for finding in findings)
+    glitched(folder, 400)
+    assert not any("frame" in finding for finding in told(check_folder(folder).findings))
+
+
+def test_a_repair_mends_the_fault_and_leaves_the_rest(folder: Path) -> None:
+    clean = check_folder(folder).steps[0].clip
+    glitched(folder, 200)
+    faulty = check_folder(folder).steps[0].clip
+    (folder / "dance.toml").write_text(ONE + "repair = true\n")
+    checked = check_folder(folder)
+    mended = checked.steps[0].clip
+
+    def off(clip: object) -> float:
+        return float(np.abs(clip.root_position - clean.root_position).max())  # type: ignore[attr-defined]
+
+    assert off(faulty) > 0.3
+    assert off(mended) < 0.1
+    assert not any("frame" in finding for finding in told(checked.findings))
+    assert RecordingReader().glitches(checked.entries[0]) == []
+
+
+def test_poses_that_nothing_matches_are_told(folder: Path) -> None:
+    (folder / "dance.toml").write_text(ONE + 'end_pose = "plie"\nbegin_pose = "plié"\n')
+    checked = check_folder(folder)
+    findings = told(check_connections([checked], folder, threshold=2.0))
+    assert any("line 5: end_pose: no step begins in 'plie'; those there are: 'plié'" in finding for finding in findings)
+    assert any("line 6: begin_pose: no step ends in 'plié'; those there are: 'plie'" in finding for finding in findings)
+
+
+def test_steps_that_lead_nowhere_are_told_with_their_line(folder: Path) -> None:
+    checked = check_folder(folder)
+    (finding,) = told(check_connections([checked], folder, threshold=0.02))
+    assert "no step of sway leads to another within 0.02 m" in finding
+    assert told(check_connections([checked], folder, threshold=2.0)) == []
+
+
+def stamping(bpm: float) -> np.ndarray:
+    """Values of a body that steps from foot to foot at `bpm`, 20 s at 60 frames/s."""
+    values = still(1201)
+    beat = np.arange(1201) / 60.0 * bpm / 60.0
+    for side, phase in (("Left", 0.0), ("Right", 1.0)):
+        lift = np.maximum(np.sin(np.pi * (beat + phase)), 0.0) * (1.0 + 0.3 * ((beat // 4) % 2))
+        values[:, column(side + "UpLeg", "X")] = -45.0 * lift
+        values[:, column(side + "Leg", "X")] = 75.0 * lift
+        values[:, column(side + "Foot", "X")] = -30.0 * lift
+    values[:, 0] = 5.0 * np.cos(np.pi * beat)
+    return values
+
+
+@pytest.mark.parametrize(("written", "doubted"), [(120.0, False), (60.0, False), (240.0, False), (107.0, True)])
+def test_a_tempo_that_the_feet_deny_is_told(folder: Path, written: float, doubted: bool) -> None:
+    (folder / "dance.bvh").write_text(body_bvh(stamping(120.0)))
+    (folder / "dance.toml").write_text(ONE.replace("120", f"{written:g}"))
+    findings = [finding for finding in told(check_folder(folder).findings) if ": bpm: " in finding]
+    assert bool(findings) == doubted
+    if doubted:
+        assert "line 3: bpm: 107, but the feet say" in findings[0]

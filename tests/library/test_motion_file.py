@@ -1,0 +1,101 @@
+"""Which reader takes which file, and what is said about files that none takes."""
+
+import os
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from live.library.motion_file import MAX_BYTES, read_motion
+from live.motion.formats.file_error import MotionFileError
+from live.motion.formats.parse import parse_bvh
+from live.motion.formats.source import source_of_bvh
+from tests.motion.formats.made_bvh import body_bvh, danced
+from tests.motion.formats.test_asf_amc import AMC, ASF
+from tests.motion.mocap import mocap_file
+
+
+@pytest.mark.parametrize("name", ["a.bvh", "a.BVH", "a.txt", "a.c3d", "no ending"])
+def test_bvh_is_known_by_its_content(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_text(body_bvh(danced(5)))
+    motion = read_motion(tmp_path / name)
+    expected = source_of_bvh(parse_bvh(body_bvh(danced(5)), "x"))
+    np.testing.assert_array_equal(motion.rotation, expected.rotation)
+    assert motion.file == str(tmp_path / name)
+
+
+def test_an_amc_finds_its_skeleton(tmp_path: Path) -> None:
+    path = tmp_path / "7_01.amc"
+    path.write_text(AMC)
+    with pytest.raises(MotionFileError, match=r"its skeleton is not known; beside it: no .asf file; .*--skeleton"):
+        read_motion(path)
+    (tmp_path / "any.ASF").write_text(ASF)
+    assert read_motion(path).joint_count == 4
+    (tmp_path / "8.asf").write_text("broken")
+    with pytest.raises(MotionFileError, match=r"beside it: 8.asf, any.ASF"):
+        read_motion(path)
+    (tmp_path / "7.asf").write_text(ASF)
+    assert read_motion(path).joint_count == 4
+    with pytest.raises(MotionFileError, match=r"8.asf, line 1: 'broken' was read"):
+        read_motion(path, skeleton=tmp_path / "8.asf")
+    with pytest.raises(MotionFileError, match=r"none.asf: there is no such file"):
+        read_motion(path, skeleton=tmp_path / "none.asf")
+    with pytest.raises(MotionFileError, match=r"7.asf: a skeleton without motion; its .amc file expected"):
+        read_motion(tmp_path / "7.asf")
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("a.c3d", b"\x02\x50" + bytes(600), "C3D files hold markers and no skeleton; solve the markers"),
+        ("a.bvh", b"\x02\x50" + bytes(600), "C3D files hold markers"),
+        ("a.fbx", b"Kaydara FBX Binary  \x00", "FBX files are not read; open it in Blender"),
+        ("a.bvh", b"Kaydara FBX Binary  \x00", "FBX files are not read"),
+        ("a.fbx", b"; FBX 7.3.0 project file", "FBX files are not read"),
+        ("a.glb", b"glTF", "a.glb"),
+        ("a.gltf", b"{", "a.gltf"),
+        ("a.npz", b"PK\x03\x04", "a.npz"),
+        ("a.bvh", b" ", "a BVH file begins with HIERARCHY"),
+        ("a.bvh", b"", "a.bvh: the file is empty; copy it or export it again"),
+        ("a.glb", b"", "the file is empty"),
+        ("a.amc", b":DEGREES\n", "its skeleton is not known"),
+    ],
+)
+def test_what_is_not_read_is_said_with_a_remedy(tmp_path: Path, name: str, content: bytes, words: str) -> None:
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(MotionFileError) as caught:
+        read_motion(tmp_path / name)
+    assert words in str(caught.value)
+    assert str(tmp_path / name) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_what_is_not_there_or_no_file_or_too_large(tmp_path: Path) -> None:
+    (tmp_path / "dance.bvh").write_text("x")
+    with pytest.raises(MotionFileError, match=r"danse.bvh: there is no such file; there are: dance.bvh"):
+        read_motion(tmp_path / "danse.bvh")
+    with pytest.raises(MotionFileError, match=r"that is a folder; name a file in it: dance.bvh$"):
+        read_motion(tmp_path)
+    os.mkfifo(tmp_path / "pipe.bvh")
+    with pytest.raises(MotionFileError, match="that is no file but a device or a pipe"):
+        read_motion(tmp_path / "pipe.bvh")
+    with pytest.raises(MotionFileError):
+        read_motion(Path("a\0b"))
+    with (tmp_path / "huge.bvh").open("wb") as file:
+        file.truncate(MAX_BYTES + 1)
+    with pytest.raises(MotionFileError, match="more than 256000000 bytes; cut it into pieces"):
+        read_motion(tmp_path / "huge.bvh")
+
+
+@pytest.mark.shared
+def test_a_gltf_and_a_bvh_of_one_dancer(tmp_path: Path) -> None:
+    shutil.copy(mocap_file("group/perfume_aachan.glb"), tmp_path / "any.name")
+    assert read_motion(tmp_path / "any.name").joint_count == 23
+
+
+def test_the_axis_that_a_person_names_decides_the_root_offset(tmp_path: Path) -> None:
+    values = danced(60)
+    (tmp_path / "z.bvh").write_text(body_bvh(values, z_up=True, offsets={"Hips": (3.0, 94.0, 7.0)}))
+    assert read_motion(tmp_path / "z.bvh").root_offset == "replace"
+    assert read_motion(tmp_path / "z.bvh", up="Z").up == "Z"

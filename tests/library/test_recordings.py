@@ -1,0 +1,357 @@
+"""A folder of recordings as steps: cut at the beats, ready to be chained, and errors that name the place."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from live.library import recording_reader, recordings
+from live.library.recording import RecordingError
+from live.library.recording_file import read_recordings
+from live.library.recordings import load_recordings
+from live.motion import quaternion
+from live.motion.mirror import mirror_step, other_side
+from live.motion.step_clip import StepClip
+from live.motion.step_figures import measured_direction, measured_distance
+from tests.motion.formats.made_bvh import body_bvh, column, danced, still
+from tests.motion.mocap import MOCAP, mocap_file
+
+ONE = """
+file = "dance.bvh"
+name = "sway"
+bpm = 120
+first_beat_s = 2.5
+measures = 2
+"""
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
+    path = tmp_path_factory.mktemp("cache")
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(path))
+    return path
+
+
+def folder(tmp_path: Path, toml: str, values: np.ndarray | None = None) -> Path:
+    """A folder with dance.bvh (10 s at 60 frames/s unless given) and steps.toml."""
+    (tmp_path / "dance.bvh").write_text(body_bvh(danced(601) if values is None else values))
+    (tmp_path / "steps.toml").write_text(toml)
+    return tmp_path
+
+
+def pose_at(step: StepClip, sample: float) -> tuple[np.ndarray, float]:
+    """Place of the hips [m] and their heading [rad] at a fractional sample."""
+    before = min(math.floor(sample), step.clip.sample_count - 2)
+    part = sample - before
+    root = step.clip.root_position
+    q = quaternion.slerp(step.clip.rotation[before, 0], step.clip.rotation[before + 1, 0], np.asarray(part))
+    x, _, z = quaternion.rotate(q, np.array((0.0, 0.0, 1.0)))
+    return root[before] * (1 - part) + root[before + 1] * part, math.atan2(x, z)
+
+
+def problems_of(directory: Path) -> str:
+    with pytest.raises(RecordingError) as caught:
+        load_recordings(directory)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def test_one_recording_at_the_top_level(tmp_path: Path) -> None:
+    (step,) = load_recordings(folder(tmp_path, ONE))
+    assert (step.step, step.measures, step.beats_per_measure, step.bpm) == ("sway", 2, 4, 120.0)
+    assert step.samples_per_measure == pytest.approx(120.0)
+    assert step.clip.sample_rate == 60.0
+    assert step.first >= step.samples_per_measure  # a whole measure of lead-in
+    assert step.first + 240.0 <= step.clip.sample_count - 1
+    assert step.direction == measured_direction(step)
+    assert step.distance_m == measured_distance(step) > 0.05
+    assert not step.mirrored
+
+
+@pytest.mark.parametrize("first_beat", [2.5, 3.3217, 0.0])
+def test_at_the_first_downbeat_the_hips_stand_at_the_centre_facing_the_audience(
+    tmp_path: Path, first_beat: float
+) -> None:
+    (step,) = load_recordings(folder(tmp_path, ONE.replace("2.5", str(first_beat))))
+    place, heading = pose_at(step, step.first)
+    assert np.hypot(place[0], place[2]) < 1e-4
+    assert abs(heading) < 1e-3
+    assert place[1] > 0.7
+
+
+def test_beats_fall_where_they_are_between_samples(tmp_path: Path) -> None:
+    """A body that turns evenly by 20 degrees a second: the heading tells the time of every sample."""
+    values = still(601)
+    values[:, column("Hips", "Y")] = np.linspace(0.0, 200.0, 601)
+    toml = ONE.replace("2.5", "2.51").replace("120", "97.3") + "start_measure = 2\n"
+    (step,) = load_recordings(folder(tmp_path, toml, values))
+    measure = 4 * 60 / 97.3
+    assert step.samples_per_measure == pytest.approx(measure * 60)
+    for measures in (0.0, 0.5, 1.0, 2.0, -0.9):
+        _, heading = pose_at(step, step.first + measures * step.samples_per_measure)
+        assert math.degrees(heading) == pytest.approx(20.0 * measures * measure, abs=0.01)
+
+
+def test_where_the_recording_begins_late_its_first_sample_is_held(tmp_path: Path) -> None:
+    (step,) = load_recordings(folder(tmp_path, ONE.replace("2.5", "0.5")))
+    held = int(step.first - 0.5 * 60)
+    assert held >= 89
+    np.testing.assert_array_equal(step.clip.root_position[:held], step.clip.root_position[[0] * held])
+    assert not np.allclose(step.clip.root_position[held + 5], step.clip.root_position[0])
+    (early,) = load_recordings(folder(tmp_path, ONE))
+    assert not np.allclose(early.clip.root_position[10], early.clip.root_position[0])
+
+
+def test_frames_are_dropped_before_anything_is_counted(tmp_path: Path) -> None:
+    values = still(601)
+    values[:, column("Hips", "Y")] = np.linspace(0.0, 200.0, 601)
+    values[:30, column("Spine", "X")] = 80.0
+    (whole,) = load_recordings(folder(tmp_path, ONE.replace("2.5", "3.0"), values))
+    (kept,) = load_recordings(folder(tmp_path, ONE + "drop_frames = 30\n", values))
+    first = int(whole.first)
+    np.testing.assert_allclose(
+        kept.clip.rotation[first : first + 200], whole.clip.rotation[first : first + 200], atol=1e-5
+    )
+
+
+def test_the_true_rate_stretches_the_time(tmp_path: Path) -> None:
+    (step,) = load_recordings(folder(tmp_path, ONE + "fps = 30\nstart_measure = 7\n"))
+    assert step.first == pytest.approx(120.0)
+    assert "measures: the step ends with measure 4, but dance.bvh has 3 whole measures" in problems_of(
+        folder(tmp_path, ONE + "start_measure = 3\n")
+    )
+
+
+def test_many_steps_in_one_file_with_common_keys(tmp_path: Path) -> None:
+    toml = """
+file = "dance.bvh"
+bpm = 120
+first_beat_s = 0.0
+[[step]]
+name = "one"
+[[step]]
+name = "two"
+start_measure = 3
+direction = "long left"
+tags = ["slow", "low"]
+leading_foot = "left"
+begin_pose = "plie"
+weight_transfer = true
+distance_m = 0.4
+author = "Ana"
+style = "soft"
+[[step]]
+name = "two"
+bpm = 60
+mirror = true
+"""
+    steps = load_recordings(folder(tmp_path, toml))
+    assert [(s.step, s.bpm, s.mirrored) for s in steps] == [
+        ("one", 120.0, False),
+        ("two", 120.0, False),
+        ("two", 60.0, False),
+        ("two", 60.0, True),
+    ]
+    two = steps[1]
+    assert (two.direction, two.distance_m, two.leading_foot, two.begin_pose) == ("long left", 0.4, "left", "plie")
+    assert (two.weight_transfer, two.tags, two.author, two.style) == (True, ("slow", "low"), "Ana", "soft")
+    assert (steps[0].weight_transfer, steps[0].tags, steps[0].leading_foot) == (False, (), "")
+    assert steps[3].direction == other_side(measured_direction(steps[2]))
+    np.testing.assert_array_equal(steps[3].clip.rotation, mirror_step(steps[2]).clip.rotation)
+
+
+def test_several_files_come_in_the_order_of_their_names_and_pairs_are_passed_over(tmp_path: Path) -> None:
+    directory = folder(tmp_path, ONE)
+    (directory / "a.toml").write_text(ONE.replace("sway", "first"))
+    (directory / "pairs.toml").write_text('[[pair]]\nleader = { file = "x.bvh" }\n')
+    assert [step.step for step in load_recordings(directory)] == ["first", "sway"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("measures = 2", "measures = 4", "line 6: measures: the step ends with measure 4, but dance.bvh has 3 whole"),
+        ("measures = 2", "start_measure = 9", "line 6: start_measure: the step ends with measure 9"),
+        ("first_beat_s = 2.5", "first_beat_s = 9", "line 5: first_beat_s: the step ends with measure 2, but"),
+        ("measures = 2", "measures = 0", "line 6: measures: a whole number from 1 to 10,000 expected, found 0"),
+        ("measures = 2", "measures = 1.5", "line 6: measures: "),
+        ("bpm = 120", "", "line 1: bpm: missing; it must be given, as in file ="),
+        ("first_beat_s = 2.5", "", "line 1: first_beat_s: missing"),
+        ("bpm = 120", 'bpm = "fast"', "line 4: bpm: a number from 20 to 400 expected, found 'fast'"),
+        ("bpm = 120", "bpm = nan", "line 4: bpm: "),
+        ("bpm = 120", "bpm = 1e9", "line 4: bpm: a number from 20 to 400 expected, found 1000000000.0"),
+        ("bpm = 120", "bmp = 120", "line 4: bmp: unknown key; did you mean 'bpm'? allowed are file, name"),
+        ('"dance.bvh"', '"dnace.bvh"', "line 2: file: "),
+        ('"dance.bvh"', '"steps.toml"', "line 2: file: "),
+        ('"dance.bvh"', '"a\\u0000b"', "line 2: file: "),
+        ("measures = 2", "drop_frames = 601", "line 6: drop_frames: 601, but the recording has 601 frames"),
+        ("measures = 2", "unit_m = 1.0", "line 6: unit_m: unit_m 1.0: the dancer of"),
+        ("measures = 2", 'up = "X"', "line 6: up: "),
+        ("measures = 2", 'direction = "north"', "line 6: direction: 'north'; allowed are 'in place', 'short forward'"),
+        ("measures = 2", "tags = [1]", "line 6: tags.1: "),
+        ("measures = 2", 'mirror = "yes"', "line 6: mirror: "),
+        ("measures = 2", "measures = ", "line 6: not valid TOML"),
+        ("measures = 2", "step = 4", "line 6: step: a list of tables expected, each begun by [[step]]"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_named_with_file_line_and_field(tmp_path: Path, old: str, new: str, words: str) -> None:
+    assert old in ONE
+    message = problems_of(folder(tmp_path, ONE.replace(old, new)))
+    assert f"steps.toml, {words}" in message
+
+
+def test_problems_of_the_recording_itself_are_named(tmp_path: Path) -> None:
+    directory = folder(tmp_path, ONE)
+    text = (directory / "dance.bvh").read_text()
+    (directory / "dance.bvh").write_text(text[: len(text) // 2])
+    message = problems_of(directory)
+    assert "steps.toml, line 2: file: " in message
+    assert "dance.bvh, line " in message
+    assert "the file is cut off" in message
+    (directory / "dance.bvh").write_bytes(bytes(range(256)) * 50)
+    assert "a BVH file begins with HIERARCHY" in problems_of(directory)
+
+
+def test_a_recording_cut_off_between_two_lines_is_told_and_one_frame_is_forgiven(tmp_path: Path) -> None:
+    directory = folder(tmp_path, ONE)
+    lines = (directory / "dance.bvh").read_text().splitlines(keepends=True)
+    (directory / "dance.bvh").write_text("".join(lines[:-1]))
+    assert len(load_recordings(directory)) == 1
+    (directory / "dance.bvh").write_text("".join(lines[:-40]))
+    assert "is cut off: it says 601 frames and holds 561" in problems_of(directory)
+
+
+def test_several_problems_are_told_at_once(tmp_path: Path) -> None:
+    toml = '[[step]]\nfile = "no.bvh"\nname = ""\n[[step]]\nname = "b"\nbpm = 3\ncolour = 1\n'
+    message = problems_of(folder(tmp_path, toml))
+    for words in ("line 3: step.1.name", "step.1.bpm: missing", "line 6: step.2.bpm", "line 7: step.2.colour: unknown"):
+        assert words in message
+    many = "".join(f'[[step]]\nfile = "no{n}.bvh"\nname = "n"\nbpm = 120\nfirst_beat_s = 0\n' for n in range(20))
+    assert "; and 12 more" in problems_of(folder(tmp_path, many))
+
+
+def test_a_common_key_is_named_where_it_stands(tmp_path: Path) -> None:
+    toml = 'file = "dance.bvh"\nfirst_beat_s = 0\nbpm = 9\n[[step]]\nname = "a"\n'
+    assert "line 3: bpm: a number from 20 to 400 expected, found 9" in problems_of(folder(tmp_path, toml))
+
+
+def test_folders_without_anything_usable(tmp_path: Path) -> None:
+    assert "there is no folder" in problems_of(tmp_path / "nowhere")
+    assert "no TOML file" in problems_of(tmp_path)
+    (tmp_path / "dance.bvh").write_text(body_bvh(still(3)))
+    message = problems_of(tmp_path)
+    assert "which step is where in its 1 recordings" in message
+    assert 'steps.toml with file = "walk.bvh", name = "walk", bpm = 120, first_beat_s = 0.5, measures = 2' in message
+    (tmp_path / "deep.toml").write_text("x = " + "[" * 5000 + "]" * 5000)
+    assert "deep.toml" in problems_of(tmp_path)
+    (tmp_path / "deep.toml").write_bytes(b"\xff\xfe")
+    assert "not a text in UTF-8 (byte 0)" in problems_of(tmp_path)
+    (tmp_path / "deep.toml").unlink()
+    (tmp_path / "folder.toml").mkdir()
+    assert "folder.toml: not a file" in problems_of(tmp_path)
+
+
+def test_a_file_is_read_once_for_all_its_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    read: list[Path] = []
+    read_motion = recording_reader.read_motion
+    monkeypatch.setattr(
+        recording_reader, "read_motion", lambda path, **options: read.append(path) or read_motion(path, **options)
+    )
+    toml = 'file = "dance.bvh"\nbpm = 120\nfirst_beat_s = 0\n' + '[[step]]\nname = "a"\n' * 5
+    assert len(load_recordings(folder(tmp_path, toml))) == 5
+    assert len(read) == 1
+
+
+def never(entries: object) -> list[StepClip]:
+    pytest.fail("cut anew although nothing changed")
+
+
+def test_what_was_cut_comes_out_of_the_cache_and_follows_every_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    directory = folder(tmp_path, ONE + "mirror = true\n")
+    (directory / "other.bvh").write_text(body_bvh(danced(601, seed=7)))
+    (directory / "other.toml").write_text(ONE.replace("dance.bvh", "other.bvh").replace("sway", "other"))
+    first = load_recordings(directory)
+    with monkeypatch.context() as patched:
+        patched.setattr(recordings, "_build", never)
+        again = load_recordings(directory)
+    assert [step.step for step in again] == ["other", "sway", "sway"]
+    for a, b in zip(first, again, strict=True):
+        np.testing.assert_array_equal(a.clip.rotation, b.clip.rotation)
+        np.testing.assert_array_equal(a.clip.root_position, b.clip.root_position)
+        assert (a.first, a.direction, a.distance_m, a.mirrored) == (b.first, b.direction, b.distance_m, b.mirrored)
+
+    built: list[str] = []
+    build = recordings._build
+    monkeypatch.setattr(recordings, "_build", lambda entries: built.append(entries[0].recording.name) or build(entries))
+    (directory / "dance.bvh").write_text(body_bvh(danced(601, seed=9)))
+    changed = load_recordings(directory)
+    assert built == ["sway"]
+    assert not np.array_equal(changed[1].clip.rotation, first[1].clip.rotation)
+    (directory / "other.toml").write_text((directory / "other.toml").read_text() + 'style = "soft"\n')
+    assert load_recordings(directory)[0].style == "soft"
+    assert built == ["sway", "other"]
+
+
+def test_a_recording_that_is_gone_is_told_although_its_steps_are_cached(tmp_path: Path) -> None:
+    directory = folder(tmp_path, ONE)
+    load_recordings(directory)
+    (directory / "dance.bvh").unlink()
+    assert "line 2: file: " in problems_of(directory)
+
+
+def test_a_recording_that_must_not_be_read_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    directory = folder(tmp_path, ONE)
+    read = Path.read_bytes
+
+    def denied(path: Path) -> bytes:
+        if path.suffix == ".bvh":
+            raise PermissionError(13, "Permission denied", str(path))
+        return read(path)
+
+    monkeypatch.setattr(Path, "read_bytes", denied)
+    assert "line 2: file: " in problems_of(directory)
+    assert "dance.bvh: cannot be read: Permission denied" in problems_of(directory)
+
+
+def test_problems_of_all_files_are_told_together(tmp_path: Path) -> None:
+    directory = folder(tmp_path, ONE.replace("measures = 2", "measures = 9"))
+    (directory / "b.toml").write_text(ONE.replace("bpm = 120", "bpm = 1"))
+    message = problems_of(directory)
+    assert "b.toml, line 4: bpm: " in message
+    assert "steps.toml, line 6: measures: " in message
+
+
+def salsa_toml() -> str:
+    """Both dancers of two takes, two measures at a time, with the estimated beats."""
+    mocap_file("salsa/60_01.bvh")
+    lines = ["fps = 60", "drop_frames = 6"]
+    for take in json.loads((MOCAP / "beats_estimated.json").read_text()):
+        for file in take["files"]:
+            if file in ("salsa/60_01.bvh", "salsa/61_01.bvh", "salsa/60_03.bvh", "salsa/61_03.bvh"):
+                for start in range(1, take["measures_of_4"] - 2, 4):
+                    lines += ["[[step]]", f'file = "{MOCAP / file}"', 'name = "salsa"', f"bpm = {60 / take['beat_s']}"]
+                    lines += [f"first_beat_s = {take['phase_of_4beats_s']}", f"start_measure = {start}", "measures = 2"]
+    return "\n".join(lines)
+
+
+@pytest.mark.shared
+def test_real_salsa(tmp_path: Path) -> None:
+    (tmp_path / "salsa.toml").write_text(salsa_toml())
+    assert len(read_recordings(tmp_path)) == 22
+    steps = load_recordings(tmp_path)
+    assert len(steps) == 22
+    for step in steps:
+        place, heading = pose_at(step, step.first)
+        assert np.hypot(place[0], place[2]) < 1e-3
+        assert abs(heading) < 0.02
+        assert 1.4 < step.samples_per_measure / 60.0 < 1.5
+        height = step.clip.root_position[:, 1]
+        assert height.min() > 0.3
+        assert height.max() < 1.15
+        speed = np.linalg.norm(np.diff(step.clip.root_position, axis=0), axis=-1) * 60.0
+        assert speed.max() < 4.0
+        assert 0.1 < step.clip.contact.mean() < 1.0

@@ -1,0 +1,62 @@
+"""A folder may hold recordings and sketches; each TOML file is read as what it is."""
+
+from pathlib import Path
+
+import pytest
+
+from live.library.recording import RecordingError
+from live.library.recording_file import read_step_files
+from live.library.recordings import load_recordings
+from live.library.sketch_folder import StepsError
+from live.library.step_folder import load_folder
+from tests.motion.formats.made_bvh import body_bvh, danced
+
+SKETCH = 'name = "bob"\nmirror = false\n[pelvis]\n"1" = "down 4"\n"2" = "up 1"\n'
+RECORDING = 'file = "dance.bvh"\nname = "sway"\nbpm = 120\nfirst_beat_s = 2.5\n'
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "cache"))
+    path = tmp_path / "steps"
+    path.mkdir()
+    (path / "dance.bvh").write_text(body_bvh(danced(601)))
+    (path / "dance.toml").write_text(RECORDING)
+    (path / "bob.toml").write_text(SKETCH)
+    return path
+
+
+def test_both_kinds_are_loaded(folder: Path) -> None:
+    assert [step.step for step in load_folder(folder)] == ["bob", "sway"]
+    assert [step.step for step in load_recordings(folder)] == ["sway"]
+
+
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [
+        (SKETCH, "sketch"),
+        ('name = "a"\nbeats = 8\n', "sketch"),
+        (RECORDING, "recording"),
+        ('name = "a"\nbpm = 120\n', "recording"),
+        ('bpm = 120\n[[step]]\nname = "a"\n', "recording"),
+        ('file = "a.bvh"\n[pelvis]\n"1" = "down 4"\n', "recording"),
+        ('[[pair]]\nleader = { file = "a.bvh" }\n', "neither"),
+    ],
+)
+def test_files_are_told_apart(tmp_path: Path, text: str, kind: str) -> None:
+    (tmp_path / "a.toml").write_text(text)
+    files = read_step_files(tmp_path)
+    assert (bool(files.sketches), bool(files.recordings)) == (kind == "sketch", kind == "recording")
+
+
+def test_what_is_wrong_in_either_is_told(folder: Path) -> None:
+    (folder / "bob.toml").write_text(SKETCH.replace("down", "sideways"))
+    with pytest.raises(StepsError, match=r"bob\.toml:4: .*sideways"):
+        load_folder(folder)
+    (folder / "bob.toml").unlink()
+    (folder / "dance.toml").write_text(RECORDING.replace("120", "1"))
+    with pytest.raises(RecordingError, match=r"dance\.toml, line 3: bpm"):
+        load_folder(folder)
+    (folder / "dance.toml").unlink()
+    with pytest.raises(RecordingError, match=r"in its 1 recordings .*live steps add FILE --library"):
+        load_folder(folder)

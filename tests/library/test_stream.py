@@ -1,0 +1,91 @@
+"""Streams: a whole recording cut at its measure lines, danced by similarity alone."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from live.graph.motion_graph import build_graph
+from live.graph.random_walk import random_walk
+from live.graph.step_library import build_library
+from live.library.library_check import check_folder
+from live.library.recording import RecordingError
+from live.library.recordings import load_recordings
+from live.show.load import load_show
+from live.show.patch.patch_search_path import DEFAULT_PATCH
+from tests.motion.formats.made_bvh import body_bvh, danced
+
+STREAM = """
+file = "dance.bvh"
+name = "samba"
+bpm = 120
+first_beat_s = 0.5
+unstructured = true
+"""
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path_factory.mktemp("cache")))
+
+
+def folder(tmp_path: Path, toml: str) -> Path:
+    """Ten seconds at 60 frames/s: four whole measures of two seconds after 0.5 s."""
+    (tmp_path / "dance.bvh").write_text(body_bvh(danced(601)))
+    (tmp_path / "steps.toml").write_text(toml)
+    return tmp_path
+
+
+def test_every_measure_is_a_clip_and_follows_the_one_before_it(tmp_path: Path) -> None:
+    clips = load_recordings(folder(tmp_path, STREAM))
+    assert [clip.measures for clip in clips] == [1, 1, 1, 1]
+    assert all(clip.in_stream and clip.step == "samba" for clip in clips)
+    whole = load_recordings(folder(tmp_path, STREAM.replace("unstructured = true", "measures = 4")))[0]
+    for n, clip in enumerate(clips):
+        begin = round(whole.first + n * 120)
+        own = clip.clip.rotation[round(clip.first) : round(clip.first) + 121, 1:]
+        assert np.abs(own) == pytest.approx(np.abs(whole.clip.rotation[begin : begin + 121, 1:]), abs=1e-6)
+    graph = build_graph(build_library(clips), threshold=0.05, prune=False)
+    costs = dict(zip(zip(graph.joins.source, graph.joins.target, strict=True), graph.joins.cost, strict=True))
+    for n in range(3):
+        assert costs[n, n + 1] < 1e-4  # the lead-in of a measure is the end of the one before it
+    assert len(random_walk(build_graph(build_library(clips), threshold=2.0), 32, seed=1)) == 32
+    assert len(graph.takes.node) == 0
+
+
+def test_some_measures_and_their_mirror_images(tmp_path: Path) -> None:
+    clips = load_recordings(folder(tmp_path, STREAM + "start_measure = 2\nmeasures = 2\nmirror = true\n"))
+    assert [clip.mirrored for clip in clips] == [False, True, False, True]
+    assert [clip.clip.name for clip in clips[::2]] == [
+        "samba, dance from measure 2",
+        "samba, dance from measure 3",
+    ]
+
+
+def test_a_show_dances_a_stream(tmp_path: Path) -> None:
+    """As `live play --steps` loads it: the dancers go from measure to measure of the recording."""
+    show = load_show(DEFAULT_PATCH, recordings=folder(tmp_path, STREAM)).start()
+    assert show.dancers.graph.library.steps == ("samba",)
+    assert show.dancers.graph.alive[show.dancers.node].all()
+
+
+@pytest.mark.parametrize("said", ['leading_foot = "left"', 'end_pose = "plié"', 'direction = "long left"'])
+def test_what_is_said_of_a_step_is_refused(tmp_path: Path, said: str) -> None:
+    with pytest.raises(RecordingError) as caught:
+        load_recordings(folder(tmp_path, STREAM + said))
+    assert f"steps.toml, line 7: {said.split()[0]}: it is said of a step" in str(caught.value)
+
+
+def test_a_stream_that_is_too_long_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match=r"line 7: measures: .*ends with measure 9, but dance.bvh has 4 whole"):
+        load_recordings(folder(tmp_path, STREAM + "measures = 9"))
+    with pytest.raises(RecordingError, match="start_measure: the step ends with measure 8"):
+        load_recordings(folder(tmp_path, STREAM + "start_measure = 8"))
+
+
+def test_the_check_reads_all_measures(tmp_path: Path) -> None:
+    checked = check_folder(folder(tmp_path, STREAM))
+    assert len(checked.steps) == 4
+    assert not [finding for finding in checked.findings if finding.kind == "wrong"]
+    assert replace(checked.steps[0], in_stream=False).step == "samba"

@@ -1,0 +1,258 @@
+"""What `live bvh` tells: every recording against what is known about it, and made ones against what was made."""
+
+import json
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from live.library.motion_file import read_motion
+from live.motion.formats.file_error import MotionFileError
+from live.motion.formats.motion_facts import MotionFacts, SourceTracks, find_facts
+from live.motion.formats.parse import parse_bvh
+from live.motion.formats.source import source_of_bvh
+from live.motion.formats.source_motion import SourceMotion
+from live.motion.retarget.joint_mapping import find_body
+from tests.motion.formats.made_bvh import body_bvh, column, danced, still
+from tests.motion.mocap import MOCAP, mocap_file, mocap_index
+
+ROWS = [row for row in mocap_index() if row.get("joints") is not None]
+UNCLEAR = "edge/makehuman_benchmark_6and3.bvh"
+"""One frame, whose lowest point the index takes with another reading of its position channels."""
+SCALED = "edge/salsa_60_05_scaled.bvh"
+"""In units of 1.28 m: nothing tells them from metres."""
+
+
+def name_of(row: dict[str, Any]) -> str:
+    return str(row["file"])
+
+
+@cache
+def read(name: str) -> SourceMotion:
+    return read_motion(mocap_file(name))
+
+
+@cache
+def facts_of(name: str) -> tuple[MotionFacts, SourceTracks]:
+    row = next((row for row in ROWS if row["file"] == name), {})
+    return find_facts(read(name), fps=row.get("true_fps"))
+
+
+@pytest.mark.shared
+@pytest.mark.parametrize("row", ROWS, ids=name_of)
+def test_counts(row: dict[str, Any]) -> None:
+    facts, tracks = facts_of(row["file"])
+    assert (facts.joints, facts.end_sites, facts.channels) == (row["joints"], row["end_sites"], row["channels"])
+    assert facts.frames_declared == row["frames_declared"]
+    assert facts.frames == row["frames"] + ("off_by_one" in row["file"])
+    assert facts.header_fps == pytest.approx(row["header_fps"], rel=1e-3)
+    assert facts.fps == pytest.approx(row.get("true_fps") or row["header_fps"], rel=1e-3)
+    added = row["tpose_first_frame"] is True
+    assert facts.seconds == pytest.approx(row["seconds"] + added / facts.fps, abs=0.02)
+    assert tracks.positions.shape == (facts.frames, facts.joints, 3)
+    assert np.isfinite(tracks.positions).all()
+
+
+@pytest.mark.shared
+@pytest.mark.parametrize("row", ROWS, ids=name_of)
+def test_axes_unit_offset_and_the_added_pose(row: dict[str, Any]) -> None:
+    facts, _ = facts_of(row["file"])
+    if row["joints"] > 4:
+        assert facts.up == row["up_axis"] or row["up_axis"] is None
+    if row["root_offset"] == "unclear":
+        assert facts.root_offset is None
+    elif row["joints"] > 4:
+        assert facts.root_offset == {"none": "zero"}.get(row["root_offset"], row["root_offset"])
+    assert facts.tpose_first == bool(row["tpose_first_frame"])
+    if row["unit_cm"] is not None and row["file"] != SCALED:
+        assert facts.unit_m == pytest.approx(row["unit_cm"] / 100.0, rel=1e-3)
+
+
+@pytest.mark.shared
+@pytest.mark.parametrize("row", [row for row in ROWS if row["file"] != UNCLEAR], ids=name_of)
+def test_the_floor(row: dict[str, Any]) -> None:
+    facts, _ = facts_of(row["file"])
+    if facts.unit_m is None:
+        assert facts.floor_m is None
+        return
+    expected = row["lowest_point"]["p5"] * facts.unit_m
+    assert facts.floor_m == pytest.approx(expected, abs=0.001)
+
+
+@pytest.mark.shared
+@pytest.mark.parametrize("row", [row for row in ROWS if row.get("mean_speed_m_s")], ids=name_of)
+def test_the_way_of_the_hips(row: dict[str, Any]) -> None:
+    """The index has the mean speed to 0.01 m/s, smoothed: the hips of a dancer who stands tremble."""
+    facts, _ = facts_of(row["file"])
+    assert facts.travel_m is not None
+    scale = 1.28 if row["file"] == SCALED else 1.0
+    expected = row["mean_speed_m_s"] * row["seconds"]
+    assert expected * 0.98 - 0.005 * row["seconds"] < facts.travel_m * scale < expected * 1.03 + 0.04 * row["seconds"]
+
+
+@pytest.mark.shared
+@pytest.mark.parametrize("row", [row for row in ROWS if row["joints"] > 4], ids=name_of)
+def test_bodies_have_the_size_of_people(row: dict[str, Any]) -> None:
+    facts, tracks = facts_of(row["file"])
+    if facts.unit_m is None:
+        assert facts.height_m is None
+        return
+    assert facts.height_m is not None
+    assert 1.3 < facts.height_m < 2.0
+    drawn = np.ptp(tracks.positions[:, :, 1], axis=1)
+    if row["frames"] > 50:
+        assert 0.7 * facts.height_m < np.percentile(drawn, 95) < 1.1 * facts.height_m
+
+
+@pytest.mark.shared
+def test_the_run_in_of_salsa_is_named() -> None:
+    facts, _ = facts_of("salsa/60_01.bvh")
+    assert any("frames 1 to 5 a run-in" in one.what and "drop_frames = 6" in one.what for one in facts.warnings)
+    assert facts.travel_m == pytest.approx(14.4, abs=0.2)
+
+
+@pytest.mark.shared
+def test_equal_motions_in_different_units() -> None:
+    """salsa_60_05_scaled is 60_05 in units of 1.28 m without its first frame; 131_01 is there in 5.644 cm and in m."""
+    _, here = find_facts(read("salsa/60_05.bvh"), fps=60.0)
+    _, there = find_facts(read(SCALED), fps=60.0, unit_m=1.28)
+    assert here.names == there.names
+    np.testing.assert_allclose(here.positions[1:], there.positions, atol=2e-4)
+    one, two = facts_of("walk/131_01_styled.bvh")[1], facts_of("walk/131_01_styled_metres.bvh")[1]
+    np.testing.assert_allclose(one.positions, two.positions[: len(one.positions)], atol=2e-4)
+
+
+@pytest.mark.shared
+def test_the_gltf_of_a_dancer_is_its_bvh() -> None:
+    """Blender's export: metres, the same keys at 30 instead of 40 frames per second."""
+    bvh, gltf = facts_of("group/perfume_aachan.bvh"), find_facts(read("group/perfume_aachan.glb"))
+    assert (bvh[0].frames, bvh[0].fps) == (gltf[0].frames, pytest.approx(40.0, rel=1e-3))
+    assert gltf[0].fps == pytest.approx(30.0, rel=1e-3)
+    assert bvh[0].mapped == gltf[0].mapped
+    order = [gltf[1].names.index(name) for name in bvh[1].names]
+    np.testing.assert_allclose(gltf[1].positions[:, order], bvh[1].positions, atol=1e-4)
+    assert (gltf[0].up, gltf[0].tpose_first) == (bvh[0].up, bvh[0].tpose_first)
+    assert (gltf[0].height_m, gltf[0].travel_m) == pytest.approx((bvh[0].height_m, bvh[0].travel_m), rel=1e-3)
+
+
+@pytest.mark.shared
+@pytest.mark.parametrize("name", ["49_10", "49_11", "49_12", "49_14"])
+def test_amc_files_find_their_skeleton(name: str) -> None:
+    facts, _ = find_facts(read(f"asfamc/{name}.amc"))
+    assert (facts.joints, facts.end_sites, facts.channels, facts.fps) == (31, 7, 62, 120.0)
+    assert (facts.up, facts.root_offset, facts.tpose_first) == ("Y", "zero", False)
+    assert facts.unit_m == pytest.approx(0.0564444, rel=1e-4)
+    assert facts.floor_m == pytest.approx(0.012, abs=0.003)
+
+
+@pytest.mark.shared
+def test_six_channels_and_three_are_one_motion() -> None:
+    """Position channels that repeat OFFSET (six on every joint) change nothing: the same file with three each."""
+    text = mocap_file("edge/six_channels_everywhere_geno_bind.bvh").read_text()
+    motion = parse_bvh(text, "six")
+    head, numbers = text.split("MOTION", 1)
+    first, place = head.index("CHANNELS 6"), head.index("CHANNELS 6") + 10
+    three = head[:place] + head[place:].replace("CHANNELS 6 Xposition Yposition Zposition", "CHANNELS 3")
+    assert three.count("CHANNELS 3") == motion.joint_count - 1
+    assert first > 0
+    keep = [0, 1, 2] + [n for n in range(motion.values.shape[1]) if n % 6 > 2]
+    rows = "\n".join(" ".join(map(repr, row)) for row in motion.values[:, keep].tolist())
+    lines = numbers.splitlines()
+    other = parse_bvh(f"{three}MOTION\n{lines[1]}\n{lines[2]}\n{rows}\n", "three")
+    one, two = (find_facts(source_of_bvh(each))[1].positions for each in (motion, other))
+    np.testing.assert_allclose(one, two, atol=1e-5)
+
+
+def made(values: np.ndarray, **how: object) -> SourceMotion:
+    return source_of_bvh(parse_bvh(body_bvh(values, **how), "made.bvh"))  # type: ignore[arg-type]
+
+
+def test_a_made_walk() -> None:
+    """1.5 m to the left in a straight line at 94 cm: way, floor and height are those that were made."""
+    values = still(91)
+    values[:, 0] = np.linspace(0.0, 150.0, 91)
+    for scale, unit in ((1.0, 0.01), (0.01, 1.0)):
+        facts, tracks = find_facts(made(values, scale=scale))
+        assert (facts.joints, facts.end_sites, facts.channels, facts.frames) == (21, 5, 66, 91)
+        assert facts.unit_m == pytest.approx(unit)
+        assert facts.seconds == pytest.approx(91 / 60)
+        assert facts.travel_m == pytest.approx(1.5)
+        assert facts.floor_m == pytest.approx(0.94 - 0.04 - 0.82 - 0.06 - 0.3 * 0.06, abs=1e-6)
+        assert facts.height_m == pytest.approx(0.82 / 0.805 * 1.7)
+        assert facts.warnings == ()
+        np.testing.assert_allclose(tracks.positions[-1, 0], (1.5, 0.94, 0.0), atol=1e-6)
+
+
+def test_lines_and_rates_and_axes() -> None:
+    text = body_bvh(danced(120))
+    lf, crlf = (source_of_bvh(parse_bvh(each.encode(), "x")) for each in (text, text.replace("\n", "\r\n")))
+    np.testing.assert_array_equal(find_facts(lf)[1].positions, find_facts(crlf)[1].positions)
+    facts, tracks = find_facts(lf, fps=30.0)
+    assert (facts.header_fps, facts.fps, facts.seconds) == (pytest.approx(60.0), 30.0, 4.0)
+    standing = find_facts(made(danced(120), z_up=True))
+    assert standing[0].up == "Z"
+    np.testing.assert_allclose(standing[1].positions, tracks.positions, atol=1e-4)
+
+
+def test_what_cannot_be_told_is_null_and_said() -> None:
+    text = "HIERARCHY\nROOT base { OFFSET 0 5 0 CHANNELS 4 Xposition Yposition Zposition Xrotation }\n"
+    motion = source_of_bvh(parse_bvh(f"{text}MOTION\nFrames: 1\nFrame Time: 1\n1 2 3 4\n", "x"))
+    facts, tracks = find_facts(motion)
+    assert (facts.unit_m, facts.up, facts.root_offset) == (None, None, None)
+    assert (facts.floor_m, facts.height_m, facts.travel_m) == (None, None, None)
+    assert set(facts.mapped.values()) == {None}
+    words = " ".join(one.what for one in facts.warnings)
+    for part in ("no body", "OFFSET", "which axis points up", "how long a unit is"):
+        assert part in words
+    assert tracks.positions.tolist() == [[[1.0, 7.0, 3.0]]]
+    given, tracks = find_facts(
+        source_of_bvh(parse_bvh(f"{text}MOTION\nFrames: 1\nFrame Time: 1\n1 2 3 4\n", "x")), unit_m=0.1
+    )
+    assert given.floor_m == pytest.approx(0.7)
+    np.testing.assert_allclose(tracks.positions, [[[0.1, 0.7, 0.3]]])
+
+
+def test_a_unit_that_makes_a_giant_is_doubted() -> None:
+    facts, _ = find_facts(made(still(3)), unit_m=1.0)
+    assert facts.unit_m == 1.0
+    assert any("the dancer is 173 m tall" in one.what for one in facts.warnings)
+
+
+def test_a_root_that_stays_is_named() -> None:
+    text = body_bvh(still(20)).replace("ROOT Hips", "ROOT World\n{\nOFFSET 0 0 0\nCHANNELS 0\nJOINT Hips")
+    text = text.replace("\nMOTION", "\n}\nMOTION")
+    head, numbers = text.split("Frame Time", 1)
+    rows = numbers.splitlines()[1:]
+    moved = [f"{n} " + row.split(" ", 1)[1] for n, row in enumerate(rows)]
+    motion = source_of_bvh(parse_bvh(f"{head}Frame Time: 0.1\n" + "\n".join(moved), "x"))
+    facts, _ = find_facts(motion)
+    assert any("the root World stays where it is; Hips below it travels" in one.what for one in facts.warnings)
+    assert facts.travel_m == pytest.approx(0.19)
+
+
+def test_a_body_that_floats_is_told() -> None:
+    """Half of the time 20 cm over the place where it stood at first, as recordings from video drift."""
+    drifting = still(200)
+    drifting[60:, 1] += 20.0
+    facts, _ = find_facts(made(drifting))
+    assert any("0.20 m over the floor half of the time" in one.what for one in facts.warnings)
+    facts, _ = find_facts(made(still(200)))
+    assert not any("over the floor" in one.what for one in facts.warnings)
+
+
+def test_glitches_are_warnings_with_their_frame() -> None:
+    values = danced(240)
+    values[100, column("LeftArm", "Z")] += 90.0
+    facts, _ = find_facts(made(values))
+    assert any(one.frame in (99, 100) and "LeftForeArm" in one.what for one in facts.warnings)
+
+
+@pytest.mark.shared
+def test_a_skeleton_alone_and_what_is_absent() -> None:
+    for name in ("edge/hierarchy_only_no_motion.bvh", "asfamc/49.asf"):
+        with pytest.raises(MotionFileError):
+            read_motion(mocap_file(name))
+    assert (MOCAP / "index.json").is_file()
+    assert json.loads((MOCAP / "index.json").read_text())
+    assert find_body(read("salsa/60_01.bvh")).missing == ()

@@ -1,0 +1,88 @@
+"""Up-sampling: the same row of units, boundaries at the input's own rate, as the search itself would have them."""
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from live.motion.partner.cloud import Cloud
+from live.motion.partner.decoder import Reading, decode
+from live.motion.partner.fit import fit, gap, stretched
+from live.motion.partner.refinement import refine
+from live.motion.partner.time_scaled_units import make_stretches
+from live.motion.partner.units import Units
+from tests.motion.partner.made_examples import made_cloud, made_units
+
+K = 0.5
+Case = tuple[Units, Cloud, Reading]
+
+
+@pytest.fixture(name="case", scope="module")
+def _case() -> Case:
+    units = made_units(21, 12, rate=30.0)
+    x = made_cloud(np.random.default_rng(22), 181, 30.0)
+    coarse = decode(x.resampled(7.5), make_stretches(units, 7.5, 0.15), k=K)
+    return units, x, coarse
+
+
+def test_units_stay_and_boundaries_stay_near(case: Case) -> None:
+    units, x, coarse = case
+    fine = refine(x, units, coarse, k=K, stretch=0.15)
+    np.testing.assert_array_equal(fine.unit, coarse.unit)
+    assert fine.start[0] == 0
+    assert fine.start[-1] + fine.duration[-1] == x.count - 1
+    np.testing.assert_array_equal(fine.start[1:], (fine.start + fine.duration)[:-1])
+    assert np.abs(fine.start - 4 * coarse.start).max() <= 4
+    assert np.abs(fine.duration[1:-1] / 30.0 - units.seconds[fine.unit][1:-1]).max() <= 0.15 + 1e-9
+
+
+def test_the_score_is_that_of_its_parts(case: Case) -> None:
+    """D and C of the row it returns, worked out one by one in numpy."""
+    units, x, coarse = case
+    fine = refine(x, units, coarse, k=K, stretch=0.15)
+    score, before = 0.0, None
+    for unit, start, frames in zip(fine.unit.tolist(), fine.start.tolist(), fine.duration.tolist(), strict=True):
+        of = units.examples[0]
+        begin, length = float(units.start[unit]), float(units.length[unit])
+        window = Cloud(x.floor[start : start + frames + 1], x.height[start : start + frames + 1], x.rate)
+        one = fit(window, stretched(of.control, begin, length, frames))
+        target = stretched(of.target, begin, length, frames).moved(one.turn, one.shift)
+        score += one.distance + (0.0 if before is None else 4.0 * K * gap(before, target))
+        before = target
+    assert fine.score == pytest.approx(score, rel=1e-9)
+
+
+def test_no_boundary_moved_by_a_frame_would_be_better(case: Case) -> None:
+    """The optimum of a search over all boundaries: no single one can be bettered."""
+    units, x, coarse = case
+    fine = refine(x, units, coarse, k=K, stretch=0.15)
+    edges = np.concatenate((fine.start, [x.count - 1]))
+
+    def score_of(edges: npt.NDArray[np.int64]) -> float:
+        total, before = 0.0, None
+        for n, unit in enumerate(fine.unit.tolist()):
+            of, start, stop = units.examples[0], int(edges[n]), int(edges[n + 1])
+            window = Cloud(x.floor[start : stop + 1], x.height[start : stop + 1], x.rate)
+            begin, length = float(units.start[unit]), float(units.length[unit])
+            one = fit(window, stretched(of.control, begin, length, stop - start))
+            target = stretched(of.target, begin, length, stop - start).moved(one.turn, one.shift)
+            total += one.distance + (0.0 if before is None else 4.0 * K * gap(before, target))
+            before = target
+        return total
+
+    best = score_of(edges)
+    for n in range(1, len(edges) - 1):
+        for step in (-1, 1):
+            other = edges.copy()
+            other[n] += step
+            seconds = np.diff(other)[[n - 1, n]] / 30.0
+            legal = np.abs(seconds - units.seconds[fine.unit[[n - 1, n]]]) <= 0.15 + 1e-9
+            if legal.all() and abs(other[n] - 4 * int(coarse.start[n])) <= 4:
+                assert score_of(other) >= best - 1e-9
+
+
+def test_boundaries_keep_to_the_beat_where_one_is_known(case: Case) -> None:
+    units, x, coarse = case
+    toll = np.where(np.arange(x.count) % 3 == 0, 0.0, np.inf)
+    toll[-1] = 0.0
+    fine = refine(x, units, coarse, k=K, stretch=0.15, toll=toll)
+    assert (fine.start % 3 == 0).all()

@@ -1,0 +1,87 @@
+"""The causal reading: it sees no future, agrees with the offline search where units are clear, and never pops."""
+
+import numpy as np
+
+from live.motion.partner.cloud import ends_cloud
+from live.motion.partner.decoder import Reading
+from live.motion.partner.truth import joints_of
+from live.motion.partner_live.live_partner import agreement, agreement_of
+from live.motion.partner_live.online_decoder import LiveReader
+from live.motion.partner_live.player import LivePartner
+from tests.motion.partner.test_answer import pair_of
+
+RATE = 30.0
+
+
+def followed(
+    seed: int, frames: int | None = None
+) -> tuple[LivePartner, list[int], np.ndarray, list[tuple[int, int, float]]]:
+    leader, units = pair_of(seed)
+    x = ends_cloud(leader).resampled(RATE)
+    partner = LivePartner(LiveReader(units, rate=RATE, stretch=0.15, k=4.0))
+    danced, roots, decided = [], [], []
+    for n in range(x.count if frames is None else frames):
+        partner.frame(x.floor[n], x.height[n], boundary=True, unit_frames=None)
+        danced.append(partner.unit)
+        if partner.known:
+            roots.append(partner.pose().root)
+        decided += partner.seen
+    return partner, danced, np.array(roots), decided
+
+
+def test_a_leader_of_the_database_is_read_as_what_she_dances_by_the_middle_of_each_unit() -> None:
+    _, units = pair_of(51)
+    _, danced, _, decided = followed(51)
+    right = asked = 0
+    for unit in range(units.count):
+        at = round((units.start[unit] + 0.6 * units.length[unit]) / 60.0 * RATE)
+        if unit > 0 and at < len(danced):
+            asked += 1
+            right += danced[at] == unit
+    assert asked >= 10
+    assert right >= 0.85 * asked
+    assert np.median([seen for _, _, seen in decided]) <= 0.5
+
+
+def test_what_is_shown_knows_nothing_of_the_future_and_is_the_same_again() -> None:
+    _, whole, roots, _ = followed(52)
+    _, part, some, _ = followed(52, frames=120)
+    assert part == whole[:120]
+    np.testing.assert_array_equal(some, roots[: len(some)])
+
+
+def test_the_follower_never_pops_and_never_waits() -> None:
+    """Her hips move no faster than bodies do, and go on moving in every frame."""
+    _, units = pair_of(53)
+    _, _, roots, _ = followed(53)
+    step = np.linalg.norm(np.diff(roots, axis=0), axis=-1)[15:] * RATE
+    recorded = np.linalg.norm(np.diff(joints_of(units.examples[0].follower)[:, 0], axis=0), axis=-1) * 60.0
+    assert step.max() < recorded.max() + 2.0
+    assert step.min() > 0.0
+
+
+def test_beats_of_the_clock_bound_the_units() -> None:
+    leader, units = pair_of(54)
+    x = ends_cloud(leader).resampled(RATE)
+    partner = LivePartner(LiveReader(units, rate=RATE, stretch=0.15, k=4.0))
+    begun = set()
+    for n in range(x.count):
+        partner.frame(x.floor[n], x.height[n], boundary=n % 7 == 0, unit_frames=21.0)
+        begun |= {begin for _, begin, _ in partner.seen}
+    assert len(begun) > 5
+    assert all(begin % 7 == 0 for begin in begun)
+
+
+def test_agreement_counts_what_is_danced_in_the_middle_of_each_unit() -> None:
+    """Of two units of 30 frames the first is danced; the second only in its beginning, or as one that is like it."""
+    offline = Reading(
+        np.array([0, 1]), np.array([0, 30]), np.array([30, 30]), np.ones(2, complex), np.zeros(2, complex),
+        np.zeros(2), np.zeros(1), 0.0, RATE,
+    )  # fmt: skip
+    danced = [(0, 0)] * 30 + [(1, 30)] * 10 + [(2, 30)] * 20
+    near = np.eye(3, dtype=bool)
+    assert agreement(danced, offline) == 0.5
+    assert agreement(danced, offline, alike=near) == 0.5
+    near[2, 1] = True
+    assert agreement(danced, offline, alike=near) == 1.0
+    assert agreement_of(offline, offline) == 1.0

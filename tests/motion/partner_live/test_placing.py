@@ -1,0 +1,116 @@
+"""Where she lies on the floor follows what is expected: without a jump, and slowly while a foot stands."""
+
+import numpy as np
+import pytest
+
+from live.motion.partner.cloud import Cloud, ends_cloud
+from live.motion.partner.fit import fit, stretched
+from live.motion.partner_live.online_decoder import FEWEST, SPREAD, LiveReader, roots
+from live.motion.partner_live.placing import FASTEST, QUICKEST, Placing
+from tests.motion.partner.test_answer import pair_of
+
+RATE = 30.0
+DT = 1.0 / RATE
+ROOT, FACING = 0.3 + 0.2j, np.exp(0.4j)
+WANTED = (1.0 - 0.5j, complex(np.exp(1.4j)))
+
+
+def laid() -> Placing:
+    placing = Placing()
+    placing.lay(ROOT, FACING, 0.2 + 0.1j, complex(1.0))
+    return placing
+
+
+def hips(placing: Placing, part: float) -> complex:
+    turn, shift = placing.at(part)
+    return turn * ROOT + shift
+
+
+def test_what_is_laid_lies_there_and_comes_to_where_it_is_wanted() -> None:
+    placing = laid()
+    assert hips(placing, 0.0) == pytest.approx(0.2 + 0.1j)
+    assert placing.turn * FACING == pytest.approx(1.0)
+    for _ in range(60):
+        placing.follow(ROOT, FACING, WANTED, DT, stands=False, near=False)
+    assert hips(placing, 1.0) == pytest.approx(WANTED[0], abs=1e-6)
+    assert placing.turn * FACING == pytest.approx(WANTED[1], abs=1e-6)
+
+
+def test_one_frame_begins_where_the_last_one_ended_even_where_another_recording_is_laid() -> None:
+    placing = laid()
+    for n in range(20):
+        end = hips(placing, 1.0)
+        placing.follow(ROOT, FACING, WANTED, DT, stands=n % 3 == 0, near=False)
+        assert hips(placing, 0.0) == pytest.approx(end, abs=1e-12)
+    end = hips(placing, 1.0)
+    placing.lay(-1.0 + 0.0j, complex(1.0), end, placing.turn * FACING)
+    turn, shift = placing.at(0.0)
+    assert turn * -1.0 + shift == pytest.approx(end, abs=1e-12)
+
+
+def test_she_is_moved_much_less_while_a_foot_stands() -> None:
+    moved = []
+    for stands in (True, False):
+        placing = laid()
+        for _ in range(6):
+            placing.follow(ROOT, FACING, WANTED, DT, stands=stands, near=False)
+        moved.append(abs(hips(placing, 1.0) - (0.2 + 0.1j)))
+    assert moved[0] < 0.5 * moved[1]
+
+
+def test_she_is_never_moved_or_turned_fast_however_far_she_is_to_go() -> None:
+    for near, share in ((False, 1.0), (True, 2.0)):
+        placing = laid()
+        for _ in range(10):
+            before = placing.turn
+            placing.follow(ROOT, FACING, (30.0 + 0.0j, complex(-1.0)), DT, stands=False, near=near)
+            assert abs(hips(placing, 1.0) - hips(placing, 0.0)) <= share * FASTEST * DT * (1.0 + 1e-9)
+            assert abs(np.angle(placing.turn / before)) <= share * QUICKEST * DT * (1.0 + 1e-9)
+
+
+def test_she_is_pushed_off_a_leader_to_whom_no_recorded_follower_came_so_near() -> None:
+    leader, units = pair_of(56)
+    reader = LiveReader(units, rate=30.0, stretch=0.15, k=4.0)
+    x = ends_cloud(leader)
+    reader.frame(x.floor[0], x.height[0], boundary=True, unit_frames=None)
+    middle = complex(x.floor[0, 2:].mean())
+    real, _ = roots(units.examples[0].follower)
+    apart = np.abs(real - units.examples[0].control.floor[:, 2:].mean(axis=1))
+    assert (apart < reader.nearest).mean() < 0.02
+    pushed = reader.kept_away(middle + 0.5j * reader.nearest)
+    assert pushed == pytest.approx(middle + 1j * reader.nearest)
+    assert reader.kept_away(middle + 2.0 * reader.nearest) == middle + 2.0 * reader.nearest
+
+
+def test_she_is_expected_at_the_mean_of_where_all_units_that_run_would_have_her() -> None:
+    """Against single fits of what is seen of each unit, its weight by its score; the leader dances none of them."""
+    _, units = pair_of(55)
+    leader, _ = pair_of(57)
+    x = ends_cloud(leader).resampled(RATE)
+    reader = LiveReader(units, rate=RATE, stretch=0.15, k=4.0)
+    last = 111
+    for n in range(last + 1):
+        reader.frame(x.floor[n], x.height[n], boundary=n % 5 == 0, unit_frames=None)
+    step = units.rate / RATE
+    found: list[tuple[float, complex, complex]] = []
+    for begin in range(0, last + 2 - round(FEWEST), 5):
+        seen = last - begin
+        window = Cloud(x.floor[begin : last + 1], x.height[begin : last + 1], RATE)
+        for unit in range(units.count):
+            worth = reader.worth(unit, begin)
+            if not np.isfinite(worth) or seen * step > 1.1 * units.length[unit]:
+                continue
+            of = units.examples[int(units.example[unit])]
+            one = fit(window, stretched(of.control, float(units.start[unit]), seen * step, seen))
+            real, front = roots(of.follower)
+            at = round(units.start[unit] + seen * step)
+            found.append((worth, one.turn * real[at] + one.shift, one.turn * front[at]))
+    worths = np.array([worth for worth, _, _ in found])
+    near = worths < worths.min() + 8.0 * SPREAD
+    weights = np.exp(-(worths - worths.min()) / SPREAD) * near
+    expected = reader.expected()
+    assert expected is not None
+    assert weights.sum() > 2.0
+    place, facing = (np.sum(weights * np.array([one[n] for one in found])) for n in (1, 2))
+    assert abs(expected[0] - place / weights.sum()) < 0.01  # recordings are read between their samples
+    assert abs(np.angle(expected[1] / facing)) < 0.01

@@ -1,0 +1,101 @@
+"""A leader of the stage is read in beats: the same at any tempo, held when she stops, and never to be misread."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from live.motion.partner.in_beats import in_beats
+from live.motion.partner.sketched import APART, sketched_pairs
+from live.motion.partner.units import Hold, Units
+from live.motion.partner_live.read_leader import MADE, Lore, ReadLeader, frames_of
+from tests.made_steps import made_steps
+from tests.motion.partner.made_examples import made_units
+
+TEMPO = 120.0
+
+
+def lore_of(units: Units) -> Lore:
+    per_beat = frames_of(TEMPO)
+    timed = in_beats(units, unit_beats=2, samples=frames_of(TEMPO, MADE), period=60.0 / TEMPO)
+    return Lore(timed, unit_beats=2, per_beat=per_beat, tempo=TEMPO, stretch=0.15, k=4.0)
+
+
+LORE = lore_of(made_units(5, 12))
+
+
+def read_of(order: list[int], *, ticks_per_beat: float = 32.0) -> tuple[ReadLeader, list[str]]:
+    """A leader who dances these units one after the other, looked at so many times a beat; what was told of her."""
+    read, told = ReadLeader(LORE), []
+    (example,) = LORE.units.examples
+    for tick in range(int(ticks_per_beat * 2 * len(order))):
+        danced = tick / ticks_per_beat
+        if read.due(danced):
+            unit = order[int(danced / 2.0)]
+            at = LORE.units.start[unit] + danced % 2.0 / 2.0 * LORE.units.length[unit]
+            cloud = example.control.at(np.array([at]))
+            read.frame(cloud.floor[0], cloud.height[0], danced, 0.04)
+            told += [read.news] if read.news else []
+    return read, told
+
+
+def test_units_in_beats_are_equally_long_and_hold_what_they_held() -> None:
+    units = made_units(7, 6)
+    (example,) = units.examples
+    whole = replace(example, holds=(Hold(0, 1, float(example.cuts[1]), float(example.cuts[3])),), beats=example.cuts)
+    timed = in_beats(replace(units, examples=(whole,)), unit_beats=2, samples=20, period=0.5)
+    assert np.allclose(timed.length, 40.0)
+    assert np.allclose(timed.seconds, 1.0)
+    (new,) = timed.examples
+    for n, (start, own) in enumerate(zip(timed.start, units.start, strict=True)):
+        for part in (0.0, 0.3, 0.99):
+            at = new.control.at(np.array([start + 40.0 * part])).floor
+            assert np.allclose(at, example.control.at(np.array([own + units.length[n] * part])).floor, atol=2e-3)
+    assert np.allclose(new.beats, new.cuts)
+    assert (new.holds[0].begin, new.holds[0].end) == (new.cuts[1], new.cuts[3])
+
+
+def test_what_she_dances_is_read_whatever_the_tempo() -> None:
+    order = [3, 7, 1, 9, 0, 4, 11, 2]
+    for ticks in (32.0, 64.0 * 60.0 / 90.0, 64.0 * 60.0 / 200.0, 9.0):
+        _, told = read_of(order, ticks_per_beat=ticks)
+        right = [f"made/{unit + 1}" for unit in order]
+        assert sum(label in told for label in right[1:]) >= len(right) - 2, ticks
+
+
+def test_who_stops_is_noticed_and_numbers_that_are_none_are_no_places() -> None:
+    read, _ = read_of([3, 7, 1])
+    before, latest = read.root.copy(), read.partner.reader.at
+    floor, height = read._points, read._heights
+    for n in range(1, 6):
+        read.frame(floor * np.nan, height, 6.0 + n / read.lore.per_beat, 0.04)
+    assert read.still >= 5.0
+    assert read.partner.reader.at == latest
+    assert np.array_equal(read.root, before)
+    read.frame(floor, height, 6.0 + 6 / read.lore.per_beat, 0.04)
+    assert read.still >= 6.0  # she stands like a picture
+    read.frame(floor + 0.01, height, 6.0 + 7 / read.lore.per_beat, 0.04)
+    assert read.still == 0.0
+
+
+def test_what_is_held_stays_and_is_let_go() -> None:
+    read, _ = read_of([3, 7, 1])
+    read.hold(0.25)
+    assert not read.known
+    assert np.array_equal(read.root[0], read.root[2])
+    held = read.root.copy()
+    for tick in range(64 * 3):
+        if read.due(tick / 32.0):
+            read.frame(read._points + 0.01 * np.sin(tick), read._heights, tick / 32.0, 0.04)
+    assert read.partner.known
+    assert not read.known
+    assert np.array_equal(read.root, held)
+    read.let_go()
+    assert read.known
+
+
+def test_sketched_pairs_keep_their_distance() -> None:
+    units = sketched_pairs(made_steps(), unit_beats=2)
+    assert units.count >= 12
+    for one in units.examples:
+        between = one.target.floor.mean(axis=1) - one.control.floor.mean(axis=1)
+        assert np.abs(np.abs(between) - APART).max() < 0.25, one.name

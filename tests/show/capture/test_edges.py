@@ -1,0 +1,143 @@
+"""Those who repeat a captured performer stay on the stage, whatever she dances, and their ways are bent there alone."""
+
+import math
+
+import numpy as np
+import pytest
+
+from live.agents.crowd.bounds_kernels import SOFT_LANDING
+from live.clock.ticks import TICK
+from live.control.events import events
+from live.motion.packed_pose import pack_pose
+from live.motion.skeleton import JOINT_COUNT
+from live.show.capture.edges import BACK, Edges
+from tests.show.capture.test_mocap import MEASURE, performer, run
+from tests.show.made_show import made_show
+
+ALL = np.ones(1, np.bool_)
+FLOOR = (0.0,)
+
+
+def follow(path, half=(5.0, 3.0)):
+    """Where somebody goes whom this path (T, 2) [m], a tick each, would take elsewhere, (T, 2)."""
+    edges, moved, found = Edges(np.array(half)), np.zeros((1, 2)), []
+    edges.add(path[:1])
+    for tick, there in enumerate(path):
+        moved += edges.settle(there[None] + moved, tick * TICK, FLOOR, ALL)
+        found.append((there + moved)[0])
+    return np.array(found)
+
+
+def wander(chance, time, reach, fastest):
+    """A smooth path at random, (T, 2) [m], no farther than `reach` (2,) from the middle, no faster than that [m/s]."""
+    rate, phase = chance.uniform(0.02, 0.12, (4, 2)), chance.uniform(0.0, 2.0 * math.pi, (4, 2))
+    way = np.sin(2.0 * math.pi * rate * time[:, None, None] + phase).sum(axis=1)
+    way *= np.array(reach) / np.abs(way).max(axis=0)
+    speed = np.hypot(*np.gradient(way, time, axis=0).T).max()
+    return way * min(1.0, fastest / speed)
+
+
+def test_a_way_over_the_border_lands_softly_and_goes_on_beside():
+    time = TICK * np.arange(round(8.0 / TICK))
+    path = np.stack([4.0 + 2.0 * np.sin(time * math.pi / 4.0), 0.5 * np.cos(time)], axis=1)
+    found = follow(path)
+    np.testing.assert_allclose(found[:, 1], path[:, 1], atol=1e-9)  # along the edge nothing is changed
+    speed, wanted = np.diff(found[:, 0]) / TICK, np.diff(path[:, 0]) / TICK
+    bound = (5.0 - found[:-1, 0]) / SOFT_LANDING
+    np.testing.assert_allclose(speed, np.minimum(wanted, bound), atol=1e-9)
+    assert found[:, 0].max() < 5.0
+    back = speed < 0.0  # on the way back she does as she would
+    np.testing.assert_allclose(speed[back], wanted[back], atol=1e-9)
+
+
+def test_who_does_not_come_to_the_border_goes_her_own_way_exactly():
+    chance, time = np.random.default_rng(2), TICK * np.arange(2000)
+    path = wander(chance, time, (4.0, 2.0), 1.5)
+    np.testing.assert_array_equal(follow(path), path)
+
+
+def test_who_is_outside_comes_in_at_a_walk():
+    found = follow(np.full((200, 2), (6.5, -0.5)))
+    fast = -np.diff(found[:, 0]) / TICK
+    assert fast[1:].max() <= BACK + 1e-9 or found[1, 0] <= 5.0
+    edges, half = Edges(np.array([5.0, 3.0])), np.array([5.0, 3.0])
+    edges = Edges(half)
+    edges.add(np.array([[4.8, 0.0]]))
+    there = np.array([[4.8, 0.0]])
+    edges.settle(there, TICK, FLOOR, ALL)
+    half[0] = 3.0  # the stage becomes smaller
+    ways = []
+    for tick in range(2, 400):
+        way = edges.settle(there, tick * TICK, FLOOR, ALL)
+        there = there + way
+        ways.append(way[0, 0] / TICK)
+    assert -BACK - 1e-9 <= min(ways) < -BACK + 1e-9
+    assert max(ways) <= 0.0
+    assert there[0, 0] == pytest.approx(3.0, abs=0.01)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_all_who_repeat_a_performance_within_the_stage_stay_within_it(seed):
+    chance = np.random.default_rng(seed)
+    extra = f'dancer = "back & 6"\ncanon = "front"\ncanon_beats = {chance.choice([0.5, 1.0, 2.0])}'
+    extra += f"\nmirrored = {('false', 'true')[seed % 2]}"
+    show = made_show(performer(extra))
+    half = show.motion.floor.half
+    count = 12 * MEASURE
+    path = wander(chance, TICK * np.arange(count + 1), half - 0.05, 3.0)
+    rotation = np.zeros((JOINT_COUNT, 4))
+    rotation[:, 0] = 1.0
+    view, seen, agents = show.view(), [], []
+    for tick in range(1, count + 1):
+        time = tick * TICK - 0.004
+        angle = 0.5 * math.sin(time)
+        rotation[0] = math.cos(angle), 0.0, math.sin(angle), 0.0
+        packed = pack_pose([path[tick, 0], 0.935, path[tick, 1]], rotation)
+        show.apply(events.MocapFrame(time=time, source="vmc", performer="anna", pose=packed))
+        show.tick(tick * TICK)
+        for ahead in (0.0, 0.5, 0.99):
+            show.fill(view, (tick + ahead) * TICK)
+            seen.append(view.joint_position[:5, 0, ::2].copy())
+        if tick == 7 * MEASURE // 2:
+            own = show.mocap.performers["anna"]
+            begun = own.moved[own.delay > 0.0].copy()
+        agents.append(show.state.position[:5].copy())
+    captured = show.mocap.performers["anna"]
+    assert captured.share.tolist() == [1.0] * 6
+    assert np.abs(captured.moved[captured.delay > 0.0] - begun).max() > 0.5  # they had to be kept
+    whole = np.array(seen)[3 * 7 * MEASURE :]
+    assert (np.abs(whole) <= half + 1e-5).all()
+    assert (np.abs(np.array(agents)[7 * MEASURE :]) <= half + 1e-5).all()
+    # their ways are hers: where they are bent they are slower, never faster, and nowhere is a jump
+    spans = np.tile([0.5, 0.49, 0.01], len(whole))[: len(whole) - 1] * TICK
+    speed = np.hypot(*np.moveaxis(np.diff(whole, axis=0), 2, 0)).max(axis=1) / spans
+    assert speed[spans > 0.4 * TICK].max() < 3.0 * 1.1
+    step = np.abs(np.diff(whole, axis=0)).max()
+    assert step < 3.0 * 1.1 * TICK
+
+
+def test_her_floor_laid_elsewhere_acts_at_once_and_leaves_nobody_outside():
+    show = made_show(performer('dancer = "back & 6"\ncanon = "front & 1-2"\ncanon_beats = 0.5'))
+    rotation = np.zeros((JOINT_COUNT, 4))
+    rotation[:, 0] = 1.0
+    for tick in range(1, 4 * MEASURE):
+        pose = pack_pose([0.0, 0.935, 0.0], rotation)
+        show.apply(events.MocapFrame(time=tick * TICK - 0.004, source="vmc", performer="anna", pose=pose))
+        if tick == 3 * MEASURE:
+            before = show.state.position[:2].copy()
+            show.apply(events.PlaceMocap(time=tick * TICK, source="osc", performer="anna", x=0.0, z=1.0))
+        show.tick(tick * TICK)
+        if tick == 3 * MEASURE:
+            np.testing.assert_allclose(show.state.position[:2] - before, [[0.0, 1.0]] * 2, atol=1e-4)
+            show.apply(events.PlaceMocap(time=tick * TICK, source="osc", performer="anna", x=90.0, z=1.0))
+    assert (np.abs(show.state.position[:2]) <= show.motion.floor.half + 1e-5).all()
+
+
+def test_ways_that_are_turned_over_go_on_from_where_they_were():
+    show = made_show(performer('dancer = "back & 6"\ncanon = "front & 1-2"\ncanon_beats = 1.0'))
+    seen = [run(show, 1, 4 * MEASURE, name="anna")]
+    show.apply(events.MirrorMocap(time=show.time, source="osc", performer="anna", mirrored=True))
+    seen.append(run(show, 4 * MEASURE + 1, 5 * MEASURE, name="anna"))
+    hips = np.concatenate(seen)[3 * MEASURE :, :2, 0, ::2]
+    step = np.hypot(*np.moveaxis(np.diff(hips, axis=0), 2, 0))
+    assert step.max() < 0.52 * TICK  # she goes round at 0.5 m/s

@@ -1,0 +1,183 @@
+"""Improvisation: chance that is seeded, weights, limits, rules, call and response, and the way back to the score."""
+
+from itertools import groupby
+
+import pytest
+
+from live.base.errors import PersonError
+from live.control.events import events
+from live.control.events.events import MusicHeard
+from live.show.score.improvise_table import table_of
+from live.show.score.improviser import Improviser
+from live.show.score.mood import Mood
+from live.show.score.playhead import Playhead
+from live.show.score.score import Score, stretches_of
+from live.show.score.step_history import Ledger
+from tests.show.made_show import GRAPH, PATCH, made_show
+from tests.show.score.test_sequences import steps_of
+
+LIBRARY = GRAPH.library
+STEPS = {name: LIBRARY.steps.index(name) for name in ("sway", "glide", "spin", "phrase")}
+OWN = [STEPS["sway"], STEPS["glide"], STEPS["spin"]]
+
+
+class Stage:
+    """Improvisers of the two groups of PATCH without a show: what each is told, measure after measure."""
+
+    def __init__(self, extra, seed=3):
+        from live.show.patch.patch_file import parse_patch
+
+        patch = parse_patch(PATCH + extra, "test.toml")
+        self.score = Score(patch, Playhead(stretches_of(patch)))
+        self.mood, self.ledger = Mood(), Ledger(2)
+        names = ["front", "back"]
+        self.groups = []
+        for group, name in enumerate(names):
+            own = [section for section in patch.improvise if section.group in ("*", name)]
+            tables = [table_of(section, self.score, GRAPH, OWN, names, group) for section in own]
+            tables = [table for table in tables if table is not None]
+            usual = tables[0] if tables else None
+            self.groups.append(
+                Improviser(tables, usual, self.score, self.ledger, self.mood, group=group, seed=seed, graph=GRAPH)
+            )
+        self.measure = -1
+
+    def dance(self, measures):
+        """(step, how far within it) of both groups in the next measures; steps by name."""
+        danced = [[], []]
+        for _ in range(measures):
+            self.measure += 1
+            self.score.playhead.cross(self.measure)
+            for group, improviser in enumerate(self.groups):
+                told = improviser.told(self.measure, GRAPH.entries(OWN[0])[:0], stands=False)
+                if told is not None:
+                    improviser.note(self.measure, told[0], told[2])
+                    danced[group].append((LIBRARY.steps[told[0]], told[2]))
+        return danced
+
+
+def runs(danced):
+    """How often in a row each step is begun."""
+    begun = [step for step, into in danced if into == 0]
+    return [len(list(same)) for _, same in groupby(begun)]
+
+
+def test_the_same_seed_gives_the_same_dance_and_another_one_another():
+    table = '[[improvise]]\ngroup = "front"\n'
+    one, other = Stage(table).dance(64)[0], Stage(table).dance(64)[0]
+    assert one == other
+    assert Stage(table, seed=4).dance(64)[0] != one
+
+
+@pytest.mark.parametrize(("at_least", "most"), [(1, 1), (1, 2), (2, 2), (2, 3)])
+def test_no_step_comes_more_often_in_a_row_than_the_limits_allow(at_least, most):
+    steps = "steps = {sway = 8, glide = 1, phrase = 1}"
+    stage = Stage(f'[[improvise]]\ngroup = "front"\n{steps}\nat_least = {at_least}\nmost = {most}\n')
+    found = runs(stage.dance(600)[0])
+    assert max(found) == most
+    assert min(found[:-1]) == at_least
+
+
+def test_steps_of_several_measures_are_danced_whole():
+    danced = Stage('[[improvise]]\ngroup = "front"\nsteps = {phrase = 1, sway = 1}\n').dance(200)[0]
+    intos = [into for step, into in danced if step == "phrase"]
+    assert intos[: len(intos) // 2 * 2] == [0, 1] * (len(intos) // 2)
+
+
+def test_steps_come_as_often_as_their_weights_say():
+    """With most = 1000 draws are independent: shares within four standard deviations."""
+    danced = Stage('[[improvise]]\ngroup = "front"\nsteps = {sway = 3, glide = 1}\nmost = 1000\n').dance(2000)[0]
+    share = sum(step == "sway" for step, _ in danced) / 2000
+    assert abs(share - 0.75) < 4.0 * (0.75 * 0.25 / 2000) ** 0.5
+
+
+def test_the_music_favours_and_forbids():
+    stage = Stage(
+        '[[improvise]]\ngroup = "front"\nsteps = {sway = 1, glide = 1, spin = 1}\nmost = 2\n'
+        '[[improvise.rule]]\nof = "energy"\nabove = 0.7\nfavours = {sway = 0}\n'
+        '[[improvise.rule]]\nof = "energy"\nbelow = 0.3\nfavours = {spin = 0, glide = 0}\n'
+    )
+    assert {step for step, _ in stage.dance(60)[0]} == {"sway", "glide", "spin"}
+    hear(stage.mood, 1.0)
+    assert {step for step, _ in stage.dance(60)[0][3:]} == {"glide", "spin"}
+    hear(stage.mood, 0.0)
+    quiet = [step for step, _ in stage.dance(60)[0]]
+    assert quiet.count("sway") >= 39  # the limit counts more than the rule: two of three
+    assert max(runs([(step, 0) for step in quiet])) == 2
+
+
+def hear(mood, loud):
+    for _ in range(60):
+        mood.hear(
+            MusicHeard(
+                time=0.0, source="audio", beat_time=0.0, loudness=loud, density=6.0 * loud, brightness=0.5, low=0.5,
+                build=0.0, drop=False,
+            )
+        )  # fmt: skip
+
+
+def test_a_group_answers_what_the_other_has_danced():
+    front, back = Stage(
+        '[[improvise]]\ngroup = "front"\n[[improvise]]\ngroup = "back"\n'
+        'answers = "front"\nphrase = 4\nlistening = "sway"\n'
+    ).dance(64)
+    for phrase in range(0, 16, 2):
+        calls, answers = slice(4 * phrase, 4 * phrase + 4), slice(4 * phrase + 4, 4 * phrase + 8)
+        assert [step for step, _ in back[calls]] == ["sway"] * 4
+        assert back[answers] == front[calls]
+
+
+def test_a_group_answers_with_what_the_other_has_not_danced():
+    front, back = Stage(
+        '[[improvise]]\ngroup = "front"\nmost = 2\n'
+        '[[improvise]]\ngroup = "back"\nanswers = "front"\nanswer = "other"\nphrase = 2\nmost = 1000\n'
+    ).dance(80)
+    for phrase in range(0, 40, 2):
+        called = {step for step, _ in front[2 * phrase : 2 * phrase + 2]}
+        assert not called & {step for step, _ in back[2 * phrase + 2 : 2 * phrase + 4]}
+
+
+def test_every_turn_of_a_section_is_improvised_anew_and_for_each_group():
+    stage = Stage('[[section]]\nname = "solo"\nmeasures = 16\nwait = true\n[[improvise]]\nsection = "solo"\n')
+    front, back = stage.dance(64)
+    turns = [tuple(front[turn : turn + 16]) for turn in range(0, 64, 16)]
+    assert len(set(turns)) == 4
+    assert front != back
+
+
+def test_limits_that_cannot_be_kept_and_unknown_names_are_named():
+    for table, words in (
+        ("steps = {sway = 1}", "more than 2 times in a row"),
+        ("steps = {moonwalk = 1}", "no step is called 'moonwalk'"),
+        ('steps = {sway = 1, spin = 1}\nrule = [{of = "low", above = 0.5, favours = {jete = 2}}]', "'jete'"),
+    ):
+        with pytest.raises(PersonError, match=r"improvise of group 'front' in measure 5") as caught:
+            made_show(f'[[improvise]]\ngroup = "front"\nmeasure = 5\n{table}\n')
+        assert words in str(caught.value)
+
+
+def test_a_show_passes_from_its_score_to_improvisation_and_back_at_any_measure():
+    score = (
+        '[[sequence]]\nmeasures = 64\nsteps = ["sway"]\n[[improvise]]\nmeasure = 65\nsteps = {glide = 1, spin = 1}\n'
+    )
+    at = {
+        64 * 5: lambda time: events.Improvise(time=time, source="osc", on=True, group="front"),
+        64 * 13: lambda time: events.Improvise(time=time, source="osc", on=False, group="front"),
+    }
+    danced = steps_of(made_show(score), 22, does=at)
+    assert danced[:3] == ["sway"] * 3
+    assert set(danced[3:7]) == {"glide", "spin"}
+    assert danced[8:] == ["sway"] * len(danced[8:])
+    assert len(danced) > 9
+
+
+def test_two_shows_improvise_alike_and_their_motion_too():
+    extra = (
+        '[[improvise]]\nphrase = 2\nmotion = [{weight = 1, call = "/dance/formation", values = ["circle", 1]},'
+        ' {call = "/dance/attract", values = [2, 1, 1, 1]}, {weight = 1}]\n'
+    )
+    shows = [made_show(extra) for _ in range(2)]
+    danced = [steps_of(show, 17) for show in shows]
+    assert danced[0] == danced[1]
+    assert shows[0].state_hash() == shows[1].state_hash()
+    assert shows[0].prompter.agenda.fired >= 2

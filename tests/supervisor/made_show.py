@@ -1,0 +1,37 @@
+"""A supervisor of made-up engines as a process that can be killed: `python -m tests.supervisor.made_show JOURNAL PLAN`.
+
+It adopts the engine of an earlier one if that dances alone. What it says goes to stdout.
+"""
+
+import json
+import sys
+from pathlib import Path
+
+from live.app.exit_codes import end_cleanly
+from live.supervisor.adoption.adoption import find_engine
+from live.supervisor.adoption.journal_resume import cut_off
+from live.supervisor.supervisor import Supervisor
+from live.supervisor.supervisor_config import Orders
+
+LABEL = "made"
+
+
+def main() -> None:
+    end_cleanly()
+    path, plan = Path(sys.argv[1]), sys.argv[2]
+    found = find_engine(LABEL)
+    left = cut_off(path) if found is None else None
+    print("adopted" if found else "resumed" if left else "begun", flush=True)
+    orders = Orders(
+        engine=[sys.executable, "-m", "tests.supervisor.made_engine"],
+        show=plan if found is None else found.show,
+        journal=path,
+        label=LABEL,
+        spare_after=0.1,
+        spare=json.loads(plan).get("spare", True),
+    )
+    sys.exit(Supervisor(orders, lambda line: print(line, flush=True), found, left).run())
+
+
+if __name__ == "__main__":
+    main()

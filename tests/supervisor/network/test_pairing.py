@@ -1,0 +1,187 @@
+"""Pairing over real sockets: the right phrase pairs, a wrong one and a machine in between get nothing."""
+
+import asyncio
+import hashlib
+import secrets
+import ssl
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+
+import pytest
+
+from live.base.errors import PersonError
+from live.supervisor.network.identity import Peer
+from live.supervisor.network.pairing import Shown, Transcript, new_phrase, pair_with, plain_phrase
+from live.supervisor.network.tls import tls13
+from tests.supervisor.made_machines import machine
+
+PHRASE = "lusab-babad-gutih"
+
+
+async def shown(
+    folder: Path, then: Callable[[int], Awaitable[None]], phrase: str = PHRASE, within: float = 120.0
+) -> tuple[Peer | PersonError, Shown]:
+    """What becomes of a machine that shows a phrase, while `then` is done with its port."""
+    opened: asyncio.Future[int] = asyncio.get_running_loop().create_future()
+    identity, pairings = machine(folder)
+    one = Shown(identity, pairings, phrase, name="left", listening=opened.set_result)
+    run = asyncio.create_task(one.run("127.0.0.1", 0, within=within))
+    try:
+        await then(await opened)
+        return await run, one
+    except PersonError as error:
+        run.cancel()
+        if run.done() and not run.cancelled() and run.exception() is not None:
+            return run.exception(), one  # type: ignore[return-value]
+        return error, one
+
+
+def test_a_phrase_pairs_two_machines_and_each_knows_the_other_s_certificate(tmp_path: Path):
+    mine, my_pairings = machine(tmp_path / "right")
+
+    async def typed(port: int) -> None:
+        peer = await pair_with(mine, my_pairings, "127.0.0.1", port, "LUSAB babad  gutih", name="right")
+        assert peer.name == "left"
+
+    found, one = asyncio.run(shown(tmp_path / "left", typed))
+    theirs, their_pairings = machine(tmp_path / "left")
+    assert isinstance(found, Peer)
+    assert (found.name, found.certificate) == ("right", mine.certificate)
+    assert [peer.certificate for peer in my_pairings.read()] == [theirs.certificate]
+    assert [peer.certificate for peer in their_pairings.read()] == [mine.certificate]
+    assert one.wrong == 0
+
+
+def test_three_wrong_phrases_end_it_and_nothing_is_paired(tmp_path: Path):
+    mine, my_pairings = machine(tmp_path / "right")
+
+    async def guesses(port: int) -> None:
+        for _ in range(3):
+            with pytest.raises(PersonError, match="the phrase is wrong, or somebody is between"):
+                await pair_with(mine, my_pairings, "127.0.0.1", port, "babad-babad-babad", name="right")
+
+    found, one = asyncio.run(shown(tmp_path / "left", guesses))
+    assert isinstance(found, PersonError)
+    assert "3 wrong phrases" in found.message
+    assert one.wrong == 3
+    assert my_pairings.read() == machine(tmp_path / "left")[1].read() == []
+
+
+def test_a_machine_in_between_that_passes_everything_on_pairs_nobody(tmp_path: Path):
+    """It has no key of either: its own certificate is in the channel, and the proofs are of another one."""
+    mine, my_pairings = machine(tmp_path / "right")
+    between, _ = machine(tmp_path / "between")
+
+    async def typed(port: int) -> None:
+        async def relay(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+            context = tls13(ssl.PROTOCOL_TLS_CLIENT)
+            context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
+            there, back = await asyncio.open_connection("127.0.0.1", port, ssl=context)
+            writer.write(await there.readline())
+            back.write(await reader.readline())
+            writer.write(await there.readline())
+            for each in (writer, back):
+                each.close()
+
+        context = tls13(ssl.PROTOCOL_TLS_SERVER)
+        context.load_cert_chain(between.path)
+        server = await asyncio.start_server(relay, "127.0.0.1", 0, ssl=context)
+        async with server:
+            with pytest.raises(PersonError, match="somebody is between the two machines"):
+                await pair_with(
+                    mine, my_pairings, "127.0.0.1", server.sockets[0].getsockname()[1], PHRASE, name="right"
+                )
+        raise PersonError("enough")
+
+    _, one = asyncio.run(shown(tmp_path / "left", typed))
+    assert my_pairings.read() == machine(tmp_path / "left")[1].read() == []
+    assert (one.wrong, one.strangers) == (0, 1)  # the signature is of another channel
+
+
+def test_who_shows_no_proof_of_its_own_phrase_is_not_paired_with(tmp_path: Path):
+    """A machine that pretends to show a phrase, and says that the one typed was right."""
+    mine, my_pairings = machine(tmp_path / "right")
+    other, _ = machine(tmp_path / "other")
+
+    async def run() -> None:
+        async def pretend(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+            writer.write(b'{"pair":1,"name":"left","nonce":"%s"}\n' % secrets.token_hex(32).encode())
+            await reader.readline()
+            writer.write(b'{"proof":"%s"}\n' % secrets.token_hex(32).encode())
+            await writer.drain()
+            writer.close()
+
+        context = tls13(ssl.PROTOCOL_TLS_SERVER)
+        context.load_cert_chain(other.path)
+        server = await asyncio.start_server(pretend, "127.0.0.1", 0, ssl=context)
+        async with server:
+            with pytest.raises(PersonError, match="does not know its own phrase"):
+                await pair_with(mine, my_pairings, "127.0.0.1", server.sockets[0].getsockname()[1], PHRASE)
+
+    asyncio.run(run())
+    assert my_pairings.read() == []
+
+
+def test_what_makes_no_sense_is_counted_and_costs_no_try(tmp_path: Path):
+    mine, my_pairings = machine(tmp_path / "right")
+    lines = (
+        b"\n", b"[]\n", b"{}\n", b"\xff\xfe\n", b"[" * 8000 + b"\n", b"x" * 20000 + b"\n", b"",
+        b'{"name":"x","certificate":"00","nonce":"%s","proof":"%s","signature":"%s"}\n'
+        % (b"00" * 32, b"00" * 32, b"00" * 64),
+    )  # fmt: skip
+
+    async def typed(port: int) -> None:
+        context = tls13(ssl.PROTOCOL_TLS_CLIENT)
+        context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
+        for line in lines:
+            reader, writer = await asyncio.open_connection("127.0.0.1", port, ssl=context)
+            await reader.readline()
+            writer.write(line)
+            if not line:
+                writer.close()
+            assert await reader.read() == b""
+            writer.close()
+        _, plain = await asyncio.open_connection("127.0.0.1", port)  # no TLS at all
+        plain.write(b"GET / HTTP/1.1\r\n\r\n")
+        plain.close()
+        await pair_with(mine, my_pairings, "127.0.0.1", port, PHRASE, name="right")
+
+    found, one = asyncio.run(shown(tmp_path / "left", typed))
+    assert isinstance(found, Peer)
+    assert (one.wrong, one.strangers) == (0, len(lines))
+
+
+def test_a_phrase_that_nobody_types_is_of_no_use_after_a_while(tmp_path: Path):
+    async def nobody(port: int) -> None:
+        pass
+
+    found, _ = asyncio.run(shown(tmp_path / "left", nobody, within=0.01))
+    assert isinstance(found, PersonError)
+    assert "nobody typed the phrase in time" in found.message
+
+
+def test_nobody_at_the_other_end_is_said(tmp_path: Path):
+    mine, my_pairings = machine(tmp_path / "right")
+    with pytest.raises(PersonError, match="no machine that can be paired with"):
+        asyncio.run(pair_with(mine, my_pairings, "127.0.0.1", 1, PHRASE))
+
+
+def test_phrases_can_be_said_and_have_48_bits():
+    phrases = {new_phrase() for _ in range(200)}
+    assert len(phrases) == 200
+    for phrase in phrases:
+        assert [len(word) for word in phrase.split("-")] == [5, 5, 5]
+        assert plain_phrase(phrase.upper().replace("-", "  ")) == phrase.replace("-", "")
+
+
+def test_a_proof_is_of_all_that_was_said(tmp_path: Path):
+    """Whatever is another thing at one end makes another proof."""
+    parts = (b"server", b"client", "left", "right", b"nonce one", b"nonce two")
+    digests = {Transcript(*parts).digest()}
+    for place, part in enumerate(parts):
+        other = [*parts]
+        other[place] = part[:-1]
+        digests.add(Transcript(*other).digest())
+    digests.add(Transcript(b"serverc", b"lient", *parts[2:]).digest())
+    assert len(digests) == len(parts) + 2
+    assert all(len(digest) == hashlib.sha256().digest_size for digest in digests)

@@ -1,0 +1,287 @@
+"""Links to other machines over real TLS on loopback: who is let in, who is not, and what strangers can do."""
+
+import contextlib
+import datetime
+import socket
+import ssl
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from live.supervisor.network import identity as identity_module
+from live.supervisor.network import peers as module
+from live.supervisor.network.identity import load_identity
+from live.supervisor.network.leadership import Claim, Term
+from live.supervisor.network.peer_messages import SignedClaim, read_line, said, signed_claim, verified
+from live.supervisor.network.peers import KNOCKING, Link, Peers
+from live.supervisor.network.tls import Trust
+from live.supervisor.starter import Starter
+from tests.control.waiting import wait_for
+from tests.supervisor.made_machines import machine, network, pair_folders
+
+
+class Side:
+    """One machine's links, and what it heard on them."""
+
+    def __init__(self, config: Path, *, leads: bool, upstream: int | None = None) -> None:
+        self.identity, self.pairings = machine(config)
+        self.door = socket.create_server(("127.0.0.1", 0)) if leads else None
+        self.port = 0 if self.door is None else int(self.door.getsockname()[1])
+        self.starter = Starter()
+        self.said: list[str] = []
+        self.heard: list[str] = []
+        self.nobody = 0
+        there = None if upstream is None else ("127.0.0.1", upstream)
+        self.peers = Peers(
+            self.starter, self.identity, self.pairings, door=self.door, upstream=there, say=self.said.append
+        )
+        self.peers.on_line = lambda link, line: self.heard.append(line)
+        self.peers.on_link = lambda link: link.wire.put(f"hello from {link.name}")
+        self.peers.on_nobody = self._count
+
+    def _count(self) -> None:
+        self.nobody += 1
+
+    def turn(self) -> None:
+        self.peers.look(self.starter.turn())
+
+    def close(self) -> None:
+        self.peers.close()
+        self.starter.close()
+
+
+@pytest.fixture
+def sides() -> Iterator[Callable[..., Side]]:
+    made: list[Side] = []
+
+    def make(config: Path, **how: object) -> Side:
+        made.append(Side(config, **how))  # type: ignore[arg-type]
+        return made[-1]
+
+    yield make
+    for side in made:
+        side.close()
+
+
+def until(what: Callable[[], bool], *turning: Side, seconds: float = 10.0) -> bool:
+    def done() -> bool:
+        for side in turning:
+            side.turn()
+        return what()
+
+    return wait_for(done, seconds)
+
+
+def link_of(side: Side) -> Link:
+    (link,) = side.peers.links.values()
+    return link
+
+
+def test_paired_machines_are_joined_and_know_each_other_by_name(tmp_path, sides):
+    pair_folders(tmp_path / "left", tmp_path / "right")
+    left = sides(tmp_path / "left", leads=True)
+    right = sides(tmp_path / "right", leads=False, upstream=left.port)
+    assert until(lambda: bool(left.heard and right.heard), left, right)
+    assert (link_of(left).peer.name, link_of(right).peer.name) == ("right", "left")
+    assert link_of(left).wire.socket.version() == "TLSv1.3"
+    words = "x" * 300_000
+    link_of(right).wire.put(words)
+    assert until(lambda: words in left.heard, left, right)
+    left.peers.drop(link_of(left))
+    assert until(lambda: len(right.heard) > 1, left, right)  # it comes again
+
+
+def test_two_processes_of_one_user_need_no_pairing(tmp_path, sides):
+    left = sides(tmp_path / "left", leads=True)
+    right = sides(tmp_path / "left", leads=False, upstream=left.port)
+    assert until(lambda: bool(left.heard and right.heard), left, right)
+    assert link_of(left).peer.name == "this machine"
+
+
+@pytest.mark.parametrize("who_knows", ["left", "right", "nobody"])
+def test_who_is_not_paired_on_both_sides_hears_nothing(tmp_path, sides, who_knows):
+    (one, ones), (two, twos) = machine(tmp_path / "left"), machine(tmp_path / "right")
+    if who_knows == "left":
+        ones.add("right", two.certificate)
+    elif who_knows == "right":
+        twos.add("left", one.certificate)
+    left = sides(tmp_path / "left", leads=True)
+    right = sides(tmp_path / "right", leads=False, upstream=left.port)
+    assert until(lambda: left.peers.strangers > 1 and bool(right.said), left, right)
+    assert left.heard == right.heard == []
+    assert not left.peers.links
+    assert any("pair" in words for words in right.said)
+    assert left.said == []  # strangers are no reason to talk
+
+
+def test_a_machine_in_between_gets_no_word_of_the_show(tmp_path, sides):
+    """It takes the leader's place for the follower, and has a certificate and a key of its own."""
+    pair_folders(tmp_path / "left", tmp_path / "right")
+    pair_folders(tmp_path / "between", tmp_path / "another")
+    own, pairings = machine(tmp_path / "between")
+    pairings.add("right", machine(tmp_path / "right")[0].certificate)
+    between = sides(tmp_path / "between", leads=True)
+    right = sides(tmp_path / "right", leads=False, upstream=between.port)
+    assert until(lambda: bool(right.said) and between.peers.strangers > 0, between, right)
+    assert between.heard == right.heard == []
+    assert "certificate that is not paired with" in right.said[0]
+    assert own.fingerprint not in right.said[0]
+
+
+def test_what_was_said_once_is_worth_nothing_when_it_is_sent_again(tmp_path, sides):
+    """Somebody records every byte of a follower's connection, claims and all, and sends it to the leader once more."""
+    pair_folders(tmp_path / "left", tmp_path / "right")
+    left = sides(tmp_path / "left", leads=True)
+    record = bytearray()
+    with socket.create_server(("127.0.0.1", 0)) as tap:
+        right = sides(tmp_path / "right", leads=False, upstream=tap.getsockname()[1])
+        thread = threading.Thread(target=pass_on, args=(tap, left.port, record), daemon=True)
+        thread.start()
+        assert until(lambda: bool(left.heard and right.heard), left, right)
+        link_of(right).wire.put('{"alive":"claim","epoch":2}')
+        assert until(lambda: len(left.heard) > 1, left, right)
+        right.close()
+        right.peers.links.clear()
+        assert until(lambda: not left.peers.links, left)
+        thread.join(20)
+    heard, strangers = [*left.heard], left.peers.strangers
+    with socket.create_connection(("127.0.0.1", left.port)) as again:
+        again.sendall(bytes(record))
+        assert until(lambda: left.peers.strangers > strangers, left)
+    assert left.heard == heard
+    assert not left.peers.links
+
+
+def pass_on(tap: socket.socket, port: int, record: bytearray) -> None:
+    """Between one client and a port, recording what the client says."""
+    client, _ = tap.accept()
+    server = socket.create_connection(("127.0.0.1", port))
+    client.settimeout(0.02)
+    server.settimeout(0.02)
+    with client, server:
+        while True:
+            for source, target in ((client, server), (server, client)):
+                try:
+                    data = source.recv(1 << 16)
+                except TimeoutError:
+                    continue
+                except OSError:
+                    return
+                if not data:
+                    return
+                if source is client:
+                    record += data
+                target.sendall(data)
+
+
+def test_sockets_that_say_nothing_are_bounded_and_let_others_in(tmp_path, sides, monkeypatch):
+    monkeypatch.setattr(module, "HANDSHAKE_WITHIN", 0.3)
+    pair_folders(tmp_path / "left", tmp_path / "right")
+    left = sides(tmp_path / "left", leads=True)
+    with contextlib.ExitStack() as stack:
+        for _ in range(3 * KNOCKING):
+            stack.enter_context(socket.create_connection(("127.0.0.1", left.port)))
+        most = 0
+
+        def knock() -> bool:
+            nonlocal most
+            most = max(most, len(left.peers._handshakes))
+            return left.peers.strangers >= 3 * KNOCKING
+
+        assert until(knock, left)
+        assert most <= KNOCKING
+        right = sides(tmp_path / "right", leads=False, upstream=left.port)
+        assert until(lambda: bool(left.heard and right.heard), left, right)
+
+
+def test_a_port_where_nobody_is_says_so_and_a_machine_that_does_not_answer_does_not(tmp_path, sides):
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    right = sides(tmp_path / "right", leads=False, upstream=port)
+    assert until(lambda: right.nobody > 0, right)
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        other = sides(tmp_path / "right", leads=False, upstream=silent.getsockname()[1])
+        begun = time.monotonic()
+        assert until(lambda: time.monotonic() - begun > 0.5, other)
+        assert other.nobody == 0
+
+
+def test_pairing_and_forgetting_count_while_a_show_runs(tmp_path, sides, monkeypatch):
+    monkeypatch.setattr(module, "LOOK_EVERY", 0.0)
+    left = sides(tmp_path / "left", leads=True)
+    right = sides(tmp_path / "right", leads=False, upstream=left.port)
+    assert until(lambda: left.peers.strangers > 0, left, right)
+    pair_folders(tmp_path / "left", tmp_path / "right")
+    assert until(lambda: bool(left.heard and right.heard), left, right)
+    assert left.pairings.forget("right")
+    assert until(lambda: not left.peers.links, left, right)
+    assert "right is not paired any more" in left.said
+
+
+def test_a_certificate_that_expires_during_the_show_is_told_and_goes_on(tmp_path, sides, monkeypatch):
+    """Also for a connection that begins after it has expired."""
+    monkeypatch.setattr(identity_module, "VALID", datetime.timedelta(seconds=-2))
+    monkeypatch.setattr(module, "LOOK_EVERY", 0.0)
+    load_identity(network(tmp_path / "right"))
+    monkeypatch.undo()
+    monkeypatch.setattr(module, "LOOK_EVERY", 0.0)
+    pair_folders(tmp_path / "left", tmp_path / "right")
+    left = sides(tmp_path / "left", leads=True)
+    right = sides(tmp_path / "right", leads=False, upstream=left.port)
+    assert until(lambda: bool(left.heard and right.heard), left, right)
+    assert until(lambda: bool(left.said and right.said), left, right)
+    assert left.said[0].startswith("the certificate of right expired on ")
+    assert "the show goes on" in left.said[0]
+    assert (left.peers.expired, right.peers.expired) == ("right", "this machine")
+    assert left.peers.links
+
+
+def test_a_claim_counts_once_and_for_one_hearer_and_connection(tmp_path):
+    (left, lefts), (right, _) = machine(tmp_path / "left"), machine(tmp_path / "right")
+    term, challenge = Term(2, "right-1"), bytes(32)
+    line = signed_claim(right, left.as_peer(), challenge, 1, Claim(term))
+    claim = said(read_line(line))
+    assert isinstance(claim, SignedClaim)
+    sender = right.as_peer()
+    assert verified(claim, sender, left, challenge, 0) == Claim(term)
+    assert verified(claim, sender, left, challenge, 1) is None  # said once more
+    assert verified(claim, sender, left, bytes(31) + b"\1", 0) is None  # on another connection
+    assert verified(claim, sender, right, challenge, 0) is None  # to another machine
+    assert verified(claim, left.as_peer(), left, challenge, 0) is None  # by another one
+    other = SignedClaim(Term(99, "right-1"), 1, claim.signature)
+    assert verified(other, sender, left, challenge, 0) is None  # another epoch
+    assert not lefts.read()
+
+
+def test_before_it_is_known_who_it_is_nobody_makes_a_handshake_cost_more_than_its_time(tmp_path, sides):
+    """Some hundred broken first messages of TLS: each is dropped, and the next machine gets in."""
+    import random
+
+    pair_folders(tmp_path / "left", tmp_path / "right")
+    left = sides(tmp_path / "left", leads=True)
+    hello = client_hello(*machine(tmp_path / "right"))
+    chance = random.Random(7)
+    for _ in range(150):
+        data = bytearray(hello)
+        for _ in range(chance.randrange(1, 12)):
+            data[chance.randrange(len(data))] = chance.randrange(256)
+        with socket.create_connection(("127.0.0.1", left.port)) as stranger:
+            with contextlib.suppress(OSError):
+                stranger.sendall(bytes(data[: chance.randrange(1, len(data) + 1)]))
+            left.turn()
+    assert until(lambda: left.peers.strangers >= 150, left, seconds=30)
+    assert left.heard == []
+    right = sides(tmp_path / "right", leads=False, upstream=left.port)
+    assert until(lambda: bool(left.heard and right.heard), left, right)
+
+
+def client_hello(identity: object, pairings: object) -> bytes:
+    """The first bytes of a paired machine."""
+    mine, theirs = socket.socketpair()
+    with theirs, Trust(identity, pairings).wrap(mine, server=False) as secure:  # type: ignore[arg-type]
+        with contextlib.suppress(ssl.SSLWantReadError):
+            secure.do_handshake()
+        return theirs.recv(1 << 16)

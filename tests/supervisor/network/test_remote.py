@@ -1,0 +1,179 @@
+"""Two machines on loopback, real processes on both, over TLS: who takes over when, who is fenced, and who is let in."""
+
+import contextlib
+import json
+import os
+import signal
+import socket
+import ssl
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from live.supervisor.network.leadership import SILENCE
+from live.supervisor.network.tls import Trust
+from tests.control.waiting import BUSY, wait_for
+from tests.supervisor.made_machines import Machine, Start, machine, pair_folders, stop_all
+
+
+@pytest.fixture
+def machines(tmp_path: Path) -> Iterator[Start]:
+    """A machine that leads and one that stands by, which has heard of the show and may take over."""
+    started: list[Machine] = []
+
+    def start(plan: dict[str, Any], mine: dict[str, Any] | None = None) -> tuple[Machine, Machine]:
+        pair_folders(tmp_path / "config-leader", tmp_path / "config-standby")
+        with socket.create_server(("127.0.0.1", 0)) as there:
+            leader = Machine(tmp_path, "leader", plan, lead=there)
+            other = Machine(tmp_path, "standby", mine or plan, follow=there.getsockname()[1])
+        started.extend((leader, other))
+        assert wait_for(lambda: len(other.numbers()) > 100, 20), other.said.read_text()
+        return leader, other
+
+    yield start
+    stop_all(started)
+
+
+def test_a_leader_that_is_gone_is_gone_on_from_without_a_line_lost_or_twice(machines):
+    leader, other = machines({})
+    leader.everything(signal.SIGKILL)
+    told = leader.numbers()[-1]
+    assert wait_for(lambda: len(other.numbers()) > told + 50, 10), other.said.read_text()
+    assert (heard := other.numbers()) == list(range(1, len(heard) + 1))
+    assert "takes over for its leader has gone (epoch 2)" in other.said.read_text()
+
+
+def test_a_leader_that_falls_silent_is_replaced_and_follows_when_it_comes_back(machines):
+    """It goes dark at once, and stands by from then on: when the other one dies it takes over in its turn."""
+    leader, other = machines({})
+    leader.everything(signal.SIGSTOP)
+    assert other.says("of silence (epoch 2)", 5), other.said.read_text()
+    leader.everything(signal.SIGCONT)
+    assert leader.says("this one is dark", 5), leader.said.read_text()
+    assert wait_for(lambda: len(leader.numbers()) > 50 and leader.journal.with_name("leader.1").exists(), 10)
+    last = other.numbers()[-1]
+    assert wait_for(lambda: len(other.numbers()) > last + 20, 10)  # what the old leader still said changed nothing
+    assert (heard := other.numbers()) == list(range(1, len(heard) + 1))
+    assert wait_for(lambda: leader.numbers()[-1] > other.numbers()[-1] - 50, 10)
+    os.kill(other.process.pid, signal.SIGKILL)
+    assert leader.says("of silence (epoch 3)", 10), leader.said.read_text()
+    last = leader.numbers()[-1]
+    assert wait_for(lambda: leader.numbers()[-1] > last + 20, 10)
+    heard = leader.numbers()
+    assert heard == list(range(heard[0], heard[0] + len(heard)))
+    report = leader.stop()
+    assert SILENCE <= report["silent_s"] < SILENCE + 0.2 * BUSY
+    assert not report["fenced"]
+
+
+def test_a_machine_that_is_not_ready_never_takes_silence_for_death(machines):
+    """It has not compared a state yet: a command makes it lead, silence does not."""
+    leader, other = machines({}, {"never_ready": True})
+    leader.everything(signal.SIGSTOP)
+    began = time.monotonic()
+    assert wait_for(lambda: time.monotonic() - began > 2 * SILENCE, 2 * SILENCE)
+    assert "takes over" not in other.said.read_text()
+    other.process.send_signal(signal.SIGUSR1)
+    assert other.says("on command (epoch 2)", 5), other.said.read_text()
+    leader.everything(signal.SIGCONT)
+    assert leader.says("this one is dark", 5)
+
+
+def test_who_was_stopped_itself_takes_no_silence_for_death(machines):
+    """It did not listen: the leader, which did nothing wrong, goes on to lead."""
+    leader, other = machines({})
+    os.kill(other.process.pid, signal.SIGSTOP)
+    began, told = time.monotonic(), leader.numbers()[-1]
+    assert wait_for(lambda: time.monotonic() - began > 1.3 * SILENCE and leader.numbers()[-1] > told + 50, 10)
+    os.kill(other.process.pid, signal.SIGCONT)
+    assert wait_for(lambda: other.numbers()[-1] > leader.numbers()[-1] - 30, 10)
+    assert "takes over" not in other.said.read_text()
+    assert (heard := other.numbers()) == list(range(1, len(heard) + 1))
+
+
+@pytest.mark.long
+def test_a_leader_whose_engine_hangs_is_not_taken_for_dead(machines):
+    """Its own supervisor replaces the engine, or hands the show over where that takes too long on a busy machine."""
+    leader, other = machines({"hangs": 300})
+    assert wait_for(lambda: other.numbers()[-1] > 320, 20), leader.said.read_text()
+    assert "of silence" not in other.said.read_text()
+    assert (heard := other.numbers()) == list(range(1, len(heard) + 1))
+    assert ("no sign of life" in leader.said.read_text()) or leader.says("nobody danced here for too long")
+    if "takes over" in other.said.read_text():
+        assert leader.says("nobody danced here for too long")
+
+
+def test_a_show_that_the_leader_ends_is_over_for_who_stands_by_as_well(machines):
+    leader, other = machines({"ticks": 400})
+    assert leader.process.wait(60) == 0
+    assert other.process.wait(30) == 0
+    assert "has ended the show" in other.said.read_text()
+    assert other.report()["epoch"] == 1
+
+
+def test_strangers_at_the_port_get_no_word_and_change_nothing(tmp_path):
+    """Neither who speaks no TLS nor who has a certificate that is not paired; one line could darken a leader once."""
+    with socket.create_server(("127.0.0.1", 0)) as there:
+        leader = Machine(tmp_path, "leader", {"ticks": 1000}, lead=there)
+        port = there.getsockname()[1]
+    try:
+        said = (b"GET / HTTP/1.1\r\n\r\n", b'{"alive":"lead","epoch":99}\n', b"\xff\n", b"\x16\x03\x01\xff\xff\x01")
+        for each in said:
+            with socket.create_connection(("127.0.0.1", port), timeout=20) as stranger:
+                stranger.sendall(each)
+                heard = b""
+                try:
+                    while piece := stranger.recv(65536):
+                        heard += piece
+                except ConnectionResetError:
+                    pass
+                assert len(heard) <= 7  # an alert of TLS at most
+        own, pairings = machine(tmp_path / "config-stranger")
+        pairings.add("leader", machine(tmp_path / "config-leader")[0].certificate)  # which does not know this one
+        stranger = socket.create_connection(("127.0.0.1", port), timeout=20)
+        with stranger, Trust(own, pairings).wrap(stranger, server=False) as secure:
+            secure.settimeout(20)
+            with contextlib.suppress(ssl.SSLError, OSError):  # in TLS 1.3 a client hears that it is refused later
+                secure.do_handshake()
+                secure.sendall(b'{"alive":"hello"}\n')
+                assert secure.recv(65536) == b""
+        assert leader.process.wait(60) == 0
+        report = leader.report()
+        assert not report["fenced"]
+        assert (report["epoch"], report["strangers"] >= len(said) + 1) == (1, True)
+        assert leader.numbers() == list(range(1, 1001))
+    finally:
+        leader.process.kill()
+
+
+@pytest.mark.long
+def test_a_machine_that_cannot_stand_by_ends_and_the_one_that_leads_says_why(tmp_path: Path):
+    """Nothing that comes from there does anything to a terminal."""
+    pair_folders(tmp_path / "config-leader", tmp_path / "config-other")
+    with socket.create_server(("127.0.0.1", 0)) as there:
+        leader = Machine(tmp_path, "leader", {}, lead=there)
+        try:
+            other = Machine(tmp_path, "other", {"cannot": "another\x1b[2J\nshow"}, follow=there.getsockname()[1])
+            assert other.process.wait(20 * BUSY) == 2
+            words = "a machine that wanted to stand by cannot: another [2J show"
+            assert leader.says(words), leader.said.read_text()
+            heard = len(leader.numbers())
+            assert wait_for(lambda: len(leader.numbers()) > heard, 20)  # and dances on
+        finally:
+            leader.process.send_signal(signal.SIGINT)
+            leader.process.wait(30)
+        assert leader.report()["followers"] == 0
+
+
+def test_a_machine_that_is_not_paired_is_told_what_to_do(tmp_path: Path):
+    with socket.create_server(("127.0.0.1", 0)) as there:
+        started = [Machine(tmp_path, "leader", {}, lead=there)]
+        started.append(Machine(tmp_path, "other", {}, follow=there.getsockname()[1]))
+    try:
+        assert started[1].says("live pair 127.0.0.1"), started[1].said.read_text()
+        assert json.dumps(started[1].numbers()) == "[]"
+    finally:
+        stop_all(started)

@@ -1,0 +1,173 @@
+"""Crafted and mutated lines of a machine that may take part, but is broken or taken over: no process dies of them."""
+
+import json
+import random
+import socket
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from live import __version__
+from live.app.memory import resident_megabytes
+from live.app.processes.remote_standby import follow
+from live.base.errors import PersonError
+from live.show.journal.replay_start import ReplayError
+from live.show.load import LoadedShow
+from live.show.patch.patch_file import parse_patch
+from live.supervisor.engine_failover import Engines
+from live.supervisor.network.leadership import HandOver, Pulse, Term
+from live.supervisor.network.peer_messages import Cannot, GiveShow, Hello, ShowComes, line_of
+from live.supervisor.network.peers import Link
+from live.supervisor.network.remote_standby import MOST_OF_SHOW, Remote
+from live.supervisor.starter import Starter
+from live.supervisor.state_follower import Following
+from live.supervisor.supervisor_config import Orders, Report
+from live.supervisor.wire import Wire
+from tests.show.made_show import GRAPH, PATCH
+from tests.supervisor.made_machines import free_port, machine, pair_folders
+
+LEADER = Term(1, "leader-1")
+HELLO = line_of(Hello(__version__, "leader-1", bytes(32)))
+SHOW = [
+    json.dumps({"journal": 2, "patch": {"name": "x"}, "seed": 1, "steps_hash": "0" * 16, "origin": 1.5}),
+    json.dumps({"tick": 10, "event": {"type": "SetTempo", "time": 0.1, "source": "osc", "tempo": 131.0}}),
+    json.dumps({"tick": 64, "measure": 2, "hash": "0123456789abcdef"}),
+    json.dumps({"tick": 64, "snapshot": "AAAA"}),
+    json.dumps({"tick": 65, "left_out": 2}),
+    json.dumps({"tick": 66, "event": {"type": "PatchChanged", "time": 1.0, "source": "patch", "patch": "z:AAAA"}}),
+    json.dumps({"tick": 70}),
+]
+WORDS = [
+    HELLO,
+    line_of(Pulse(LEADER, True, deputy=True)),
+    line_of(HandOver(LEADER)),
+    line_of(GiveShow("abc", 3)),
+    line_of(ShowComes("abc", 0, True)),
+    line_of(ShowComes("abc", 7, False)),
+    line_of(Cannot("because")),
+    json.dumps({"alive": "claim", "epoch": 2, "leader": "x", "number": 1, "signature": "00" * 64}),
+    json.dumps({"alive": "lead", "epoch": 99}),
+]
+VALUES: list[object] = [
+    None, True, -1, 0, 3, 1 << 70, 1e308, float("nan"), float("inf"), "", "\x00", "a" * 5000, [], {}, [[]],
+    {"type": []},
+    {"type": "SetTempo", "tempo": "fast"}, {"type": "TicksSkipped", "time": 0.0, "source": "x", "count": 1 << 62}, "-9",
+]  # fmt: skip
+
+
+def mutated(chance: random.Random) -> str:
+    """A line that is nearly one: with other values, keys, bytes, or cut off."""
+    line = chance.choice(SHOW if chance.random() < 0.6 else WORDS)
+    kind = chance.randrange(6)
+    if kind < 3:
+        told = json.loads(line)
+        key = chance.choice([*told, "tick", "event", "alive"])
+        told[key] = chance.choice(VALUES)
+        return json.dumps(told)
+    if kind == 3:
+        marks = bytearray(line.encode())
+        for _ in range(chance.randrange(1, 8)):
+            marks[chance.randrange(len(marks))] = chance.randrange(256)
+        return marks.decode("utf-8", "replace")
+    if kind == 4:
+        return line[: chance.randrange(len(line))]
+    return chance.choice(["", "[" * 20_000, '{"tick":' * 5000, "9" * 5000, "null", '{"tick":1}', line])
+
+
+class Plain(Wire):
+    """A wire without TLS, for many lines."""
+
+    refused = False
+
+
+@pytest.fixture
+def remote(tmp_path: Path) -> Iterator[Remote]:
+    pair_folders(tmp_path / "mine", tmp_path / "theirs")
+    identity, pairings = machine(tmp_path / "mine")
+    orders = Orders(engine=["false"], show="", follow=("127.0.0.1", free_port()), identity=identity, pairings=pairings)
+    starter, report = Starter(), Report()
+    engines = Engines(orders, starter, report, lambda line: None, {})
+    one = Remote(orders, starter, engines, report, lambda line: None)
+    yield one
+    one.close()
+    starter.close()
+
+
+def joined(remote: Remote, count: int) -> tuple[Link, socket.socket]:
+    """A link whose machine leads, and the other end of its socket."""
+    peers = remote._peers
+    assert peers is not None
+    mine, theirs = socket.socketpair()
+    wire = Plain(mine, backlog=1 << 20)
+    wire.peer = next(iter(peers._trust.peers.values()))  # type: ignore[attr-defined]
+    link = Link(f"theirs #{count}", wire, True)  # type: ignore[arg-type]
+    peers.links[link.name] = link
+    for line in (HELLO, line_of(Pulse(LEADER, True)), line_of(ShowComes("abc", 0, True)), SHOW[0]):
+        remote._hear(link, line)
+    return link, theirs
+
+
+@pytest.mark.parametrize("packets", [6000, pytest.param(100_000, marks=pytest.mark.long)])
+def test_no_line_of_a_machine_that_may_take_part_ends_the_supervisor(remote, packets):
+    chance, before, count, passed = random.Random(1), resident_megabytes()(), 1, []
+    remote._engines.on_line = lambda line, kept: passed.append(kept)
+    link, theirs = joined(remote, count)
+    for number in range(packets):
+        remote._hear(link, mutated(chance))
+        if number % 50 == 0:
+            remote.look(float(number) / 50.0)
+        if link.name not in remote._peers.links or remote._lead.leader != link.name:
+            remote._peers.drop(link)
+            theirs.close()
+            remote._engines.code, remote._lead.role, remote._lead.leader = None, type(remote._lead.role).FOLLOWS, None
+            remote._lead.term = Term(0, "")
+            count += 1
+            link, theirs = joined(remote, count)
+    theirs.close()
+    assert count > packets / 300  # what makes no sense ends a link
+    assert remote._report.lines_refused > packets / 30
+    assert len(passed) > packets / 30  # and what does make sense is still heard
+    assert resident_megabytes()() - before <= 200.0
+
+
+def test_a_machine_that_never_stops_talking_is_not_followed_for_ever(remote):
+    before = resident_megabytes()()
+    link, theirs = joined(remote, 1)
+    event = {"type": "x", "words": "y" * 100_000}
+    for tick in range(MOST_OF_SHOW // 100_000 + 2):
+        remote._hear(link, json.dumps({"tick": tick, "event": event}))
+    assert link.name not in remote._peers.links
+    theirs.close()
+    assert resident_megabytes()() - before <= 200.0
+
+
+def test_no_line_that_the_supervisor_lets_through_ends_the_engine_that_follows(remote):
+    """What it cannot understand is refused and counted; what is no show here is said as a person's error."""
+    loaded = LoadedShow(Path("test.toml"), parse_patch(PATCH, "test.toml"), GRAPH)
+    header = json.dumps({"journal": 2, "origin": 1.5, **loaded.header(loaded.start(seed=5), tempo=None)})
+    chance, ended, refused = random.Random(2), 0, 0
+    following = Following(loaded)
+    following.take(header)
+    remote._engines.log.take(header)
+    for _ in range(1500):
+        line = mutated(chance)
+        try:
+            told = json.loads(line)
+        except (ValueError, RecursionError):
+            continue
+        if not isinstance(told, dict) or "alive" in told or not remote._is_of_show(told):
+            continue
+        if isinstance(told.get("tick"), int):
+            told["tick"] = following.tick + told["tick"] % 3
+        following.take(json.dumps(told), arrived=1.0)
+        try:
+            follow(following)
+        except (PersonError, ReplayError):
+            ended += 1
+        refused += following.refused
+        if ended or following.tick > 400 or chance.random() < 0.01:
+            following = Following(loaded)
+            following.take(header if chance.random() < 0.9 else json.dumps(json.loads(header) | {"seed": "x"}))
+            ended = 0
+    assert refused > 10

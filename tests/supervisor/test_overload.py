@@ -1,0 +1,199 @@
+"""A supervisor on a busy machine, with real processes: nobody is ended for being slow, and no zombie stays."""
+
+import itertools
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import psutil
+import pytest
+
+from live.clock.time_source import ManualClock
+from live.supervisor.procfs import zombies
+from live.supervisor.reaper import GRACE, Reaper
+from live.supervisor.restart_policy import CEILING, HANGS_AFTER
+from live.supervisor.side import Side
+from tests.control.waiting import wait_for
+from tests.supervisor.test_supervisor import ENGINE, numbers, supervised
+
+PER_PROCESSOR = 3
+"""Busy loops beside a show."""
+
+
+@pytest.fixture
+def busy_machine() -> Iterator[None]:
+    """Three loops for each processor, each with as much right to it as an engine has."""
+    loop = [sys.executable, "-S", "-c", "while True: pass"]
+    count = PER_PROCESSOR * len(os.sched_getaffinity(0))
+    loops = [subprocess.Popen(loop, start_new_session=True) for _ in range(count)]
+    yield
+    for one in loops:
+        one.kill()
+        one.wait()
+
+
+@pytest.mark.long
+@pytest.mark.usefixtures("busy_machine")
+def test_an_engine_that_gets_a_quarter_of_a_processor_is_not_killed_for_it(tmp_path):
+    """Its frames take 0.8 s of the processor, which are more than two and a half here."""
+    code, lines, supervisor, said = supervised(tmp_path, {"burns": 0.8, "ticks": 4}, spare=False)
+    assert (code, said, supervisor.report.restarts) == (0, [], 0)
+    assert numbers(lines) == [1, 2, 3, 4]
+    assert supervisor.report.slowdown > 1.5
+
+
+@pytest.mark.long
+@pytest.mark.usefixtures("busy_machine")
+@pytest.mark.parametrize("how", ["hangs", "loops"])
+def test_an_engine_that_hangs_on_a_busy_machine_is_killed_all_the_same(tmp_path, how):
+    """Asleep or in a loop."""
+    code, lines, supervisor, said = supervised(tmp_path, {how: 20, "ticks": 30}, spare=False)
+    assert (code, supervisor.report.restarts, supervisor.report.calm) == (0, 1, False)
+    assert numbers(lines) == list(range(1, 31))
+    after = float(said[0].partition(" for ")[2].split()[0])
+    assert "no sign of life" in said[0]
+    assert HANGS_AFTER <= after < CEILING + 5.0  # a loop has two seconds of a processor, a sleep lasts eight
+
+
+def test_an_engine_in_a_loop_is_killed_and_replaced(tmp_path):
+    code, lines, supervisor, said = supervised(tmp_path, {"loops": 120, "ticks": 160})
+    assert (code, supervisor.report.restarts) == (0, 1)
+    assert numbers(lines) == list(range(1, 161))
+    assert "no sign of life" in said[0]
+
+
+def test_nobody_is_prepared_while_there_is_too_much_to_do(tmp_path, monkeypatch):
+    """Neither a spare nor a nursery: the engine that goes on begins when it is needed, and not before."""
+    monkeypatch.setattr("live.supervisor.engine_failover.overload", lambda load, watched: 1.0)
+    code, lines, supervisor, _ = supervised(tmp_path, {"kills": [200], "ticks": 220})
+    assert code == 0
+    assert [(line["went"], line["nursery"]) for line in lines if "went" in line] == [("heir", None)]
+    assert supervisor.report.overload == 1.0
+
+
+def test_an_overload_that_lasts_keeps_the_next_engine_waiting_only_for_so_long(tmp_path, monkeypatch):
+    monkeypatch.setattr("live.supervisor.engine_failover.overload", lambda load, watched: 1.0)
+    monkeypatch.setattr("live.supervisor.engine_failover.STANDS_BACK", 0.1)
+    _, lines, _, _ = supervised(tmp_path, {"kills": [300], "ticks": 320})
+    assert [line["went"] for line in lines if "went" in line] == ["spare"]
+
+
+@pytest.mark.long
+def test_engines_ended_on_an_overloaded_machine_are_given_longer_and_longer(tmp_path, monkeypatch):
+    """Three hang one after the other, the last two in the same tick: each may be silent for twice as long."""
+    monkeypatch.setattr("live.supervisor.engine_failover.overload", lambda load, watched: 1.0)
+    plan = {"stage": 9, "hangs": 20, "hangs_again": True, "ticks": 40}
+    code, lines, supervisor, said = supervised(tmp_path, plan, spare=False)
+    after = [float(line.partition(" for ")[2].split()[0]) for line in said if "no sign of life" in line]
+    assert len(after) == supervisor.report.restarts == 3
+    for number, seconds in enumerate(after):
+        assert seconds >= HANGS_AFTER * 2.0**number
+    assert (code, supervisor.report.calm) == (0, False)
+    assert numbers(lines) == list(range(1, 20)) + list(range(20, 41))
+
+
+SHOW = """
+import sys
+from live.supervisor.supervisor_config import Orders
+from live.supervisor.supervisor import Supervisor
+orders = Orders(engine=sys.argv[2:], show=sys.argv[1], spare_after=0.1)
+sys.exit(Supervisor(orders, lambda line: print(line, flush=True)).run())
+"""
+
+
+def dead_children(process: int) -> list[int]:
+    """The zombies of another process."""
+    found = []
+    for child in psutil.Process(process).children():
+        try:
+            if child.status() == psutil.STATUS_ZOMBIE:
+                found.append(child.pid)
+        except psutil.NoSuchProcess:
+            continue
+    return found
+
+
+@pytest.mark.parametrize("seed", [21, 22])
+def test_whoever_is_killed_at_random_no_zombie_stays(seed):
+    """Engines, those who wait, the nursery, whoever begins, and the helpers of each: nobody waits for these once their
+    engine has gone, and the supervisor has adopted them."""
+    chance = random.Random(seed)
+    command = [sys.executable, "-c", SHOW, json.dumps({"helpers": 3}), *ENGINE]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as show:
+        adopted = 0
+        try:
+            for _ in range(14):
+                assert wait_for(lambda: len(psutil.Process(show.pid).children(recursive=True)) > 4, 10)
+                everyone = psutil.Process(show.pid).children(recursive=True)
+                victim = chance.choice(everyone)
+                adopted += victim.ppid() == show.pid
+                victim.kill()
+                threading.Event().wait(chance.uniform(0.0, 0.4))
+            assert wait_for(lambda: not dead_children(show.pid), 3 * GRACE)
+            assert show.poll() is None
+            assert adopted > 2  # engines among them
+        finally:
+            show.send_signal(signal.SIGTERM)
+            show.communicate(timeout=60)
+
+
+def test_a_child_that_somebody_waits_for_keeps_its_exit_code():
+    """Who was started here is cleared away only after a moment in which nobody asked how it ended."""
+    reaper, clock = Reaper(), ManualClock(time.monotonic())
+    asked = subprocess.Popen([sys.executable, "-S", "-c", "raise SystemExit(7)"])
+    forgotten = os.posix_spawn(sys.executable, [sys.executable, "-S", "-c", ""], {})
+    assert wait_for(lambda: {asked.pid, forgotten} <= set(zombies()), 10)
+    reaper.look(clock.now())
+    clock.advance(0.9 * GRACE)
+    reaper.look(clock.now())
+    assert asked.wait() == 7
+    clock.advance(0.3 * GRACE)
+    reaper.look(clock.now())
+    assert forgotten not in set(zombies())
+    assert reaper.count > 0
+
+
+class MadeChild:
+    """A process that ends at once."""
+
+    role, killed = "made", False
+
+    def __init__(self) -> None:
+        self.process, self.wire = self, self
+
+    def hangs(self, now: float, slowdown: float) -> bool:
+        return False
+
+    def poll(self) -> int:
+        return 1
+
+    def end(self) -> int:
+        return 1
+
+
+def test_a_process_beside_the_engine_that_cannot_live_is_started_less_and_less_often_and_never_given_up():
+    clock, starts = ManualClock(100.0), list[float]()
+
+    def start() -> Any:
+        starts.append(clock.now())
+        if len(starts) == 5:
+            raise OSError("out of processes")
+        return MadeChild()
+
+    said: list[str] = []
+    side = Side(start, said.append, child=start())
+    while clock.now() < 1100.0:
+        clock.advance(1.0)
+        side.look(clock.now(), 1.0)
+    gaps = [b - a for a, b in itertools.pairwise(starts)]
+    assert gaps[:3] == [2.0, 2.0, 2.0]  # it is found dead in one second, and started in the next
+    assert gaps[4:7] == [10.0, 21.0, 41.0]
+    assert set(gaps[7:]) == {61.0}
+    assert "started once more in 5 s" in said[3]
