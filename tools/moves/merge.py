@@ -1,4 +1,5 @@
 # ruff: noqa
+# mypy: ignore-errors
 """Merges modules: those of today that modules.json gives one new name become one file, in the order of their imports.
 
 Usage: merge.py ROOT [NEW ...]; a group whose names clash is told and left alone, unless RENAMES says what to do.
@@ -37,7 +38,10 @@ def top_names(tree):
             found[node.name.id] = node
         elif isinstance(node, ast.Import):
             for alias in node.names:
-                found[alias.asname or alias.name.partition(".")[0]] = ("import", alias.name if alias.asname else alias.name.partition(".")[0])
+                found[alias.asname or alias.name.partition(".")[0]] = (
+                    "import",
+                    alias.name if alias.asname else alias.name.partition(".")[0],
+                )
         elif isinstance(node, ast.ImportFrom):
             for alias in node.names:
                 found[alias.asname or alias.name] = ("import", f"{node.module}.{alias.name}")
@@ -64,7 +68,16 @@ def global_uses(text, name):
 
     def walk(table):
         for symbol in table.get_symbols():
-            if symbol.is_global() and symbol.is_referenced() or (table.get_type() == "module" and symbol.is_referenced() and not symbol.is_assigned() and not symbol.is_imported()):
+            if (
+                symbol.is_global()
+                and symbol.is_referenced()
+                or (
+                    table.get_type() == "module"
+                    and symbol.is_referenced()
+                    and not symbol.is_assigned()
+                    and not symbol.is_imported()
+                )
+            ):
                 found.add(symbol.get_name())
         for child in table.get_children():
             walk(child)
@@ -118,7 +131,16 @@ def rename_names(text, mapping):
 
         def function(self, node):
             arguments = node.args
-            bound = {a.arg for a in [*arguments.args, *arguments.kwonlyargs, *arguments.posonlyargs, *( [arguments.vararg] if arguments.vararg else []), *([arguments.kwarg] if arguments.kwarg else [])]}
+            bound = {
+                a.arg
+                for a in [
+                    *arguments.args,
+                    *arguments.kwonlyargs,
+                    *arguments.posonlyargs,
+                    *([arguments.vararg] if arguments.vararg else []),
+                    *([arguments.kwarg] if arguments.kwarg else []),
+                ]
+            }
             body = node.body if isinstance(node.body, list) else []
             hidden = set()
             for statement in body:
@@ -128,9 +150,19 @@ def rename_names(text, mapping):
                     if isinstance(each, ast.Global):
                         hidden.update(each.names)
             bound -= hidden
-            for each in [*arguments.defaults, *[d for d in arguments.kw_defaults if d], *getattr(node, "decorator_list", [])]:
+            for each in [
+                *arguments.defaults,
+                *[d for d in arguments.kw_defaults if d],
+                *getattr(node, "decorator_list", []),
+            ]:
                 self.visit(each)
-            for a in [*arguments.args, *arguments.kwonlyargs, *arguments.posonlyargs, *( [arguments.vararg] if arguments.vararg else []), *([arguments.kwarg] if arguments.kwarg else [])]:
+            for a in [
+                *arguments.args,
+                *arguments.kwonlyargs,
+                *arguments.posonlyargs,
+                *([arguments.vararg] if arguments.vararg else []),
+                *([arguments.kwarg] if arguments.kwarg else []),
+            ]:
                 if a.annotation:
                     self.visit(a.annotation)
             if getattr(node, "returns", None):
@@ -192,7 +224,12 @@ def replace_module_attributes(text, local, target, renamed={}):
     starts = offsets(text)
     changes = []
     for node in ast.walk(tree):
-        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == local and not target:
+        if (
+            isinstance(node, ast.Attribute)
+            and isinstance(node.value, ast.Name)
+            and node.value.id == local
+            and not target
+        ):
             begin = starts[node.value.lineno - 1] + node.value.col_offset
             end = starts[node.end_lineno - 1] + node.end_col_offset
             changes.append((begin, end, renamed.get(node.attr, node.attr)))
@@ -243,7 +280,8 @@ def merge(new, olds):
             part.text = replace_module_attributes(part.text, local, "", by_module[full].renamed)
         part.tree = ast.parse(part.text)
         part.names = {
-            name: where for name, where in top_names(part.tree).items()
+            name: where
+            for name, where in top_names(part.tree).items()
             if not (isinstance(where, tuple) and (where[1] in group or where[1].rpartition(".")[0] in group))
         }
     # order
@@ -267,7 +305,9 @@ def merge(new, olds):
                 elif not isinstance(a, tuple) and not isinstance(b, tuple) and ast.unparse(a) == ast.unparse(b):
                     same.add((other.base, name))
                 elif name in ("Float64", "Float32") and isinstance(a, tuple) != isinstance(b, tuple):
-                    unwanted.add(((part if isinstance(a, tuple) else other).base, name))  # an alias that is defined here
+                    unwanted.add(
+                        ((part if isinstance(a, tuple) else other).base, name)
+                    )  # an alias that is defined here
                 elif name == "ControlEvent":
                     unwanted.add((part.base if a[1].endswith("events.events.ControlEvent") else other.base, name))
                 elif name != "main" or True:
@@ -293,7 +333,8 @@ def merge(new, olds):
                     continue
                 if isinstance(node, ast.ImportFrom):
                     keep = [
-                        a for a in node.names
+                        a
+                        for a in node.names
                         if f"{node.module}.{a.name}" not in group and (part.base, a.asname or a.name) not in unwanted
                     ]
                     if not keep:
@@ -301,7 +342,11 @@ def merge(new, olds):
                     node.names = keep
                 comment = re.search(r"  #.*$", lines[node.end_lineno - 1])
                 imports.append(ast.unparse(node) + (comment.group(0) if comment else ""))
-            elif is_typing_block(node) and all(isinstance(s, (ast.Import, ast.ImportFrom)) for s in node.body) and not node.orelse:
+            elif (
+                is_typing_block(node)
+                and all(isinstance(s, (ast.Import, ast.ImportFrom)) for s in node.body)
+                and not node.orelse
+            ):
                 drop.update(rows)
                 for each in node.body:
                     if isinstance(each, ast.ImportFrom) and each.module in group:
@@ -345,12 +390,22 @@ def merge(new, olds):
 def main():
     groups = {}
     for new, olds in PLAN.items():
-        if len(olds) > 1 and (not wanted or new in wanted):
-            here = [MOVED["live." + old] for old in olds]
+        here = [MOVED["live." + old] for old in olds]
+        if here != ["live." + new] and (not wanted or new in wanted):
             if all(path_of(each).exists() for each in here):
                 groups["live." + new] = here
     replaced, told = {}, {}  # old module -> new; old name -> new name
-    files = [p for p in (root / f for f in subprocess.run(["git", "-C", str(root), "ls-files"], capture_output=True, text=True).stdout.split("\n") if f) if p.is_file()]
+    files = [
+        p
+        for p in (
+            root / f
+            for f in subprocess.run(["git", "-C", str(root), "ls-files"], capture_output=True, text=True).stdout.split(
+                "\n"
+            )
+            if f
+        )
+        if p.is_file()
+    ]
     for new, olds in groups.items():
         try:
             done = merge(new, olds)
@@ -395,7 +450,12 @@ def main():
         return replaced[module].replace(".", "/") + ".py" if module in replaced else match.group(0)
 
     for path in files:
-        if not path.exists() or path.suffix not in {".py", ".md", ".toml", ".sh", ".yml", ""} or "tools/moves" in str(path) or path.name in ("CHANGELOG.md", "uv.lock", "LICENSE"):
+        if (
+            not path.exists()
+            or path.suffix not in {".py", ".md", ".toml", ".sh", ".yml", ""}
+            or "tools/moves" in str(path)
+            or path.name in ("CHANGELOG.md", "uv.lock", "LICENSE")
+        ):
             continue
         try:
             text = was = path.read_text()
@@ -452,7 +512,9 @@ def importer(text, replaced, told, path):
         text = rename_names(text, names)
     for local, base in uses.items():
         bound = top_names(ast.parse(text))
-        stored = {n.id for n in ast.walk(ast.parse(text)) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)} | {a.arg for a in ast.walk(ast.parse(text)) if isinstance(a, ast.arg)}
+        stored = {
+            n.id for n in ast.walk(ast.parse(text)) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
+        } | {a.arg for a in ast.walk(ast.parse(text)) if isinstance(a, ast.arg)}
         if base in stored or local in stored:
             print("shadow", path.relative_to(root), local, base)
         text = replace_module_attributes(text, local, base)

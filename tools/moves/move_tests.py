@@ -1,4 +1,5 @@
 # ruff: noqa
+# mypy: ignore-errors
 """Tests follow the tree. usage: tests.py ROOT (after move.py)"""
 
 import sys, re, pathlib, subprocess, collections, json, ast

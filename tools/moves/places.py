@@ -1,4 +1,5 @@
 # ruff: noqa
+# mypy: ignore-errors
 """Tests ask tests.places where things are, so that they can move. usage: places.py ROOT"""
 
 import sys, re, pathlib

@@ -6,7 +6,8 @@ Each mark is light on the real floor: it is moved until it lies where the floor 
 from collections.abc import Sequence
 
 from live.base.errors import PersonError
-from live.base.projector_perspective import CORNERS, check_corners
+from live.base.projector_perspective import CORNERS
+from live.base.projector_perspective import check_corners as check_floor_corners
 from live.render.outputs.moved_points import MovedPoints
 from live.render.outputs.output import Output, Point
 from live.render.outputs.output_coordinates import picture_place, window_place
@@ -39,7 +40,7 @@ class FloorEditing(MovedPoints[list[Point]]):
         wanted = list(self.corners)
         wanted[self.chosen] = picture_place(self.output, place)
         try:
-            check_corners(wanted)
+            check_floor_corners(wanted)
         except PersonError as error:
             self.problem = error.message
             return False
